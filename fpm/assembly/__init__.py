@@ -32,7 +32,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.assembly.conditions import Conditions, Places, conditions_of, scaled
+from fpm.assembly.conditions import Conditions, ParticlePoses, conditions_of, scaled
 from fpm.assembly.elastic import Elastic, elastic_of
 from fpm.elements.bars.beam_limits import BEND, STRAIN
 from fpm.elements.openings.opening import opening_at
@@ -89,28 +89,28 @@ def assemble(scene, hold: Sequence[str] = ()) -> None:
     """Force the parts of a scene together at its joints, and leave it in balance and at rest.
 
     The scene's positions and frames become those of the assembled structure, and `scene.assembly`
-    tells what it took; beams keep the lengths and axes that they had, and places that are stated
+    tells what it took; beams keep the lengths and axes that they had, and poses that are stated
     later are those before. hold: names of hinges that keep the opening that is stated. MisfitError
     where no such position is found.
     """
     if not len(scene.position):
         return
-    start = Places(scene.position.copy(), scene.frame.copy())
+    start = ParticlePoses(scene.position.copy(), scene.frame.copy())
     conditions, elastic = conditions_of(scene, hold), elastic_of(scene)
     gaps = conditions.gaps(start)
     worst, gap, tilt = conditions.worst(gaps)
     with np.errstate(over="ignore", invalid="ignore"):  # what grows beyond all numbers is refused
-        places, rounds = _settle(scene, start, conditions, elastic)
+        poses, rounds = _settle(scene, start, conditions, elastic)
     if scene.unstrained is None:  # else it was assembled before
         scene.unstrained, scene.unstrained_position = scene.frame, scene.position
-    scene.position, scene.frame = places.position, places.frame
+    scene.position, scene.frame = poses.position, poses.frame
     openings = tuple(hinge.opening for hinge in scene.hinges)
     scene.hinges = [_reopened(scene, hinge) for hinge in scene.hinges]
-    scene.assembly = Assembly(elastic.energy(places), worst, gap, tilt, rounds, openings)
+    scene.assembly = Assembly(elastic.energy(poses), worst, gap, tilt, rounds, openings)
 
 
-def _settle(scene, start: Places, conditions: Conditions, elastic: Elastic):
-    """The places in stable balance, and the rounds that it took."""
+def _settle(scene, start: ParticlePoses, conditions: Conditions, elastic: Elastic):
+    """The poses in stable balance, and the rounds that it took."""
     size = float(np.ptp(scene.position, axis=0).max()) or 1.0
     scales = np.tile(np.repeat([size, 1.0], 3), len(scene.position))
     free = np.flatnonzero(~scene.fixed.ravel())
@@ -122,18 +122,18 @@ def _settle(scene, start: Places, conditions: Conditions, elastic: Elastic):
 
     no_gaps, no_force = np.zeros(len(weight)), np.zeros(len(scales))
 
-    def system(places, bars, impulses, share):
+    def system(poses, bars, impulses, share):
         return linearised(
-            scene, places, conditions, bars, impulses, scales, free, weight, share=share
+            scene, poses, conditions, bars, impulses, scales, free, weight, share=share
         )
 
-    def rest(places):
-        """Newton's method: places in balance, the impulses there and the rounds."""
+    def rest(poses):
+        """Newton's method: poses in balance, the impulses there and the rounds."""
         tries = [(ROUNDS, MASS_SHARE, np.inf), (SOFT_ROUNDS, SOFT_SHARE, SOFT_NEAR)]
         tries = tries if len(free) else []
-        count, largest, state = 0, 0.0, places
+        count, largest, state = 0, 0.0, poses
         for most, share, radius in tries if len(elastic.nodes) else tries[:1]:
-            state, impulses, largest = places, np.zeros(len(weight)), np.inf
+            state, impulses, largest = poses, np.zeros(len(weight)), np.inf
             for _ in range(most):
                 count += 1
                 bars = elastic if largest <= radius else elastic.unstressed
@@ -149,16 +149,16 @@ def _settle(scene, start: Places, conditions: Conditions, elastic: Elastic):
                     return state, impulses, count
         _refuse(conditions, state, open_before, f"moving by {largest:.2g} in round {count}")
 
-    def falling(places, impulses):
+    def falling(poses, impulses):
         """The motion (6n,) along which the energy falls to both sides at the second order, or None.
 
         Such is the image of a vector on which the inverse of a round's matrix is negative; what
         rounding alone made negative is left out.
         """
-        solve, _ = system(places, elastic, impulses, SOFT_SHARE)
+        solve, _ = system(poses, elastic, impulses, SOFT_SHARE)
         steps = _negative(lambda force: solve(force / scales, no_gaps)[0], len(scales))
-        _, stiffness = elastic.derivatives(places)
-        _, curvature = conditions.derivatives(places, weight * impulses)
+        _, stiffness = elastic.derivatives(poses)
+        _, curvature = conditions.derivatives(poses, weight * impulses)
         motions = scales[:, None] * steps
         largest = abs(stiffness.multiply(scales[:, None]).multiply(scales)).max()
         falls = np.sum(motions * ((stiffness + curvature) @ motions), axis=0)
@@ -166,51 +166,51 @@ def _settle(scene, start: Places, conditions: Conditions, elastic: Elastic):
         step = (steps / np.abs(steps).max(axis=0, initial=0.0)).sum(axis=1)
         return step if step.any() else None
 
-    def closing(places):
-        """The places next to these at which the joints are closed, or None."""
+    def closing(poses):
+        """The poses next to these at which the joints are closed, or None."""
         for _ in range(CLOSINGS):
-            lacks = weight * conditions.gaps(places)
+            lacks = weight * conditions.gaps(poses)
             if np.abs(lacks).max(initial=0.0) <= GAP_TOL:
-                return places
-            step, _ = system(places, elastic.unstressed, no_gaps, MASS_SHARE)[0](no_force, -lacks)
+                return poses
+            step, _ = system(poses, elastic.unstressed, no_gaps, MASS_SHARE)[0](no_force, -lacks)
             if not np.abs(step).max() <= FARTHEST:
                 return None
-            places = places.displace(scales * step)
+            poses = poses.displace(scales * step)
         return None
 
-    def downhill(places, step):
-        """From unstable places along a motion and on by Gauss and Newton's method, each round with
+    def downhill(poses, step):
+        """From unstable poses along a motion and on by Gauss and Newton's method, each round with
         less energy than before."""
-        energy = elastic.energy(places)
+        energy = elastic.energy(poses)
         for _ in range(SOFT_ROUNDS):
             part = min(1.0, FARTHEST / np.abs(step).max())
             for _ in range(HALVINGS):
-                trial = closing(places.displace(part * scales * step))
+                trial = closing(poses.displace(part * scales * step))
                 if trial is not None and elastic.energy(trial) < energy:
                     break
                 part /= 2
             else:
                 break
-            places, energy = trial, elastic.energy(trial)
-            solve, gradient = system(places, elastic.unstressed, no_gaps, SOFT_SHARE)
+            poses, energy = trial, elastic.energy(trial)
+            solve, gradient = system(poses, elastic.unstressed, no_gaps, SOFT_SHARE)
             step, _ = solve(-gradient, no_gaps)
             if not np.abs(step).max() > SOFT_NEAR:
                 break
-        return places
+        return poses
 
-    def follow(places, impulses, step):
-        """Stable places downhill of unstable ones to the side of a motion, and the rounds; or None
+    def follow(poses, impulses, step):
+        """Stable poses downhill of unstable ones to the side of a motion, and the rounds; or None
         where none were reached."""
         count = 0
         for _ in range(FALLS):
             try:
-                places, impulses, rounds = rest(downhill(places, step))
+                poses, impulses, rounds = rest(downhill(poses, step))
             except MisfitError:
                 return None
             count += rounds
-            step = falling(places, impulses)
+            step = falling(poses, impulses)
             if step is None:
-                return elastic.energy(places), places, count
+                return elastic.energy(poses), poses, count
         return None
 
     state, impulses, count = rest(start)
@@ -264,9 +264,9 @@ def _negative(apply, count: int) -> np.ndarray:
 
 
 def linearised(
-    scene, places, conditions, elastic, impulses, scales, free, weight, ease=None, share=MASS_SHARE
+    scene, poses, conditions, elastic, impulses, scales, free, weight, ease=None, share=MASS_SHARE
 ):
-    """The equations of a round about places: a function of forces (6n,) and of what conditions lack
+    """The equations of a round about poses: a function of forces (6n,) and of what conditions lack
     (c,), times their weight, that gives the motion (6n,), lengths as shares of the size, and the
     change of the impulses; and the gradient (6n,) of the energy and of the conditions.
 
@@ -277,11 +277,11 @@ def linearised(
     from scipy.sparse.linalg import splu
 
     count = len(scales)
-    gradient, stiffness = elastic.derivatives(places)
-    rows, curvature = conditions.derivatives(places, weight * impulses)
+    gradient, stiffness = elastic.derivatives(poses)
+    rows, curvature = conditions.derivatives(poses, weight * impulses)
     stiffness, gradient = stiffness + curvature, gradient + rows.T @ (weight * impulses)
     stiffness = scaled(stiffness, scales, scales)
-    mass = scaled(masses(scene, places), scales, scales)
+    mass = scaled(masses(scene, poses), scales, scales)
     largest = abs(stiffness).max() if stiffness.nnz else 0.0
     if ease is None:
         ease = share * largest if largest > 0 else 1.0
@@ -304,13 +304,13 @@ def linearised(
     return solve, gradient
 
 
-def masses(scene, places: Places):
+def masses(scene, poses: ParticlePoses):
     """Masses and inertias (6n, 6n) in global axes."""
     from scipy.sparse import coo_array
 
     blocks = np.zeros((len(scene.mass), 2, 3, 3))
     blocks[:, 0] = scene.mass[:, None, None] * np.eye(3)
-    blocks[:, 1] = places.frame * scene.inertia[:, None] @ places.frame.transpose(0, 2, 1)
+    blocks[:, 1] = poses.frame * scene.inertia[:, None] @ poses.frame.transpose(0, 2, 1)
     dofs = np.arange(6 * len(blocks)).reshape(-1, 2, 3)
     rows, columns = np.broadcast_arrays(dofs[..., None], dofs[:, :, None])
     shape = (dofs.size, dofs.size)
@@ -324,9 +324,11 @@ def _reopened(scene, hinge):
     return replace(hinge, opening=opening_at(scene, hinge))
 
 
-def _check_strains(elastic: Elastic, places: Places, start_gaps: tuple[str, float, float]) -> None:
+def _check_strains(
+    elastic: Elastic, poses: ParticlePoses, start_gaps: tuple[str, float, float]
+) -> None:
     """MisfitError where beams are strained by more than a run bears."""
-    bend, strain = elastic.largest(places)
+    bend, strain = elastic.largest(poses)
     name, gap, tilt = start_gaps
     for watch, value, condition in ((BEND, bend, "bent or twisted"), (STRAIN, strain, "strained")):
         if value > watch.most:
@@ -337,11 +339,11 @@ def _check_strains(elastic: Elastic, places: Places, start_gaps: tuple[str, floa
 
 
 def _refuse(
-    conditions: Conditions, places: Places, start_gaps: tuple[str, float, float], moving: str
+    conditions: Conditions, poses: ParticlePoses, start_gaps: tuple[str, float, float], moving: str
 ) -> None:
     """Say which joint stays open; where none does, the one that was farthest open, or that it is
     still `moving`."""
-    gaps = conditions.gaps(places)
+    gaps = conditions.gaps(poses)
     name, gap, tilt = conditions.worst(np.where(np.isfinite(gaps), gaps, np.inf))
     if not max(gap, tilt) > OPEN:
         name, gap, tilt = start_gaps

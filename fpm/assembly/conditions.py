@@ -18,35 +18,37 @@ STEP = 1e-30
 """Of derivatives by complex numbers (Squire, Trapp, SIAM Review 40 (1998) 110): they are exact."""
 
 
-class Places(NamedTuple):
+class ParticlePoses(NamedTuple):
     """Positions (n, 3) m, and frames (n, 3, 3) with the particles' axes as columns."""
 
     position: np.ndarray
     frame: np.ndarray
 
-    def displace(self, step: np.ndarray) -> "Places":
+    def displace(self, step: np.ndarray) -> "ParticlePoses":
         """After a motion (6n,) of all particles: a shift (m) and a turn (rad), in global axes."""
         from scipy.spatial.transform import Rotation
 
         shift, turn = step.reshape(-1, 2, 3).transpose(1, 0, 2)
-        return Places(self.position + shift, Rotation.from_rotvec(turn).as_matrix() @ self.frame)
+        return ParticlePoses(
+            self.position + shift, Rotation.from_rotvec(turn).as_matrix() @ self.frame
+        )
 
-    def select(self, particles: np.ndarray) -> "Places":
+    def select(self, particles: np.ndarray) -> "ParticlePoses":
         """Those of some particles (k,)."""
-        return Places(self.position[particles], self.frame[particles])
+        return ParticlePoses(self.position[particles], self.frame[particles])
 
-    def nudged(self, first: int) -> "Places":
-        """Places (12, n, ...), which are complex: from direction `first` on after an infinitely
-        small shift along each axis and turn about each."""
+    def nudged(self, first: int) -> "ParticlePoses":
+        """Complex poses (12, n, ...): rows `first` to `first + 5` after an infinitely small shift
+        along each global axis and rotation about each, the others as they are."""
         position = np.tile(self.position.astype(complex), (12, 1, 1))
         frame = np.tile(self.frame.astype(complex), (12, 1, 1, 1))
         position[first : first + 3] += 1j * STEP * np.eye(3)[:, None]
         turns = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(0, 2, 1)
         frame[first + 3 : first + 6] += 1j * STEP * (turns[:, None] @ self.frame)
-        return Places(position, frame)
+        return ParticlePoses(position, frame)
 
 
-def slopes(function, first: Places, second: Places) -> np.ndarray:
+def slopes(function, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
     """Derivatives (e, k, 12) of function(first, second) -> (..., e, k), by the motions of both.
 
     The function has no absolute values and the like: its arguments are complex.
@@ -114,9 +116,9 @@ class Conditions(NamedTuple):
         """Factors (c,) that make numbers without unit of all gaps."""
         return np.where(self.axis_types == NORMAL, 1.0, 1.0 / size)
 
-    def gaps(self, places: Places) -> np.ndarray:
+    def gaps(self, poses: ParticlePoses) -> np.ndarray:
         """By how much each is off (c,), m or rad."""
-        return self._residuals(*self._ends(places))[:, 0]
+        return self._residuals(*self._ends(poses))[:, 0]
 
     def worst(self, gaps: np.ndarray) -> tuple[str, float, float]:
         """The joint that is farthest open, its gap (m) and the angle between its directions."""
@@ -129,24 +131,24 @@ class Conditions(NamedTuple):
         name = max(names, key=lambda n: max(gap.get(n, 0.0), tilt.get(n, 0.0)), default="none")
         return name, gap.get(name, 0.0), tilt.get(name, 0.0)
 
-    def derivatives(self, places: Places, impulses: np.ndarray):
+    def derivatives(self, poses: ParticlePoses, impulses: np.ndarray):
         """Sparse rows (c, 6n) of the derivatives, and those (6n, 6n) of their sum with impulses."""
-        blocks = impulses[:, None, None] * slopes(self._rows, *self._ends(places))
-        return self.jacobian(places), sparse_matrix(blocks, self.pairs, len(places.position))
+        blocks = impulses[:, None, None] * slopes(self._rows, *self._ends(poses))
+        return self.jacobian(poses), sparse_matrix(blocks, self.pairs, len(poses.position))
 
-    def jacobian(self, places: Places):
+    def jacobian(self, poses: ParticlePoses):
         """Derivatives, sparse (c, 6n), by the motions of all particles."""
         from scipy.sparse import coo_array
 
-        rows = self._rows(*self._ends(places))
+        rows = self._rows(*self._ends(poses))
         number = np.repeat(np.arange(len(rows)), 12)
         entries = (rows.ravel(), (number, dofs_of(self.pairs).ravel()))
-        return coo_array(entries, shape=(len(rows), 6 * len(places.position))).tocsc()
+        return coo_array(entries, shape=(len(rows), 6 * len(poses.position))).tocsc()
 
-    def _ends(self, places: Places) -> tuple[Places, Places]:
-        return places.select(self.pairs[:, 0]), places.select(self.pairs[:, 1])
+    def _ends(self, poses: ParticlePoses) -> tuple[ParticlePoses, ParticlePoses]:
+        return poses.select(self.pairs[:, 0]), poses.select(self.pairs[:, 1])
 
-    def _parts(self, first: Places, second: Places):
+    def _parts(self, first: ParticlePoses, second: ParticlePoses):
         """Direction, that of the second, arms of both in global axes, and the way between."""
         body_axis = np.einsum("...cij,cj->...ci", first.frame, self.axis1)
         axis1 = np.where((self.axis_types == GLOBAL)[:, None], self.axis1, body_axis)
@@ -159,12 +161,12 @@ class Conditions(NamedTuple):
         offset = first.position + arms[0] - factor * (second.position + arms[1]) - self.place
         return axis1, axis2, arms, offset
 
-    def _residuals(self, first: Places, second: Places) -> np.ndarray:
+    def _residuals(self, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
         axis1, axis2, _, offset = self._parts(first, second)
         vector = np.where((self.axis_types == NORMAL)[:, None], axis2, offset)
         return np.sum(axis1 * vector, axis=1, keepdims=True)
 
-    def _rows(self, first: Places, second: Places) -> np.ndarray:
+    def _rows(self, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
         """Derivatives (..., c, 12) by the motions of both particles."""
         axis1, axis2, arms, offset = self._parts(first, second)
         types = self.axis_types[:, None]

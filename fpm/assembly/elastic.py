@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.assembly.conditions import Places, dofs_of, slopes, sparse_matrix
+from fpm.assembly.conditions import ParticlePoses, dofs_of, slopes, sparse_matrix
 from fpm.elements.bars.beam import Beams, elements_of, end_axes
 
 
@@ -30,9 +30,9 @@ class Elastic(NamedTuple):
     axes: np.ndarray
     half: np.ndarray
 
-    def energy(self, places: Places) -> float:
+    def energy(self, poses: ParticlePoses) -> float:
         """Strain energy, J."""
-        shape = self._shape(*self._ends(places))
+        shape = self._shape(*self._ends(poses))
         rest, axial, *bending, torsion = self.stiffness.T
         turns = shape.sines + shape.sines**3 / 6
         total = 0.5 * axial * (shape.length - rest) ** 2 + 0.5 * torsion * shape.twist**2
@@ -41,9 +41,9 @@ class Elastic(NamedTuple):
             total = total + stiff * (angle1**2 + angle1 * angle2 + angle2**2)
         return float(np.sum(total))
 
-    def largest(self, places: Places) -> tuple[float, float]:
+    def largest(self, poses: ParticlePoses) -> tuple[float, float]:
         """The largest sine of an angle or twist, and the largest strain at a surface."""
-        shape = self._shape(*self._ends(places))
+        shape = self._shape(*self._ends(poses))
         turns = shape.sines + shape.sines**3 / 6
         rest = self.stiffness[:, :1]
         curved = np.abs(turns[:, 2:] - turns[:, :2]) / rest
@@ -51,9 +51,9 @@ class Elastic(NamedTuple):
         bend = np.abs(np.column_stack([shape.sines, shape.twist]))
         return float(bend.max(initial=0.0)), float(strain.max(initial=0.0))
 
-    def derivatives(self, places: Places):
+    def derivatives(self, poses: ParticlePoses):
         """Gradient (6n,) and Hessian, sparse (6n, 6n), of the energy."""
-        count, ends = len(places.position), self._ends(places)
+        count, ends = len(poses.position), self._ends(poses)
         gradient = np.zeros(6 * count)
         np.add.at(gradient, dofs_of(self.nodes), self._gradient(*ends))
         return gradient, sparse_matrix(slopes(self._gradient, *ends), self.nodes, count)
@@ -63,10 +63,10 @@ class Elastic(NamedTuple):
         """The same elements, whose Hessian lacks what stress adds."""
         return Unstressed(self)
 
-    def _ends(self, places: Places) -> tuple[Places, Places]:
-        return places.select(self.nodes[:, 0]), places.select(self.nodes[:, 1])
+    def _ends(self, poses: ParticlePoses) -> tuple[ParticlePoses, ParticlePoses]:
+        return poses.select(self.nodes[:, 0]), poses.select(self.nodes[:, 1])
 
-    def _shape(self, first: Places, second: Places) -> Shape:
+    def _shape(self, first: ParticlePoses, second: ParticlePoses) -> Shape:
         chord = second.position - first.position
         length = np.sqrt(np.sum(chord * chord, axis=-1))
         chord = chord / length[..., None]
@@ -81,7 +81,7 @@ class Elastic(NamedTuple):
         twist = 0.5 * (np.sum(b2 * a3, axis=-1) - np.sum(b3 * a2, axis=-1))
         return Shape(chord, length, axes, np.einsum("...ei,...eki->...ek", chord, axes), twist)
 
-    def _modes(self, first: Places, second: Places) -> np.ndarray:
+    def _modes(self, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
         """What is strained of each element (e, 6), half of whose squares is its energy: stretch,
         twist, and the sum and difference of its ends' angles in both planes."""
         _, length, _, sines, twist = self._shape(first, second)
@@ -94,7 +94,7 @@ class Elastic(NamedTuple):
             modes += [np.sqrt(1.5 * stiff) * total, np.sqrt(0.5 * stiff) * change]
         return np.stack(modes, axis=-1)
 
-    def _gradient(self, first: Places, second: Places) -> np.ndarray:
+    def _gradient(self, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
         """Derivatives (..., e, 12) of each element's energy by the motions of its ends."""
         n, length, axes, sines, t = self._shape(first, second)
         rest, axial, in_2, in_3, torsion = self.stiffness.T
@@ -116,13 +116,13 @@ class Unstressed(NamedTuple):
 
     bars: Elastic
 
-    def derivatives(self, places: Places):
+    def derivatives(self, poses: ParticlePoses):
         """Gradient (6n,), and the Hessian, sparse (6n, 6n), without what stress adds to it."""
-        ends = self.bars._ends(places)
-        gradient, _ = self.bars.derivatives(places)
+        ends = self.bars._ends(poses)
+        gradient, _ = self.bars.derivatives(poses)
         rows = slopes(self.bars._modes, *ends)
         blocks = rows.swapaxes(1, 2) @ rows
-        return gradient, sparse_matrix(blocks, self.bars.nodes, len(places.position))
+        return gradient, sparse_matrix(blocks, self.bars.nodes, len(poses.position))
 
 
 def elastic_of(scene) -> Elastic:

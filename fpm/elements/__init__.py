@@ -7,7 +7,7 @@ from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.joints.rigid import RigidFriction, RigidLatch, RigidMotor, RigidRelease
 from fpm.elements.joints.turn import Turn
-from fpm.elements.kind import Kind
+from fpm.elements.kind import ElementType
 from fpm.elements.openings.contact import Contact
 from fpm.elements.openings.damper import Damper
 from fpm.elements.openings.friction import Friction
@@ -27,7 +27,7 @@ from fpm.elements.particles.load import Load
 from fpm.elements.particles.probe import Probe
 from fpm.elements.particles.support import Support
 
-KINDS: tuple[type[Kind], ...] = (
+KINDS: tuple[type[ElementType], ...] = (
     Gravity,
     Beams,
     Opening,
@@ -63,7 +63,7 @@ them, joints and the probe come last).
 """
 
 
-def kinds_of(scenes) -> list[type[Kind]]:
+def kinds_of(scenes) -> list[type[ElementType]]:
     """The kinds that some of the scenes have, in the order of the registry; others follow."""
     types = {kind for scene in scenes for kind in scene.kinds}
     own = sorted(types.difference(KINDS), key=lambda kind: (kind.__module__, kind.__qualname__))

@@ -36,7 +36,7 @@ def blank(*shape_and_dtype) -> np.ndarray:
     return buffer[offset : offset + size].view(dtype).reshape(shape)
 
 
-class Scene(Protocol):
+class SceneData(Protocol):
     """What kinds of element use of the scene that they are in (fpm.scene)."""
 
     position: np.ndarray
@@ -54,7 +54,7 @@ class Scene(Protocol):
     bearings: Counter[int]
 
 
-class Places:
+class Slices:
     """Consecutive places in a shared array: which of them are whose."""
 
     def __init__(self, sizes: dict):
@@ -73,7 +73,7 @@ class Batch:
 
     def __init__(
         self,
-        scenes: Sequence[Scene],
+        scenes: Sequence[SceneData],
         kinds: Sequence[type],
         energies: list,
         width: int,
@@ -88,11 +88,11 @@ class Batch:
         self.free = [p for p in range(len(self.scene.position)) if p not in self.moved]
         self._parts: dict[type, NamedTuple] = {}
         self.accounts = self._accounts()
-        self.watches = Places({kind: len(kind.watches) for kind in self.kinds})
+        self.watches = Slices({kind: len(kind.watches) for kind in self.kinds})
         of_kinds = [kind for kind in self.kinds if kind.stores or kind.watches]
-        self.rows = Places({kind: len(kind.names(self.scene)) for kind in of_kinds})
+        self.rows = Slices({kind: len(kind.names(self.scene)) for kind in of_kinds})
         eventful = {k: len(k.names(self.scene)) for k in self.kinds if k.events}
-        self.eventful = Places(eventful)
+        self.eventful = Slices(eventful)
         self._watched = self.blank(1, self.watches.count)
         self._rows = self.blank(self.rows.count, 1)
         self.events = np.full((room, 3, width), np.nan, dtype)
@@ -111,7 +111,7 @@ class Batch:
         """Zeros (rows, columns, lanes)."""
         return blank(rows, columns, self.width, self.dtype)
 
-    def stack(self, rows: int, columns: int, function: Callable[[Scene], object]) -> np.ndarray:
+    def stack(self, rows: int, columns: int, function: Callable[[SceneData], object]) -> np.ndarray:
         """Array (rows, columns, lanes) from function(scene) -> (rows, columns), scene by scene."""
         array = self.blank(rows, columns)
         if rows:
@@ -144,7 +144,7 @@ class Batch:
         return self._parts[kind]
 
     def is_read(self, kind: type) -> bool:
-        """Whether another kind needs the arrays of this one in every step (Kind.reads)."""
+        """Whether another kind needs the arrays of this one in every step (ElementType.reads)."""
         return any(kind in reader.reads for reader in self.kinds)
 
     def given_by(self, kind: type) -> int:
@@ -251,7 +251,7 @@ class Batch:
         return scale
 
 
-def _state(scene: Scene) -> np.ndarray:
+def _state(scene: SceneData) -> np.ndarray:
     """State (n, STATE) of one scene at its start."""
     state = np.zeros((len(scene.position), layout.STATE))
     state[:, layout.X : layout.X + 3] = scene.position
@@ -265,7 +265,7 @@ def _state(scene: Scene) -> np.ndarray:
     return state
 
 
-def size_of(scene: Scene) -> float:
+def size_of(scene: SceneData) -> float:
     """Size (m) of a scene, by which lengths are large or small: how far apart what moves and the
     points of joints lie, and at least the largest radius of gyration.
     """
@@ -278,7 +278,7 @@ def size_of(scene: Scene) -> float:
     return float(max(np.max(extent), gyration.max(initial=0.0))) or 1.0
 
 
-def _particles(scene: Scene) -> np.ndarray:
+def _particles(scene: SceneData) -> np.ndarray:
     rows = np.zeros((len(scene.position), layout.PARTICLE))
     rows[:, layout.MASS] = scene.mass
     rows[:, layout.IM] = np.where(scene.fixed[:, :3].all(axis=1), 0.0, 1.0 / scene.mass)

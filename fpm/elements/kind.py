@@ -15,7 +15,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from fpm.elements.batch import Batch, Scene
+from fpm.elements.batch import Batch, SceneData
 from fpm.elements.fields import FieldSpec, Index, Number, Word, check_number, numbers_in, specs
 from fpm.errors import SceneError
 
@@ -100,7 +100,7 @@ SHARED = {
 """What stands under some names in the tuples of all kernels: shares of what is common."""
 
 
-class Kind:
+class ElementType:
     """A kind of element. Everything has a default: what is not stated, the kind does not have."""
 
     stores: ClassVar[Energy | None] = None  # the energy it stores (hook `stored`)
@@ -108,7 +108,9 @@ class Kind:
     takes: ClassVar[Energy | None] = None  # the energy it takes out
     events: ClassVar[tuple[str, ...]] = ()  # names of its events, in the order of their numbers
     watches: ClassVar[tuple[Watch, ...]] = ()  # of several that are too large, the last counts
-    reads: ClassVar[tuple[type["Kind"], ...]] = ()  # kinds whose arrays it needs in every step
+    reads: ClassVar[
+        tuple[type["ElementType"], ...]
+    ] = ()  # kinds whose arrays it needs in every step
     acts_as: ClassVar[str] = ""  # which part of the moment on openings is its own (opening.py)
     joins: ClassVar[bool] = False  # whether each holds its `particles` together by a `name`
     moves_free: ClassVar[bool] = False  # whether it moves all particles that no other kind does
@@ -119,12 +121,12 @@ class Kind:
 
     # -- of one element -----------------------------------------------------------------------
 
-    def add_to(self, scene: Scene) -> None:
+    def add_to(self, scene: SceneData) -> None:
         """Add the element to a scene; SceneError if it does not fit (`check`)."""
         self.check(scene)
         scene.kinds.setdefault(type(self), []).append(self)
 
-    def check(self, scene: Scene) -> None:
+    def check(self, scene: SceneData) -> None:
         """SceneError if the element does not fit into the scene as it is: what its fields say."""
         for name, field in specs(type(self)).items():
             value = getattr(self, name)
@@ -137,23 +139,23 @@ class Kind:
             elif isinstance(field, Word) and value not in field.values:
                 raise SceneError(self.subject(scene, field), value, ", ".join(field.values))
 
-    def check_index(self, scene: Scene, field: Index, value: int) -> None:
+    def check_index(self, scene: SceneData, field: Index, value: int) -> None:
         """SceneError unless a field has the index of something that there is."""
         count = len(getattr(scene, field.of))
         if not (isinstance(value, Integral) and field.least <= value < count):
             raise SceneError(self.subject(scene, field), value, f"{field.least} to {count - 1}")
 
-    def subject(self, scene: Scene, field: FieldSpec) -> str:
+    def subject(self, scene: SceneData, field: FieldSpec) -> str:
         """What messages call a field."""
         words = field.words or field.name.replace("_", " ") + " of {title}"
         title = self.title(scene) if "{title}" in words else ""
         return words.format(called=self.called, title=title)
 
-    def title(self, scene: Scene) -> str:
+    def title(self, scene: SceneData) -> str:
         """What messages about its numbers call it."""
         return self.called
 
-    def unit_in(self, scene: Scene, unit: str) -> str:
+    def unit_in(self, scene: SceneData, unit: str) -> str:
         """The unit of one of its numbers."""
         return unit
 
@@ -168,42 +170,42 @@ class Kind:
     # -- of all elements of the kind in a scene -------------------------------------------------
 
     @classmethod
-    def of(cls, scene: Scene) -> list[Any]:
+    def of(cls, scene: SceneData) -> list[Any]:
         """The scene's elements of this kind."""
         return scene.kinds.get(cls, [])
 
     @classmethod
-    def led(cls, scene: Scene) -> list["Kind"]:
+    def led(cls, scene: SceneData) -> list["ElementType"]:
         """What stands for each of the scene's elements where an opening is led slowly."""
         return cls.of(scene)
 
     @classmethod
-    def topology_of(cls, scene: Scene) -> Hashable:
+    def topology_of(cls, scene: SceneData) -> Hashable:
         """What of all of them must be equal; None: even whether there are any may differ."""
         return tuple(element.topology() for element in cls.of(scene))
 
     @classmethod
-    def names(cls, scene: Scene) -> list[str]:
+    def names(cls, scene: SceneData) -> list[str]:
         """Names of the elements, for messages; those of a group one by one."""
         return [f"{cls.called or cls.__name__} {i}" for i in range(len(cls.of(scene)))]
 
     @classmethod
-    def eventful(cls, scene: Scene) -> list[Eventful]:
+    def eventful(cls, scene: SceneData) -> list[Eventful]:
         """Its elements, if they have events."""
         return [Eventful(name, cls.events) for name in cls.names(scene) if cls.events]
 
     @classmethod
-    def moved(cls, scene: Scene) -> list[int]:
+    def moved(cls, scene: SceneData) -> list[int]:
         """Particles that the kind moves itself (hooks `prepare` and `move`)."""
         return []
 
     @classmethod
-    def deformations(cls, scene: Scene) -> Deformations | None:
+    def deformations(cls, scene: SceneData) -> Deformations | None:
         """Their part in the stable step."""
         return None
 
     @classmethod
-    def dampings(cls, scene: Scene) -> Deformations | None:
+    def dampings(cls, scene: SceneData) -> Deformations | None:
         """The part of their dampers, with damping (N m s/rad) in place of stiffness.
 
         For dampers whose rate is extrapolated from the last two steps (losses_kernels.py).
@@ -211,7 +213,7 @@ class Kind:
         return None
 
     @classmethod
-    def shut(cls, scene: Scene, inverse: np.ndarray) -> Any:
+    def shut(cls, scene: SceneData, inverse: np.ndarray) -> Any:
         """Motions that are ruled out in the one position in which the kind acts, as orthonormal
         sparse columns (dofs, c); None: it always acts.
 
@@ -262,22 +264,22 @@ class Kind:
         return batch.integers(getattr(element, name) for element in elements)
 
     @classmethod
-    def held_up(cls, scene: Scene) -> float:
+    def held_up(cls, scene: SceneData) -> float:
         """Force (N) that the scene may have to bear at rest, where rounding moves it a little."""
         return 0.0
 
     @classmethod
-    def held_round(cls, scene: Scene) -> float:
+    def held_round(cls, scene: SceneData) -> float:
         """The same of moments (N m), which what holds openings exactly may bear."""
         return 0.0
 
     @classmethod
-    def reads_impulses(cls, scene: Scene) -> bool:
+    def reads_impulses(cls, scene: SceneData) -> bool:
         """Whether its elements need the impulses of joints summed over each step."""
         return False
 
     @classmethod
-    def weight(cls, scene: Scene, particle: int, time: np.ndarray) -> np.ndarray:
+    def weight(cls, scene: SceneData, particle: int, time: np.ndarray) -> np.ndarray:
         """Force (3,) or (t, 3) N on a particle at times (t,) s that is there because of its mass.
 
         The ground has a mass that means nothing: its reaction leaves this force out.
@@ -285,16 +287,16 @@ class Kind:
         return np.zeros(3)
 
     @classmethod
-    def recorded(cls, part: Any, scene: Scene, lane: int) -> dict[str, Series]:
+    def recorded(cls, part: Any, scene: SceneData, lane: int) -> dict[str, Series]:
         """What was recorded of one lane, by the names of its variables in a trajectory file."""
         return {}
 
     @classmethod
-    def prescribe(cls, scene: Scene, time: float, motion: Any) -> None:
+    def prescribe(cls, scene: SceneData, time: float, motion: Any) -> None:
         """Put what the kind prescribes at a time (s) into a Motion (fpm.simulate), in place."""
 
 
-def _row(element: Kind, columns: list) -> list[float]:
+def _row(element: ElementType, columns: list) -> list[float]:
     """The numbers of an element, from the names of its fields and what is stated of them."""
     numbers = []
     for name, field in columns:

@@ -17,7 +17,7 @@ BROKEN = (OSError, ValueError, TypeError, KeyError, IndexError, AssertionError, 
 """What scipy's reader may raise on a file that is not whole."""
 
 
-class Variable(NamedTuple):
+class NetcdfVariable(NamedTuple):
     """An array of numbers or text, the names of its dimensions, and its attributes."""
 
     dims: tuple[str, ...]
@@ -26,7 +26,7 @@ class Variable(NamedTuple):
 
 
 def write(
-    path: str | os.PathLike, attributes: Mapping[str, Any], variables: Mapping[str, Variable]
+    path: str | os.PathLike, attributes: Mapping[str, Any], variables: Mapping[str, NetcdfVariable]
 ) -> None:
     """Write a file; attributes are text or numbers.
 
@@ -51,7 +51,7 @@ def write(
 
 def read(
     path: str | os.PathLike, content: bytes | None = None
-) -> tuple[dict[str, Any], dict[str, Variable]]:
+) -> tuple[dict[str, Any], dict[str, NetcdfVariable]]:
     """Attributes and variables of a file in the classic format; text stays characters.
 
     `content`: what was read of it already. Raises OSError if it is not such a file, or not whole.
@@ -61,7 +61,7 @@ def read(
     try:
         with netcdf_file(path if content is None else BytesIO(content), "r", mmap=False) as file:
             variables = {
-                name: Variable(variable.dimensions, variable[...], _attributes(variable))
+                name: NetcdfVariable(variable.dimensions, variable[...], _attributes(variable))
                 for name, variable in file.variables.items()
             }
             return _attributes(file), variables
@@ -71,7 +71,9 @@ def read(
         raise OSError(f"{os.fspath(path)} is not a whole file in netCDF's classic format") from None
 
 
-def _column(name: str, dims: tuple[str, ...], values: np.ndarray, attributes: Mapping) -> Variable:
+def _column(
+    name: str, dims: tuple[str, ...], values: np.ndarray, attributes: Mapping
+) -> NetcdfVariable:
     """The variable as the file keeps it."""
     values = np.asarray(values)
     if values.dtype.kind == "O":  # text, as xarray reads it
@@ -83,11 +85,13 @@ def _column(name: str, dims: tuple[str, ...], values: np.ndarray, attributes: Ma
             raise ValueError(f"{name} has integers of more than 32 bits, which the format lacks")
         values = values.astype(np.int32)
     if values.dtype.kind != "U":
-        return Variable(tuple(dims), values, attributes)
+        return NetcdfVariable(tuple(dims), values, attributes)
     encoded = np.char.encode(values.ravel(), "utf-8")
     width = max(1, encoded.dtype.itemsize)
     characters = encoded.astype(f"S{width}").view("S1").reshape(*values.shape, width)
-    return Variable((*dims, f"{name}_width"), characters, {**attributes, "_Encoding": "utf-8"})
+    return NetcdfVariable(
+        (*dims, f"{name}_width"), characters, {**attributes, "_Encoding": "utf-8"}
+    )
 
 
 def _set_attributes(holder, attributes: Mapping[str, Any]) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from fpm.elements import kinds_of
-from fpm.elements.kind import Energy, Eventful, Kind, Series
+from fpm.elements.kind import ElementType, Energy, Eventful, Series
 from fpm.errors import InstabilityError, SceneError
 from fpm.files.trajectory import Column, Curves, to_dataset
 from fpm.scenes.scene import Scene
@@ -32,7 +32,9 @@ class Motion(NamedTuple):
     spin: np.ndarray
 
 
-def eventful(scene: Scene, kinds: Iterable[type[Kind]] | None = None) -> tuple[Eventful, ...]:
+def eventful(
+    scene: Scene, kinds: Iterable[type[ElementType]] | None = None
+) -> tuple[Eventful, ...]:
     """The elements of a scene that have events, or those of these kinds of it."""
     kinds = kinds_of([scene]) if kinds is None else kinds
     return tuple(element for kind in kinds for element in kind.eventful(scene))

@@ -41,7 +41,7 @@ class Contents(NamedTuple):
     """What a trajectory file holds: global attributes, and variables by name."""
 
     attributes: dict[str, Any]
-    variables: dict[str, classic.Variable]
+    variables: dict[str, classic.NetcdfVariable]
 
 
 class Impacts(NamedTuple):
@@ -148,18 +148,18 @@ def contents(outcome, responses=(), attributes=None, parameters=None) -> Content
     return Contents({**header, **(attributes or {})}, variables)
 
 
-def _variable(dims, values, unit, long_name, **extra) -> classic.Variable:
+def _variable(dims, values, unit, long_name, **extra) -> classic.NetcdfVariable:
     dims = (dims,) if isinstance(dims, str) else dims
-    return classic.Variable(dims, values, {"units": unit, "long_name": long_name, **extra})
+    return classic.NetcdfVariable(dims, values, {"units": unit, "long_name": long_name, **extra})
 
 
 def _names(dimension: str, values, long_name: str, name: str | None = None) -> dict:
     """Text along a dimension: its coordinate, or a variable of another name."""
     text = np.array(list(values), dtype=str)
-    return {name or dimension: classic.Variable((dimension,), text, {"long_name": long_name})}
+    return {name or dimension: classic.NetcdfVariable((dimension,), text, {"long_name": long_name})}
 
 
-def _points(outcome) -> dict[str, classic.Variable]:
+def _points(outcome) -> dict[str, classic.NetcdfVariable]:
     names, dims = list(outcome.points), ("time", "point", "axis")
     tracks = np.zeros((2, len(outcome.time), len(names), 3))
     for i, name in enumerate(names):
@@ -172,14 +172,14 @@ def _points(outcome) -> dict[str, classic.Variable]:
     }
 
 
-def _energies(outcome) -> dict[str, classic.Variable]:
+def _energies(outcome) -> dict[str, classic.NetcdfVariable]:
     return {
         variable: _variable("time", outcome.energies[name], "J", long_name, energy=name)
         for name, variable, long_name in outcome.energy_kinds
     }
 
 
-def _record_variables(outcome) -> dict[str, classic.Variable]:
+def _record_variables(outcome) -> dict[str, classic.NetcdfVariable]:
     """What the kinds in the scene have recorded, and the coordinates of it."""
     variables = {}
     for name, (values, unit, long_name, dimension, labels, axis, code) in outcome.recorded.items():
@@ -191,7 +191,7 @@ def _record_variables(outcome) -> dict[str, classic.Variable]:
     return variables
 
 
-def _events(outcome) -> dict[str, classic.Variable]:
+def _events(outcome) -> dict[str, classic.NetcdfVariable]:
     (time, element, number), eventful = outcome.events.T, outcome.eventful
     return {
         **_names("event_element", (e.name for e in eventful), "element that has events"),
@@ -207,7 +207,7 @@ def _events(outcome) -> dict[str, classic.Variable]:
     }  # fmt: skip
 
 
-def _responses(outcome, responses) -> dict[str, classic.Variable]:
+def _responses(outcome, responses) -> dict[str, classic.NetcdfVariable]:
     """All responses in one variable: no name that a response may have meets another's."""
     values = np.array([response.evaluate(outcome) for response in responses])
     return {
@@ -233,12 +233,12 @@ def to_dataset(outcome, responses=(), attributes=None, parameters=None) -> "xarr
     )
 
 
-def _is_coordinate(name: str, variable: classic.Variable) -> bool:
+def _is_coordinate(name: str, variable: classic.NetcdfVariable) -> bool:
     text = variable.values.dtype.kind in "UO"
     return variable.dims == (name,) or text or name.startswith(_PARAMETER)
 
 
-def check_finite(variables: Mapping[str, classic.Variable]) -> None:
+def check_finite(variables: Mapping[str, classic.NetcdfVariable]) -> None:
     """ValueError that names the first variable with a value that is not finite."""
     for name, variable in variables.items():
         if variable.values.dtype.kind == "f" and not np.isfinite(variable.values).all():
@@ -253,7 +253,7 @@ def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike) -> N
     """
     if not isinstance(trajectory, Contents):
         variables = {
-            name: classic.Variable(v.dims, v.values, v.attrs)
+            name: classic.NetcdfVariable(v.dims, v.values, v.attrs)
             for name, v in trajectory.variables.items()
         }
         trajectory = Contents(dict(trajectory.attrs), variables)

@@ -136,7 +136,7 @@ def restrain(parts, world, timing):
 
 @_unrolled()
 def prepare(parts, world, timing):
-    """Kick the particles that the kind moves itself (Kind.moved), timing.kick long."""
+    """Kick the particles that the kind moves itself (ElementType.moved), timing.kick long."""
 
 
 @_unrolled()

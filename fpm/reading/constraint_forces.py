@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fpm.assembly.conditions import Places, conditions_of, dependence, scaled
+from fpm.assembly.conditions import ParticlePoses, conditions_of, dependence, scaled
 from fpm.elements import kinds_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.joints.hinge import Hinge
@@ -100,7 +100,7 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
     Of a particle that is held: what all other forces, and those of joints, lack to its own change
     of momentum, along and about the axes that are held. Several supports on one particle are one.
     What is held altogether and is neither on a bar nor a body with a name is the ground: it has no
-    weight (`Kind.weight`).
+    weight (`ElementType.weight`).
     """
     scene, support = run.scene, reactions_of(run.scene)[name]
     particle = support.beam.particle
@@ -165,7 +165,7 @@ def undetermined(scene: Scene) -> set[str]:
     names, free = np.array(conditions.joint), ~scene.fixed.ravel()
     size = float(np.ptp(scene.position, axis=0).max()) or 1.0
     scales = np.tile(np.repeat([size, 1.0], 3), len(scene.position))
-    places = Places(scene.position, scene.frame)
+    places = ParticlePoses(scene.position, scene.frame)
     rows = scaled(conditions.jacobian(places), conditions.weight(size), scales)
     rows = rows[:, np.flatnonzero(free)].tocsr()
     joints: set[str] = set()

@@ -1,8 +1,8 @@
 """Torque and force margins over a travel: their definitions, and their values.
 
 Runs record the virtual work of every part (`fpm.travel`) at positions of their own; factors are
-applied when it is read, so that another standard takes no run. The curve of a margin lies evenly
-over the way, the least is sought between all positions.
+applied when a response is read, so that another standard takes no run. The curve of a margin is
+even over the travel; the least margin is sought between all positions.
 """
 
 from collections.abc import Iterable, Mapping
@@ -14,26 +14,26 @@ import numpy as np
 from fpm.errors import SceneError
 from fpm.reading.standards import CLASSES, STANDARDS
 from fpm.travel import Travel, lead, parts_of, reeled
-from fpm.travel.positions import between
+from fpm.travel.positions import interpolate
 
 WORK, INERTIA, OPENING = "travel_work", "travel_inertia", "travel_opening"
 """Variables of what is recorded (fpm.reading.variables)."""
 
 MOST = 99.0
-"""Largest margin that is told: where next to nothing resists, it has no end."""
+"""Largest margin that is given: where next to nothing resists, margins have no end."""
 
 TINY = 1e-300
 """N m, so that where nothing acts nothing is divided by zero: the margin is -1 there."""
 
 ROUNDING = 1e-12
-"""Margins below it are rounding: what acts is known to 1e-6 of itself."""
+"""Margins below this value are rounding: what acts is known to 1e-6 of itself."""
 
 FINER, ZOOMS = 8, 7
-"""Into how many each distance of positions is divided where the least is sought, and how often the
-distance about it is, again."""
+"""Number of parts of each distance of positions in the search of the least margin, and number of
+repetitions in the distances next to the last minimum."""
 
 DRIVES = 1e-6
-"""Share of the largest virtual work of all parts up to which that of a part drives nothing."""
+"""Fraction of the largest virtual work of all parts up to which that of a part drives nothing."""
 
 STOW = "stow"
 """The opening at the start of a run, whichever that is."""
@@ -43,8 +43,8 @@ OPTIONAL = ("from", "evidence", "with", "stand", "without", "classes", "factors"
 UNITS = {"rad": 1.0, "deg": np.pi / 180, "m": 1.0, "mm": 1e-3}
 
 
-class Along(NamedTuple):
-    """What a response lies over instead of time: words, unit, and its first and last value."""
+class Abscissa(NamedTuple):
+    """What a response has instead of time: words, unit, and the first and last value."""
 
     words: str
     unit: str
@@ -52,9 +52,9 @@ class Along(NamedTuple):
     last: float
 
 
-class Led(NamedTuple):
-    """What is led: openings by name, from one value to another (None: each run's own at its start),
-    and those that stand."""
+class OpeningPath(NamedTuple):
+    """Openings, by name, that are led from one value (rad, m) to another (None: each run's own at
+    its start), and names of openings that `stand`, locked at their start."""
 
     openings: tuple[str, ...]
     first: float | None
@@ -62,35 +62,35 @@ class Led(NamedTuple):
     stand: tuple[str, ...] = ()
 
     def label(self, part: str = "") -> str:
-        """A column's label; `part`: of the work."""
-        rest = "".join(f" beside {name}" for name in self.stand) + (part and f" by {part}")
+        """The label of a column of variables; part: the component of the virtual work."""
+        suffix = "".join(f" beside {name}" for name in self.stand) + (part and f" by {part}")
         first, last = (STOW if end is None else repr(end) for end in (self.first, self.last))
-        way = f" led from {first} to {last}"
-        return self.openings[0] + way + "".join(f" with {n}" for n in self.openings[1:]) + rest
+        names = "".join(f" with {name}" for name in self.openings[1:])
+        return f"{self.openings[0]} led from {first} to {last}{names}{suffix}"
 
 
-def read_label(label: str) -> tuple[Led, str]:
-    """What is led, and the part, of a label."""
+def read_label(label: str) -> tuple[OpeningPath, str]:
+    """The path and the component of the virtual work that a label names."""
     rest, _, part = label.partition(" by ")
     rest, *stand = rest.split(" beside ")
-    rest, *more = rest.split(" with ")
-    name, _, way = rest.partition(" led from ")
-    ends = (None if end == STOW else float(end) for end in way.split(" to "))
-    return Led((name, *more), *ends, tuple(stand)), part
+    rest, *names = rest.split(" with ")
+    name, _, values = rest.partition(" led from ")
+    ends = (None if end == STOW else float(end) for end in values.split(" to "))
+    return OpeningPath((name, *names), *ends, tuple(stand)), part
 
 
-def travel_of(scene, led: Led, positions: int | None = None) -> Travel:
-    """The travel of a scene; SceneError of `fpm.travel.lead`."""
-    (start,) = (hinge.opening for hinge in scene.hinges if hinge.name == led.openings[0])
-    first, last = (float(start) if end is None else end for end in (led.first, led.last))
+def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
+    """The travel of a scene along a path; raises SceneError as `fpm.travel.lead` does."""
+    (start,) = (hinge.opening for hinge in scene.hinges if hinge.name == path.openings[0])
+    first, last = (float(start) if end is None else end for end in (path.first, path.last))
     if first == last:
-        what = f"opening {led.openings[0]}"
-        raise SceneError(what, f"{first:.6g} at the start", "another one than that it is led to")
-    return lead(scene, led.openings, first, last, led.stand, positions)
+        name = f"opening {path.openings[0]}"
+        raise SceneError(name, f"{first:.6g} at the start", "another one than that it is led to")
+    return lead(scene, path.openings, first, last, path.stand, positions)
 
 
 def column_of(travel: Travel, variable: str, part: str) -> np.ndarray:
-    """What is recorded of a travel (p,)."""
+    """Values (p,) of a variable over a travel: WORK (of component `part`), INERTIA or OPENING."""
     return {WORK: travel.work.get(part), INERTIA: travel.inertia, OPENING: travel.opening}[variable]
 
 
@@ -102,72 +102,72 @@ def driving(works: Mapping[str, np.ndarray]) -> list[str]:
 
 
 def led_curves(scene, responses: Iterable[Any]) -> Any:
-    """What a run of a scene has for margins, without the run."""
+    """The columns of responses of margins for a scene, as a run has them, by the travels alone."""
     columns, travels = {}, {}
     for variable, label in dict.fromkeys(c for response in responses for c in response.columns):
-        led, part = read_label(label)
-        if led not in travels:
-            travels[led] = travel_of(scene, led)
-        columns[variable, label] = column_of(travels[led], variable, part)
+        path, part = read_label(label)
+        if path not in travels:
+            travels[path] = travel_of(scene, path)
+        columns[variable, label] = column_of(travels[path], variable, part)
     return SimpleNamespace(time=np.linspace(0.0, 1.0, 201), columns=columns)
 
 
-def read(it: Any) -> Any:
-    """The response that a definition (`fpm.reading.responses.Definition`) of a margin means."""
-    openings = (it.data[it.kind], *_names(it, "with"))
-    hinges = {hinge.name: hinge for hinge in it.scene.hinges}
+def read(spec: Any) -> Any:
+    """The response of a margin, by its definition (`fpm.reading.responses.Definition`)."""
+    openings = (spec.data[spec.kind], *_names(spec, "with"))
+    hinges = {hinge.name: hinge for hinge in spec.scene.hinges}
     for name in openings:
-        it.one_of(hinges, value=name)
+        spec.one_of(hinges, value=name)
     if len(set(openings)) < len(openings):
-        raise _refused(it, "with", [*openings], "each opening once")
-    stand = tuple(it.one_of(hinges, "stand", name) for name in _names(it, "stand"))
+        raise _error(spec, "with", [*openings], "each opening once")
+    stand = tuple(spec.one_of(hinges, "stand", name) for name in _names(spec, "stand"))
     for name in stand:
         if name in openings:
-            raise _refused(it, "stand", name, "openings that are not led")
+            raise _error(spec, "stand", name, "openings that are not led")
     hinge = hinges[openings[0]]
     unit = "m" if hinge.slides else "rad"
-    ends = [_opening(it, key, hinge, unit) for key in ("from", "to")]
+    ends = [_opening(spec, key, hinge, unit) for key in ("from", "to")]
     first, last = (float(hinge.opening) if end is None else end for end in ends)
     if first == last:
-        raise _refused(it, "to", it.data["to"], "another opening than `from`")
-    led = Led(openings, *ends, stand)
-    standard = STANDARDS[it.one_of(STANDARDS, "standard")]
-    evidence = it.data.get("evidence", next(iter(standard.resists)))
-    resists = standard.resists[it.one_of(standard.resists, "evidence", evidence)]
-    resists = resists | _numbers(it, "factors")
-    drives = standard.drives | _numbers(it, "drives")
-    parts = parts_of(it.scene)
-    left = [it.one_of(parts, "without", name) for name in _names(it, "without")]
+        raise _error(spec, "to", spec.data["to"], "another opening than `from`")
+    path = OpeningPath(openings, *ends, stand)
+    standard = STANDARDS[spec.one_of(STANDARDS, "standard")]
+    evidence = spec.data.get("evidence", next(iter(standard.resists)))
+    resists = standard.resists[spec.one_of(standard.resists, "evidence", evidence)]
+    resists = resists | _numbers(spec, "factors")
+    drives = standard.drives | _numbers(spec, "drives")
+    parts = parts_of(spec.scene)
+    inactive = [spec.one_of(parts, "without", name) for name in _names(spec, "without")]
     classes = parts | {
-        it.one_of(parts, "classes", part): it.one_of(CLASSES, f"classes.{part}", name)
-        for part, name in _mapping(it, "classes").items()
+        spec.one_of(parts, "classes", part): spec.one_of(CLASSES, f"classes.{part}", name)
+        for part, name in _mapping(spec, "classes").items()
     }
-    parts = [part for part in parts if part not in left]
-    for part in reeled(it.scene):
+    parts = [part for part in parts if part not in inactive]
+    for part in reeled(spec.scene):
         if part in parts:
             allowed = f"{part} among them: a curve of time reels it, and a travel has no time"
-            raise _refused(it, "without", left, allowed)
-    columns = [(OPENING, led.label()), *((WORK, led.label(part)) for part in parts)]
+            raise _error(spec, "without", inactive, allowed)
+    columns = [(OPENING, path.label()), *((WORK, path.label(part)) for part in parts)]
     factors = [(drives[classes[part]], resists[classes[part]], classes[part]) for part in parts]
-    rate = _number(it, "accelerate", it.data.get("accelerate", 0.0))
+    rate = _number(spec, "accelerate", spec.data.get("accelerate", 0.0))
     if rate:
-        columns.append((INERTIA, led.label()))
+        columns.append((INERTIA, path.label()))
         factors.append((0.0, resists["TD"] * rate, "TD"))
-    deliver = _number(it, "deliver", it.data.get("deliver", 0.0))
+    deliver = _number(spec, "deliver", spec.data.get("deliver", 0.0))
     if not (factors or deliver):
         allowed = "an opening on whose way something acts that a margin counts; here nothing does"
-        raise _refused(it, it.kind, openings[0], allowed)
+        raise _error(spec, spec.kind, openings[0], allowed)
     text = f"margin of {openings[0]}, {standard.title}, {evidence}"
     own = ", from each run's start" if ends[0] is None else ""
-    along = Along(f"opening of {openings[0]}{own}", unit, first, last)
-    about = (*openings, it.data["standard"], evidence, *left)
+    abscissa = Abscissa(f"opening of {openings[0]}{own}", unit, first, last)
+    subjects = (*openings, spec.data["standard"], evidence, *inactive)
     load = (deliver, resists["TL"])
-    return it.response(about, "", "1", text, tuple(columns), along, (load, *factors))
+    return spec.response(subjects, "", "1", text, tuple(columns), abscissa, (load, *factors))
 
 
-class Share(NamedTuple):
-    """What a part has of a torque budget: its class; moment (N m, on slides N): its virtual work,
-    below 0 where it resists; factor, and moment times factor."""
+class BudgetRow(NamedTuple):
+    """The row of one component in a torque budget: name; class; factor; moment (N m, on slides N),
+    the virtual work per unit of the opening, below 0 where it resists; moment times factor."""
 
     part: str
     class_: str
@@ -177,142 +177,144 @@ class Share(NamedTuple):
 
 
 class Budget(NamedTuple):
-    """The torque budget at an opening: margin = drives / required - 1, the sums of the weighted
+    """The torque budget at an opening: margin = drives / requirement - 1, the sums of the weighted
     moments of the rows above 0, and of those below 0 as a positive number."""
 
     opening: float
     margin: float
     drives: float
-    required: float
-    rows: list[Share]
+    requirement: float
+    rows: list[BudgetRow]
 
 
-class _Way:
-    """A travel as a run recorded it, as a response weighs it; places are shares of the way."""
+class _WeightedTravel:
+    """The travel of a run with the factors of a response; positions are fractions of the travel."""
 
     def __init__(self, response: Any, run: Any):
         self.response = response
         opening, *work = (run.columns[column] for column in response.columns)
         count = np.flatnonzero(np.diff(opening))[-1] + 2  # what follows fills files
         self.opening = opening[:count]
-        self.places = (self.opening - opening[0]) / (opening[count - 1] - opening[0])
-        turned = [name == INERTIA for name, _ in response.columns[1:]]
+        self.positions = (self.opening - opening[0]) / (opening[count - 1] - opening[0])
+        is_inertia = [name == INERTIA for name, _ in response.columns[1:]]
         self.moments = np.array(
-            [-x[:count] if by else x[:count] for x, by in zip(work, turned, strict=True)]
+            [-x[:count] if flip else x[:count] for x, flip in zip(work, is_inertia, strict=True)]
         ).T
 
-    def weighed(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Moments (m, k) at places (m,), and what drives and what is required (m,), by factors."""
-        moments = between(self.places, self.moments, at)
+    def weighted_sums(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Moments (m, k) at positions (m,), and the weighted sums (m,) of those that drive, and of
+        those that are required, a positive number."""
+        moments = interpolate(self.positions, self.moments, points)
         (deliver, factor), *factors = self.response.factors
         drives, resists = (np.array([f[k] for f in factors]) for k in (0, 1))
-        required = np.maximum(-moments, 0.0) @ resists + deliver * factor
-        return moments, np.maximum(moments, 0.0) @ drives, required
+        requirement = np.maximum(-moments, 0.0) @ resists + deliver * factor
+        return moments, np.maximum(moments, 0.0) @ drives, requirement
 
-    def margin(self, at: np.ndarray) -> np.ndarray:
-        """The margin (m,) at places; 0 where what is left of it is rounding."""
-        _, drives, required = self.weighed(at)
-        margin = drives / np.maximum(required, np.maximum(drives / (1.0 + MOST), TINY)) - 1.0
+    def margin(self, points: np.ndarray) -> np.ndarray:
+        """The margin (m,) at positions (m,); 0 where its size is below ROUNDING."""
+        _, drives, requirement = self.weighted_sums(points)
+        margin = drives / np.maximum(requirement, np.maximum(drives / (1.0 + MOST), TINY)) - 1.0
         return np.where(np.abs(margin) < ROUNDING, 0.0, margin)
 
     def least(self) -> tuple[float, float]:
-        """The place of the least margin, the first of several, and the margin there."""
+        """The position of the least margin, the first of several, and the margin there."""
         steps = np.linspace(0.0, 1.0, FINER, endpoint=False)
-        at = np.unique(
-            np.append(self.places[:-1, None] + np.diff(self.places)[:, None] * steps, 1.0)
+        points = np.unique(
+            np.append(self.positions[:-1, None] + np.diff(self.positions)[:, None] * steps, 1.0)
         )
         for _ in range(ZOOMS):
-            margin = self.margin(at)
+            margin = self.margin(points)
             i = int(np.argmax(margin <= margin.min() + 1e-12 * (1.0 + abs(margin.min()))))
-            place, least = float(at[i]), float(margin[i])
-            ends = at[max(i - 1, 0)], at[min(i + 1, len(at) - 1)]
-            # From the place on either side, so that it stands once: next to itself, but for a
+            position, least = float(points[i]), float(margin[i])
+            ends = points[max(i - 1, 0)], points[min(i + 1, len(points) - 1)]
+            # From the position on either side, so that it stands once: next to itself, but for a
             # rounding, it would end the next distance.
-            at = np.unique(np.linspace(place, ends, FINER + 1))
-        return place, least
+            points = np.unique(np.linspace(position, ends, FINER + 1))
+        return position, least
 
 
 def values(response: Any, run: Any) -> np.ndarray:
     """The margin (t,), evenly over the way of the run."""
     time = run.time
-    return _Way(response, run).margin((time - time[0]) / (time[-1] - time[0]))
+    return _WeightedTravel(response, run).margin((time - time[0]) / (time[-1] - time[0]))
 
 
 def least(response: Any, run: Any) -> tuple[float, float]:
     """The least margin on the way of a run, and the opening there."""
-    way = _Way(response, run)
-    place, margin = way.least()
-    return margin, float(between(way.places, way.opening, np.array([place]))[0])
+    travel = _WeightedTravel(response, run)
+    position, margin = travel.least()
+    return margin, float(interpolate(travel.positions, travel.opening, np.array([position]))[0])
 
 
 def torque_budget(response: Any, run: Any) -> Budget:
     """What drives and resists where the margin of a run is least, part by part."""
-    way = _Way(response, run)
-    place, margin = way.least()
-    at = np.array([place])
-    (moments,), (drives,), (required,) = way.weighed(at)
+    travel = _WeightedTravel(response, run)
+    position, margin = travel.least()
+    points = np.array([position])
+    (moments,), (drives,), (requirement,) = travel.weighted_sums(points)
     (deliver, factor), *factors = response.factors
     names = [read_label(label)[1] or "inertia" for _, label in response.columns[1:]]
     rows = []
-    for name, moment, (drive, resist, of) in zip(names, moments, factors, strict=True):
-        by = drive if moment > 0 else resist
-        rows.append(Share(name, of, by, float(moment), float(by * moment)))
+    for name, moment, (drive, resist, class_) in zip(names, moments, factors, strict=True):
+        weight = drive if moment > 0 else resist
+        rows.append(BudgetRow(name, class_, weight, float(moment), float(weight * moment)))
     if deliver:
-        rows.append(Share("delivered", "TL", factor, -deliver, -factor * deliver))
-    opening = float(between(way.places, way.opening, at)[0])
-    return Budget(opening, margin, float(drives), float(required), rows)
+        rows.append(BudgetRow("delivered", "TL", factor, -deliver, -factor * deliver))
+    opening = float(interpolate(travel.positions, travel.opening, points)[0])
+    return Budget(opening, margin, float(drives), float(requirement), rows)
 
 
 # -- values of keys -------------------------------------------------------------------------------
 
 
-def _refused(it, key: str, value: object, allowed: str) -> SceneError:
-    return SceneError(f"responses.{it.name}.{key}", value, allowed)
+def _error(spec, key: str, value: object, allowed: str) -> SceneError:
+    return SceneError(f"responses.{spec.name}.{key}", value, allowed)
 
 
-def _names(it, key: str) -> tuple[str, ...]:
-    found = it.data.get(key, ())
-    if not isinstance(found, list | tuple) or not all(isinstance(name, str) for name in found):
-        raise _refused(it, key, found, "a list of names")
-    return tuple(found)
+def _names(spec, key: str) -> tuple[str, ...]:
+    names = spec.data.get(key, ())
+    if not isinstance(names, list | tuple) or not all(isinstance(name, str) for name in names):
+        raise _error(spec, key, names, "a list of names")
+    return tuple(names)
 
 
-def _mapping(it, key: str) -> dict:
-    found = it.data.get(key, {})
-    if not isinstance(found, dict):
-        raise _refused(it, key, found, f"a mapping, of classes ({', '.join(CLASSES)})")
-    return found
+def _mapping(spec, key: str) -> dict:
+    data = spec.data.get(key, {})
+    if not isinstance(data, dict):
+        raise _error(spec, key, data, f"a mapping, of classes ({', '.join(CLASSES)})")
+    return data
 
 
-def _numbers(it, key: str) -> dict[str, float]:
+def _numbers(spec, key: str) -> dict[str, float]:
     """Factors by class."""
-    found = _mapping(it, key)
+    data = _mapping(spec, key)
     return {
-        it.one_of(CLASSES, key, name): _number(it, f"{key}.{name}", x) for name, x in found.items()
+        spec.one_of(CLASSES, key, name): _number(spec, f"{key}.{name}", x)
+        for name, x in data.items()
     }
 
 
-def _number(it, key: str, value: object) -> float:
+def _number(spec, key: str, value: object) -> float:
     real = isinstance(value, int | float) and not isinstance(value, bool)
     if not real or not np.isfinite(value) or value < 0:
-        raise _refused(it, key, value, "a number of at least 0")
+        raise _error(spec, key, value, "a number of at least 0")
     return float(value)
 
 
-def _opening(it, key: str, hinge, unit: str) -> float | None:
+def _opening(spec, key: str, hinge, unit: str) -> float | None:
     """An opening (rad, m): a number, or one with its unit; None for that at the start."""
-    value = it.data.get(key, STOW)
+    value = spec.data.get(key, STOW)
     if value == STOW:
         return None
-    number, _, given = str(value).strip().partition(" ")
+    number, _, unit_name = str(value).strip().partition(" ")
     own = ("m", "mm") if unit == "m" else ("rad", "deg")
     try:
-        found = float(number) * (UNITS[given] if given in own else 1.0 / (not given))
+        opening = float(number) * (UNITS[unit_name] if unit_name in own else 1.0 / (not unit_name))
     except (ValueError, ZeroDivisionError):
-        found = np.nan
-    if isinstance(value, bool) or not np.isfinite(found):
+        opening = np.nan
+    if isinstance(value, bool) or not np.isfinite(opening):
         allowed = (
             f"`stow`, the opening at the start, or a number ({unit}), with or without its unit"
         )
-        raise _refused(it, key, value, f"{allowed} ({', '.join(own)})")
-    return found
+        raise _error(spec, key, value, f"{allowed} ({', '.join(own)})")
+    return opening

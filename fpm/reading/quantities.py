@@ -218,8 +218,8 @@ def _event(quantity: Quantity, curves: Curves) -> float:
     return float("nan")
 
 
-class Kind(NamedTuple):
-    """A kind of quantity, by the key that names the response (or event) that it is of.
+class QuantityType(NamedTuple):
+    """A type of quantity, by the key that names the response (or event) that it is of.
 
     read(quantity, curves): its number; text: its long name, with `about` for the response's and
     what else quantity_definitions puts in; mandatory, optional: the other keys of its definition;
@@ -241,30 +241,30 @@ class Kind(NamedTuple):
 
 
 KINDS = {
-    "largest": Kind(_of_values(lambda q, time, y: peak(y)), "largest {about}", peak=True),
-    "smallest": Kind(_smallest, "smallest {about}", peak=True),
-    "smallest_at": Kind(_place_of_smallest, "{place} of the smallest {about}"),
-    "final": Kind(_of_values(lambda q, time, y: float(y[-1])), "final {about}"),
-    "mean": Kind(_of_values(lambda q, time, y: _mean(time, y)), "mean {about}"),
-    "rms": Kind(
+    "largest": QuantityType(_of_values(lambda q, time, y: peak(y)), "largest {about}", peak=True),
+    "smallest": QuantityType(_smallest, "smallest {about}", peak=True),
+    "smallest_at": QuantityType(_place_of_smallest, "{place} of the smallest {about}"),
+    "final": QuantityType(_of_values(lambda q, time, y: float(y[-1])), "final {about}"),
+    "mean": QuantityType(_of_values(lambda q, time, y: _mean(time, y)), "mean {about}"),
+    "rms": QuantityType(
         _of_values(lambda q, time, y: float(np.sqrt(_mean(time, y**2)))), "rms {about}",
         positive=True, peak=True,
     ),
-    "value": Kind(_value, "{about} {moment}", ("at",)),
-    "overshoot": Kind(
+    "value": QuantityType(_value, "{about} {moment}", ("at",)),
+    "overshoot": QuantityType(
         _of_values(lambda q, time, y: _overshoot(y, q.about)), "overshoot of the {about}",
         optional=("about",), positive=True, peak=True,
     ),
-    "settling": Kind(
+    "settling": QuantityType(
         _of_values(lambda q, time, y: settling(time, y, q.within, q.about)),
         "time from which the {about} stays within {within:.6g}", ("within",), ("about",), "s",
     ),
-    "crossing": Kind(
+    "crossing": QuantityType(
         _of_values(lambda q, time, y: crossing(time, y, q.level, q.way, q.number)),
         "time of the {nth}crossing of {level:.6g}{way} by the {about}",
         ("level",), ("way", "number"), "s",
     ),
-    "event": Kind(
+    "event": QuantityType(
         _event, "time of the {nth}event '{event}'{whose}", optional=("of", "number"), unit="s"
     ),
 }  # fmt: skip

@@ -18,7 +18,7 @@ from fpm.elements.openings.opening import SLIDING
 from fpm.errors import SceneError, did_you_mean
 from fpm.files.trajectory import Column, Curves
 from fpm.reading import bars, margins
-from fpm.reading.margins import Along
+from fpm.reading.margins import Abscissa
 from fpm.reading.variables import VARIABLES, Variable
 from fpm.scenes.scene import Scene
 
@@ -45,7 +45,7 @@ class Response:
     unit: str
     long_name: str
     columns: tuple[Column, ...] = ()
-    along: Along | None = None
+    along: Abscissa | None = None
     factors: tuple = ()
 
     @property
@@ -290,10 +290,10 @@ def _lost_energy(response: Response, run: Curves) -> np.ndarray:
 # -- the table ------------------------------------------------------------------------------------
 
 
-class Kind(NamedTuple):
-    """A kind of response, by the key that names what it is of.
+class ResponseType(NamedTuple):
+    """A type of response, by the key that names what it is of.
 
-    read(definition): what it means; values(response, run): its values (t,); needed, optional: the
+    read(definition): its response; values(response, run): its values (t,); needed, optional: the
     other keys of its definition; positive: whether it is never below 0, or about what it is not;
     shock: as of a `fpm.reading.variables.Variable`.
     """
@@ -315,10 +315,10 @@ FORMS = {
 """How definitions name columns of variables, and the other keys that it takes."""
 
 
-def _as_recorded(variable: Variable) -> Kind:
-    """The kind that a variable is by itself."""
+def _as_recorded(variable: Variable) -> ResponseType:
+    """The response type of a variable by itself."""
     read, mandatory = FORMS[variable.form]
-    return Kind(read, mandatory=mandatory, positive=variable.positive, shock=variable.shock)
+    return ResponseType(read, mandatory=mandatory, positive=variable.positive, shock=variable.shock)
 
 
 def _points(scene: Scene) -> Iterable[str]:
@@ -334,25 +334,25 @@ def _energies(scene: Scene) -> Iterable[str]:
 
 
 KINDS = {
-    "distance": Kind(partial(_pair, noun="points", names_of=_points, column=False), _distance,
-                     positive=True),
-    "position": Kind(partial(_vector, names=_points, unit="m"), partial(_of_point, 0),
-                     ("component",)),
-    "velocity": Kind(partial(_vector, names=_points, unit="m s-1"), partial(_of_point, 1),
-                     ("component",)),
-    "opening": Kind(partial(_opening, unit="rad", words="opening")),
-    "tension": Kind(partial(_by_name, unit="N", text="tension of cable {}", names=_cables,
-                            variable="cable_tension"), positive=True),
+    "distance": ResponseType(partial(_pair, noun="points", names_of=_points, column=False),
+                             _distance, positive=True),
+    "position": ResponseType(partial(_vector, names=_points, unit="m"), partial(_of_point, 0),
+                             ("component",)),
+    "velocity": ResponseType(partial(_vector, names=_points, unit="m s-1"), partial(_of_point, 1),
+                             ("component",)),
+    "opening": ResponseType(partial(_opening, unit="rad", words="opening")),
+    "tension": ResponseType(partial(_by_name, unit="N", text="tension of cable {}", names=_cables,
+                                    variable="cable_tension"), positive=True),
     # Sums of squares; the kinetic energy is a product of velocities half a step apart
     # (`fpm.kernels.record`), which can differ in sign.
-    "energy": Kind(partial(_by_name, unit="J", text="{} energy", names=_energies),
+    "energy": ResponseType(partial(_by_name, unit="J", text="{} energy", names=_energies),
                    lambda response, run: run.energies[response.subjects[0]],
                    positive=("strain", "spring", "contact")),
-    **{name: Kind(_latch, shock=name == "latch_moment") for name in SERIES},
+    **{name: ResponseType(_latch, shock=name == "latch_moment") for name in SERIES},
     **{name: _as_recorded(variable) for name, variable in VARIABLES.items() if variable.form},
-    "opening_rate": Kind(partial(_opening, unit="rad s-1", words="rate of the opening")),
-    "joint_moment": Kind(_moment, _sum, optional=("part",), shock=True),
-    "joint_power": Kind(_moment, _power, optional=("part",), shock=True),
-    "loss": Kind(_loss, _lost_energy),
-    "margin": Kind(margins.read, margins.values, ("to", "standard"), margins.OPTIONAL),
+    "opening_rate": ResponseType(partial(_opening, unit="rad s-1", words="rate of the opening")),
+    "joint_moment": ResponseType(_moment, _sum, optional=("part",), shock=True),
+    "joint_power": ResponseType(_moment, _power, optional=("part",), shock=True),
+    "loss": ResponseType(_loss, _lost_energy),
+    "margin": ResponseType(margins.read, margins.values, ("to", "standard"), margins.OPTIONAL),
 }  # fmt: skip

@@ -16,7 +16,7 @@ CLASSES = {
     "FR": "friction", "HY": "hysteresis", "HA": "harness and others", "HD": "adhesion",
     "TD": "inertia against a stated acceleration", "TL": "loads and what is to be delivered",
 }  # fmt: skip
-"""Classes of what acts (fpm.elements.kind.Kind.resists_as, Scene.classes), as of ECSS."""
+"""Classes of what acts (fpm.elements.kind.ElementType.resists_as, Scene.classes), as of ECSS."""
 
 
 class Standard(NamedTuple):
@@ -29,24 +29,24 @@ class Standard(NamedTuple):
     resists: dict[str, dict[str, float]]
 
 
-def _each(numbers: str) -> dict[str, float]:
+def _by_class(numbers: str) -> dict[str, float]:
     return dict(zip(CLASSES, map(float, numbers.split()), strict=True))
 
 
 def _nasa(variable: float, fixed: float, acceleration: float) -> dict[str, float]:
-    of = {"FR": variable, "HY": variable, "HA": variable, "HD": variable, "TD": acceleration}
-    return {name: of.get(name, fixed) for name in CLASSES}
+    factors = {"FR": variable, "HY": variable, "HA": variable, "HD": variable, "TD": acceleration}
+    return {name: factors.get(name, fixed) for name in CLASSES}
 
 
 #                          S   I   HM  FR HY HA HD TD   TL
-_DRIVES = _each("          1   1   1   0  0  0  0  0    1")
+_DRIVES = _by_class("          1   1   1   0  0  0  0  0    1")
 STANDARDS = {
     # 2 (1.1 I + 1.2 S + 1.5 HM + 3 FR + 3 HY + 3 HA + 3 HD) + 1.25 TD + TL
     "ecss-e-st-33-01c": Standard(
         "ECSS-E-ST-33-01C", "6 March 2009; Rev.2 of 2019 may differ",
-        _each("0.8 0.9 1   0  0  0  0  0    1"), {
-            "theory": _each("      2.4 2.2 3   6  6  6  6  1.25 1"),
-            "measurement": _each(" 2.4 2.2 2.4 3  3  3  6  1.25 1"),
+        _by_class("0.8 0.9 1   0  0  0  0  0    1"), {
+            "theory": _by_class("      2.4 2.2 3   6  6  6  6  1.25 1"),
+            "measurement": _by_class(" 2.4 2.2 2.4 3  3  3  6  1.25 1"),
         }),
     "nasa-std-5017b": Standard("NASA-STD-5017B", "2022, at second hand", _DRIVES, {
         "analysis": _nasa(3.00, 1.50, 1.25),

@@ -13,7 +13,7 @@ from functools import cache
 import numpy as np
 
 from fpm.elements import Beams, Cable, Joint, kinds_of
-from fpm.elements.kind import Kind
+from fpm.elements.kind import ElementType
 from fpm.scenes.scene import Scene
 
 STEP = 400.0
@@ -77,7 +77,7 @@ def run_seconds(scene: Scene, steps: int, instants: int) -> float:
     return (steps * step_seconds(scene) + instants * 1e-9 * INSTANT) / 8 + packing
 
 
-def _of_kind(kind: type[Kind], scene: Scene) -> float:
+def _of_kind(kind: type[ElementType], scene: Scene) -> float:
     """Nanoseconds for all elements of a kind, but for beams."""
     if kind.__name__ == "Damping":
         return DAMPED * len(scene.position)

@@ -18,10 +18,10 @@ from fpm.elements import (
     Contact,
     Damping,
     Drive,
+    ElementType,
     Gravity,
     Hinge,
     Joint,
-    Kind,
     Load,
     Support,
     TorsionSpring,
@@ -52,7 +52,7 @@ def _rows(values, *shape: int) -> np.ndarray:
     return array
 
 
-def _elements(kind: type[Kind]) -> property:
+def _elements(kind: type[ElementType]) -> property:
     """The scene's list of elements of a kind."""
 
     def get(scene: "Scene") -> list:
@@ -84,14 +84,18 @@ class Scene:
         self.mass = np.zeros(0)
         self.inertia = np.zeros((0, 3))
         self.fixed = np.zeros((0, 6), bool)
-        self.kinds: dict[type[Kind], list] = {}
+        self.kinds: dict[type[ElementType], list] = {}
         self.curves: list[tuple[np.ndarray, np.ndarray]] = []
         self.points: dict[str, VirtualBeam] = {}
         self.bodies: dict[str, int] = {}  # rigid ones that have a name, with their particles
         self.supports: dict[str, VirtualBeam] = {}  # named points that are held or driven
         self.bearings: Counter[int] = Counter()  # by hinge: mu r (m), of slides mu, where it is led
-        self.classes: dict[tuple[type[Kind], int], str] = {}  # other than Kind.resists_as
-        self.action_names: dict[tuple[type[Kind], int], str] = {}  # as a structure's file has them
+        self.classes: dict[
+            tuple[type[ElementType], int], str
+        ] = {}  # other than ElementType.resists_as
+        self.action_names: dict[
+            tuple[type[ElementType], int], str
+        ] = {}  # as a structure's file has them
         self.gravity, self.damping = gravity, damping
 
     beams = _elements(Beams)
@@ -122,7 +126,7 @@ class Scene:
         damping.check(self)
         self.kinds = {**self.kinds, Damping: [damping]}
 
-    def add(self, element: Kind) -> int:
+    def add(self, element: ElementType) -> int:
         """Add an element of any kind; returns its index among those of its kind.
 
         SceneError if it does not fit into the scene as it is.

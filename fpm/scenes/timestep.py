@@ -7,10 +7,10 @@ eigenvalue holds for the whole motion, as long as the elements' own strains are 
 are looked at, and the fastest one counts:
 
 - all that always acts, with all hinges cut;
-- for a kind that acts in one position only, as contacts do at opening zero: the same with its
-  elements, there, without the motions that are ruled out there (Kind.shut). To cut these hinges too
-  would double the frequency of a stiff contact: the particles beside it turn about the hinge line,
-  not about their own axes.
+- for a type that acts in one position only, as contacts do at opening zero: the same with its
+  elements, there, without the motions that are ruled out there (ElementType.shut). To cut these
+  hinges too would double the frequency of a stiff contact: the particles beside it turn about the
+  hinge line, not about their own axes.
 
 Dampers C whose rate is extrapolated, 3/2 of that of the last half step less 1/2 of the one before,
 count as springs of 4 C/h. A mode z^n u, with a = h u*Cu and b = h² u*Ku for u*Mu = 1, has

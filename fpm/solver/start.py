@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fpm.assembly.conditions import Conditions, Places, conditions_of
+from fpm.assembly.conditions import Conditions, ParticlePoses, conditions_of
 from fpm.elements.joints.turn import Turn
 from fpm.elements.openings.opening import moving_at_start
 from fpm.elements.particles.turning import turns_of
@@ -99,7 +99,7 @@ def check_masses(scene: Scene) -> None:
 
 def _rows(scene: Scene, conditions: Conditions):
     """Sparse rows (c, 6n) of conditions at the start."""
-    return conditions.jacobian(Places(scene.position, scene.frame))
+    return conditions.jacobian(ParticlePoses(scene.position, scene.frame))
 
 
 def _scaled(scene: Scene, rows):

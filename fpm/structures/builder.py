@@ -24,8 +24,8 @@ class Point:
     position: np.ndarray
 
 
-class Part:
-    """A bar or a body: which particle carries each of its points."""
+class Body:
+    """A bar or rigid body: the particle that carries each of its points."""
 
     def __init__(self, name: str, points: Mapping[str, int]):
         self.name, self.points = name, dict(points)
@@ -41,7 +41,7 @@ class Part:
         return self.points[point]
 
 
-class Ground(Part):
+class Ground(Body):
     """What does not move; every point can be one of it."""
 
     def particle(self, point: str) -> int:
@@ -92,7 +92,7 @@ class Builder:
         except KeyError:
             raise SkippedError(name) from None
 
-    def only_part_with(self, point: str, key: str) -> Part:
+    def only_part_with(self, point: str, key: str) -> Body:
         """The part that has a point, and is the only one."""
         parts = [value for (group, _), value in self._values.items() if group == "parts"]
         matches = [part for part in parts if point in part.points]

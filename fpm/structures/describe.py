@@ -10,7 +10,7 @@ from fpm.elements.cables.cable import Cable, length_through
 from fpm.elements.fields import specs
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
-from fpm.elements.kind import Kind
+from fpm.elements.kind import ElementType
 from fpm.elements.openings.release import AnyRelease
 from fpm.reading.bars import bars_of
 from fpm.scenes.scene import Scene
@@ -77,14 +77,14 @@ def _count_text(count: int, noun: str) -> str:
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
-def _step(cost: report.Cost) -> str:
+def _step(cost: report.RunCost) -> str:
     """The stable step, and what sets it."""
     if cost.step == np.inf:
         return "none, as nothing is elastic: a step is at most the time between two instants"
     return f"{cost.step:.4g} s, set by {cost.element}"
 
 
-def _remedy(structure: SceneType, scene: Scene, cost: report.Cost) -> str:
+def _remedy(structure: SceneType, scene: Scene, cost: report.RunCost) -> str:
     """What would make the stable step longer."""
     if cost.step == np.inf:
         return ""
@@ -119,7 +119,7 @@ def acting(scene: Scene) -> list[str]:
     return [text for _, text in sorted(texts, key=lambda pair: pair[0])]
 
 
-def _numbers(element: Kind, scene: Scene) -> Iterator[str]:
+def _numbers(element: ElementType, scene: Scene) -> Iterator[str]:
     """The numbers of an element on joints, those that do nothing left out."""
     slides = scene.hinges[element.acts_on()[0]].slides
     for name, field in specs(type(element)).items():

@@ -1,8 +1,8 @@
-"""Kinds of values that the keys of a statement take.
+"""Keys of a statement, by the type of their values.
 
-`read` is called once for a file and notes what is wrong with the text; what it gives is called with
-the Builder of every sample and gives the value there, or raises SceneError for numbers that are not
-allowed. A further kind of value goes here.
+`read` is called once for a file and notes what is wrong with the text; it returns a function of the
+Builder of every sample, which returns the value there or raises SceneError for numbers that are not
+allowed. A further type of value goes here.
 """
 
 from collections.abc import Callable, Container, Iterator
@@ -51,7 +51,7 @@ class Key:
 
 
 @dataclass(frozen=True)
-class Number(Key):
+class NumberKey(Key):
     """A number in a unit; `least` (allowed) or `above` (not allowed) is its lower end. joint: the
     key that names the joint whose opening it may be about.
     """
@@ -81,7 +81,7 @@ class Number(Key):
 
 
 @dataclass(frozen=True)
-class Whole(Key):
+class WholeKey(Key):
     """A whole number, which decides the structure's topology."""
 
     allowed = f"a whole number from 1 to {MOST}, of parameters with `whole: true`"
@@ -107,7 +107,7 @@ def _checked(bound: Bound, place: Place, allowed: str, right: Callable[[float], 
 
 
 @dataclass(frozen=True)
-class Vector(Key):
+class VectorKey(Key):
     """Three numbers in a unit, along x, y and z."""
 
     unit: str = ""
@@ -125,7 +125,7 @@ class Vector(Key):
 
 
 @dataclass(frozen=True)
-class Direction(Key):
+class DirectionKey(Key):
     """A direction: a letter, three numbers of one dimension, or from one point to another."""
 
     allowed = "x, y, z, -x, -y, -z, [x, y, z], or {from: P, to: Q} with two points"
@@ -155,8 +155,12 @@ class Direction(Key):
         return vector / size
 
 
-class Named(NamedTuple):
-    """What is built for a name of a group; of a universal joint, the hinge of that number."""
+class GroupMember(NamedTuple):
+    """The name of a member of a group; called with a Builder, it returns what was built for the
+    name.
+
+    number: of a universal joint, the hinge of that number.
+    """
 
     group: str
     name: str
@@ -168,7 +172,7 @@ class Named(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Reference(Key):
+class ReferenceKey(Key):
     """The name of something in a group; its value is what was built for it.
 
     ground: whether that is one of `parts` here.
@@ -187,11 +191,11 @@ class Reference(Key):
         full = place.reference(node, self.group)
         if full == "ground" and not self.ground:
             place.refuse(node, self.allowed)
-        return Named(self.group, full)
+        return GroupMember(self.group, full)
 
 
 @dataclass(frozen=True)
-class Opening(Key):
+class OpeningKey(Key):
     """The opening of a joint, of one of some types: its value is the index of the hinge."""
 
     types: tuple[str, ...] = ("revolute", "prismatic", "universal")
@@ -218,14 +222,14 @@ class Opening(Key):
             place.refuse(node, f"one of its two angles, {' or '.join(full + e for e in ANGLES)}")
         if type not in self.types:
             place.refuse(node, self.allowed)
-        return Named("joints", full, angle or 0)
+        return GroupMember("joints", full, angle or 0)
 
 
 @dataclass(frozen=True)
-class PointOfPart(Key):
+class PointKey(Key):
     """A point of a part or the ground: both names, or the point's where only one part has it."""
 
-    part = Reference(group="parts", ground=True)
+    part = ReferenceKey(group="parts", ground=True)
     allowed = f"{{part: {part.allowed}, at: one of its points}}, or a point that only one part has"
 
     def read(self, node, place):
@@ -240,7 +244,7 @@ class PointOfPart(Key):
 
 
 @dataclass(frozen=True)
-class ListOf(Key):
+class ListKey(Key):
     """A list of values of one kind, `least` to `most` of them, no two the same name.
 
     units: whether {each: REPEAT, through: [...]} may stand for those of all units of a repeat.
@@ -289,7 +293,7 @@ class ListOf(Key):
 
 
 @dataclass(frozen=True)
-class MapOf(Key):
+class MapKey(Key):
     """A mapping from names of a group to values of one kind; its value is keyed by full names.
 
     one: whether one value for all may stand in its place.
@@ -319,7 +323,7 @@ class MapOf(Key):
 
 
 @dataclass(frozen=True)
-class Assembled(Key):
+class AssemblyKey(Key):
     """Whether parts are forced together: None, or the hinges that are held then."""
 
     allowed = "true, false, or {hold: [joints]}"
@@ -329,12 +333,12 @@ class Assembled(Key):
             return lambda build: (lambda model: []) if node.text == "true" else None
         if node.entries.keys() != {"hold"}:
             place.refuse(node, self.allowed)
-        hinges = ListOf(kind=Opening()).read(node.entries["hold"], place.child("hold"))
+        hinges = ListKey(kind=OpeningKey()).read(node.entries["hold"], place.child("hold"))
         return lambda build: hinges
 
 
 @dataclass(frozen=True)
-class Choice(Key):
+class ChoiceKey(Key):
     """One of a few words."""
 
     options: tuple[str, ...] = ()
@@ -350,7 +354,7 @@ class Choice(Key):
 
 
 @dataclass(frozen=True)
-class Letters(Key):
+class LettersKey(Key):
     """Global axes."""
 
     allowed = "letters out of xyz, or none"

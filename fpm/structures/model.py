@@ -13,8 +13,8 @@ from fpm.elements.joints.hinge import ANGLES
 from fpm.errors import likely
 from fpm.scenes.scene import Scene
 from fpm.structures.expressions import ExpressionError
-from fpm.structures.keys import COMMA, MOST, Assembled, Number, Vector, Whole
-from fpm.structures.names import NEIGHBOURS, Context, Named, Names, Place
+from fpm.structures.keys import COMMA, MOST, AssemblyKey, NumberKey, VectorKey, WholeKey
+from fpm.structures.names import NEIGHBOURS, Context, NamedNumber, Names, Place
 from fpm.structures.reading import Node, Problems, SkippedError, check_keys, dotted, table_at
 from fpm.structures.statement import PARTS, Entry, read_entry, statement
 from fpm.structures.statements import GROUPS
@@ -28,13 +28,13 @@ MOST_STATEMENTS = 20_000
 
 @statement(
     "",
-    gravity=Vector(np.zeros(3), "acceleration of everything", unit="m/s2"),
-    damping=Number(0.0, "mass-proportional damping", unit="1/s", least=0),
-    viscosity=Number(
+    gravity=VectorKey(np.zeros(3), "acceleration of everything", unit="m/s2"),
+    damping=NumberKey(0.0, "mass-proportional damping", unit="1/s", least=0),
+    viscosity=NumberKey(
         0.0, "bulk viscosity of bars, a share of critical damping of an element: 0.2 against waves "
         "that ring in the mesh", least=0,
     ),
-    assemble=Assembled(
+    assemble=AssemblyKey(
         None, "whether parts are forced together whose points do not meet at their joints; `hold`: "
         "joints that keep their opening"
     ),
@@ -60,11 +60,12 @@ class Sheet(NamedTuple):
     number: int
 
 
-class Model:
-    """All statements of a file. `entries`: in the order in which they are built; `points`: names.
+class FileStatements:
+    """All statements of a structure file. `entries`: in the order in which they are built;
+    `points`: names.
 
-    table: the file; inputs: its parameters (text_file.GivenParameter); counts: values of the
-    whole ones. What is wrong is noted in `problems`, and left out.
+    table: the file; inputs: its parameters (text_file.GivenParameter); counts: values of the whole
+    ones. What is wrong is noted in `problems`, and left out.
     """
 
     def __init__(self, table: Node, inputs: Mapping[str, Any], counts: Mapping, problems: Problems):
@@ -73,7 +74,7 @@ class Model:
         for name, p in inputs.items():
             key = f"parameters.{name}"
             if self.names.allows(name, key, p.line, number=True):
-                self.names.numbers[name] = Named(key, p.line, p.unit.dimension, p.whole)
+                self.names.numbers[name] = NamedNumber(key, p.line, p.unit.dimension, p.whole)
         ends: dict[str, str] = {}
         file = Sheet(Context(ends), table, "", 0)
         sheets = [file, *self._units(table, counts, ends)]
@@ -120,12 +121,12 @@ class Model:
     def _count(self, node: Node, place: Place, line: int, counts: Mapping[str, float]) -> int:
         """How many units there are, by parameters that are whole numbers."""
         if "count" not in node.entries:
-            self.problems.say(line, f"{place.key}: missing; allowed: {Whole.allowed}")
+            self.problems.say(line, f"{place.key}: missing; allowed: {WholeKey.allowed}")
             raise SkippedError(place.key)
         count_node = node.entries["count"]
         size = sum(len(part.entries) for part in node.entries.values())
         most = min(MOST, MOST_STATEMENTS // max(size, 1))
-        bound = place.whole(count_node, Whole.allowed)
+        bound = place.whole(count_node, WholeKey.allowed)
         try:
             count = bound.value(counts)
         except ExpressionError:
@@ -169,7 +170,7 @@ class Model:
             sentence = f"the name {name} is defined twice; allowed: each name once"
             self.problems.say(line, f"{key}: {sentence}")
         elif group == "let":
-            numbers[full] = Named(key, line)
+            numbers[full] = NamedNumber(key, line)
         else:
             lines[full] = line
             if group in PARTS:
@@ -177,7 +178,7 @@ class Model:
             if group == "points":
                 self.points.append(full)
                 length = unit("m").dimension
-                numbers.update({f"{full}.{axis}": Named(key, line, length) for axis in "xyz"})
+                numbers.update({f"{full}.{axis}": NamedNumber(key, line, length) for axis in "xyz"})
 
     def _index(self, sheet: Sheet, node: Node) -> None:
         """The number of a unit under the name that the file gives it."""
@@ -185,7 +186,7 @@ class Model:
         if name in self.names.numbers:
             self.problems.say(node.line, f"{key}: the name {name} is defined twice")
         elif self.names.allows(name, key, node.line, number=True):
-            number = Named(key, node.line, NUMBER, whole=True, given=float(sheet.number))
+            number = NamedNumber(key, node.line, NUMBER, whole=True, given=float(sheet.number))
             self.names.numbers[sheet.context.prefix + name] = number
 
     def _define(self, sheet: Sheet) -> None:

@@ -78,7 +78,7 @@ class Bound:
         """Its value in SI units, from those of the full names."""
         return self.expression.value({name: numbers[full] for name, full in self.full.items()})
 
-    def dimension(self, numbers: Mapping[str, "Named"]) -> Dimension:
+    def dimension(self, numbers: Mapping[str, "NamedNumber"]) -> Dimension:
         """Its dimension; SkippedError if one of its names has none, being wrong itself."""
         dimensions = {name: numbers[full].dimension for name, full in self.full.items()}
         if None in dimensions.values():
@@ -87,7 +87,7 @@ class Bound:
 
 
 @dataclass
-class Named:
+class NamedNumber:
     """A number with a name: a parameter, a repeat's index (`given`), or derived by `bound`.
 
     dimension: None while it is unknown, or if it is wrong; whole: it depends on whole numbers only,
@@ -112,7 +112,7 @@ class Names:
 
     def __init__(self, problems: Problems):
         self.problems = problems
-        self.numbers: dict[str, Named] = {}
+        self.numbers: dict[str, NamedNumber] = {}
         self.groups: dict[str, dict[str, int]] = {"parts": {"ground": 0}}
         self.types: dict[str, str] = {}
         self.angles: dict[str, tuple[str, int]] = {}
@@ -169,7 +169,7 @@ class Names:
         for name in self.order:
             self._measure(self.numbers[name])
 
-    def _measure(self, number: Named) -> None:
+    def _measure(self, number: NamedNumber) -> None:
         if number.bound is None:
             return
         text, target = number.bound.expression.text, number.dimension

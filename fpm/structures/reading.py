@@ -156,7 +156,7 @@ def dotted(*parts: str) -> str:
 def read(text: str, problems: Problems) -> Node:
     """The table that a file's text holds; raises StructureError when it holds none."""
     try:
-        root = yaml.compose(text, _Loader)
+        root = yaml.compose(text, _TextLoader)
     except yaml.MarkedYAMLError as error:
         mark, reason = why_not_yaml(error)
         problems.say(mark.line + 1 if mark else 0, f"this is not YAML: {reason}")
@@ -193,9 +193,9 @@ def why_not_yaml(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
     return error.problem_mark or error.context_mark, problem
 
 
-class _Loader(yaml.BaseLoader):
-    """Text stays text; anchors, aliases and tags are refused where they stand, and more values than
-    anybody reads as well."""
+class _TextLoader(yaml.BaseLoader):
+    """Loader of YAML files whose values stay text; it refuses anchors, aliases, tags and too many
+    values where they stand."""
 
     count = 0
 

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from fpm.assembly.conditions import Places, conditions_of, dependence
+from fpm.assembly.conditions import ParticlePoses, conditions_of, dependence
 from fpm.scenes.effort import machine, run_seconds
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import SceneType
@@ -25,7 +25,7 @@ class Mobility(NamedTuple):
     degrees: int
 
 
-class Cost(NamedTuple):
+class RunCost(NamedTuple):
     """step (s) with its limiting element, number of steps, and of steps times elements; seconds of
     a core of this machine for one of eight runs side by side, without what is recorded."""
 
@@ -91,7 +91,7 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
         block[:3, :3], block[3:, 3:] = np.eye(3), np.eye(3) / size
         block[:3, 3:] = -np.cross(np.eye(3), arm) / size
     motion = motion.reshape(6 * count, 6 * len(moving))
-    slopes = rules.jacobian(Places(scene.position, scene.frame))
+    slopes = rules.jacobian(ParticlePoses(scene.position, scene.frame))
     joints = size * rules.weight(size)[:, None] * (slopes @ motion)
     fixed = np.argwhere(scene.fixed & ~is_fixed[:, None])
     dofs = fixed @ (6, 1)
@@ -135,9 +135,9 @@ def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, fl
     return sorted(changes, key=lambda change: -change[2])[:3]
 
 
-def cost(scene: Scene, duration: float, safety: float = 0.9) -> Cost:
+def cost(scene: Scene, duration: float, safety: float = 0.9) -> RunCost:
     """What a run over `duration` (s) takes, at `safety` times the stable step."""
     limit = stable_step(scene)
     steps = max(1, math.ceil(duration / (safety * limit.step))) if limit.step < np.inf else 1
     seconds = machine() * run_seconds(scene, steps, 0)
-    return Cost(limit.step, limit.element, steps, steps * len(scene.elements), seconds)
+    return RunCost(limit.step, limit.element, steps, steps * len(scene.elements), seconds)

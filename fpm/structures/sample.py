@@ -9,8 +9,8 @@ from fpm.assembly import MisfitError, assemble
 from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
 from fpm.solver.start import check_masses
-from fpm.structures.builder import Builder, Ground, Part, Point
-from fpm.structures.model import Model
+from fpm.structures.builder import Body, Builder, Ground, Point
+from fpm.structures.model import FileStatements
 from fpm.structures.reading import Problems, SkippedError
 from fpm.structures.statement import PARTS, Entry
 
@@ -18,7 +18,7 @@ FIRST_GROUPS = ("materials", "sections", *PARTS, "masses", "supports", "joints")
 """Groups that are built before parts are forced together."""
 
 
-def build_sample(model: Model, values: Mapping[str, float], problems: Problems) -> Builder:
+def build_sample(model: FileStatements, values: Mapping[str, float], problems: Problems) -> Builder:
     """Build a model at given values; its `scene` is complete where no problem was found."""
     build = Builder(problems)
     with np.errstate(all="ignore"):
@@ -36,7 +36,7 @@ def build_sample(model: Model, values: Mapping[str, float], problems: Problems) 
     return build
 
 
-def _number(build: Builder, model: Model, values: Mapping[str, float]) -> None:
+def _number(build: Builder, model: FileStatements, values: Mapping[str, float]) -> None:
     for name in model.names.order:
         number = model.names.numbers[name]
         if name in values:
@@ -52,7 +52,7 @@ def _number(build: Builder, model: Model, values: Mapping[str, float]) -> None:
                 pass
 
 
-def _place(build: Builder, model: Model) -> None:
+def _place(build: Builder, model: FileStatements) -> None:
     positions = []
     for name in model.points:
         axes = [build.numbers.get(f"{name}.{axis}") for axis in "xyz"]
@@ -63,7 +63,7 @@ def _place(build: Builder, model: Model) -> None:
         build.size = float(np.ptp(positions, axis=0).max())
 
 
-def _scene(build: Builder, model: Model) -> Scene:
+def _scene(build: Builder, model: FileStatements) -> Scene:
     try:
         scene = model.overall.statement.build(build, model.overall.values(build))
     except SkippedError:
@@ -102,13 +102,13 @@ def _build(build: Builder, entry: Entry) -> None:
     if word := vars(values).get("class"):
         classes = build.scene.classes if word == "S" else {}  # hysteresis of a spring is hysteresis
         build.scene.classes |= {element: classes.get(element, word) for element in new}
-    if isinstance(value, Part):
+    if isinstance(value, Body):
         value.particles = np.arange(count0, len(build.scene.position))
         build.keep("parts", entry.name, value)
     build.keep(entry.statement.group, entry.name, value)
 
 
-def _assemble(build: Builder, model: Model) -> None:
+def _assemble(build: Builder, model: FileStatements) -> None:
     """Force parts together that do not meet, if the file asks for it."""
     if build.hold is None or build.problems:
         return
@@ -121,7 +121,7 @@ def _assemble(build: Builder, model: Model) -> None:
         _note(build, line, error.key, error)
 
 
-def _finish(build: Builder, model: Model) -> None:
+def _finish(build: Builder, model: FileStatements) -> None:
     scene = build.scene
     numbers = (scene.position, scene.mass, scene.inertia, scene.velocity, scene.gravity)
     if not all(np.isfinite(x).all() for x in numbers):

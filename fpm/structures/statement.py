@@ -14,11 +14,20 @@ from typing import Any
 import numpy as np
 
 from fpm.elements.fields import Index, Word, specs
-from fpm.elements.kind import Kind
+from fpm.elements.kind import ElementType
 from fpm.errors import did_you_mean, likely
 from fpm.reading.standards import CLASSES
 from fpm.structures.builder import Builder
-from fpm.structures.keys import NO_VALUE, Choice, Key, ListOf, Number, Opening, Reference, Value
+from fpm.structures.keys import (
+    NO_VALUE,
+    ChoiceKey,
+    Key,
+    ListKey,
+    NumberKey,
+    OpeningKey,
+    ReferenceKey,
+    Value,
+)
 from fpm.structures.names import Place
 from fpm.structures.reading import Node, SkippedError, commas
 
@@ -61,9 +70,9 @@ class Statement:
         return {names.get(n, n): (n, key.sliding(joints)) for n, key in self.keys.items()}
 
     @cached_property
-    def openings(self) -> dict[str, Opening]:
+    def openings(self) -> dict[str, OpeningKey]:
         """The keys that may name slides."""
-        keys = {n: k for n, k in self.keys.items() if isinstance(k, Opening)}
+        keys = {n: k for n, k in self.keys.items() if isinstance(k, OpeningKey)}
         return {name: key for name, key in keys.items() if SLIDE in key.types}
 
 
@@ -81,14 +90,14 @@ def statement(group: str, type: str = "", text: str = "", /, **keys: Key) -> Cal
 
 # -- keys that are fields of elements --------------------------------------------------------------
 
-JOINT = Opening(text="on which joint it acts")
+JOINT = OpeningKey(text="on which joint it acts")
 """The key of a field `hinge`."""
 
-CLASS = {"class": Choice(None, "in margins; left out: by what it is", options=tuple(CLASSES))}
+CLASS = {"class": ChoiceKey(None, "in margins; left out: by what it is", options=tuple(CLASSES))}
 """The key of what has a part where an opening is led slowly (fpm/travel/)."""
 
 
-def key_of(kind: type[Kind], name: str, left_out: str = "", **changes: Any) -> Key:
+def key_of(kind: type[ElementType], name: str, left_out: str = "", **changes: Any) -> Key:
     """The key of a field of a kind, with these changes.
 
     left_out: what it means where the key is left out, which the field does not allow by itself.
@@ -100,20 +109,21 @@ def key_of(kind: type[Kind], name: str, left_out: str = "", **changes: Any) -> K
         return replace(JOINT, types=field.types or JOINT.types)
     if isinstance(field, Index):
         default = None if default == -1 else default
-        key: Key = Reference(default, field.text, group=field.of)
+        key: Key = ReferenceKey(default, field.text, group=field.of)
     elif isinstance(field, Word):
-        key = Choice(default, field.text, options=tuple(field.values))
+        key = ChoiceKey(default, field.text, options=tuple(field.values))
     else:
         default = None if default == np.inf else default
-        key = Number(default, field.text, field.unit, field.least, field.above)
+        key = NumberKey(default, field.text, field.unit, field.least, field.above)
         if (count := field.count) > 1:
-            key = ListOf(default, field.text, replace(key, default=NO_VALUE, text=""), count, count)
+            item = replace(key, default=NO_VALUE, text="")
+            key = ListKey(default, field.text, item, count, count)
     if left_out:
         key = replace(key, default=None, text=f"{key.text}; left out: {left_out}")
     return replace(key, **changes)
 
 
-def element(kind: type[Kind], args: SimpleNamespace, **extra: Any) -> Kind:
+def element(kind: type[ElementType], args: SimpleNamespace, **extra: Any) -> ElementType:
     """An element of a kind, from what its keys gave and from `extra`; None: a field's default."""
     values = {**vars(args), "hinge": getattr(args, "joint", None), **extra}
     own = {f.name: values.get(f.name) for f in fields(kind)}
@@ -122,7 +132,7 @@ def element(kind: type[Kind], args: SimpleNamespace, **extra: Any) -> Kind:
 
 
 def acting(
-    kind: type[Kind],
+    kind: type[ElementType],
     text: str = "",
     /,
     excluded: Container[str] = (),
@@ -143,7 +153,7 @@ def acting(
     return statement("actions", kind.called, text, **dict(required_first))
 
 
-def whole(kind: type[Kind]) -> Statement:
+def whole(kind: type[ElementType]) -> Statement:
     """The statement of a kind that acts on a joint, which is said by its fields alone."""
     text = (kind.__doc__ or "").split("\n")[0]
     return acting(kind, text)(lambda build, args: build.scene.add(element(kind, args)))

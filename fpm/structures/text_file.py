@@ -16,7 +16,7 @@ from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
 from fpm.structures.builder import Builder
 from fpm.structures.expressions import ExpressionError, parse
-from fpm.structures.model import KEYS, TEXTS, Model
+from fpm.structures.model import KEYS, TEXTS, FileStatements
 from fpm.structures.reading import (
     Node,
     Problems,
@@ -63,7 +63,7 @@ class _File:
 
     def __init__(self, table: Node, parameters: dict[str, GivenParameter], source: str):
         self.table, self.parameters, self.source = table, parameters, source
-        self._models: dict[tuple, Model] = {}
+        self._models: dict[tuple, FileStatements] = {}
 
     def build(self, **parameters) -> Scene:
         """The scene at the values given, each in its parameter's unit."""
@@ -77,7 +77,9 @@ class _File:
         values = {name: p.si(parameters[name]) for name, p in self.parameters.items()}
         counts = {name: values[name] for name, p in self.parameters.items() if p.whole}
         key = tuple(counts.values())
-        model = self._models.get(key) or Model(self.table, self.parameters, counts, problems)
+        model = self._models.get(key) or FileStatements(
+            self.table, self.parameters, counts, problems
+        )
         if not problems:
             self._models[key] = model
         return build_sample(model, values, problems)

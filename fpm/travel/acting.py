@@ -1,138 +1,142 @@
-"""What some elements do to all particles, by their own kernels: no kind's physics stands twice."""
+"""Forces of chosen elements on all particles, by the elements' own kernels."""
 
 from copy import copy
 from typing import Any
 
 import numpy as np
 
-from fpm.assembly.conditions import Places
+from fpm.assembly.conditions import ParticlePoses
 from fpm.elements import Hinge, energies_of
 from fpm.elements.batch import Batch
-from fpm.kernels import layout as at
+from fpm.kernels import layout
 from fpm.kernels.world import StepTime
 
-SLOWLY = 1e300
-"""Seconds of a step: whatever depends on rates vanishes."""
+LONG_STEP = 1e300
+"""Time step (s) of a quasi-static motion, so long that forces by rates vanish."""
 
-JUST_AFTER = 5e-324
-"""The time (s): that of the start, and not the start, where kernels look at the way so far."""
+TIME_AFTER_START = 5e-324
+"""Time (s) of all forces: that of the start, but above 0, where kernels initialise elements."""
 
 NUDGE = 1e-6
 """Shift (of the size) and turn (rad) by which forces are differentiated, on either side."""
 
-ABOUT = np.cross(np.eye(3)[:, None], np.eye(3)[None]).swapaxes(1, 2)
-"""Matrices (3, 3) of the products with the global axes."""
+CROSS_PRODUCTS = np.cross(np.eye(3)[:, None], np.eye(3)[None]).swapaxes(1, 2)
+"""Matrices (3, 3, 3) of the vector products with the three global axes."""
 
 
-class Acting:
-    """Elements of one kind of a scene, alone: the forces that they have where particles are put.
+class ElementForces:
+    """Forces and moments of elements of one type of a scene, for given poses of its particles.
 
-    They keep what they keep from one place to the next, as the foot of a bristle.
+    The elements' history, as the foot of a bristle, is carried from each pose to the next.
     """
 
     def __init__(self, scene, elements: list):
-        alone, kind = copy(scene), type(elements[0])
-        alone.kinds = {Hinge: scene.hinges, kind: elements}
+        own_scene, kind = copy(scene), type(elements[0])
+        own_scene.kinds = {Hinge: scene.hinges, kind: elements}
         kinds = [*kind.reads, kind]
-        batch = Batch([alone], kinds, energies_of(kinds), at_once(), np.float64, 1, 1)
+        batch = Batch([own_scene], kinds, energies_of(kinds), lanes_of_register(), np.float64, 1, 1)
         self.parts, self.world = batch.parts(), batch.world()
-        found = kind.deformations(alone)
-        self._stiff = np.zeros(0, int) if found is None else np.unique(found.dofs)
+        deformations = kind.deformations(own_scene)
+        self._stiff = np.zeros(0, int) if deformations is None else np.unique(deformations.dofs)
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
 
-    def forces(self, places: Places) -> np.ndarray:
-        """Forces and moments (6n,), in global axes, of elements that came here from where they
-        were last."""
-        self._put(places)
+    def forces(self, poses: ParticlePoses) -> np.ndarray:
+        """Forces (N) and moments (N m) on all particles (6n,), in global axes, after the elements
+        moved from their last poses to these."""
+        self._put(poses)
         self._act()
         return self._act()[:, 0]  # once more: nothing is passed on the way
 
-    def kept(self) -> list[np.ndarray]:
-        """What the elements keep."""
+    def copy_history(self) -> list[np.ndarray]:
+        """Copies of all arrays of the elements, with what they carry from pose to pose."""
         return [array.copy() for array in _numbers(self.parts)]
 
-    def restore(self, kept: list[np.ndarray]) -> None:
-        """Let them keep it again."""
-        for before, array in zip(kept, _numbers(self.parts), strict=True):
-            array[:] = before
+    def restore(self, history: list[np.ndarray]) -> None:
+        """Put arrays of `copy_history` back into the elements."""
+        for values, array in zip(history, _numbers(self.parts), strict=True):
+            array[:] = values
 
-    def tried(self, places: Places) -> tuple[np.ndarray, Any]:
-        """The same, and minus its derivatives, sparse (6n, 6n), by the motions of all; the elements
-        stay where they were."""
+    def linearise(self, poses: ParticlePoses) -> tuple[np.ndarray, Any]:
+        """Forces (6n,) as of `forces`, and the stiffness, sparse (6n, 6n): minus their derivatives
+        by the motions (m, rad) of all particles. The elements' history is left as it was."""
         from scipy.sparse import csc_array
 
-        before = self.kept()
-        self._put(places)
+        history = self.copy_history()
+        self._put(poses)
         self._act()
-        found, slopes = self._act()[:, 0].copy(), []
+        forces, slopes = self._act()[:, 0].copy(), []
         lanes = self.world.state.shape[2]
         for first in range(0, len(self._stiff), lanes):
             dofs = self._stiff[first : first + lanes]
             pair = []
             for sign in (1.0, -1.0):
-                self._put(places)
-                steps = [self._nudge(places, lane, dof, sign) for lane, dof in enumerate(dofs)]
+                self._put(poses)
+                steps = [self._nudge(poses, lane, dof, sign) for lane, dof in enumerate(dofs)]
                 self._act()
                 pair.append(self._act()[:, : len(dofs)] / (2.0 * np.array(steps)))
             slopes.append(pair[1] - pair[0])
-        self.restore(before)
-        count = len(found)
+        self.restore(history)
+        count = len(forces)
         if not slopes:
-            return found, csc_array((count, count))
+            return forces, csc_array((count, count))
         values = np.hstack(slopes)
         rows, columns = np.nonzero(values)
         entries = values[rows, columns], (rows, self._stiff[columns])
-        return found, csc_array(entries, shape=(count, count))
+        return forces, csc_array(entries, shape=(count, count))
 
-    def _put(self, places: Places) -> None:
+    def _put(self, poses: ParticlePoses) -> None:
         state = self.world.state
-        state[:, at.X : at.X + 3] = places.position[:, :, None]
-        state[:, at.D2 : at.D2 + 3] = places.frame[:, :, 1, None]
-        state[:, at.D3 : at.D3 + 3] = places.frame[:, :, 2, None]
+        state[:, layout.X : layout.X + 3] = poses.position[:, :, None]
+        state[:, layout.D2 : layout.D2 + 3] = poses.frame[:, :, 1, None]
+        state[:, layout.D3 : layout.D3 + 3] = poses.frame[:, :, 2, None]
 
-    def _nudge(self, places: Places, lane: int, dof: int, sign: float) -> float:
-        """Move one lane along a degree of freedom; by how much, m or rad."""
+    def _nudge(self, poses: ParticlePoses, lane: int, dof: int, sign: float) -> float:
+        """Move one lane along a degree of freedom, and return the size of the step (m or rad)."""
         (i, k), state = divmod(int(dof), 6), self.world.state
         if k < 3:
-            state[i, at.X + k, lane] += sign * NUDGE * self._size
+            state[i, layout.X + k, lane] += sign * NUDGE * self._size
             return NUDGE * self._size
-        turned = places.frame[i] + sign * NUDGE * (ABOUT[k - 3] @ places.frame[i])
-        state[i, at.D2 : at.D2 + 3, lane] = turned[:, 1]
-        state[i, at.D3 : at.D3 + 3, lane] = turned[:, 2]
+        frame = poses.frame[i] + sign * NUDGE * (CROSS_PRODUCTS[k - 3] @ poses.frame[i])
+        state[i, layout.D2 : layout.D2 + 3, lane] = frame[:, 1]
+        state[i, layout.D3 : layout.D3 + 3, lane] = frame[:, 2]
         return NUDGE
 
     def _act(self) -> np.ndarray:
         from fpm.kernels.compiled import loop_for
 
         state = self.world.state
-        state[:, at.F : at.M + 3] = 0.0
-        arguments = self.parts, self.world, StepTime(JUST_AFTER, SLOWLY, SLOWLY)
+        state[:, layout.F : layout.M + 3] = 0.0
+        arguments = (
+            self.parts,
+            self.world,
+            StepTime(TIME_AFTER_START, LONG_STEP, LONG_STEP),
+        )
         loop_for(arguments, "act")(*arguments)
-        return state[:, at.F : at.M + 3].reshape(-1, state.shape[2])
+        return state[:, layout.F : layout.M + 3].reshape(-1, state.shape[2])
 
 
-def at_once() -> int:
-    """Lanes of a register."""
+def lanes_of_register() -> int:
+    """Number of lanes of a SIMD register in double precision."""
     from fpm.kernels.lanes import width
 
     return width(np.float64)
 
 
 def acts(kind: type) -> bool:
-    """Whether a kind has forces in the places of particles."""
+    """Whether the kernels of an element type have forces that depend on the poses of particles."""
     from fpm.kernels.hooks import KERNELS
 
     own = kind.kernels()
-    arrays = [found for found, name in KERNELS if name == "forces"]
-    return any(found.__module__ == own.__name__ for found in arrays)
+    array_types = [array_type for array_type, name in KERNELS if name == "forces"]
+    return any(array_type.__module__ == own.__name__ for array_type in array_types)
 
 
 def _numbers(parts) -> list[np.ndarray]:
-    """All arrays of numbers in tuples of arrays."""
-    found = []
+    """All arrays of floating-point numbers in nested tuples."""
+    arrays = []
     for part in parts:
         if isinstance(part, tuple):
-            found += _numbers(part)
+            arrays += _numbers(part)
         elif isinstance(part, np.ndarray) and part.dtype.kind == "f":
-            found.append(part)
-    return found
+            arrays.append(part)
+    return arrays

@@ -1,30 +1,31 @@
-"""The balance of an assembly on its way, and the forces in bearings with their own friction."""
+"""Static balance of an assembly during its travel, and forces in bearings with their friction."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from fpm.assembly.conditions import Places as At
+from fpm.assembly.conditions import ParticlePoses
 from fpm.assembly.elastic import elastic_of
-from fpm.travel.acting import Acting
+from fpm.travel.acting import ElementForces
 from fpm.travel.components import components_of
 
-SHARES, LOCKED = 8, 1e-3
-"""In how many steps the friction of bearings grows to its own, and the determinant of the forces'
-equations below which it presses its joint as hard as it is pushed."""
+FRICTION_STEPS, LOCKING_DETERMINANT = 8, 1e-3
+"""Number of steps in which the friction of bearings is raised to its full value, and determinant of
+the forces' equations below which a bearing locks itself."""
 
 SOFT, STIFF = 1e-8, 1e-13
 """What decides motions that nothing stiffens, as shares of the stiffness of springs and their like,
 and at least of that of bars."""
 
-ROUNDS = 40
+MAX_ITERATIONS = 40
+"""Of a Newton iteration."""
 
 TINY = 1e-300
 """N m, so that nothing is divided by zero where nothing acts."""
 
 
 class Balance:
-    """Bars, and what else has no losses, for the balance of an assembly (fpm/assembly)."""
+    """Bars and all components without losses, for the balance of an assembly (fpm/assembly)."""
 
     def __init__(self, scene):
         self._bars = elastic_of(scene)
@@ -32,41 +33,41 @@ class Balance:
         for part in components_of(scene):
             if not part.drags:
                 by_kind.setdefault(type(part.balanced), []).append(part.balanced)
-        self.acting = [Acting(scene, elements) for elements in by_kind.values()]
+        self.acting = [ElementForces(scene, elements) for elements in by_kind.values()]
 
-    def strain(self, places: At) -> float:
+    def strain(self, poses: ParticlePoses) -> float:
         """Energy (J) of the bars."""
-        return self._bars.energy(places) if len(self._bars.nodes) else 0.0
+        return self._bars.energy(poses) if len(self._bars.nodes) else 0.0
 
-    def derivatives(self, places: At):
-        """Gradient (6n,) and its derivatives, sparse (6n, 6n)."""
-        gradient, stiffness = self._of_bars(places)
+    def derivatives(self, poses: ParticlePoses):
+        """Gradient (6n,) of the energy, N and N m, and its derivatives, sparse (6n, 6n)."""
+        gradient, stiffness = self._of_bars(poses)
         for acting in self.acting:
-            forces, slopes = acting.tried(places)
+            forces, slopes = acting.linearise(poses)
             gradient, stiffness = gradient - forces, stiffness + slopes
         return gradient, stiffness
 
-    def ease(self, places: At, scales: np.ndarray) -> float:
-        """What decides motions that nothing stiffens (N m)."""
+    def ease(self, poses: ParticlePoses, scales: np.ndarray) -> float:
+        """Stiffness (N m) of motions that no element stiffens; scales (6n,): lengths, angles."""
         from scipy.sparse import diags
 
         own = diags(scales)
-        soft = [acting.tried(places)[1] for acting in self.acting]
-        bars, *others = (abs(own @ k @ own).max() for k in (self._of_bars(places)[1], *soft))
-        return max(STIFF * bars, SOFT * max(others, default=0.0)) or 1.0
+        soft = [acting.linearise(poses)[1] for acting in self.acting]
+        bars, *springs = (abs(own @ k @ own).max() for k in (self._of_bars(poses)[1], *soft))
+        return max(STIFF * bars, SOFT * max(springs, default=0.0)) or 1.0
 
-    def _of_bars(self, places: At):
+    def _of_bars(self, poses: ParticlePoses):
         from scipy.sparse import csc_array
 
         if len(self._bars.nodes):
-            return self._bars.derivatives(places)
-        count = 2 * places.position.size
+            return self._bars.derivatives(poses)
+        count = 2 * poses.position.size
         return np.zeros(count), csc_array((count, count))
 
-    def follow(self, places: At) -> None:
-        """Everything has come here."""
+    def follow(self, poses: ParticlePoses) -> None:
+        """Move all elements from their last poses to these, with their history."""
         for acting in self.acting:
-            acting.forces(places)
+            acting.forces(poses)
 
 
 def forces_with_friction(
@@ -79,14 +80,14 @@ def forces_with_friction(
     from no friction on; where its equations become singular, a bearing locks itself.
     """
     forces = np.array([np.linalg.norm(x) for x in base])
-    for share in np.linspace(0.0, 1.0, 1 + SHARES)[1:]:
-        for _ in range(ROUNDS):
-            borne = [x + share * c @ forces for x, c in zip(base, slopes, strict=True)]
-            size = np.array([np.linalg.norm(x) for x in borne])
-            jacobian = np.eye(len(size)) - share * np.stack([
-                x @ c / max(f, TINY) for x, c, f in zip(borne, slopes, size, strict=True)
+    for factor in np.linspace(0.0, 1.0, 1 + FRICTION_STEPS)[1:]:
+        for _ in range(MAX_ITERATIONS):
+            joint_forces = [x + factor * c @ forces for x, c in zip(base, slopes, strict=True)]
+            size = np.array([np.linalg.norm(x) for x in joint_forces])
+            jacobian = np.eye(len(size)) - factor * np.stack([
+                x @ c / max(f, TINY) for x, c, f in zip(joint_forces, slopes, size, strict=True)
             ])  # fmt: skip
-            if np.linalg.det(jacobian) < LOCKED:
+            if np.linalg.det(jacobian) < LOCKING_DETERMINANT:
                 return forces, False
             change = np.linalg.solve(jacobian, size - forces)
             forces = np.maximum(forces + change, 0.0)

@@ -9,41 +9,40 @@ from typing import Any
 import numpy as np
 
 from fpm.assembly import FARTHEST, MisfitError, linearised
-from fpm.assembly.conditions import NORMAL, Conditions, conditions_of, scaled
-from fpm.assembly.conditions import Places as At
+from fpm.assembly.conditions import NORMAL, Conditions, ParticlePoses, conditions_of, scaled
 from fpm.elements.openings.opening import opening_at, rate_at
 from fpm.errors import SceneError
-from fpm.travel.balance import ROUNDS, TINY, Balance, forces_with_friction
+from fpm.travel.balance import MAX_ITERATIONS, TINY, Balance, forces_with_friction
 
-NEAR = 1e-8
+MOTION_TOLERANCE = 1e-8
 """Last motion of the rounds at a position, as a share of the size, or turn (rad). The way on is
 that before it, where bars may be strained by as much, which stiffens thin ones in bending."""
 
-AHEAD = ([1], [3, -1], [23, -16, 5], [55, -59, 37, -9])
+PREDICTOR_WEIGHTS = ([1], [3, -1], [23, -16, 5], [55, -59, 37, -9])
 """Weights of the last motions, by how many there are, in that to the next position (Adams and
 Bashforth)."""
 
-AGREES = 0.2
+RATE_TOLERANCE = 0.2
 """By how much a motion between two positions may differ from the mean of the rates at both, as a
 share of itself; beyond, it is halved, as it may have come upon another assembly of the same joints.
 """
 
-MOST_HALVED = 1000
+MAX_HALVED_MOTIONS = 1000
 """Motions that are halved on a whole way at most; a jump takes some 300, with those about it."""
 
-HALVINGS = 14
+MAX_HALVINGS = 14
 """How often a motion is halved at most: where two assemblies meet closer than that, it goes on
 straight."""
 
-DRIFTS = 1e-9
+DRIFT_TOLERANCE = 1e-9
 """Share of the largest rate of a condition, in a motion of the whole, below which it has none."""
 
-ALIKE = 1e-3
+FREEDOM_TOLERANCE = 1e-3
 """By how much the rates of openings may differ, as a share of the largest, with other masses: where
 they differ by more, it is not the opening alone that decides the motion."""
 
 
-def _turned(first: np.ndarray, last: np.ndarray) -> np.ndarray:
+def _rotations_of(first: np.ndarray, last: np.ndarray) -> np.ndarray:
     """The rotations (n, 3) rad, below half a turn, from frames (n, 3, 3) to others."""
     turn = last @ first.transpose(0, 2, 1)
     skew = 0.5 * (turn - turn.transpose(0, 2, 1))
@@ -53,7 +52,7 @@ def _turned(first: np.ndarray, last: np.ndarray) -> np.ndarray:
 
 
 class Path:
-    """Where a scene is on its way, `places`, with the motion `tangent` (6n,) per unit of the
+    """Where a scene is on its way, `poses`, with the motion `tangent` (6n,) per unit of the
     opening."""
 
     def __init__(self, scene, openings: Sequence[str], stand: Sequence[str]):
@@ -61,94 +60,95 @@ class Path:
         by_name = {hinge.name: hinge for hinge in scene.hinges}
         self._hinges, self.balance = [by_name[name] for name in openings], Balance(scene)
         self.opening = self._start = float(self._hinges[0].opening)
-        self.places = At(scene.position.copy(), scene.frame.copy())
+        self.poses = ParticlePoses(scene.position.copy(), scene.frame.copy())
         self._conditions = conditions_of(scene, [*stand, *openings])
         self._leading = len(stand) + len(openings)
-        self._zeros = self._conditions.gaps(self.places)[-len(openings) :]
+        self._zeros = self._conditions.gaps(self.poses)[-len(openings) :]
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
         self._scales = np.tile(np.repeat([self._size, 1.0], 3), len(scene.position))
         self._weight = self._conditions.weight(self._size)
         self._impulses = np.zeros(len(self._weight))
-        self._free = self._moving(self.places)
+        self._free = self._moving(self.poses)
         self.tangent = np.zeros(len(self._scales))
         self._tangents: list[np.ndarray] = []
         self._halved = 0
         self._jumps: list[float] = []  # openings at which it left its way
-        self._opened = [float(hinge.opening) for hinge in scene.hinges]
-        self._ease = self.balance.ease(self.places, self._scales)
+        self._openings = [float(hinge.opening) for hinge in scene.hinges]
+        self._ease = self.balance.ease(self.poses, self._scales)
 
-    def to(self, value: float, depth: int = 0) -> None:
+    def move_to(self, value: float, depth: int = 0) -> None:
         """Lead the opening to a value, by as many steps as it takes to stay on one way;
         MisfitError where it cannot be."""
-        before, tangents = self.state(), self._tangents
-        jumped = any(min(before[1], value) <= place <= max(before[1], value)
-                     for place in self._jumps)  # fmt: skip
+        state, tangents = self.state(), self._tangents
+        is_past_jump = any(min(state[1], value) <= jump <= max(state[1], value)
+                           for jump in self._jumps)  # fmt: skip
         try:
             self._step(value)
-            if jumped or not tangents or value == before[1] or self._stays(before, tangents):
+            if is_past_jump or not tangents or value == state[1] or self._stays(state, tangents):
                 return
-            if depth == HALVINGS:  # whatever lies between, it jumps here
+            if depth == MAX_HALVINGS:  # whatever lies between, it jumps here
                 self._jumps.append(value)
                 return
         except MisfitError:
-            if jumped or not tangents or value == before[1] or depth == HALVINGS:
+            if is_past_jump or not tangents or value == state[1] or depth == MAX_HALVINGS:
                 raise
-        self.restore(before)
+        self.restore(state)
         self._tangents = tangents
         self._halved += 1
-        if self._halved > MOST_HALVED:
+        if self._halved > MAX_HALVED_MOTIONS:
             raise SceneError(
                 f"opening {self.name}", f"{value:.6g}", "a way on which motions agree with the "
                 "rates at their ends; here they jump from place to place"
             )  # fmt: skip
-        self.to(0.5 * (before[1] + value), depth + 1)
-        self.to(value, depth + 1)
+        self.move_to(0.5 * (state[1] + value), depth + 1)
+        self.move_to(value, depth + 1)
 
-    def _stays(self, before: tuple, tangents: Sequence[np.ndarray]) -> bool:
+    def _stays(self, state: tuple, tangents: Sequence[np.ndarray]) -> bool:
         """Whether a motion agrees with the rates at both of its ends, and the assembly is the same
         one: where two meet, the conditions' derivatives have the other orientation on the other."""
-        step = self.opening - before[1]
-        shift = self.places.position - before[0].position
-        turn = _turned(before[0].frame, self.places.frame)
-        moved = np.stack([shift, turn], axis=1).ravel() / self._scales
+        step = self.opening - state[1]
+        shift = self.poses.position - state[0].position
+        turn = _rotations_of(state[0].frame, self.poses.frame)
+        motion = np.stack([shift, turn], axis=1).ravel() / self._scales
         rates = 0.5 * step * (tangents[0] + self.tangent) / self._scales
-        size = max(np.abs(moved).max(), np.abs(rates).max())
-        if np.abs(moved - rates).max() > AGREES * size + NEAR:
+        size = max(np.abs(motion).max(), np.abs(rates).max())
+        if np.abs(motion - rates).max() > RATE_TOLERANCE * size + MOTION_TOLERANCE:
             return False
-        first, last = (self._derivatives(places) for places in (before[0], self.places))
+        first, last = (self._derivatives(poses) for poses in (state[0], self.poses))
         if first.shape[0] >= first.shape[1]:
             first, last = first.T, last.T
         sign = np.linalg.slogdet(first @ last.T)[0]
         return sign >= 0
 
-    def _derivatives(self, places: At) -> np.ndarray:
+    def _derivatives(self, poses: ParticlePoses) -> np.ndarray:
         """Derivatives (c, f) of the conditions, scaled."""
-        rows = scaled(self._conditions.jacobian(places), self._weight, self._scales)
+        rows = scaled(self._conditions.jacobian(poses), self._weight, self._scales)
         return rows[:, self._free].toarray()
 
     def _step(self, value: float) -> None:
         """Lead the opening to a value at once; MisfitError where it cannot be."""
-        step, conditions = value - self.opening, self._held(value)
-        weights = AHEAD[len(self._tangents) - 1] if self._tangents else []
-        ahead = sum(w / sum(weights) * t for w, t in zip(weights, self._tangents, strict=True))
-        places = self.places.displace(step * ahead) if self._tangents else self.places
-        settled = False
-        for _ in range(ROUNDS):
-            solve, gradient = self._equations(places, conditions, self._ease)
-            lacks = -self._weight * conditions.gaps(places)
+        step, conditions = value - self.opening, self._conditions_at(value)
+        weights = PREDICTOR_WEIGHTS[len(self._tangents) - 1] if self._tangents else []
+        prediction = sum(w / sum(weights) * t for w, t in zip(weights, self._tangents, strict=True))
+        poses = self.poses.displace(step * prediction) if self._tangents else self.poses
+        is_converged = False
+        for _ in range(MAX_ITERATIONS):
+            solve, gradient = self._equations(poses, conditions, self._ease)
+            lacks = -self._weight * conditions.gaps(poses)
             motion, change = solve(-gradient, lacks)
             largest = np.abs(motion).max(initial=0.0)
             if not np.isfinite(largest):
                 break
-            share = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
-            places = places.displace(share * self._scales * motion)
-            self._impulses = self._impulses + share * change
-            before, settled = settled, largest <= NEAR and np.abs(lacks).max(initial=0.0) <= NEAR
-            if before and settled:
-                self.places, self.opening, self.tangent = places, value, self._motion(solve)
+            factor = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
+            poses = poses.displace(factor * self._scales * motion)
+            self._impulses = self._impulses + factor * change
+            was_converged, gap = is_converged, np.abs(lacks).max(initial=0.0)
+            is_converged = largest <= MOTION_TOLERANCE and gap <= MOTION_TOLERANCE
+            if was_converged and is_converged:
+                self.poses, self.opening, self.tangent = poses, value, self._motion(solve)
                 self._solve = solve
                 self._tangents = [self.tangent, *(self._tangents[:3] if step else [])]
-                self.balance.follow(places)
+                self.balance.follow(poses)
                 return
         raise MisfitError(
             f"opening {self.name}", f"{value:.6g}", "openings to which it can be led, the joints "
@@ -157,40 +157,40 @@ class Path:
 
     def state(self) -> tuple:
         """Where it is, to which `restore` brings it back."""
-        return self.places, self.opening, self.tangent, self._impulses, self._opened
+        return self.poses, self.opening, self.tangent, self._impulses, self._openings
 
     def restore(self, state: tuple) -> None:
         """Go back to a state: the way on is then along its tangent."""
         self._tangents = self._tangents if state[1] == self.opening else [state[2]]
-        self.places, self.opening, self.tangent, self._impulses, self._opened = state
+        self.poses, self.opening, self.tangent, self._impulses, self._openings = state
 
-    def opened(self) -> list[float]:
+    def update_openings(self) -> list[float]:
         """The openings of all hinges, on the turn that is nearest to where they were last."""
-        at, found = SimpleNamespace(**self.places._asdict()), []
-        for hinge, last in zip(self.scene.hinges, self._opened, strict=True):
-            value = opening_at(at, hinge)
+        poses, openings = SimpleNamespace(**self.poses._asdict()), []
+        for hinge, last in zip(self.scene.hinges, self._openings, strict=True):
+            value = opening_at(poses, hinge)
             turns = 0.0 if hinge.slides else round((last - value) / (2 * np.pi))
-            found.append(value + 2 * np.pi * turns)
+            openings.append(value + 2 * np.pi * turns)
         for hinge in self._hinges:  # exactly
-            found[self.scene.hinges.index(hinge)] = hinge.opening + self.opening - self._start
-        self._opened = found
-        return found
+            openings[self.scene.hinges.index(hinge)] = hinge.opening + self.opening - self._start
+        self._openings = openings
+        return openings
 
     def rates(self, hinges: Sequence[int]) -> list[float]:
         """Rates of the openings of hinges per unit of the one that is led."""
         shift, turn = self.tangent.reshape(-1, 2, 3).transpose(1, 0, 2)
         motion = SimpleNamespace(velocity=shift, spin=turn)
-        return [float(rate_at(self.places, self.scene.hinges[h], motion)) for h in hinges]
+        return [float(rate_at(self.poses, self.scene.hinges[h], motion)) for h in hinges]
 
     def _opens(self, hinge: Any) -> np.ndarray:
         """By how much an opening goes with each degree of freedom (6n,), as it is here."""
-        way = np.zeros((len(self.scene.mass), 2, 3))
+        rates = np.zeros((len(self.scene.mass), 2, 3))
         for particle, kind, axis in product(hinge.particles, range(2), range(3)):
-            unit = np.zeros_like(way)
+            unit = np.zeros_like(rates)
             unit[particle, kind, axis] = 1.0
             motion = SimpleNamespace(velocity=unit[:, 0], spin=unit[:, 1])
-            way[particle, kind, axis] = rate_at(self.places, hinge, motion)
-        return way.ravel()
+            rates[particle, kind, axis] = rate_at(self.poses, hinge, motion)
+        return rates.ravel()
 
     def in_bearings(self, friction: np.ndarray) -> list[float]:
         """Virtual work of the friction by the forces of joints: all of a hinge's, those across a
@@ -205,16 +205,16 @@ class Path:
         rates = np.array(self.rates(list(self.scene.bearings)))
         pushes = [-lever * np.sign(rate) * self._opens(hinge)
                   for lever, rate, hinge in zip(levers, rates, hinges, strict=True)]  # fmt: skip
-        none = np.zeros(len(self._weight))
-        first, *more = (self._solve(forces, none)[1] for forces in (friction, *pushes))
+        lacks = np.zeros(len(self._weight))
+        first, *changes = (self._solve(forces, lacks)[1] for forces in (friction, *pushes))
         joints, pushing = np.array(self._conditions.joint), self._conditions.axis_types != NORMAL
         own = [(joints == hinge.joint) & pushing for hinge in hinges]
         for rows in own:
             rows[-self._leading :] = False
         base = [(self._weight * (self._impulses + first))[rows] for rows in own]
-        slopes = [np.stack([(self._weight * each)[rows] for each in more], axis=1) for rows in own]
-        forces, solved = forces_with_friction(base, slopes)
-        if not solved:
+        slopes = [np.stack([(self._weight * x)[rows] for x in changes], axis=1) for rows in own]
+        forces, is_solved = forces_with_friction(base, slopes)
+        if not is_solved:
             name = hinges[int(np.argmax(levers * forces))].name
             raise SceneError(
                 f"bearing {name}", f"locked where opening {self.name} is {self.opening:.6g}",
@@ -228,40 +228,41 @@ class Path:
         scene, uneven = self.scene, np.linspace(1.0, 3.0, len(self.scene.mass))
         self.scene = copy(scene)
         self.scene.mass, self.scene.inertia = scene.mass * uneven, scene.inertia / uneven[:, None]
-        solve = self._equations(self.places, self._held(self.opening), self._ease)[0]
+        solve = self._equations(self.poses, self._conditions_at(self.opening), self._ease)[0]
         self.scene = scene
-        rows = conditions_of(scene, [hinge.name for hinge in scene.hinges]).jacobian(self.places)
+        rows = conditions_of(scene, [hinge.name for hinge in scene.hinges]).jacobian(self.poses)
         rates = rows[-len(scene.hinges) :] @ np.stack([self.tangent, self._motion(solve)], axis=1)
-        if np.abs(np.diff(rates)).max() > ALIKE * np.abs(rates).max():
+        if np.abs(np.diff(rates)).max() > FREEDOM_TOLERANCE * np.abs(rates).max():
             raise SceneError(
                 f"opening {self.name}", "(not the only freedom)", "an opening that decides the "
                 "motion of all others, by joints, springs or loops; let others `stand`"
             )  # fmt: skip
 
-    def _moving(self, places: At) -> np.ndarray:
+    def _moving(self, poses: ParticlePoses) -> np.ndarray:
         """Degrees of freedom that are not held. Where the whole may drift as it is, some of the
         heaviest particle are: what acts between parts does the same work whichever of them moves.
         """
         from scipy.linalg import qr
 
-        held, off = self.scene.fixed.ravel().copy(), places.position - places.position.mean(axis=0)
-        drift = np.zeros((len(off), 6, 6))
+        is_held = self.scene.fixed.ravel().copy()
+        offset = poses.position - poses.position.mean(axis=0)
+        drift = np.zeros((len(offset), 6, 6))
         drift[:, :3, :3] = drift[:, 3:, 3:] = np.eye(3)
-        drift[:, :3, 3:] = np.cross(np.eye(3), off[:, None] / self._size).swapaxes(1, 2)
+        drift[:, :3, 3:] = np.cross(np.eye(3), offset[:, None] / self._size).swapaxes(1, 2)
         drift = drift.reshape(-1, 6)  # lengths by the size
-        rows = scaled(self._conditions.jacobian(places), self._weight, self._scales)
-        ruled_out = np.vstack([rows @ drift, drift[held]])
-        _, sizes, ways = np.linalg.svd(ruled_out)
-        free = ways[np.sum(sizes > DRIFTS * sizes.max(initial=1.0)) :]
+        rows = scaled(self._conditions.jacobian(poses), self._weight, self._scales)
+        ruled_out = np.vstack([rows @ drift, drift[is_held]])
+        _, sizes, directions = np.linalg.svd(ruled_out)
+        free = directions[np.sum(sizes > DRIFT_TOLERANCE * sizes.max(initial=1.0)) :]
         if len(free):
             first = 6 * int(np.argmax(self.scene.mass))
             pivots = qr(free @ drift[first : first + 6].T, pivoting=True, mode="r")[1]
-            held[first + pivots[: len(free)]] = True
-        return np.flatnonzero(~held)
+            is_held[first + pivots[: len(free)]] = True
+        return np.flatnonzero(~is_held)
 
-    def _equations(self, places, conditions, ease):
+    def _equations(self, poses, conditions, ease):
         return linearised(
-            self.scene, places, conditions, self.balance, self._impulses, self._scales, self._free,
+            self.scene, poses, conditions, self.balance, self._impulses, self._scales, self._free,
             self._weight, ease,
         )  # fmt: skip
 
@@ -271,15 +272,15 @@ class Path:
         lacks[-len(self._hinges) :] = [-1.0 if hinge.slides else 1.0 for hinge in self._hinges]
         return self._scales * solve(np.zeros(len(self._scales)), self._weight * lacks)[0]
 
-    def _held(self, value: float) -> Conditions:
+    def _conditions_at(self, value: float) -> Conditions:
         """The conditions, the last of which hold the openings where the first has a value."""
-        found, moved, count = self._conditions, value - self._start, len(self._hinges)
-        one, arms = found.axis1.copy(), found.arms.copy()
+        conditions, shift, count = self._conditions, value - self._start, len(self._hinges)
+        normals, arms = conditions.axis1.copy(), conditions.arms.copy()
         for row, hinge, zero in zip(range(-count, 0), self._hinges, self._zeros, strict=True):
-            axis, across = hinge.axes[0], hinge.references[0]
+            axis, zero_axis = hinge.axes[0], hinge.references[0]
             if hinge.slides:
-                arms[row, 0] += (moved - zero) * axis
+                arms[row, 0] += (shift - zero) * axis
                 continue
-            angle = hinge.opening + moved
-            one[row] = np.cos(angle) * np.cross(axis, across) - np.sin(angle) * across
-        return found._replace(axis1=one, arms=arms)
+            angle = hinge.opening + shift
+            normals[row] = np.cos(angle) * np.cross(axis, zero_axis) - np.sin(angle) * zero_axis
+        return conditions._replace(axis1=normals, arms=arms)

@@ -1,4 +1,4 @@
-"""An opening is led slowly from one value to another, and what acts is told apart."""
+"""The travel of an opening from one value to another, with the virtual work of each component."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -10,32 +10,33 @@ import numpy as np
 from fpm.assembly import masses
 from fpm.elements import Contact, Friction, Latch, RigidLatch, Stop, TableSpring
 from fpm.errors import SceneError
-from fpm.travel.balance import ROUNDS, TINY
+from fpm.travel.balance import MAX_ITERATIONS, TINY
 from fpm.travel.components import STRAIN, VirtualWork, bearing_name, components_of
-from fpm.travel.path import NEAR, Path
-from fpm.travel.positions import MOST, Places, slopes
+from fpm.travel.path import MOTION_TOLERANCE, Path
+from fpm.travel.positions import MAX_POSITIONS, SampledTravel, slopes
 
 POSITIONS = 31
-"""Positions at which the opening is held at first, both ends among them."""
+"""Number of positions of the opening at first, with both ends."""
 
-CLOSE = 1e-6
-"""By how much what is interpolated may miss at a tested position, as a share of all that acts."""
+TOLERANCE = 1e-6
+"""Allowed error of interpolated virtual work, as a fraction of the sum of all sizes of works."""
 
-CLOSE_IN_BEARINGS = 1e-4
-"""The same of bearings: where joints hold twice what others hold, as out of the plane of a planar
-loop, their forces are known to some 1e-5 only (rounding over the 1e-10 by which joints give)."""
+BEARING_TOLERANCE = 1e-4
+"""Allowed error of the work of bearings, as a fraction of that sum: where joints hold twice what
+others hold, as out of the plane of a planar loop, their forces are known to some 1e-5 only
+(rounding over the 1e-10 by which joints give)."""
 
-LEAST = 1e-6
-"""Share of the most that acts anywhere, below which nothing is told apart."""
+SMALLEST_FRACTION = 1e-6
+"""Smallest sum of works that errors relate to, as a fraction of the largest at any position."""
 
-ON_PLACE = 1e-9
-"""How exactly positions at which something bends are hit, as a share of the way."""
+POSITION_TOLERANCE = 1e-9
+"""Tolerance of positions at which something bends, as a fraction of the travel."""
 
-RESOLVED = 5e-3
-"""Distance of positions, as a share of the way, from which the strain's slope is tested."""
+STRAIN_DISTANCE = 5e-3
+"""Distance of positions, as a fraction of the travel, above which the strain's slope is tested."""
 
-BEHIND = 1e-4
-"""Share of the way by which what only resists has come straight to a position."""
+APPROACH = 1e-4
+"""Fraction of the travel by which friction is led straight to a position."""
 
 
 class Travel(NamedTuple):
@@ -66,102 +67,106 @@ def lead(
     path = Path(scene, [openings] if isinstance(openings, str) else openings, stand)
     count = positions or POSITIONS
     spacing = (last - first) / (count - 1)
-    ahead = np.linspace(path.opening, first, 1 + math.ceil(abs((first - path.opening) / spacing)))
+    values = np.linspace(path.opening, first, 1 + math.ceil(abs((first - path.opening) / spacing)))
     parts = [(part.name, VirtualWork(scene, part)) for part in components_of(scene)]
-    for value in ahead:
-        path.to(float(value))
+    for value in values:
+        path.move_to(float(value))
         for _, part in parts:  # openings are counted from one place to the next
-            part.along(path.places, path.tangent)
+            part.compute_work(path.poses, path.tangent)
     path.check()
-    acting = [*path.balance.acting, *(each for _, part in parts for each in part.acting)]
+    acting = [*path.balance.acting, *(acting for _, part in parts for acting in part.acting)]
     names = [name for name, _ in parts] + [bearing_name(scene, hinge) for hinge in scene.bearings]
     works = len(names)
     rubbing = sorted({friction.hinge for friction in Friction.of(scene)} | set(scene.bearings))
 
-    def measure(place: float, before):
-        """Virtual works, strain, inertia, and all openings, where a share of the way is gone."""
-        if before is not None:
-            path.restore(before[0])
-            for each, kept in zip(acting, before[1], strict=True):
-                each.restore(kept)
-        path.to(float(first + place * (last - first)))
+    def measure(position: float, state):
+        """Virtual works, strain, inertia, openings, rates; position: fraction of the travel."""
+        if state is not None:
+            path.restore(state[0])
+            for elements, history in zip(acting, state[1], strict=True):
+                elements.restore(history)
+        path.move_to(float(first + position * (last - first)))
         tangent = np.sign(spacing) * path.tangent
-        behind = BEHIND * abs(last - first) * tangent
+        motion = APPROACH * abs(last - first) * tangent
         for _, part in parts:
-            part.come(path.places, behind)
-        row = [part.along(path.places, tangent) for _, part in parts]
-        row += path.in_bearings(sum((part.rubs() for _, part in parts), np.zeros(len(tangent))))
-        row.append(path.balance.strain(path.places))
-        row.append(tangent @ (masses(scene, path.places) @ tangent))
-        row += [*path.opened(), *path.rates(rubbing)]
-        return np.array(row), (path.state(), [each.kept() for each in acting])
+            part.approach(path.poses, motion)
+        row = [part.compute_work(path.poses, tangent) for _, part in parts]
+        friction = sum((part.friction_forces() for _, part in parts), np.zeros(len(tangent)))
+        row += path.in_bearings(friction)
+        row.append(path.balance.strain(path.poses))
+        row.append(tangent @ (masses(scene, path.poses) @ tangent))
+        row += [*path.update_openings(), *path.rates(rubbing)]
+        return np.array(row), (path.state(), [elements.copy_history() for elements in acting])
 
-    def missed(expected: np.ndarray, values: np.ndarray, distance: float) -> float:
-        """By how much values are not as expected, in shares of what may be."""
-        off, acts = np.abs(values - expected), np.abs(values[:works]).sum()
-        most = CLOSE * max(acts, LEAST * largest)
-        off[len(parts) : works] *= CLOSE / CLOSE_IN_BEARINGS
-        heavy = off[works + 1] / (10 * CLOSE * values[works + 1])
-        strained = off[works] / (distance * abs(last - first) * most)
-        return max(off[:works].max(initial=0.0) / most, heavy, strained * (distance > RESOLVED))
+    def measure_error(expected: np.ndarray, values: np.ndarray, distance: float) -> float:
+        """Largest error of expected values, over the error that is allowed."""
+        errors, acts = np.abs(values - expected), np.abs(values[:works]).sum()
+        most = TOLERANCE * max(acts, SMALLEST_FRACTION * largest)
+        errors[len(parts) : works] *= TOLERANCE / BEARING_TOLERANCE
+        inertia = errors[works + 1] / (10 * TOLERANCE * values[works + 1])
+        strain = errors[works] / (distance * abs(last - first) * most)
+        work = errors[:works].max(initial=0.0) / most
+        return max(work, inertia, strain * (distance > STRAIN_DISTANCE))
 
-    found = Places(measure)
-    for place in np.linspace(0.0, 1.0, count):
-        found.add(float(place))
+    samples = SampledTravel(measure)
+    for position in np.linspace(0.0, 1.0, count):
+        samples.add(float(position))
     if positions is None:
-        _add_bends(scene, found, works + 2)
-        largest = max(np.abs(values[:works]).sum() for values in found.values) + TINY
-        if not found.refine(missed):
+        _add_bends(scene, samples, works + 2)
+        largest = max(np.abs(values[:works]).sum() for values in samples.values) + TINY
+        if not samples.refine(measure_error):
             raise SceneError(
                 f"opening {path.name}", f"from {first:.6g} to {last:.6g}", "a way on which what "
                 "acts bends or jumps at some places only: it needs more than "
-                f"{MOST} positions"
+                f"{MAX_POSITIONS} positions"
             )  # fmt: skip
-    way, values = found.arrays()
+    fractions, values = samples.arrays()
     work = dict(zip(names, values[:, :works].T, strict=True))
     energy, inertia = values[:, works : works + 2].T
     if scene.beams:  # at the balance it is least, so that it is more exact than its forces
-        work[STRAIN] = -slopes(way, energy) / abs(last - first)
-    return Travel(first + way * (last - first), work, inertia)
+        work[STRAIN] = -slopes(fractions, energy) / abs(last - first)
+    return Travel(first + fractions * (last - first), work, inertia)
 
 
-def _add_bends(scene, found: Places, openings: int) -> None:
-    """Add the places at which elements bend, and at which joints that rub turn back.
+def _add_bends(scene, samples: SampledTravel, openings: int) -> None:
+    """Add positions at which forces of elements bend, and at which joints with friction reverse.
 
-    openings: the first column of the values that is one; behind them are rates of joints that rub.
+    openings: first column of the samples' values with openings; rates of joints follow them.
     """
     bends = [(openings + hinge, angle) for hinge, angle in sorted(set(_bends(scene)))]
     rates = openings + len(scene.hinges)
-    sizes = np.abs(np.array(found.values)[:, rates:]).max(axis=0)
-    moving = np.flatnonzero(sizes > NEAR * sizes.max(initial=0.0))  # what rests turns by rounding
+    sizes = np.abs(np.array(samples.values)[:, rates:]).max(axis=0)
+    moving = np.flatnonzero(
+        sizes > MOTION_TOLERANCE * sizes.max(initial=0.0)
+    )  # what rests turns by rounding
     bends += [(rates + int(i), 0.0) for i in moving]
     for column, angle in bends:
-        for ends in list(pairwise(found.at)):
-            off = [found.add(place)[column] - angle for place in ends]
-            if off[0] * off[1] <= 0 and off[0] != off[1]:
-                place = _root(lambda at, k=column, a=angle: found.look(at)[0][k] - a, ends, off)
-                near = min(ends, key=lambda end: abs(end - place))
-                found.bend(near if abs(near - place) < ON_PLACE else place)
+        for ends in list(pairwise(samples.positions)):
+            values = [samples.add(end)[column] - angle for end in ends]
+            if values[0] * values[1] <= 0 and values[0] != values[1]:
+                root = _root(lambda x, k=column, a=angle: samples.look(x)[0][k] - a, ends, values)
+                nearest = min(ends, key=lambda end: abs(end - root))
+                samples.add_bend(nearest if abs(nearest - root) < POSITION_TOLERANCE else root)
 
 
 def _root(function: Callable[[float], float], ends, values) -> float:
-    """Where a function vanishes between two ends with values of either sign (Illinois)."""
-    (kept, last), (there, here) = ends, values
+    """Root of a function between two ends with values of opposite signs (Illinois method)."""
+    (a, b), (value_a, value_b) = ends, values
     if 0.0 in values:
-        return kept if there == 0.0 else last
-    size = abs(here - there)
-    for _ in range(ROUNDS):
-        place = (kept * here - last * there) / (here - there)
-        off = function(place)
-        if abs(off) <= ON_PLACE * size or abs(last - kept) < ON_PLACE:
+        return a if value_a == 0.0 else b
+    size = abs(value_b - value_a)
+    for _ in range(MAX_ITERATIONS):
+        root = (a * value_b - b * value_a) / (value_b - value_a)
+        value = function(root)
+        if abs(value) <= POSITION_TOLERANCE * size or abs(b - a) < POSITION_TOLERANCE:
             break
-        kept, there = (last, here) if off * here < 0 else (kept, 0.5 * there)
-        last, here = place, off
-    return place
+        a, value_a = (b, value_b) if value * value_b < 0 else (a, 0.5 * value_a)
+        b, value_b = root, value
+    return root
 
 
 def _bends(scene) -> list[tuple[int, float]]:
-    """Hinges by index, with openings at which what acts there bends, or catches."""
-    found = [(e.hinge, a) for k in (TableSpring, Friction) for e in k.of(scene) for a in e.angles]
-    found += [(e.hinge, e.angle) for k in (Stop, Latch, RigidLatch) for e in k.of(scene)]
-    return found + [(contact.hinge, 0.0) for contact in Contact.of(scene)]
+    """Hinges by index, with openings at which a moment on them bends or jumps."""
+    bends = [(e.hinge, a) for k in (TableSpring, Friction) for e in k.of(scene) for a in e.angles]
+    bends += [(e.hinge, e.angle) for k in (Stop, Latch, RigidLatch) for e in k.of(scene)]
+    return bends + [(contact.hinge, 0.0) for contact in Contact.of(scene)]

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.fields import index, number, stiffness
-from fpm.elements.kind import Deformations, Energy, Kind, Series
+from fpm.elements.kind import Deformations, ElementType, Energy, Series
 
 
 @dataclass(frozen=True)
-class GroundSpring(Kind):
+class GroundSpring(ElementType):
     """From a particle to the point `anchor` (3,)."""
 
     particle: int = index("position")

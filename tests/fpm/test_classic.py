@@ -5,20 +5,20 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from fpm.files.classic import Variable, read, write
+from fpm.files.classic import NetcdfVariable, read, write
 
 GRID = np.arange(12.0).reshape(3, 4)
 ATTRIBUTES = {"title": "Grüße", "share": 0.1, "steps": 7, "many": 2**40, "yes": True, "empty": ""}
 VARIABLES = {
-    "x": Variable(("x",), np.linspace(0, 1, 3), {"units": "m"}),
-    "grid": Variable(("x", "y"), GRID, {"units": "m", "long_name": "a grid"}),
-    "turned": Variable(("y", "x"), GRID.T, {}),
-    "single": Variable(("y",), np.arange(4, dtype=np.float32), {}),
-    "odd": Variable(("z",), np.arange(5, dtype=np.int8), {}),
-    "name": Variable(("y",), np.array(["a", "bc", "", "ü"]), {}),
-    "when": Variable(("event",), np.array([0.25, 0.5]), {"units": "s"}),
-    "what": Variable(("event",), np.array([3, -1], dtype=np.int32), {}),
-    "opens": Variable(("event",), np.array([1, 0], dtype=np.int8), {}),
+    "x": NetcdfVariable(("x",), np.linspace(0, 1, 3), {"units": "m"}),
+    "grid": NetcdfVariable(("x", "y"), GRID, {"units": "m", "long_name": "a grid"}),
+    "turned": NetcdfVariable(("y", "x"), GRID.T, {}),
+    "single": NetcdfVariable(("y",), np.arange(4, dtype=np.float32), {}),
+    "odd": NetcdfVariable(("z",), np.arange(5, dtype=np.int8), {}),
+    "name": NetcdfVariable(("y",), np.array(["a", "bc", "", "ü"]), {}),
+    "when": NetcdfVariable(("event",), np.array([0.25, 0.5]), {"units": "s"}),
+    "what": NetcdfVariable(("event",), np.array([3, -1], dtype=np.int32), {}),
+    "opens": NetcdfVariable(("event",), np.array([1, 0], dtype=np.int8), {}),
 }
 
 
@@ -71,9 +71,9 @@ def test_it_reads_what_the_c_library_writes(tmp_path):
 
 def test_variables_without_values_are_left_out(tmp_path):
     variables = {
-        "when": Variable(("event",), np.zeros(0), {}),
-        "hinge": Variable(("hinge",), np.array([], dtype=str), {}),
-        "opening": Variable(("x", "hinge"), np.zeros((3, 0)), {}),
+        "when": NetcdfVariable(("event",), np.zeros(0), {}),
+        "hinge": NetcdfVariable(("hinge",), np.array([], dtype=str), {}),
+        "opening": NetcdfVariable(("x", "hinge"), np.zeros((3, 0)), {}),
         "x": VARIABLES["x"],
     }
     write(tmp_path / "file.nc", {}, variables)

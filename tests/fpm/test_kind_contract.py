@@ -20,7 +20,7 @@ from fpm.elements import (
     RigidRelease,
     fields,
 )
-from fpm.elements.kind import SHARED, Kind
+from fpm.elements.kind import SHARED, ElementType
 from fpm.files.outcome import eventful
 from fpm.kernels import hooks
 from fpm.reading.responses import parts_on
@@ -28,7 +28,7 @@ from fpm.structures.describe import acting
 
 
 @dataclass(frozen=True)
-class Door(Kind):
+class Door(ElementType):
     """Has a field of every name that the kinds of the program have."""
 
     hinge: str = "hinge"
@@ -99,7 +99,7 @@ def test_what_fields_say_is_checked(add, message):
 def test_the_page_names_all_that_a_kind_may_state():
     page = (Path(fpm.__file__).parents[1] / "docs" / "mechanics.md").read_text()
     section = page.partition("## Add a kind")[2]
-    own = {name for name in vars(Kind) if not name.startswith("_")}
+    own = {name for name in vars(ElementType) if not name.startswith("_")}
     makes = {
         name
         for name, made in inspect.getmembers(fields, inspect.isfunction)

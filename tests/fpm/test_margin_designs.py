@@ -163,7 +163,7 @@ def off_by(seed: int) -> tuple[float, float]:
     weighted = np.array([row.weighted for row in budget.rows])
     assert budget.margin == least and budget.opening == at
     assert weighted[weighted > 0].sum() == pytest.approx(budget.drives, abs=1e-15)
-    assert -weighted[weighted < 0].sum() == pytest.approx(budget.required, abs=1e-15)
+    assert -weighted[weighted < 0].sum() == pytest.approx(budget.requirement, abs=1e-15)
     return abs(least - exact) / max(abs(exact), 0.01), np.abs(places - at).min() / design.end
 
 

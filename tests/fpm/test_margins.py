@@ -218,7 +218,7 @@ def test_every_run_is_led_from_its_own_start():
 
 
 def test_a_scene_that_starts_where_it_is_led_to_names_the_opening():
-    led = margins.Led(("h1",), None, 0.25)
+    led = margins.OpeningPath(("h1",), None, 0.25)
     assert margins.travel_of(hung(0.2), led).opening[-1] == pytest.approx(0.25)
     with pytest.raises(SceneError, match=r"opening h1 = '0.25 at the start'.*another one"):
         margins.travel_of(hung(0.25), led)
@@ -265,9 +265,9 @@ def test_times_of_a_margin_are_refused():
 
 
 def test_labels_are_read_as_they_are_written():
-    led = margins.Led(("a", "b", "c"), 0.1, -2 / 3, ("d", "e"))
+    led = margins.OpeningPath(("a", "b", "c"), 0.1, -2 / 3, ("d", "e"))
     assert margins.read_label(led.label("loop x y")) == (led, "loop x y")
-    assert margins.read_label(margins.Led(("a",), 0.0, 1.0).label())[1] == ""
+    assert margins.read_label(margins.OpeningPath(("a",), 0.0, 1.0).label())[1] == ""
 
 
 def test_every_class_has_its_factors():
@@ -343,7 +343,7 @@ def test_what_a_margin_lies_over_says_whether_each_run_has_its_own_start(more, w
 def given(way, *parts):
     """A response of parts and a run that has them: each part's class of factors, drive and resist,
     and its moment as a function of the opening."""
-    led = margins.Led(("h",), float(way[0]), float(way[-1]))
+    led = margins.OpeningPath(("h",), float(way[0]), float(way[-1]))
     labels = [(margins.WORK, led.label(f"part {i}")) for i in range(len(parts))]
     columns = ((margins.OPENING, led.label()), *labels)
     numbers = (way, *(moment(way) + 0 * way for *_, moment in parts))

@@ -9,7 +9,7 @@ import pytest
 from ground_spring import GroundSpring
 
 import fpm
-from fpm.elements.kind import Energy, Kind
+from fpm.elements.kind import ElementType, Energy
 from fpm.kernels import compiled
 from fpm.scenes.scene_type import SceneType
 
@@ -166,7 +166,7 @@ class NoArrays(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Boast(Kind):
+class Boast(ElementType):
     """Says that it stores energy, and has no kernel for it."""
 
     stores = Energy("boast", "boast_energy", "energy that nobody computes")

@@ -9,7 +9,7 @@ from fpm import SceneError
 from fpm.elements.kind import Eventful
 from fpm.files.trajectory import Curves
 from fpm.reading.events import value_at
-from fpm.reading.quantities import KINDS, Kind, crossing, crossing_margin, peak
+from fpm.reading.quantities import KINDS, QuantityType, crossing, crossing_margin, peak
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.responses import Response
 
@@ -61,7 +61,9 @@ def test_numbers_of_a_decaying_wave(definition, exact):
 
 
 def test_every_kind_of_the_table_is_read_and_one_more_takes_a_line_of_it(monkeypatch):
-    median = Kind(lambda q, curves: float(np.median(q.response.evaluate(curves))), "median {about}")
+    median = QuantityType(
+        lambda q, curves: float(np.median(q.response.evaluate(curves))), "median {about}"
+    )
     monkeypatch.setitem(KINDS, "median", median)
     for kind, known in KINDS.items():
         of = "closes" if kind == "event" else "x"

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
 import fpm
-from fpm.assembly.conditions import Places
+from fpm.assembly.conditions import ParticlePoses
 from fpm.assembly.elastic import elastic_of
 from fpm.reading import bars, clearance, stress
 
@@ -83,24 +83,24 @@ def test_the_energy_gradient_of_the_kernels_is_what_sections_bear():
     np.testing.assert_allclose(here, there, rtol=1e-12)
     arm = position[0, 1] - position[0, 0]
     np.testing.assert_allclose(start - end, np.cross(arm, here), rtol=1e-9, atol=1e-9)
-    gradient, _ = elastic_of(scene).derivatives(Places(position[0], frame[0]))
+    gradient, _ = elastic_of(scene).derivatives(ParticlePoses(position[0], frame[0]))
     expected = np.concatenate([-here, -start, here, end])
     np.testing.assert_allclose(gradient, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
 
 
-def at_rest(scene: fpm.Scene, load: np.ndarray, parts: int = 10) -> Places:
+def at_rest(scene: fpm.Scene, load: np.ndarray, parts: int = 10) -> ParticlePoses:
     """The clamped bar in balance with a constant force and moment (6,) at its end, by Newton."""
-    elastic, places = elastic_of(scene), Places(scene.position, scene.frame)
+    elastic, poses = elastic_of(scene), ParticlePoses(scene.position, scene.frame)
     for share in np.linspace(0, 1, parts + 1)[1:]:
         for _ in range(30):
-            gradient, stiffness = elastic.derivatives(places)
+            gradient, stiffness = elastic.derivatives(poses)
             gradient[-6:] -= share * load
             step = np.zeros_like(gradient)
             step[6:] = np.linalg.solve(stiffness.toarray()[6:, 6:], -gradient[6:])
-            places = places.displace(step * min(1.0, 0.3 / np.abs(step).max()))
+            poses = poses.displace(step * min(1.0, 0.3 / np.abs(step).max()))
             if np.abs(step).max() < 1e-12:
                 break
-    return places
+    return poses
 
 
 def ends_bear(elements: int, load: np.ndarray):
@@ -109,14 +109,14 @@ def ends_bear(elements: int, load: np.ndarray):
     section = fpm.Section(1e-4, 1 / STEEL.E, 1 / STEEL.E, 1 / STEEL.E)
     scene = cantilever(section, TURNED, elements)
     turned = np.concatenate([TURNED @ load[:3], TURNED @ load[3:]])
-    places = at_rest(scene, turned)
+    poses = at_rest(scene, turned)
     bar = bars.bars_of(scene)["bar"]
     found = bars.sections_of(
-        scene, bar, lambda p: places.position[None, p], lambda p: places.frame[None, p]
+        scene, bar, lambda p: poses.position[None, p], lambda p: poses.frame[None, p]
     )
     shares = [bars.at_share(bar, found, share) for share in (0.0, 0.5, 1.0)]
     cut = np.array([np.concatenate([force[0], moment[0]]) for force, moment in shares])
-    return places.position[-1] @ TURNED, cut, found
+    return poses.position[-1] @ TURNED, cut, found
 
 
 def test_a_bar_in_an_arc_bears_the_moment_at_its_end():

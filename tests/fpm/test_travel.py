@@ -11,11 +11,11 @@ from scipy.optimize import brentq
 
 import fpm
 from fpm import structures
-from fpm.assembly.conditions import Places
+from fpm.assembly.conditions import ParticlePoses
 from fpm.elements import Friction, RigidFriction, SyncLoop, TableSpring
 from fpm.errors import SceneError
 from fpm.travel import STRAIN, lead, parts_of
-from fpm.travel.acting import Acting
+from fpm.travel.acting import ElementForces
 
 STRUCTURES = Path(__file__).parents[2] / "config/structures"
 
@@ -104,7 +104,9 @@ def test_the_stiffness_of_a_cable_is_that_of_its_length():
     scene.fix(wall)
     ends = [(wall, (0.0, 0.0, 0.0)), (end, (8.0, 0.0, 0.0))]
     scene.add_cable("stay", ends, EA=30.0, rest=6.0)
-    forces, slopes = Acting(scene, scene.cables).tried(Places(scene.position, scene.frame))
+    forces, slopes = ElementForces(scene, scene.cables).linearise(
+        ParticlePoses(scene.position, scene.frame)
+    )
     assert forces[6:9] == pytest.approx([-10.0, 0, 0])
     assert slopes.toarray()[6:9, 6:9] == pytest.approx(np.diag([5.0, 1.25, 1.25]), abs=1e-6)
 

@@ -1,14 +1,14 @@
-"""Places of a travel, of functions in closed form: which are taken, and what lies between."""
+"""Positions of a travel, of functions in closed form: which are taken, and what lies between."""
 
 import numpy as np
 import pytest
 
-from fpm.travel.positions import MOST, NARROWEST, Places, between
+from fpm.travel.positions import MAX_POSITIONS, SMALLEST_DISTANCE, SampledTravel, interpolate
 
 
 def places(function, count=5):
-    """Places of a function, evenly at first."""
-    found = Places(lambda place, left: (np.array([function(place)]), None))
+    """SampledTravel of a function, evenly at first."""
+    found = SampledTravel(lambda place, left: (np.array([function(place)]), None))
     for place in np.linspace(0.0, 1.0, count):
         found.add(float(place))
     return found
@@ -22,12 +22,12 @@ def by(most):
 def worst(found, function):
     """The largest error of what is interpolated."""
     at = np.linspace(0.0, 1.0, 10_001)
-    return np.abs(between(*found.arrays(), at)[:, 0] - function(at)).max()
+    return np.abs(interpolate(*found.arrays(), at)[:, 0] - function(at)).max()
 
 
 def test_values_are_taken_from_the_state_at_the_nearest_place_before():
     starts = []
-    found = Places(lambda place, left: (starts.append((place, left)) or np.zeros(1), place))
+    found = SampledTravel(lambda place, left: (starts.append((place, left)) or np.zeros(1), place))
     for place in (0.0, 1.0, 0.5, 0.25, 0.75):
         found.add(place)
     found.look(0.6)
@@ -47,12 +47,12 @@ def test_places_are_added_until_what_lies_between_is_within_what_may_be(most, at
     found = places(peak)
     assert found.refine(by(most))
     assert worst(found, peak) <= 1.5 * most
-    assert len(found.at) < 400
+    assert len(found.positions) < 400
 
 
 @pytest.mark.parametrize(
     ("falls", "rounds"),
-    [(lambda distance: 15.0, 2), (lambda distance: 1e4 * distance**0.3, MOST),
+    [(lambda distance: 15.0, 2), (lambda distance: 1e4 * distance**0.3, MAX_POSITIONS),
      (lambda distance: 16.0 * distance, 5), (lambda distance: 0.9, 1)],
 )  # fmt: skip
 def test_what_rounding_alone_misses_adds_few_places(falls, rounds):
@@ -60,8 +60,8 @@ def test_what_rounding_alone_misses_adds_few_places(falls, rounds):
     falls with the distance is halved until it is within what may be, what is large to the last."""
     found = places(lambda x: x, count=2)
     enough = found.refine(lambda expected, values, distance: falls(distance))
-    assert enough == (rounds < MOST)
-    assert len(found.at) == min(2**rounds + 1, MOST)
+    assert enough == (rounds < MAX_POSITIONS)
+    assert len(found.positions) == min(2**rounds + 1, MAX_POSITIONS)
 
 
 def test_a_jump_stands_twice_where_it_is():
@@ -70,18 +70,18 @@ def test_a_jump_stands_twice_where_it_is():
     assert found.refine(by(1e-6))
     at, _ = found.arrays()
     (twice,) = np.nonzero(np.diff(at) == 0)
-    assert np.abs(at[twice] - jump).max() <= 10 * NARROWEST
+    assert np.abs(at[twice] - jump).max() <= 10 * SMALLEST_DISTANCE
     assert worst(found, lambda x: np.where(x < jump, x, x + 1.0)) <= 1e-6
 
 
 def test_a_known_bend_takes_no_places_about_it():
     found = places(lambda x: abs(x - 0.3))
-    found.bend(0.3)
+    found.add_bend(0.3)
     assert found.refine(by(1e-6))
-    assert len(found.at) == 6 + 5, "the middles, at which nothing is missed"
+    assert len(found.positions) == 6 + 5, "the middles, at which nothing is missed"
 
 
 def test_what_bends_everywhere_takes_too_many_places():
     found = places(lambda x: np.sin(1e5 * x))
     assert not found.refine(by(1e-6))
-    assert len(found.at) == MOST
+    assert len(found.positions) == MAX_POSITIONS

@@ -10,7 +10,7 @@ from typing import Any
 
 import yaml
 
-from fpm.structures.keys import Key, ListOf, Number, Opening, Vector
+from fpm.structures.keys import Key, ListKey, NumberKey, OpeningKey, VectorKey
 from fpm.structures.model import overall
 from fpm.structures.statement import SLIDE
 from fpm.structures.statements import GROUPS
@@ -27,7 +27,7 @@ def keys_of(structure: Structure, group: str, entry: dict) -> dict[str, Key]:
     slides = [
         key
         for key, kind in statement.keys.items()
-        if isinstance(kind, Opening) and joints.get(entry.get(key), {}).get("type") == SLIDE
+        if isinstance(kind, OpeningKey) and joints.get(entry.get(key), {}).get("type") == SLIDE
     ]
     return {name: kind for name, (_, kind) in statement.sliding(slides).items()}
 
@@ -53,11 +53,11 @@ def changed(structure: Structure, change: Change) -> Structure:
 
 
 def _changed(value: Any, kind: Key | None, change: Change) -> Any:
-    if isinstance(kind, ListOf) and isinstance(kind.kind, Number):
+    if isinstance(kind, ListKey) and isinstance(kind.kind, NumberKey):
         return [change(x, kind.kind.unit) for x in value]
-    if isinstance(kind, Vector):
+    if isinstance(kind, VectorKey):
         return [change(x, kind.unit) for x in value]
-    return change(value, kind.unit) if isinstance(kind, Number) else value
+    return change(value, kind.unit) if isinstance(kind, NumberKey) else value
 
 
 class _Dumper(yaml.SafeDumper):

@@ -22,7 +22,7 @@ import numpy as np
 
 from fpm.elements.bars.beam_limits import BEND, STRAIN
 from fpm.elements.cross import columns, cross, length
-from fpm.elements.kind import Deformations, Energy, Kind
+from fpm.elements.kind import Deformations, ElementType, Energy
 from fpm.errors import SceneError
 
 
@@ -98,7 +98,7 @@ class Section:
 
 
 @dataclass(frozen=True)
-class Beams(Kind):
+class Beams(ElementType):
     """Beam elements of one section and material.
 
     nodes (m, 2) particle indices; length (m,) undeformed lengths (m); triad (m, 3, 3) the element's

@@ -20,13 +20,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.bars.beam import Beams
-from fpm.elements.kind import Deformations, Kind
+from fpm.elements.kind import Deformations, ElementType
 from fpm.elements.particles.damping import Damping
 from fpm.errors import SceneError
 
 
 @dataclass(frozen=True)
-class Viscosity(Kind):
+class Viscosity(ElementType):
     """share: of the critical damping of every beam element of the scene."""
 
     share: float

@@ -24,7 +24,7 @@ import numpy as np
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable_bounds import Piece, bounding_springs
 from fpm.elements.fields import index, number, same
-from fpm.elements.kind import Energy, Kind, Series, Watch
+from fpm.elements.kind import ElementType, Energy, Series, Watch
 from fpm.errors import SceneError
 
 REEL_WORK = Energy("reel", "reel_work", "work of reeling cables in")
@@ -40,7 +40,7 @@ def _crowded(values: dict[str, float]) -> tuple[str, str]:
 
 
 @dataclass(frozen=True)
-class Cable(Kind):
+class Cable(ElementType):
     """A cable through the free ends of two or more virtual beams.
 
     stiffness: EA; rest: its unstrained length R; reel: length taken from that, times the curve of

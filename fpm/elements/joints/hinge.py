@@ -29,7 +29,7 @@ from fpm.elements.cross import cross, length
 from fpm.elements.joints import hinge_arrays as arrays
 from fpm.elements.joints.hinge_arrays import MOST_GAP, MOST_TILT
 from fpm.elements.joints.turn import Turn
-from fpm.elements.kind import AXES, Kind, Series, Watch
+from fpm.elements.kind import AXES, ElementType, Series, Watch
 from fpm.elements.openings.opening import opening_angle
 from fpm.errors import SceneError
 
@@ -46,7 +46,7 @@ def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Wat
     return Watch(gap, MOST_GAP, True, failure, True), Watch(tilt, MOST_TILT, True, failure)
 
 
-class JointBase(Kind):
+class JointBase(ElementType):
     """What hinges and joints have in common: `type`, and `beams` whose ends are kept together."""
 
     joins = True

@@ -17,12 +17,12 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from fpm.elements.joints.joint_arrays import TURN, Turns
-from fpm.elements.kind import Kind
+from fpm.elements.kind import ElementType
 from fpm.elements.openings.opening import OnHinge, Opening
 
 
 @dataclass(frozen=True)
-class Turn(Kind):
+class Turn(ElementType):
     """The condition on an opening; nothing states it, every element that holds one has it."""
 
     @classmethod
@@ -37,7 +37,7 @@ class Turn(Kind):
         return tuple((type(holder), holder.hinge) for holder in cls.of(scene))
 
     @classmethod
-    def places(cls, scene, kind: type[Kind]) -> list[int]:
+    def places(cls, scene, kind: type[ElementType]) -> list[int]:
         """Where the elements of a kind are among them."""
         return [i for i, holder in enumerate(cls.of(scene)) if type(holder) is kind]
 

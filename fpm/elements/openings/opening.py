@@ -16,7 +16,7 @@ import numpy as np
 
 from fpm.elements.cross import cross
 from fpm.elements.fields import index
-from fpm.elements.kind import Deformations, Energy, Kind, Series
+from fpm.elements.kind import Deformations, ElementType, Energy, Series
 from fpm.elements.particles.probe import Probe
 from fpm.elements.particles.turning import turns_of
 from fpm.errors import SceneError
@@ -33,7 +33,7 @@ step, so that an impact is not thrown back by its damper alone.
 PARTS = (
     "spring", "contact", "damper", "friction", "stop", "latch", "motor", "release", "loop", "other",
 )  # fmt: skip
-"""Parts of the moment on an opening, by the kinds that act on it (Kind.acts_as)."""
+"""Parts of the moment on an opening, by the kinds that act on it (ElementType.acts_as)."""
 
 SLIDING = {
     "rad": "m", "rad/s": "m/s", "rad s-1": "m s-1", "N m": "N", "N m s": "N s",
@@ -46,7 +46,7 @@ TURNING = ("revolute", "universal", "cross")
 
 
 @dataclass(frozen=True)
-class Opening(Kind):
+class Opening(ElementType):
     """The opening of a hinge; nothing states it, every hinge of a scene has one, with its index."""
 
     resists_as = ""
@@ -84,7 +84,7 @@ class Opening(Kind):
         )
 
     @classmethod
-    def seen_by(cls, kind: type[Kind], batch):
+    def seen_by(cls, kind: type[ElementType], batch):
         """The arrays of all openings as a kind that acts on them gets them."""
         return batch.part(cls)._replace(part=PARTS.index(kind.acts_as or "other"))
 
@@ -96,7 +96,7 @@ class Opening(Kind):
         return by_unit({"opening": series}, scene.hinges, [h.name for h in scene.hinges])
 
 
-class OnHinges(Kind):
+class OnHinges(ElementType):
     """What the kinds that act on openings have in common."""
 
     reads = (Opening,)

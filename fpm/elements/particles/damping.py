@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.fields import number
-from fpm.elements.kind import Energy, Kind
+from fpm.elements.kind import ElementType, Energy
 
 
 @dataclass(frozen=True)
-class Damping(Kind):
+class Damping(ElementType):
     """By a rate; several add up. What is held or driven entirely is not damped."""
 
     rate: float = number("1/s", 0.0, words="damping")

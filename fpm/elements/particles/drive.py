@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.fields import index, number
-from fpm.elements.kind import Kind
+from fpm.elements.kind import ElementType
 from fpm.elements.particles.gravity import LOAD_WORK
 from fpm.errors import SceneError
 
 
 @dataclass(frozen=True)
-class Drive(Kind):
+class Drive(ElementType):
     """A particle whose velocity and spin are given, times the curve of that index (-1: 1)."""
 
     particle: int = index("position")

@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.kind import Energy, Kind
+from fpm.elements.kind import ElementType, Energy
 
 LOAD_WORK = Energy("load_work", "load_work", "work of loads, weight and drives")
 
 
 @dataclass(frozen=True)
-class Gravity(Kind):
+class Gravity(ElementType):
     """acceleration (3,) m/s²; several add up."""
 
     acceleration: np.ndarray

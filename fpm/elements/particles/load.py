@@ -6,12 +6,12 @@ import numpy as np
 
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.fields import index, number
-from fpm.elements.kind import Kind
+from fpm.elements.kind import ElementType
 from fpm.elements.particles.gravity import LOAD_WORK
 
 
 @dataclass(frozen=True)
-class Load(Kind):
+class Load(ElementType):
     """A force at the free end of a virtual beam, and a moment, in global axes.
 
     curve: index of the curve that scales both with time; -1 for a constant load.

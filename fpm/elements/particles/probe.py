@@ -7,11 +7,11 @@ around the instant; the moments on openings, told apart by who acts; and the imp
 
 from dataclasses import dataclass
 
-from fpm.elements.kind import Kind
+from fpm.elements.kind import ElementType
 
 
 @dataclass(frozen=True)
-class Probe(Kind):
+class Probe(ElementType):
     """What is kept: `frames` of particles, `forces` on particles (which are among the former), and
     whether `moments` on openings and `impulses` of joints.
     """

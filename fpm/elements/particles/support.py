@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.kind import AXES, Kind
+from fpm.elements.kind import AXES, ElementType
 from fpm.elements.particles.turning import turns_of
 from fpm.errors import SceneError
 
 
 @dataclass(frozen=True)
-class Support(Kind):
+class Support(ElementType):
     """Particles that are held along `translations` and about `rotations`, letters out of xyz."""
 
     particles: Sequence[int]

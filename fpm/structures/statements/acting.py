@@ -23,7 +23,7 @@ from fpm.elements import (
 )
 from fpm.elements.openings.friction import DEFLECTION, SLIDE_DEFLECTION
 from fpm.elements.openings.opening import unit_of
-from fpm.structures.keys import Choice, ListOf, Number, Opening, Reference
+from fpm.structures.keys import ChoiceKey, ListKey, NumberKey, OpeningKey, ReferenceKey
 from fpm.structures.statement import CLASS, JOINT, SLIDE, acting, element, key_of, statement, whole
 
 TURNING = replace(JOINT, types=("revolute", "universal"))
@@ -43,7 +43,7 @@ def _rigid(build, args, **unused) -> bool:
     return args.stiffness is None
 
 
-def _of_slide(key: Number) -> Number:
+def _of_slide(key: NumberKey) -> NumberKey:
     text = key.text.replace("moment", "force").replace("radian", "metre")
     return replace(key.sliding(["joint"]), text=text)
 
@@ -51,7 +51,7 @@ def _of_slide(key: Number) -> Number:
 SPRING = {
     "stiffness": key_of(TorsionSpring, "stiffness"),
     "rest": key_of(TorsionSpring, "rest"),
-    "preload": Number(None, "moment at the start, > 0 where it opens, for `rest`", unit="N m"),
+    "preload": NumberKey(None, "moment at the start, > 0 where it opens, for `rest`", unit="N m"),
     **CLASS,
 }
 
@@ -89,7 +89,7 @@ whole(Damper)
 @acting(
     Friction,
     left_out={"bristle_deflection": f"{DEFLECTION:g} rad, {1e3 * SLIDE_DEFLECTION:g} mm"},
-    sticks=Choice("bristle", "`exactly`: without any deflection", options=("bristle", "exactly")),
+    sticks=ChoiceKey("bristle", "`exactly`: without any deflection", options=("bristle", "exactly")),
 )  # fmt: skip
 def friction(build, args):
     """Dry (Coulomb) friction in a joint."""
@@ -115,9 +115,9 @@ def _deflection(scene, hinge: int) -> float:
     "actions",
     "bearing",
     joint=JOINT,
-    mu=Number(text="coefficient of friction", least=0),
-    radius=Number(None, "at which it rubs; of hinges only", unit="m", above=0),
-    load=Number(
+    mu=NumberKey(text="coefficient of friction", least=0),
+    radius=NumberKey(None, "at which it rubs; of hinges only", unit="m", above=0),
+    load=NumberKey(
         None, "force that the joint bears as a rule, at which it gives by `bristle_deflection` "
         "before it slips; left out: it counts in margins only, and a motion has none of it",
         unit="N", above=0,
@@ -148,8 +148,8 @@ def bearing(build, args):
 @acting(
     Stop,
     excluded=("angle", "side"),
-    lower=Number(None, "opening below which it acts; this, `upper`, or both", unit="rad"),
-    upper=Number(None, "opening above which it acts", unit="rad"),
+    lower=NumberKey(None, "opening below which it acts; this, `upper`, or both", unit="rad"),
+    upper=NumberKey(None, "opening above which it acts", unit="rad"),
 )
 def stop(build, args):
     """Keeps the opening of a joint from going further; never pulls."""
@@ -167,7 +167,7 @@ def stop(build, args):
     Latch,
     excluded=("one_sided", "name"),
     left_out={"stiffness": "it holds exactly"},
-    holds=Choice("both ways", "`one way`: only against going back",
+    holds=ChoiceKey("both ways", "`one way`: only against going back",
                  options=("both ways", "one way")),
 )  # fmt: skip
 def latch(build, args):
@@ -177,8 +177,8 @@ def latch(build, args):
     build.scene.add(element(RigidLatch if rigid else Latch, args, one_sided=one_sided))
 
 
-MOMENTS = ListOf(
-    kind=Number(unit="N m"), least=2, text="one for each, > 0 where it opens; straight between"
+MOMENTS = ListKey(
+    kind=NumberKey(unit="N m"), least=2, text="one for each, > 0 where it opens; straight between"
 )
 
 
@@ -186,7 +186,7 @@ MOMENTS = ListOf(
     "actions",
     "tabulated spring",
     joint=JOINT,
-    angles=ListOf(kind=Number(unit="rad"), least=2, text="openings, increasing"),
+    angles=ListKey(kind=NumberKey(unit="rad"), least=2, text="openings, increasing"),
     moments=MOMENTS,
     back=replace(
         MOMENTS, default=None, text="on the way back, none below `moments`; left out: the same"
@@ -219,7 +219,7 @@ def tabulated_spring(build, args):
     SyncLoop,
     excluded=("hinges", "name"),
     left_out={"rest": "those at the start"},
-    joints=ListOf(kind=TURNING, least=2, most=2, text="the two on which its pulleys sit"),
+    joints=ListKey(kind=TURNING, least=2, most=2, text="the two on which its pulleys sit"),
 )
 def loop(build, args):
     """A closed cable over pulleys on two joints, which so open in the ratio of the radii."""
@@ -232,9 +232,9 @@ def loop(build, args):
     excluded=("by_rate",),
     left_out={"start": "that at the start", "stiffness": "it prescribes exactly"},
     damping=key_of(Motor, "damping", default=0.0),
-    turn=Number(None, "by how much it turns, times `curve`; this or `rate`", unit="rad"),
-    rate=Number(None, "how fast it turns, times `curve`", unit="rad/s"),
-    curve=Reference(text="of the opening, or of its rate", group="curves"),
+    turn=NumberKey(None, "by how much it turns, times `curve`; this or `rate`", unit="rad"),
+    rate=NumberKey(None, "how fast it turns, times `curve`", unit="rad/s"),
+    curve=ReferenceKey(text="of the opening, or of its rate", group="curves"),
 )
 def motor(build, args):
     """Prescribes the opening of a joint, exactly or through an elastic drive train."""
@@ -254,8 +254,8 @@ whole(TorqueMotor)
     Release,
     left_out={"stiffness": "it holds exactly", "hold": "that at the start"},
     damping=key_of(Release, "damping", default=0.0),
-    watch=Opening(None, "another joint: it lets go where its opening passes `level`"),
-    level=Number(None, "opening of the joint that is watched", unit="rad", joint="watch"),
+    watch=OpeningKey(None, "another joint: it lets go where its opening passes `level`"),
+    level=NumberKey(None, "opening of the joint that is watched", unit="rad", joint="watch"),
 )
 def release(build, args):
     """Holds a joint until a time, or until another has opened so far; the first counts."""

@@ -7,15 +7,15 @@ import numpy as np
 
 from fpm.elements.joints.hinge import unit
 from fpm.structures.builder import POINT_TOL
-from fpm.structures.keys import Direction, Letters, ListOf, MapOf, Number, Reference
+from fpm.structures.keys import DirectionKey, LettersKey, ListKey, MapKey, NumberKey, ReferenceKey
 from fpm.structures.statement import statement
 
-PART = Reference(group="parts", ground=True)
-PARTS = ListOf(kind=PART, least=2, text="what it joins")
-PAIR = ListOf(kind=PART, least=2, most=2, text="what it joins")
-POINT = MapOf(
+PART = ReferenceKey(group="parts", ground=True)
+PARTS = ListKey(kind=PART, least=2, text="what it joins")
+PAIR = ListKey(kind=PART, least=2, most=2, text="what it joins")
+POINT = MapKey(
     text="its point, which all parts have; or the point of each part, which must coincide",
-    kind=Reference(group="points"),
+    kind=ReferenceKey(group="points"),
     single=True,
 )
 
@@ -69,24 +69,24 @@ def _further(args, particles) -> Iterator[tuple[str, tuple[int, int], list[int]]
     "revolute",
     parts=PARTS,
     at=POINT,
-    axis=MapOf(
+    axis=MapKey(
         text="of the turn; or the axis of each part, which must agree",
-        kind=Direction(),
+        kind=DirectionKey(),
         single=True,
     ),
-    opening=Number(
+    opening=NumberKey(
         0.0,
         "angle at the start; grows as the second part turns about the axis against the "
         "first, by the right-hand rule",
         unit="rad",
     ),
-    references=MapOf(
+    references=MapKey(
         None,
         "a direction fixed to each part, normal to the axis: the opening is their angle, "
         "on the turn closest to `opening`",
-        kind=Direction(),
+        kind=DirectionKey(),
     ),
-    held=Letters("", "axes along which the point is held, as by a slider"),
+    held=LettersKey("", "axes along which the point is held, as by a slider"),
 )
 def revolute(build, args):
     """A hinge: parts share a point and an axis, and turn freely about it.
@@ -138,13 +138,13 @@ def fixed(build, args):
     "universal",
     parts=PAIR,
     at=POINT,
-    axis=Direction(text="of the cross, on the first part"),
-    other=Direction(text="axis of the cross on the second part, normal to that on the first"),
-    openings=ListOf(
+    axis=DirectionKey(text="of the cross, on the first part"),
+    other=DirectionKey(text="axis of the cross on the second part, normal to that on the first"),
+    openings=ListKey(
         None,
         "its angles at the start: of the cross about `axis` against the first part, and of the "
         "second part about `other` against the cross; left out: 0",
-        kind=Number(unit="rad"), least=2, most=2,
+        kind=NumberKey(unit="rad"), least=2, most=2,
     ),
 )  # fmt: skip
 def universal(build, args):
@@ -162,8 +162,8 @@ def universal(build, args):
     "prismatic",
     parts=PAIR,
     at=POINT,
-    axis=Direction(text="along which the second part slides on the first"),
-    opening=Number(
+    axis=DirectionKey(text="along which the second part slides on the first"),
+    opening=NumberKey(
         0.0,
         "position at the start; grows as the second part slides along the axis against the first",
         unit="m",
@@ -177,10 +177,10 @@ def prismatic(build, args):
 
 @statement(
     "supports",
-    part=Reference(group="parts", text="what is held"),
-    at=Reference(group="points", text="one of its points"),
-    translations=Letters("xyz", "axes along which it is held"),
-    rotations=Letters("xyz", "axes about which it is held"),
+    part=ReferenceKey(group="parts", text="what is held"),
+    at=ReferenceKey(group="points", text="one of its points"),
+    translations=LettersKey("xyz", "axes along which it is held"),
+    rotations=LettersKey("xyz", "axes about which it is held"),
 )
 def support(build, args):
     """Holds a point of a part along and about global axes."""

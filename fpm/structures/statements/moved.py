@@ -5,19 +5,19 @@ import numpy as np
 
 from fpm.elements import Load
 from fpm.structures.builder import POINT_TOL
-from fpm.structures.keys import ListOf, Number, PointOfPart, Reference, Vector
+from fpm.structures.keys import ListKey, NumberKey, PointKey, ReferenceKey, VectorKey
 from fpm.structures.statement import CLASS, statement
 
 ZERO = np.zeros(3)
-PART = Reference(group="parts", text="what it is about")
-POINT = Reference(group="points", text="one of its points")
-CURVE = Reference(None, "scales it with time; left out: constant", group="curves")
+PART = ReferenceKey(group="parts", text="what it is about")
+POINT = ReferenceKey(group="points", text="one of its points")
+CURVE = ReferenceKey(None, "scales it with time; left out: constant", group="curves")
 
 
 @statement(
     "curves",
-    times=ListOf(kind=Number(unit="s"), text="increasing"),
-    values=ListOf(kind=Number(), text="one for each time"),
+    times=ListKey(kind=NumberKey(unit="s"), text="increasing"),
+    values=ListKey(kind=NumberKey(), text="one for each time"),
 )
 def curve(build, args):
     """A curve of time, straight between the values given and constant outside them."""
@@ -32,8 +32,8 @@ def _index(curve: int | None) -> int:
     "loads",
     part=PART,
     at=POINT,
-    force=Vector(ZERO, unit="N", text="the force"),
-    moment=Vector(ZERO, unit="N m", text="the moment"),
+    force=VectorKey(ZERO, unit="N", text="the force"),
+    moment=VectorKey(ZERO, unit="N m", text="the moment"),
     curve=CURVE,
     **CLASS,
 )
@@ -45,13 +45,13 @@ def load(build, args):
 
 @statement(
     "cables",
-    through=ListOf(kind=PointOfPart(), least=2, text="its points, in order", units=True),
-    EA=Number(unit="N", above=0, text="tension for a strain of one"),
-    rest=Number(None, "its length without tension; this or `preload`", unit="m", above=0),
-    preload=Number(None, "its tension at the start; this or `rest`", unit="N", least=0),
-    reel=Number(0.0, "length that a winch at the first point takes in, times `curve`", unit="m"),
-    curve=Reference(None, "of the winch", group="curves"),
-    friction=Number(
+    through=ListKey(kind=PointKey(), least=2, text="its points, in order", units=True),
+    EA=NumberKey(unit="N", above=0, text="tension for a strain of one"),
+    rest=NumberKey(None, "its length without tension; this or `preload`", unit="m", above=0),
+    preload=NumberKey(None, "its tension at the start; this or `rest`", unit="N", least=0),
+    reel=NumberKey(0.0, "length that a winch at the first point takes in, times `curve`", unit="m"),
+    curve=ReferenceKey(None, "of the winch", group="curves"),
+    friction=NumberKey(
         None, "coefficient of friction at the points between its ends; left out: they turn", least=0
     ),
     **CLASS,
@@ -74,8 +74,8 @@ def cable(build, args):
     "drives",
     part=PART,
     at=POINT,
-    velocity=Vector(ZERO, unit="m/s", text="its velocity"),
-    spin=Vector(ZERO, unit="rad/s", text="its angular velocity"),
+    velocity=VectorKey(ZERO, unit="m/s", text="its velocity"),
+    spin=VectorKey(ZERO, unit="rad/s", text="its angular velocity"),
     curve=CURVE,
 )
 def drive(build, args):
@@ -93,9 +93,9 @@ def drive(build, args):
 @statement(
     "initial_velocities",
     part=PART,
-    velocity=Vector(ZERO, unit="m/s", text="of the point `about`"),
-    spin=Vector(ZERO, unit="rad/s", text="angular velocity"),
-    about=Reference(group="points", text="any point"),
+    velocity=VectorKey(ZERO, unit="m/s", text="of the point `about`"),
+    spin=VectorKey(ZERO, unit="rad/s", text="angular velocity"),
+    about=ReferenceKey(group="points", text="any point"),
 )
 def motion(build, args):
     """How a part moves at the start, as a rigid body."""
@@ -105,7 +105,9 @@ def motion(build, args):
     scene.spin[particles] = args.spin
 
 
-@statement("record", part=Reference(group="parts", text="what carries it", ground=True), at=POINT)
+@statement(
+    "record", part=ReferenceKey(group="parts", text="what carries it", ground=True), at=POINT
+)
 def record(build, args):
     """A point of a part whose motion is recorded under this name."""
     build.scene.add_point(args.name, args.part.particle(args.at.name), args.at.position)

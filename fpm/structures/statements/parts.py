@@ -7,24 +7,32 @@ import numpy as np
 from fpm.elements.bars.beam import Material, Section, triad
 from fpm.elements.bars.lumping import lump
 from fpm.errors import SceneError
-from fpm.structures.builder import POINT_TOL, Part
-from fpm.structures.keys import Direction, ListOf, MapOf, Number, Reference, Vector, Whole
+from fpm.structures.builder import POINT_TOL, Body
+from fpm.structures.keys import (
+    DirectionKey,
+    ListKey,
+    MapKey,
+    NumberKey,
+    ReferenceKey,
+    VectorKey,
+    WholeKey,
+)
 from fpm.structures.statement import statement
 
 STRAIGHT = 1e-9
 """Directions (unit vectors) that differ by less are one."""
 
-POINT = Reference(group="points")
+POINT = ReferenceKey(group="points")
 
 
-def _size(text: str, unit: str = "m") -> Number:
-    return Number(unit=unit, above=0, text=text)
+def _size(text: str, unit: str = "m") -> NumberKey:
+    return NumberKey(unit=unit, above=0, text=text)
 
 
 @statement(
     "materials",
     E=_size("Young's modulus", "Pa"),
-    nu=Number(0.3, "Poisson's ratio"),
+    nu=NumberKey(0.3, "Poisson's ratio"),
     rho=_size("density", "kg/m3"),
 )
 def material(build, args):
@@ -75,20 +83,20 @@ for _type, _text, _sizes, _build in SECTIONS:
 
 @statement(
     "bars",
-    through=ListOf(kind=POINT, least=2, text="its points, in order"),
-    section=Reference(group="sections", text="its cross-section"),
-    material=Reference(group="materials", text="its material"),
-    elements=Whole(text="beam elements of each stretch between two points"),
-    up=Direction(
+    through=ListKey(kind=POINT, least=2, text="its points, in order"),
+    section=ReferenceKey(group="sections", text="its cross-section"),
+    material=ReferenceKey(group="materials", text="its material"),
+    elements=WholeKey(text="beam elements of each stretch between two points"),
+    up=DirectionKey(
         None, "where the section's height points; needed where it matters, and for `curvature`"
     ),
-    carries=MapOf(
+    carries=MapKey(
         None, "points off its axis, each rigidly held at one of its points",
         group="points", kind=POINT,
     ),
-    inertia_scale=Number(1.0, "factor on the section's rotational inertia", least=1),
-    strain=Number(0.0, "of what is free of stress, as by heat; with `assemble`", above=-0.5),
-    curvature=Number(
+    inertia_scale=NumberKey(1.0, "factor on the section's rotational inertia", least=1),
+    strain=NumberKey(0.0, "of what is free of stress, as by heat; with `assemble`", above=-0.5),
+    curvature=NumberKey(
         None, "likewise, > 0 where the side of `up` is longer: difference of strains over height",
         unit="/m",
     ),
@@ -115,7 +123,7 @@ def bar(build, args):
         if point in particles:
             build.refuse("carries", point, "points that the bar does not go through")
         particles[point] = particles[holder.name]
-    return Part(args.name, particles)
+    return Body(args.name, particles)
 
 
 def _directions(build, names, points) -> list[np.ndarray]:
@@ -204,18 +212,18 @@ def _sum_inertias(parts) -> tuple[np.ndarray, np.ndarray]:
 @statement(
     "bodies",
     mass=_size("its mass", "kg"),
-    centre=Reference(group="points", text="its centre of mass"),
-    box=Vector(
+    centre=ReferenceKey(group="points", text="its centre of mass"),
+    box=VectorKey(
         None, "edges of a box filled evenly with the mass, along x, up × x and up; this or "
         "`inertia`", unit="m",
     ),
-    inertia=Vector(
+    inertia=VectorKey(
         None, "principal moments of inertia about its centre, about x, up × x and up",
         unit="kg m2",
     ),
-    points=ListOf((), "points rigidly held at it", kind=POINT, units=True),
-    x=Direction(np.array([1.0, 0.0, 0.0]), "its first principal axis"),
-    up=Direction(np.array([0.0, 0.0, 1.0]), "its third principal axis, normal to x"),
+    points=ListKey((), "points rigidly held at it", kind=POINT, units=True),
+    x=DirectionKey(np.array([1.0, 0.0, 0.0]), "its first principal axis"),
+    up=DirectionKey(np.array([0.0, 0.0, 1.0]), "its third principal axis, normal to x"),
 )  # fmt: skip
 def body(build, args):
     """A rigid body, free until something joins or holds it."""
@@ -240,15 +248,15 @@ def body(build, args):
     except SceneError as error:
         build.refuse("mass", error.value, error.allowed)
     particle = build.scene.bodies[args.name] = int(particles[0])
-    return Part(args.name, {point.name: particle for point in (args.centre, *args.points)})
+    return Body(args.name, {point.name: particle for point in (args.centre, *args.points)})
 
 
 @statement(
     "masses",
-    part=Reference(group="parts", text="what carries it"),
-    at=Reference(group="points", text="a point that the part goes through"),
+    part=ReferenceKey(group="parts", text="what carries it"),
+    at=ReferenceKey(group="points", text="a point that the part goes through"),
     mass=_size("its mass", "kg"),
-    inertia=Number(0.0, "its moment of inertia, about every axis", unit="kg m2", least=0),
+    inertia=NumberKey(0.0, "its moment of inertia, about every axis", unit="kg m2", least=0),
 )
 def mass(build, args):
     """A mass at a point of a part, with its centre there."""

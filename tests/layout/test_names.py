@@ -17,7 +17,7 @@ CLEAN = (
     "deployable/campaign/pictures",
     "deployable/campaign/provenance.py",
     "deployable/campaign/report",
-    "deployable/campaign/results/templates.py",
+    "deployable/campaign/results",
     "deployable/campaign/stopping.py",
     "deployable/campaign/text",
     "fpm/assembly",

@@ -7,9 +7,9 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 CLEAN = (
-    "deployable/intervals",
-    "deployable/campaign/cli/commands.py",
-    "deployable/campaign/cli/new.py",
+    "deployable/__init__.py",
+    "deployable/__main__.py",
+    "deployable/campaign/cli",
     "deployable/campaign/errors.py",
     "deployable/campaign/export",
     "deployable/campaign/files",
@@ -18,8 +18,13 @@ CLEAN = (
     "deployable/campaign/provenance.py",
     "deployable/campaign/report",
     "deployable/campaign/results",
+    "deployable/campaign/runs",
+    "deployable/campaign/samples",
+    "deployable/campaign/shipped",
     "deployable/campaign/stopping.py",
     "deployable/campaign/text",
+    "deployable/intervals",
+    "deployable/one_thread.py",
     "fpm/assembly",
     "fpm/elements",
     "fpm/errors.py",

@@ -21,8 +21,8 @@ def other_fpm() -> str:
 
     Fortran's package manager brings a module of that name, too.
     """
-    found = find_spec("fpm")
-    place = Path(found.origin).parent if found and found.origin else None
+    spec = find_spec("fpm")
+    place = Path(spec.origin).parent if spec and spec.origin else None
     ours = Path(__file__).parents[1] / "fpm"
     if place == ours and "Finite particle method" in (ours / "__init__.py").read_text("utf-8"):
         return ""

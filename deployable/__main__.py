@@ -14,8 +14,8 @@ gc.set_threshold(10_000)
 
 def program() -> int:
     """The console script `deployable-intervals`."""
-    if other := other_fpm():
-        print(other, file=sys.stderr)
+    if message := other_fpm():
+        print(message, file=sys.stderr)
         return 1
     from deployable.campaign.stopping import end_on_ctrl_c, leave
 

@@ -26,13 +26,13 @@ def one_thread() -> Iterator[None]:
     import scipy.linalg  # noqa: F401  # its library counts, too, and can only be limited when loaded
     from threadpoolctl import threadpool_limits
 
-    before = {name: os.environ.get(name) for name in _VARIABLES}
+    previous = {name: os.environ.get(name) for name in _VARIABLES}
     try:
         set_environment()
         with threadpool_limits(limits=1, user_api="blas"):
             yield
     finally:
-        for name, value in before.items():
+        for name, value in previous.items():
             if value is None:
                 os.environ.pop(name, None)
             else:

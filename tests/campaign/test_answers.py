@@ -16,7 +16,7 @@ from deployable.campaign.answers import ends
 from deployable.campaign.errors import ConfigError
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
-from deployable.campaign.results.ranges import Seen, draw_ranges, ranges, runs_of
+from deployable.campaign.results.ranges import FittedRuns, draw_ranges, ranges, runs_of
 from deployable.intervals.scalars import fit_scalar
 from fpm.files.sealed import unsealed
 
@@ -174,7 +174,7 @@ def test_a_quantity_is_drawn_no_lower_than_it_can_be(tmp_path):
     )
     data.to_netcdf(tmp_path / "quantities.nc")
     with netCDF4.Dataset(tmp_path / "quantities.nc") as found:
-        (ax,) = ranges(found, Seen(x, speed[:, None], np.full((7, 1), np.nan))).axes
+        (ax,) = ranges(found, FittedRuns(x, speed[:, None], np.full((7, 1), np.nan))).axes
     drawn = ax.lines[0].get_ydata()
     assert drawn.min() == 0.0
     assert drawn.max() == pytest.approx(0.7, abs=0.1)

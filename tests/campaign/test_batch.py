@@ -98,7 +98,7 @@ def test_lots_come_in_order_and_one_group_is_made_while_another_is_taken(monkeyp
     lots = [(list(range(8 * k, 8 * k + 8)), ()) for k in range(5)]
     lots.insert(2, ([], ()))
     taken = []
-    for lot in Simulation(None, 8, 2).each(lots):
+    for lot in Simulation(None, 8, 2).run_lots(lots):
         found = list(lot)
         time.sleep(0.05)  # time enough for what was started
         taken.append(found)
@@ -121,7 +121,7 @@ def test_structures_are_built_by_one_thread_at_a_time(config, monkeypatch):
 
     monkeypatch.setattr(type(plan.experiment.scene_type), "build", build)
     runs = plan.unique_runs()
-    found = Simulation(plan, 2, 2).each([(runs, ())])
+    found = Simulation(plan, 2, 2).run_lots([(runs, ())])
     assert sum(len(list(lot)) for lot in found) == len(runs) >= 4
     assert inside["most"] == 1
 

@@ -20,7 +20,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
 from deployable.campaign.report import draw_nominal, make_motions
 from deployable.campaign.results.bounds import analyse
-from deployable.campaign.results.facts import _foretold
+from deployable.campaign.results.facts import _extrapolated_error
 from deployable.campaign.results.figures import draw_envelopes
 from deployable.campaign.results.summary import summarise
 from deployable.campaign.results.templates import sentence, summary_text
@@ -242,11 +242,11 @@ def test_an_error_that_no_run_shows_is_told_to_be_foretold(tmp_path):
     )
     data.to_netcdf(tmp_path / "bounds.nc")
     with netCDF4.Dataset(tmp_path / "bounds.nc") as bounds:
-        row = {"units": "m", "foretold": _foretold(bounds, 0, 0)}
+        row = {"units": "m", "foretold": _extrapolated_error(bounds, 0, 0)}
         assert "misses the 3 runs that were not fitted by at most 0.01 m" in sentence(
             "foretold", row
         )
-        assert _foretold(bounds, 0, 1) == {}
+        assert _extrapolated_error(bounds, 0, 1) == {}
 
 
 def test_the_summary_is_as_its_schema_says(finished):

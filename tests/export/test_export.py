@@ -11,7 +11,7 @@ from swing import CONFIG
 
 from deployable.campaign.cli import main
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.export import KINDS, choose, export
+from deployable.campaign.export import FORMATS, choose, export
 
 
 def read(path):
@@ -26,7 +26,7 @@ def length(scene):
     return np.linalg.norm(np.ptp(scene.position, axis=0))
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", FORMATS)
 def test_every_kind_is_written_beside_the_results(results, capsys, kind):
     assert main(["export", str(results), "--to", kind, "--frames", "3"]) == 0
     told = capsys.readouterr().out.splitlines()

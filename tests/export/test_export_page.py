@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from deployable.campaign.cli import _parser
-from deployable.campaign.export import KINDS, choose
+from deployable.campaign.export import FORMATS, choose
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs/export.md").read_text(encoding="utf-8")
@@ -34,4 +34,4 @@ def test_the_snippet_runs(tmp_path, monkeypatch, capsys):
 
 def test_all_kinds_are_told():
     told = re.search(r"--to (\S+)", PAGE).group(1).split("|")
-    assert told == list(KINDS) and len(COMMANDS) == 3
+    assert told == list(FORMATS) and len(COMMANDS) == 3

@@ -7,9 +7,10 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 CLEAN = (
-    "deployable/intervals",
-    "deployable/campaign/cli/commands.py",
-    "deployable/campaign/cli/new.py",
+    "deployable/__init__.py",
+    "deployable/__main__.py",
+    "deployable/campaign/__init__.py",
+    "deployable/campaign/cli",
     "deployable/campaign/config",
     "deployable/campaign/errors.py",
     "deployable/campaign/export",
@@ -19,10 +20,15 @@ CLEAN = (
     "deployable/campaign/plan",
     "deployable/campaign/provenance.py",
     "deployable/campaign/report",
-    "deployable/campaign/results/templates.py",
+    "deployable/campaign/results",
+    "deployable/campaign/runs",
+    "deployable/campaign/samples",
+    "deployable/campaign/shipped",
     "deployable/campaign/stages",
     "deployable/campaign/stopping.py",
     "deployable/campaign/text",
+    "deployable/intervals",
+    "deployable/one_thread.py",
     "fpm",
 )
 """Folders and files that are held to it."""

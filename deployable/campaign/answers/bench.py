@@ -19,7 +19,7 @@ from deployable.campaign.plan.runs import PlannedRun, Runs, run_id
 from deployable.campaign.results.which import fitted_rows, margins_of, margins_of_samples
 from deployable.campaign.runs.batch import Simulation, check_structure, tell_again
 from deployable.campaign.runs.progress import Tell, warm_up
-from deployable.campaign.runs.results import Record
+from deployable.campaign.runs.results import RunRecord
 from deployable.campaign.runs.store import open_store
 
 # In unit coordinates: places nearer than this have one run, or need none of their own.
@@ -141,7 +141,7 @@ class Bench:
         margins = margins_of(self.experiment, np.array([one.values for one in found]))
         return np.array([one.numbers for one in found]), margins
 
-    def records(self, plan: Plan, runs: Sequence[PlannedRun]) -> list[Record]:
+    def records(self, plan: Plan, runs: Sequence[PlannedRun]) -> list[RunRecord]:
         """What there is of runs of a plan, simulated unless the store has them.
 
         Raises `CampaignError` if one fails.
@@ -155,7 +155,7 @@ class Bench:
                 check_structure(plan)
                 scene = plan.experiment.build(plan.named(missing[0]))
                 warm_up(scene, self.tell, plan.experiment.record)
-                store.write(group, simulation.results(missing, store.had(missing)))
+                store.write(group, simulation.results(missing, store.previous_columns(missing)))
             found |= store.read(group)
         self.simulated += simulation.count
         simulation.check()

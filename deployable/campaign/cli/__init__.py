@@ -49,8 +49,8 @@ def main(arguments: list[str]) -> int:
 
 def _parser(is_stage: bool = False) -> argparse.ArgumentParser:
     """The parser of all commands, or, for a process that loads what its stage needs, of stages."""
-    started = Path(sys.argv[0]).name
-    program = PROGRAM if started.startswith(PROGRAM) else "python -m deployable"
+    script = Path(sys.argv[0]).name
+    program = PROGRAM if script.startswith(PROGRAM) else "python -m deployable"
     parser = argparse.ArgumentParser(
         program, description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
@@ -59,23 +59,23 @@ def _parser(is_stage: bool = False) -> argparse.ArgumentParser:
     if not is_stage:
         import_module("deployable.campaign.cli.commands").add_to(commands, command)
     for name, stage in STAGES.items():
-        one = command(commands, name, stage.about, _run_stage)
-        one.set_defaults(stage=stage)
-        one.add_argument("folder", type=Path, help="folder of the results")
-        one.add_argument("--config", required=True, help="YAML file, or sections as JSON")
+        stage_parser = command(commands, name, stage.about, _run_stage)
+        stage_parser.set_defaults(stage=stage)
+        stage_parser.add_argument("folder", type=Path, help="folder of the results")
+        stage_parser.add_argument("--config", required=True, help="YAML file, or sections as JSON")
         for key in stage.options:
-            one.add_argument(f"--{key}", **OPTIONS[key])
-        one.add_argument("--log", type=Path, help="file that messages go to as well")
+            stage_parser.add_argument(f"--{key}", **OPTIONS[key])
+        stage_parser.add_argument("--log", type=Path, help="file that messages go to as well")
     if _evidence_is_there():
         command(commands, "attack", _attack.__doc__, _attack)  # its words never come here
     return parser
 
 
 def command(
-    commands: argparse._SubParsersAction, name: str, about: str, function: Callable
+    commands: argparse._SubParsersAction, name: str, description: str, function: Callable
 ) -> argparse.ArgumentParser:
-    """Add a command, which a function of its options does; about: what it does, in a line."""
-    text = about.splitlines()[0]
+    """Add a command, which a function of its options does; its description by its first line."""
+    text = description.splitlines()[0]
     parser = commands.add_parser(name, help=text, description=text)
     parser.set_defaults(act=function)
     return parser
@@ -96,9 +96,9 @@ class _Version(argparse.Action):
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
 
-        made = program()
-        known = made["commit"] != "unknown"
-        print(made["program"] + (f", commit {made['commit']}" if known else ""))
+        details = program()
+        has_commit = details["commit"] != "unknown"
+        print(details["program"] + (f", commit {details['commit']}" if has_commit else ""))
         parser.exit()
 
 
@@ -112,17 +112,17 @@ def _run_stage(options: argparse.Namespace) -> int:
             log = options.log.open("w", encoding="utf-8")
 
     tell = Teller(*filter(None, (sys.stderr, log)))
-    more = {key: getattr(options, key) for key in options.stage.options}
+    values = {key: getattr(options, key) for key in options.stage.options}
     try:
         sections = options.stage.sections_in(options.config)
-        options.stage.run(Folder(options.folder), tell, **sections, **more)
+        options.stage.run(Folder(options.folder), tell, **sections, **values)
     except (CampaignError, SceneError) as error:
         tell(f"error: {error}")
     except Exception as error:  # a fault of the program, which the log should have
-        where = traceback.format_exc()
-        if (told := unforeseen(error)) is not None and log:
-            log.write(where)
-        tell(f"error: {told}" if told else where)
+        trace = traceback.format_exc()
+        if (message := unforeseen(error)) is not None and log:
+            log.write(trace)
+        tell(f"error: {message}" if message else trace)
     else:
         return 0
     return 1

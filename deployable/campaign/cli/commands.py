@@ -15,7 +15,7 @@ from deployable.campaign.config.keys import table
 from deployable.campaign.config.read import whole
 from deployable.campaign.config.sections import scene_type
 from deployable.campaign.errors import CampaignError, ConfigError, of_files
-from deployable.campaign.export import COLOURS, KINDS, choose, export
+from deployable.campaign.export import COLOURS, FORMATS, choose, export
 from deployable.campaign.files import read_json, unforeseen
 from deployable.campaign.folder import CAMPAIGN, Folder
 from deployable.campaign.pictures.still import SUFFIXES, write_structure
@@ -65,8 +65,8 @@ def _add_export(export: argparse.ArgumentParser) -> None:
         "what", metavar="RUN",
         help="folder of a campaign's results, a campaign's config, or a structure's file or name",
     )  # fmt: skip
-    kinds = "; ".join(f"{name}: {kind.summary}" for name, kind in KINDS.items())
-    export.add_argument("--to", required=True, choices=KINDS, help=kinds)
+    kinds = "; ".join(f"{name}: {kind.summary}" for name, kind in FORMATS.items())
+    export.add_argument("--to", required=True, choices=FORMATS, help=kinds)
     export.add_argument("--run", default="nominal", help="of a folder: nominal, or a run's id")
     export.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE",

@@ -12,7 +12,7 @@ from deployable.campaign.files import check_results
 
 
 @dataclass(frozen=True)
-class Kind:
+class ExportFormat:
     """A kind of file: what writes it into a folder, how many frames it has if nothing is said, and
     which results beside the samples it takes.
 
@@ -61,13 +61,17 @@ def _figures(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
 
 
 _CURVES = "bounds.nc", "sensitivities.nc"
-KINDS = {
-    "vtk": Kind(_vtk, "a collection for ParaView: a .pvd, and two .vtu for every frame", 101),
-    "glb": Kind(_glb, "one glTF file that moves, for viewers and Blender", 101),
-    "gif": Kind(_picture("gif"), "a moving picture", 60),
-    "webp": Kind(_picture("webp"), "a moving picture, smaller and with more colours", 60),
-    "figures": Kind(_figures, "figures for a journal: PDF, SVG, PNG", 401, _CURVES),
-    "csv": Kind(_csv, "curves of the run; of a campaign also its bounds and runs", 0, _CURVES[:1]),
+FORMATS = {
+    "vtk": ExportFormat(
+        _vtk, "a collection for ParaView: a .pvd, and two .vtu for every frame", 101
+    ),
+    "glb": ExportFormat(_glb, "one glTF file that moves, for viewers and Blender", 101),
+    "gif": ExportFormat(_picture("gif"), "a moving picture", 60),
+    "webp": ExportFormat(_picture("webp"), "a moving picture, smaller and with more colours", 60),
+    "figures": ExportFormat(_figures, "figures for a journal: PDF, SVG, PNG", 401, _CURVES),
+    "csv": ExportFormat(
+        _csv, "curves of the run; of a campaign also its bounds and runs", 0, _CURVES[:1]
+    ),
 }
 
 
@@ -83,12 +87,12 @@ def export(
     frames: int | None = None,
     colour: str = "bars",
 ) -> list[Path]:
-    """Write a run as one of `KINDS` into a folder; returns the files to open.
+    """Write a run as one of `FORMATS` into a folder; returns the files to open.
 
     frames: number of frames, evenly spread over the run; colour: one of `COLOURS`. Raises
     `CampaignError` where a kind has no such colours.
     """
-    form = KINDS[kind]
+    form = FORMATS[kind]
     if colour != "bars" and kind not in MOVIES:
         raise CampaignError(f"--colour {colour} is not for {kind}; allowed: {', '.join(MOVIES)}")
     if run.folder:
@@ -98,4 +102,4 @@ def export(
     return form.write(run, Path(folder), frames or form.frames, **colours)
 
 
-__all__ = ["COLOURS", "KINDS", "SelectedRun", "choose", "export"]
+__all__ = ["COLOURS", "FORMATS", "SelectedRun", "choose", "export"]

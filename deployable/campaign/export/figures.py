@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from deployable.campaign.files import open_netcdf, whole_file
-from deployable.campaign.results.figures import DATELESS, SAME, envelope, shares, without_formulas
+from deployable.campaign.results.figures import DATELESS, STYLE, envelope, shares, without_formulas
 
 if TYPE_CHECKING:
     from deployable.campaign.export.chosen import SelectedRun
@@ -21,7 +21,7 @@ SHADE_ABOVE = 0.1
 """The config's default of `error.shade_above`, which results do not tell."""
 
 _STYLE = {
-    **SAME,
+    **STYLE,
     "font.size": 8, "axes.labelsize": 8, "xtick.labelsize": 7, "ytick.labelsize": 7,
     "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
 }  # fmt: skip

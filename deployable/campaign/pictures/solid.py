@@ -18,7 +18,7 @@ FACES = np.array([
 
 
 @dataclass(frozen=True)
-class Cables:
+class CablePoints:
     """The p points of cables, one cable after the other.
 
     cable (p,): index of the point's cable; particle (p,): its own; arm (p, 3) m: from there, in the
@@ -37,7 +37,7 @@ class Cables:
         return np.stack([first, first + 1], axis=1)
 
 
-NO_CABLES = Cables(np.zeros(0, int), np.zeros(0, int), np.zeros((0, 3)))
+NO_CABLES = CablePoints(np.zeros(0, int), np.zeros(0, int), np.zeros((0, 3)))
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Solid:
     position: np.ndarray
     frame: np.ndarray
     elements: tuple[str, ...]
-    cables: Cables = NO_CABLES
+    cables: CablePoints = NO_CABLES
 
     @cached_property
     def cable_points(self) -> np.ndarray:
@@ -138,17 +138,17 @@ def solid_of_scene(scene: Any) -> Solid:
     )
 
 
-def _cables_of_motion(motion: Any, frames: Any) -> Cables:
+def _cables_of_motion(motion: Any, frames: Any) -> CablePoints:
     if "cable_point_cable" not in motion.variables:
         return NO_CABLES
     points = (values_in(motion, f"cable_point_{key}") for key in ("cable", "particle", "arm"))
-    return Cables(*points, values_in(motion, "cable_tension")[frames])
+    return CablePoints(*points, values_in(motion, "cable_tension")[frames])
 
 
-def _cables_of_scene(scene: Any) -> Cables:
+def _cables_of_scene(scene: Any) -> CablePoints:
     beams = [beam for cable in scene.cables for beam in cable.beams]
     if not beams:
         return NO_CABLES
     count = [len(cable.beams) for cable in scene.cables]
     index, particle = np.repeat(np.arange(len(count)), count), np.array([b.particle for b in beams])
-    return Cables(index, particle, np.array([beam.arm for beam in beams]))
+    return CablePoints(index, particle, np.array([beam.arm for beam in beams]))

@@ -20,7 +20,7 @@ MOST_LINES = 48
 
 
 @dataclass(frozen=True)
-class Response:
+class ResponseBounds:
     """A response with its bounds over time, arrays (t,) in `units`.
 
     error: estimated error of the bounds; shares (k,), widths (k, t): what each parameter
@@ -57,7 +57,7 @@ class Event:
 
 
 @dataclass(frozen=True)
-class Run:
+class PageRun:
     """A run: role (nominal, node, held_out or further), parameter values (k,).
 
     curves (response, t): runs that are not drawn need none.
@@ -132,8 +132,8 @@ class PageData:
 
     facts: Mapping[str, Any]
     time: np.ndarray
-    responses: tuple[Response, ...]
-    runs: tuple[Run, ...]
+    responses: tuple[ResponseBounds, ...]
+    runs: tuple[PageRun, ...]
     moving: tuple[MovingRun, ...] = ()
     omitted: tuple[LeftOut, ...] = ()
     work: tuple[Work, ...] = ()
@@ -148,7 +148,7 @@ class PageData:
         return self.facts["parameters"]
 
     @property
-    def nominal(self) -> Run | None:
+    def nominal(self) -> PageRun | None:
         """The nominal run, if there is one."""
         return next((run for run in self.runs if run.role == "nominal"), None)
 

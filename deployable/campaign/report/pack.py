@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from deployable.campaign.pictures.glb import glb_of
-from deployable.campaign.report.data import MovingRun, PageData, Response
+from deployable.campaign.report.data import MovingRun, PageData, ResponseBounds
 from deployable.campaign.results.facts import LARGE
 from deployable.campaign.text.numbers import pretty
 from deployable.intervals.formula import Formula
@@ -89,7 +89,7 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
 
     grades = {row["name"]: row["grade"] for row in data.facts["responses"]}
 
-    def has_widths(response: Response) -> bool:
+    def has_widths(response: ResponseBounds) -> bool:
         """Whether what parameters contribute is known well enough to be drawn."""
         return response.widths is not None and grades.get(response.name) not in ("large", "none")
 

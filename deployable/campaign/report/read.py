@@ -18,8 +18,8 @@ from deployable.campaign.report.data import (
     LeftOut,
     MovingRun,
     PageData,
-    Response,
-    Run,
+    PageRun,
+    ResponseBounds,
     RunVerdicts,
     WhatIf,
     Work,
@@ -77,12 +77,12 @@ def _load(path: Path, omit: str = "") -> xarray.Dataset:
 
 def _responses(
     bounds: xarray.Dataset, sensitivities: xarray.Dataset | None
-) -> tuple[Response, ...]:
+) -> tuple[ResponseBounds, ...]:
     def values(name: str, i: int, dataset: xarray.Dataset | None = bounds) -> np.ndarray | None:
         return None if dataset is None or name not in dataset else dataset[name].values[i]
 
     return tuple(
-        Response(
+        ResponseBounds(
             name=name,
             long_name=str(bounds["response_long_name"].values[i]),
             units=str(bounds["response_units"].values[i]),
@@ -115,13 +115,13 @@ def _rows(samples: xarray.Dataset, movers: Iterable[ShownRun]) -> np.ndarray:
     return np.array(sorted(run.row for run in movers if run.row is not None))
 
 
-def _runs(samples: xarray.Dataset, rows: np.ndarray) -> tuple[Run, ...]:
+def _runs(samples: xarray.Dataset, rows: np.ndarray) -> tuple[PageRun, ...]:
     contacts = samples["contact"].values.tolist() if "contact" in samples.coords else []
     events = [samples[f"event_{key}"].values[rows] for key in ("time", "contact", "closing")]
     names, values = ids(samples, rows), samples["value"].values[rows]
     run_roles = roles(samples)
     return tuple(
-        Run(
+        PageRun(
             id=names[i], role=run_roles[rows[i]], values=values[i],
             events=tuple(
                 Event(float(time), contacts[int(contact)], bool(closing))
@@ -134,8 +134,8 @@ def _runs(samples: xarray.Dataset, rows: np.ndarray) -> tuple[Run, ...]:
 
 
 def _with_curves(
-    runs: tuple[Run, ...], rows: np.ndarray, path: Path, indices: Iterable[int]
-) -> tuple[Run, ...]:
+    runs: tuple[PageRun, ...], rows: np.ndarray, path: Path, indices: Iterable[int]
+) -> tuple[PageRun, ...]:
     """The runs, those at `indices` with their curves: a scan may have more than fit into memory."""
     new_runs = list(runs)
     with open_netcdf(path) as samples:
@@ -145,8 +145,8 @@ def _with_curves(
 
 
 def _moving(
-    folder: Path, runs: tuple[Run, ...], rows: np.ndarray, movers: Iterable[ShownRun]
-) -> tuple[tuple[Run, ...], tuple[MovingRun, ...]]:
+    folder: Path, runs: tuple[PageRun, ...], rows: np.ndarray, movers: Iterable[ShownRun]
+) -> tuple[tuple[PageRun, ...], tuple[MovingRun, ...]]:
     """The runs, further ones that move added, and the moving runs whose motion is there; none
     without the first, with which all compare."""
     moving: list[MovingRun] = []
@@ -160,7 +160,7 @@ def _moving(
             continue
         run = len(all_runs) if mover.row is None else int(np.searchsorted(rows, mover.row))
         if mover.row is None:
-            all_runs.append(Run(mover.id, FURTHER, mover.values, events=_impacts(motion)))
+            all_runs.append(PageRun(mover.id, FURTHER, mover.values, events=_impacts(motion)))
         moving.append(MovingRun(run, mover.label, motion))
     return tuple(all_runs), tuple(moving)
 
@@ -194,7 +194,7 @@ def _what_if(folder: Path, summary: Mapping) -> WhatIf:
 
 
 def _omitted(
-    movers: Iterable[ShownRun], runs: tuple[Run, ...], moving: tuple[MovingRun, ...]
+    movers: Iterable[ShownRun], runs: tuple[PageRun, ...], moving: tuple[MovingRun, ...]
 ) -> tuple[LeftOut, ...]:
     """Runs that would be shown, beside those that move."""
     on_page = {runs[mover.run].id for mover in moving}

@@ -21,11 +21,13 @@ from deployable.campaign.provenance import as_attribute
 from deployable.campaign.results.which import keeps_extremes
 
 
-def analyse(folder: Folder, how: BoundsChoice, more: Callable[[Any], Any] | None = None) -> None:
+def analyse(
+    folder: Folder, choice: BoundsChoice, with_errors: Callable[[Any], Any] | None = None
+) -> None:
     """Fit the design that the samples were made for; write surrogate, bounds and sensitivities.
 
-    Samples of a scan are read in pieces, so that they may be larger than memory. more: makes of the
-    bounds' dataset one that tells more of their errors.
+    Samples of a scan are read in pieces, so that they may be larger than memory.
+    with_errors: returns the dataset of bounds with further estimates of their errors.
     """
     import xarray as xr
 
@@ -37,9 +39,9 @@ def analyse(folder: Folder, how: BoundsChoice, more: Callable[[Any], Any] | None
         design = (
             _scanned(samples) if is_plain_scan else make_design(experiment.design, experiment.box)
         )
-        bounds = intervals.bounds_dataset(samples, design, model=how.model)
-        if more is not None:
-            bounds = more(bounds)
+        bounds = intervals.bounds_dataset(samples, design, model=choice.model)
+        if with_errors is not None:
+            bounds = with_errors(bounds)
         write_dataset(bounds, folder.bounds, "Bounds of the responses")
         surrogate = intervals.surrogate_dataset(samples, design)
         write_dataset(surrogate, folder.surrogate, "Surrogates of the responses")
@@ -57,8 +59,8 @@ def _scanned(samples: Any) -> Any:
 
     nodes = slice(1, None) if keeps_extremes(samples) else samples["role"].values == "node"
     points = samples["unit"].values[nodes]
-    none = (0,) * points.shape[1]
-    return intervals.Design(points, np.zeros((0, len(none)), dtype=int), "sobol", none)
+    orders = (0,) * points.shape[1]
+    return intervals.Design(points, np.zeros((0, len(orders)), dtype=int), "sobol", orders)
 
 
 def write_dataset(dataset: Any, path: str | Path, title: str) -> None:

@@ -56,53 +56,53 @@ def facts_of(
     plan = read_plan(folder.plan)
     experiment = plan.experiment
     with open_netcdf(folder.bounds) as bounds, open_netcdf(folder.samples) as samples:
-        found = of_bounds(bounds, samples, published)
+        facts = of_bounds(bounds, samples, published)
         has_quantities = "quantities" in samples.variables
     if folder.sensitivities.exists():
         with open_netcdf(folder.sensitivities) as data:
             shares = data["width_overall"][:] if "width_overall" in data.variables else []
-            for row, own in zip(found["responses"], shares, strict=False):
+            for row, own in zip(facts["responses"], shares, strict=False):
                 row["shares"] = dict(
                     zip(data["parameter"][:].tolist(), map(_number, own), strict=True)
                 )
-    found |= _structure(experiment, found["parameters"])
-    found["quantities"], further = [], 0
+    facts |= _structure(experiment, facts["parameters"])
+    facts["quantities"], further = [], 0
     if has_quantities:
         with open_netcdf(folder.quantities) as data:
-            found["quantities"] = quantity_rows(data, experiment.solver.duration)
+            facts["quantities"] = quantity_rows(data, experiment.solver.duration)
             further = int(data.further_runs)
-        for row, quantity in zip(found["quantities"], experiment.numbers, strict=True):
+        for row, quantity in zip(facts["quantities"], experiment.numbers, strict=True):
             row |= words_of(quantity)
-            if not row["runs_with"] and (far := _reached(quantity, experiment, folder)):
-                row["reached"] = far
+            if not row["runs_with"] and (approach := _approach(quantity, experiment, folder)):
+                row["reached"] = approach
         if requirements:
-            judged = read_json(folder.requirements)
-            found |= {name: judged[name] for name in ("requirements", "together")}
-            further = judged["further_runs"]
+            assessment = read_json(folder.requirements)
+            facts |= {name: assessment[name] for name in ("requirements", "together")}
+            further = assessment["further_runs"]
         if choice:
-            found["choice"] = read_json(folder.choice)
-    found["further_runs"] = further
-    rows = [*found["responses"], *found["quantities"]]
+            facts["choice"] = read_json(folder.choice)
+    facts["further_runs"] = further
+    rows = [*facts["responses"], *facts["quantities"]]
     if (rounds := plan.adaptive) is not None:
-        found["adaptive"] = {"rounds": [asdict(r) for r in rounds.rounds]}
+        facts["adaptive"] = {"rounds": [asdict(r) for r in rounds.rounds]}
     if experiment.is_sought:
         for row in rows:
             row["errors"]["asked"] = experiment.accuracy.tolerances[row["name"]]
-        found["accuracy"] = _accuracy(plan, rows)
+        facts["accuracy"] = _accuracy(plan, rows)
     for row in rows:
         if row["name"] in experiment.doubts:
             row["doubt"] = experiment.doubts[row["name"]]
-    mark_constant(found)
-    if found["overlap"] > SOFT:
-        found["contacts"] = _of_contacts(experiment, found["fixed"])
-    found["runs"] = _run_counts(found)
-    return found
+    mark_constant(facts)
+    if facts["overlap"] > SOFT:
+        facts["contacts"] = _of_contacts(experiment, facts["fixed"])
+    facts["runs"] = _run_counts(facts)
+    return facts
 
 
-def mark_constant(found: dict) -> None:
+def mark_constant(facts: dict) -> None:
     """Mark responses and quantities whose width is rounding beside the largest value of their unit
     as `constant`: no share of that width, and no error beside it, means anything."""
-    rows, duration = [*found["responses"], *found["quantities"]], found["duration"]
+    rows, duration = [*facts["responses"], *facts["quantities"]], facts["duration"]
     sizes = {"s": duration} | _SIZES
     sizes |= {f"{unit} s-1": size / duration for unit, size in _SIZES.items()}
     for row in rows:
@@ -119,8 +119,8 @@ def mark_constant(found: dict) -> None:
         row.pop("shares", None)
         if "grade" in row:
             row["grade"] = "none"
-        for one in row.get("influence", {}).values():
-            one["share"] = 0.0
+        for influence in row.get("influence", {}).values():
+            influence["share"] = 0.0
         if "errors" in row:
             row["errors"]["share"] = None
 
@@ -137,7 +137,7 @@ def of_bounds(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict
     count, time = counts(samples), bounds["time"][:]
     keys = ("parameter", "box_units", "box_lower", "box_nominal", "box_upper")
     names = ("name", "units", "lower", "nominal", "upper")
-    found = {
+    facts = {
         "campaign": bounds.campaign,
         "scene": bounds.scene,
         "config_hash": bounds.config_hash,
@@ -165,48 +165,49 @@ def of_bounds(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict
         ],
     }
     if "growth_quarter" in bounds.variables:
-        found["scan"] = {key: bounds.getncattr(key).item() for key in _SCAN}
-    return found
+        facts["scan"] = {key: bounds.getncattr(key).item() for key in _SCAN}
+    return facts
 
 
 def _structure(experiment: Any, parameters: list[dict]) -> dict[str, Any]:
     """What the structure is, its parameters that are no intervals, and what the others mean."""
-    known = experiment.scene_type.parameters
+    definitions = experiment.scene_type.parameters
     for parameter in parameters:
-        parameter["description"] = known[parameter["name"]].description
-    given = experiment.scene.parameters
-    values = {name: given.get(name, one.default) for name, one in known.items()}
+        parameter["description"] = definitions[parameter["name"]].description
+    settings = experiment.scene.parameters
+    values = {name: settings.get(name, x.default) for name, x in definitions.items()}
     fixed = [
-        {"name": name, "value": value, "units": known[name].unit or "1",
-         "description": known[name].description}
+        {"name": name, "value": value, "units": definitions[name].unit or "1",
+         "description": definitions[name].description}
         for name, value in values.items()
         if name not in experiment.intervals and value is not None
     ]  # fmt: skip
-    about = experiment.scene_type.description.strip().rstrip(".")
-    return {"about": about, "fixed": fixed}
+    description = experiment.scene_type.description.strip().rstrip(".")
+    return {"about": description, "fixed": fixed}
 
 
 def _of_contacts(experiment: Any, fixed: Iterable[Mapping]) -> list[str]:
     """Which parameters the stiffness of contacts is proportional to."""
 
     def stiffness(**values: float) -> np.ndarray:
-        return np.array([one.stiffness for one in Contact.of(experiment.build(values))])
+        return np.array([contact.stiffness for contact in Contact.of(experiment.build(values))])
 
-    nominal, more = dict(zip(experiment.intervals, experiment.nominal, strict=True)), {}
+    nominal, variations = dict(zip(experiment.intervals, experiment.nominal, strict=True)), {}
     in_proportion = 1.01 * stiffness(**nominal)
-    for one in fixed:
-        if type(one["value"]) is float and one["value"] > 0:
+    for parameter in fixed:
+        if type(parameter["value"]) is float and parameter["value"] > 0:
             with suppress(SceneError):  # a value that it may not have
-                more[one["name"]] = stiffness(**nominal, **{one["name"]: 1.01 * one["value"]})
-    return [name for name, found in more.items() if np.allclose(found, in_proportion)]
+                raised = {parameter["name"]: 1.01 * parameter["value"]}
+                variations[parameter["name"]] = stiffness(**nominal, **raised)
+    return [name for name, variation in variations.items() if np.allclose(variation, in_proportion)]
 
 
-def _run_counts(found: dict) -> dict[str, int]:
+def _run_counts(facts: dict) -> dict[str, int]:
     """How many runs were made, by what for, and in `all`."""
-    runs = {"design": found["design"]["runs"], "further": found.pop("further_runs", 0)}
-    runs["choice"] = found.get("choice", {}).get("runs", 0)
-    sought = found.get("accuracy", {}).get("runs", 0)  # those of its checks among them
-    runs["checks"] = max(0, sought - runs["design"] - runs["further"])
+    runs = {"design": facts["design"]["runs"], "further": facts.pop("further_runs", 0)}
+    runs["choice"] = facts.get("choice", {}).get("runs", 0)
+    accuracy_runs = facts.get("accuracy", {}).get("runs", 0)  # those of its checks among them
+    runs["checks"] = max(0, accuracy_runs - runs["design"] - runs["further"])
     return {**runs, "all": sum(runs.values())}
 
 
@@ -219,38 +220,38 @@ def known_error(kind: str, error: float) -> float | None:
 def _response(bounds: Any, i: int, name: str, published: float | None) -> dict[str, Any]:
     time, lower, upper = bounds["time"][:], bounds["lower"][i], bounds["upper"][i]
     width = upper - lower
-    at = int(width.argmax())
+    instant = int(width.argmax())
     row = {
         "name": name,
         "long_name": bounds["response_long_name"][i],
         "units": bounds["response_units"][i],
-        "largest_difference": float(width[at]),
-        "time_of_largest_difference": float(time[at]),
-        "lower": float(lower[at]),
-        "upper": float(upper[at]),
+        "largest_difference": float(width[instant]),
+        "time_of_largest_difference": float(time[instant]),
+        "lower": float(lower[instant]),
+        "upper": float(upper[instant]),
         "size": float(max(np.abs(lower).max(), np.abs(upper).max())),
         "published": published,
-        "ratio_to_published": None if not published else float(width[at] / published),
+        "ratio_to_published": None if not published else float(width[instant] / published),
         "mean_difference": float(np.trapezoid(width, time) / (time[-1] - time[0])),
         "error_at_largest_difference": None,
     }
-    if along := along_of(bounds, i):
-        row["along"] = along
+    if abscissa := along_of(bounds, i):
+        row["along"] = abscissa
     if "error" in bounds.variables:
         error = bounds["error"][i]
         worst = int(error.argmax())
         row["largest_error"] = known_error(bounds.bounds_kind, float(error[worst]))
         row["time_of_largest_error"] = float(time[worst])
-        row["error_at_largest_difference"] = known_error(bounds.bounds_kind, float(error[at]))
-        if foretold := _foretold(bounds, i, at):
-            row["foretold"] = foretold
+        row["error_at_largest_difference"] = known_error(bounds.bounds_kind, float(error[instant]))
+        if extrapolated := _extrapolated_error(bounds, i, instant):
+            row["foretold"] = extrapolated
     row["grade"] = grade(row["error_at_largest_difference"], row["largest_difference"])
     if "growth_quarter" in bounds.variables:
         row["largest_growth_quarter"] = float(bounds["growth_quarter"][i].max())
     if "worst_violation" in bounds.variables:
         row["runs_outside_by"] = float(bounds["worst_violation"][i])
-        inside = bounds["coverage"][i] if "coverage" in bounds.variables else np.nan
-        row["share_outside"] = float(1.0 - inside) if np.isfinite(inside) else None
+        coverage = bounds["coverage"][i] if "coverage" in bounds.variables else np.nan
+        row["share_outside"] = float(1.0 - coverage) if np.isfinite(coverage) else None
     if errors := _response_errors(bounds, i):
         row["errors"] = errors
     row["impossible_by"] = float(bounds["largest_impossible"][i])
@@ -261,9 +262,9 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict[s
 def along_of(data: Any, i: int) -> dict[str, Any] | None:
     """Over what response `i` of an open file lies, and the `duration` that this takes on the axis
     of time; None: over time."""
-    found = data.variables.get("response_along")
-    along = json.loads(str(np.asarray(found[i]))) if found is not None else None
-    return along and along | {"duration": float(data["time"][-1])}
+    variable = data.variables.get("response_along")
+    abscissa = json.loads(str(np.asarray(variable[i]))) if variable is not None else None
+    return abscissa and abscissa | {"duration": float(data["time"][-1])}
 
 
 def grade(error: float | None, width: float) -> str:
@@ -274,14 +275,14 @@ def grade(error: float | None, width: float) -> str:
     return "small" if share < SMALL else "large" if share >= LARGE else "noticeable"
 
 
-def _foretold(bounds: Any, i: int, at: int) -> dict[str, float]:
-    """By how much the fit of response `i` misses runs at instant `at`, and how many, where the
+def _extrapolated_error(bounds: Any, i: int, instant: int) -> dict[str, float]:
+    """By how much the fit of response `i` misses runs at an instant, and how many, where the
     error is foretold by its coefficients and is far beyond that; else nothing."""
     if "polynomial" not in bounds.bounds_kind:
         return {}
-    decay, missed = (float(bounds[f"error_{name}"][i][at]) for name in ("decay", "held_out"))
+    decay, residual = (float(bounds[f"error_{name}"][i][instant]) for name in ("decay", "held_out"))
     runs = int(bounds.held_out_runs)
-    return {"missed": missed, "runs": runs} if decay > MAX_TAIL_RATIO * missed else {}
+    return {"missed": residual, "runs": runs} if decay > MAX_TAIL_RATIO * residual else {}
 
 
 def _response_errors(bounds: Any, i: int) -> dict[str, float]:
@@ -295,18 +296,18 @@ def _response_errors(bounds: Any, i: int) -> dict[str, float]:
         return float(np.trapezoid(curve, time) / (time[-1] - time[0]))
 
     names = [name for name in PARTS if f"error_{name}" in bounds.variables]
-    found = {name: mean(bounds[f"error_{name}"][i]) for name in names}
-    return _with_whole(found, mean(bounds["upper"][i] - bounds["lower"][i]))
+    errors = {name: mean(bounds[f"error_{name}"][i]) for name in names}
+    return _with_whole(errors, mean(bounds["upper"][i] - bounds["lower"][i]))
 
 
 def quantity_errors(row: Mapping) -> dict[str, float | None]:
     """The same of a quantity, from its row; None for what is not known."""
     if "error_whole" not in row:
         return {}
-    known = {"surrogate": "error", "step": "error_step", "mesh": "error_mesh"}
-    found = {name: row[key] for name, key in known.items() if key in row}
+    keys = {"surrogate": "error", "step": "error_step", "mesh": "error_mesh"}
+    errors = {name: row[key] for name, key in keys.items() if key in row}
     width = None if row["lower"] is None else row["upper"] - row["lower"]
-    return _with_whole(found, width)
+    return _with_whole(errors, width)
 
 
 def _with_whole(parts: Mapping[str, float | None], width: float | None) -> dict:
@@ -324,13 +325,13 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
     that happens in no run has no interval that could be wrong."""
     last, experiment = plan.adaptive.rounds[-1], plan.experiment
     mesh = experiment.accuracy.mesh
-    known = [row for row in rows if row.get("lower", 0.0) is not None]
-    unmet = [row["name"] for row in known if not _is_met(row["errors"])]
+    intervals = [row for row in rows if row.get("lower", 0.0) is not None]
+    unmet = [row["name"] for row in intervals if not _is_met(row["errors"])]
     reason = last.reason
-    if not unmet and known:
-        near = max(known, key=lambda row: row["errors"]["share"] / row["errors"]["asked"])
-        share, asked = near["errors"]["share"], near["errors"]["asked"]
-        reason = f"nearest to its limit is {near['name']}, {percent(share)} for {percent(asked)}"
+    if not unmet and intervals:
+        row = max(intervals, key=lambda row: row["errors"]["share"] / row["errors"]["asked"])
+        share, target = row["errors"]["share"], row["errors"]["asked"]
+        reason = f"nearest to its limit is {row['name']}, {percent(share)} for {percent(target)}"
     elif plan.adaptive.met:
         reason = "the rounds found it met; runs for the ends of quantities showed more"
     return {
@@ -380,7 +381,7 @@ def quantity_rows(data: Any, duration: float = np.inf) -> list[dict[str, Any]]:
     return rows
 
 
-def _reached(quantity: Any, experiment: Any, folder: Folder) -> dict[str, Any]:
+def _approach(quantity: Any, experiment: Any, folder: Folder) -> dict[str, Any]:
     """How far the response of a crossing, or of a latch's joint, comes to its level over the box,
     when (s), and whether it `moves` then, at the end of the run; nothing where there is none."""
     response, level = quantity.response, quantity.level
@@ -392,8 +393,8 @@ def _reached(quantity: Any, experiment: Any, folder: Folder) -> dict[str, Any]:
             for name, latch in zip(kind.names(scene), kind.of(scene), strict=True)
         }
         latch = latches[quantity.places[0]]
-        of = "opening", (scene.hinges[latch.hinge].name,)
-        response = next((c for c in experiment.curves if (c.kind, c.subjects) == of), None)
+        opening = "opening", (scene.hinges[latch.hinge].name,)
+        response = next((c for c in experiment.curves if (c.kind, c.subjects) == opening), None)
         level = latch.angle
     elif quantity.kind != "crossing":
         response = None
@@ -403,10 +404,10 @@ def _reached(quantity: Any, experiment: Any, folder: Folder) -> dict[str, Any]:
         row = list(bounds["response"][:]).index(response.name)
         curves = np.array([bounds["lower"][row], bounds["upper"][row]])
         time = bounds["time"][:]
-    side, at = np.unravel_index(np.argmin(np.abs(curves - level)), curves.shape)
-    value = float(curves[side, at]) + 0.0  # no -0
+    side, instant = np.unravel_index(np.argmin(np.abs(curves - level)), curves.shape)
+    value = float(curves[side, instant]) + 0.0  # no -0
     return {"name": response.name, "units": response.unit, "value": value, "level": level,
-            "time": float(time[at]), "moves": bool(at >= 0.98 * len(time))}  # fmt: skip
+            "time": float(time[instant]), "moves": bool(instant >= 0.98 * len(time))}  # fmt: skip
 
 
 def _number(value: Any) -> float | None:
@@ -415,7 +416,7 @@ def _number(value: Any) -> float | None:
 
 def decisive(row: Mapping) -> str | None:
     """The parameter that widens the interval of a quantity most; None where none does."""
-    shares = {name: found["share"] or 0.0 for name, found in row["influence"].items()}
+    shares = {name: influence["share"] or 0.0 for name, influence in row["influence"].items()}
     most = max(shares, key=shares.__getitem__)
     return most if shares[most] > 0 and len(shares) > 1 else None
 
@@ -425,8 +426,8 @@ def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
     not happen; None if it fails elsewhere."""
     shares = {quantity["name"]: quantity["happens"] for quantity in quantities}
     limits = {limit["quantity"] for limit in row["limits"] if limit["kind"] != "happens"}
-    only = [name for name in limits if shares[name] == row["share"] < 1]
-    return only[0] if only and row["met"] == "some" else None
+    names = [name for name in limits if shares[name] == row["share"] < 1]
+    return names[0] if names and row["met"] == "some" else None
 
 
 def closures(samples: Any, run: int) -> list[dict[str, Any]]:
@@ -434,18 +435,18 @@ def closures(samples: Any, run: int) -> list[dict[str, Any]]:
     names = list(samples["contact"][:])
     keys = ("event_time", "event_closing", "event_contact")
     rows = zip(*(samples[key][run] for key in keys), strict=True)
-    found = [
+    events = [
         {"time": float(time), "contact": names[int(contact)]}
         for time, closing, contact in rows
         if np.isfinite(time) and closing == 1
     ]
-    return sorted(found, key=lambda row: row["time"])
+    return sorted(events, key=lambda row: row["time"])
 
 
 def moments(rows: Iterable[Mapping]) -> dict[str, list[str]]:
     """Names of contacts that close, by the moment as it is written."""
-    found: dict[str, list[str]] = {}
+    contacts: dict[str, list[str]] = {}
     for row in rows:
-        names = found.setdefault(f"{row['time']:.4f} s", [])
+        names = contacts.setdefault(f"{row['time']:.4f} s", [])
         names += [row["contact"]] * (row["contact"] not in names)
-    return found
+    return contacts

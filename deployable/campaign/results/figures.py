@@ -21,10 +21,10 @@ LOWER = {"color": BLUE, "linestyle": (0, (4, 1.5)), "linewidth": 1.1, "label": "
 UPPER = {"color": RED, "linestyle": (0, (5, 1, 1, 1)), "linewidth": 1.1, "label": "upper bound"}
 ERROR = {"color": BARS[3], "alpha": 0.35, "linewidth": 0, "label": "error estimate"}
 NOMINAL = {"color": "0.35", "linestyle": "-", "linewidth": 0.8, "label": "nominal run"}
-BETWEEN = {"color": "0.85", "linewidth": 0, "zorder": 1, "label": "between the bounds"}
+RANGE = {"color": "0.85", "linewidth": 0, "zorder": 1, "label": "between the bounds"}
 DATELESS = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 """Metadata of figures that the same data make the same."""
-SAME = {"svg.hashsalt": "deployable-intervals", "pdf.fonttype": 42}
+STYLE = {"svg.hashsalt": "deployable-intervals", "pdf.fonttype": 42}
 """Settings of matplotlib for files: the same names in all of them, and TrueType fonts, since many
 journals refuse type 3."""
 _COLOURS = (BLUE, RED, *(BARS[i] for i in (2, 3, 0, 1)), "#000000", "#7F7F7F")
@@ -53,48 +53,50 @@ def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> 
     least = np.nan
     if "response_least" in bounds.variables:
         least = float(np.ma.filled(bounds["response_least"][i], np.nan))
-    time, over = _over(bounds, i)
+    time, axis_label = _abscissa(bounds, i)
     units = pretty(bounds["response_units"][i])
     unit = f" ({units})" if units != "1" else ""
-    apart, narrow = upper - lower, width < 5.0
-    thin = 0 < apart.max() < _THIN * (upper.max() - lower.min())
+    difference, narrow = upper - lower, width < 5.0
+    thin = 0 < difference.max() < _THIN * (upper.max() - lower.min())
     size = (width, (0.95 if narrow else 0.5625) * width * (1.4 if thin else 1.0))
     figure = Figure(figsize=size, layout="constrained")
-    ax, *below = np.atleast_1d(
+    ax, *difference_axes = np.atleast_1d(
         figure.subplots(1 + thin, sharex=True, height_ratios=(2, 1)[: 1 + thin])
     )
     error = bounds["error"][i] if "error" in bounds.variables else None
-    known = error is not None and known_error(bounds.bounds_kind, float(error.max())) is not None
-    sure = error < LARGE * apart.max() if known else np.full(len(time), True)
-    ax.fill_between(time, lower, upper, where=sure, **BETWEEN)
+    kind, has_error = bounds.bounds_kind, error is not None
+    has_error = has_error and known_error(kind, float(error.max())) is not None
+    sure = error < LARGE * difference.max() if has_error else np.full(len(time), True)
+    ax.fill_between(time, lower, upper, where=sure, **RANGE)
     if "nominal" in bounds.variables:
         ax.plot(time, bounds["nominal"][i], zorder=2, **NOMINAL)
     ax.plot(time, np.where(sure, lower, np.nan), zorder=3, **LOWER)
     ax.plot(time, np.where(sure, upper, np.nan), zorder=3, **UPPER)
-    for one in below:
-        one.plot(time, np.where(sure, apart, np.nan), color="black", lw=0.9)
-        one.set_ylabel(f"difference{unit}")
-        one.set_ylim(bottom=0)
-    if known:
+    for axis in difference_axes:
+        axis.plot(time, np.where(sure, difference, np.nan), color="black", lw=0.9)
+        axis.set_ylabel(f"difference{unit}")
+        axis.set_ylim(bottom=0)
+    if has_error:
         outermost = np.fmax(lower - error, least)
         ax.fill_between(time, outermost, lower, where=sure, zorder=0.5, **ERROR)
         outer = {**ERROR, "label": None}
         ax.fill_between(time, upper, upper + error, where=sure, zorder=0.5, **outer)
-        for one in below:
-            one.fill_between(time, apart - error, apart + error, where=sure, zorder=0.5, **outer)
-        doubtful = error > shade_above * apart.max()
-        told = f"error above {100 * shade_above:.0f} % of the largest difference"
-        _shade(ax, time, doubtful, told + ("" if sure.all() else "; no bounds where it is large"))
-    if sure[apart.argmax()]:
+        for axis in difference_axes:
+            low, high = difference - error, difference + error
+            axis.fill_between(time, low, high, where=sure, zorder=0.5, **outer)
+        doubtful = error > shade_above * difference.max()
+        label = f"error above {100 * shade_above:.0f} % of the largest difference"
+        _shade(ax, time, doubtful, label + ("" if sure.all() else "; no bounds where it is large"))
+    if sure[difference.argmax()]:
         _mark_largest(ax, time, lower, upper, units)
     label = f"{bounds['response_long_name'][i]}{unit}"
     ax.set_ylabel(textwrap.fill(label, 30 if narrow else 36))
     ax.set_xlim(time[0], time[-1])
     ax.margins(y=0.08)
-    for one in (ax, *below):
-        one.grid(color="0.9", linewidth=0.5)
-        one.set_axisbelow(True)
-    one.set_xlabel(over)
+    for axis in (ax, *difference_axes):
+        axis.grid(color="0.9", linewidth=0.5)
+        axis.set_axisbelow(True)
+    axis.set_xlabel(axis_label)
     figure.legend(
         loc="outside lower center",
         ncols=2 if narrow else 3,
@@ -131,22 +133,22 @@ def shares(data: Any, width: float = 7.0) -> Any:
     figure = Figure(figsize=(width, 2.2 * len(names) + 0.4), layout="constrained")
     axes = figure.subplots(len(names), 2, width_ratios=(3, 1), squeeze=False)
     rows = zip(axes, names, all_units, widths, overall, errors, strict=True)
-    for place, (row, name, units, alone, share, error) in enumerate(rows):
-        time, over = _over(data, place)
+    for place, (row, name, units, curves, share, error) in enumerate(rows):
+        time, axis_label = _abscissa(data, place)
         row[0].fill_between(time, error, color="0.92", lw=0, label="error of the fit")
-        for i, (parameter, curve) in enumerate(zip(parameters, alone, strict=True)):
+        for i, (parameter, curve) in enumerate(zip(parameters, curves, strict=True)):
             line, colour = _DASHES[i % len(_DASHES)], _COLOURS[i % len(_COLOURS)]
-            told = np.where(curve > error, curve, np.nan)
+            significant = np.where(curve > error, curve, np.nan)
             row[0].plot(time, curve, color="0.75", linestyle=line, lw=0.6, zorder=1)
-            row[0].plot(time, told, color=colour, linestyle=line, label=parameter, lw=1.0)
+            row[0].plot(time, significant, color=colour, linestyle=line, label=parameter, lw=1.0)
             row[1].barh(parameter, 100 * share[i], color=colour, height=0.6)
             row[1].text(100 * share[i], i, f" {100 * share[i]:.0f} %", va="center", fontsize=7)
         row[0].set_ylabel(f"width of {name} ({pretty(units)})", fontsize=8)
         row[0].set_xlim(time[0], time[-1])
-        row[0].set_ylim(0, 1.05 * max(float(alone.max()), 1e-300))
+        row[0].set_ylim(0, 1.05 * max(float(curves.max()), 1e-300))
         row[0].grid(color="0.9", linewidth=0.5)
-        if place == len(names) - 1 or over != _over(data, place + 1)[1]:
-            row[0].set_xlabel(over, fontsize=8)
+        if place == len(names) - 1 or axis_label != _abscissa(data, place + 1)[1]:
+            row[0].set_xlabel(axis_label, fontsize=8)
         row[1].set_xlim(0, 130)
         row[1].invert_yaxis()
         for ax in row:
@@ -157,19 +159,19 @@ def shares(data: Any, width: float = 7.0) -> Any:
     return figure
 
 
-def _over(data: Any, i: int) -> tuple[np.ndarray, str]:
+def _abscissa(data: Any, i: int) -> tuple[np.ndarray, str]:
     """Over what response `i` of an open file is drawn, (t,), and what the axis is called."""
-    time, along = data["time"][:], along_of(data, i)
-    if not along:
+    time, abscissa = data["time"][:], along_of(data, i)
+    if not abscissa:
         return time, "time (s)"
     share = (time - time[0]) / (time[-1] - time[0])
-    way = along["first"] + (along["last"] - along["first"]) * share
-    return way, f"{along['words']} ({along['unit']})"
+    positions = abscissa["first"] + (abscissa["last"] - abscissa["first"]) * share
+    return positions, f"{abscissa['words']} ({abscissa['unit']})"
 
 
-def _shade(ax: Any, time: np.ndarray, where: np.ndarray, label: str) -> None:
-    """Hatch the spans of time in which `where` holds."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], where.astype(int), [0]])))
+def _shade(ax: Any, time: np.ndarray, mask: np.ndarray, label: str) -> None:
+    """Hatch the spans of time in which `mask` holds."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
     for count, (start, stop) in enumerate(zip(edges[::2], edges[1::2], strict=True)):
         ax.axvspan(
             time[start],
@@ -188,15 +190,15 @@ def _mark_largest(
     ax: Any, time: np.ndarray, lower: np.ndarray, upper: np.ndarray, units: str
 ) -> None:
     """Mark the largest difference of the bounds with an arrow, and tell its size in the legend."""
-    at = int((upper - lower).argmax())
-    width = upper[at] - lower[at]
+    i = int((upper - lower).argmax())
+    width = upper[i] - lower[i]
     if width <= 0:
         return
     arrow = {"arrowstyle": "<->", "color": "black", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
-    ax.annotate("", (time[at], lower[at]), (time[at], upper[at]), arrowprops=arrow, zorder=5)
+    ax.annotate("", (time[i], lower[i]), (time[i], upper[i]), arrowprops=arrow, zorder=5)
     sign = {"marker": r"$\updownarrow$", "markersize": 9, "linestyle": "none", "color": "black"}
-    told = f"largest difference {width:.3g}" + (f" {units}" if units != "1" else "")
-    ax.plot([], [], label=told, **sign)
+    label = f"largest difference {width:.3g}" + (f" {units}" if units != "1" else "")
+    ax.plot([], [], label=label, **sign)
 
 
 def without_formulas(figure: Any) -> None:
@@ -216,7 +218,7 @@ def save(figure: Any, path: Path, **options: Any) -> None:
 
     without_formulas(figure)
     for kind in PICTURES:
-        with result_file(path.with_name(f"{path.name}.{kind}")) as temporary, rc_context(SAME):
+        with result_file(path.with_name(f"{path.name}.{kind}")) as temporary, rc_context(STYLE):
             fast = {"pil_kwargs": {"compress_level": 3}} if kind == "png" else {}
             figure.savefig(temporary, dpi=200, metadata=DATELESS[kind], **fast, **options)
         figure.set_layout_engine(None)  # found by now, and the same for the next kind

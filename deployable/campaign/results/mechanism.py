@@ -21,7 +21,7 @@ from fpm.reading.responses import parse
 from fpm.reading.standards import STANDARDS
 from fpm.travel import classes_of_kinds, parts_of, springs_of
 
-SAME = 1e-6
+OPENING_TOLERANCE = 1e-6
 """Difference of openings (share of the travel) that is none."""
 
 
@@ -35,11 +35,11 @@ def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dic
         number for number in experiment.numbers
         if number.kind == "smallest" and number.response.kind == "margin"
     ]  # fmt: skip
-    scenes = [experiment.build(at) for at in corners(experiment.intervals)] if least else []
-    led = _leader(experiment)
+    scenes = [experiment.build(corner) for corner in corners(experiment.intervals)] if least else []
+    sweep = _travel_sweep(experiment)
     return {
         "margins": {
-            q.name: margin_of(experiment, scenes, q.response, rows[q.name], led) for q in least
+            q.name: margin_of(experiment, scenes, q.response, rows[q.name], sweep) for q in least
         },
         "latches": [name for kind in (Latch, RigidLatch) for name in kind.names(scene)],
         "motion": motion_of(folder, plan),
@@ -62,28 +62,28 @@ def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
 
 
 def margin_of(
-    experiment: Any, scenes: Sequence[Any], response: Any, row: Mapping[str, Any], led: Callable
+    experiment: Any, scenes: Sequence[Any], response: Any, row: Mapping[str, Any], sweep: Callable
 ) -> dict[str, Any]:
-    """What a margin is by, over which part of the travel, and its budget at the worst place; led:
+    """What a margin is by, over which part of the travel, and its budget at the worst place; sweep:
     curves of the work of all parts, by values of the interval parameters and a response."""
     definition, standard = experiment.responses[response.name], standard_of(response)
-    nominal, along = scenes[0], response.along
+    nominal, positions = scenes[0], response.along
     openings = response.subjects[: response.subjects.index(standard)]
     worst = tuple(row["argmin"].values())
     worst = tuple(experiment.nominal) if None in worst else worst
-    curves, label = led(worst, response), response.columns[0][1]
+    curves, label = sweep(worst, response), response.columns[0][1]
     budget = margins.torque_budget(response, curves)
     drives = set()
-    for found in (curves, led(tuple(experiment.nominal), response)):
+    for sweep_curves in (curves, sweep(tuple(experiment.nominal), response)):
         drives |= set(margins.driving({
-            margins.read_label(of)[1]: work
-            for (name, of), work in found.columns.items() if name == margins.WORK
+            margins.read_label(column)[1]: work
+            for (name, column), work in sweep_curves.columns.items() if name == margins.WORK
         }))  # fmt: skip
     stowed = margins.read_label(label)[0].first is None
     starts = [hinge.opening for s in scenes for hinge in s.hinges if hinge.name == openings[0]]
-    on = {i for i, hinge in enumerate(nominal.hinges) if hinge.name in openings}
-    low, high = sorted((along.first, along.last))
-    room = SAME * (high - low)
+    indices = {i for i, hinge in enumerate(nominal.hinges) if hinge.name in openings}
+    low, high = sorted((positions.first, positions.last))
+    room = OPENING_TOLERANCE * (high - low)
     return {
         "name": response.name,
         "standard": standard,
@@ -91,14 +91,14 @@ def margin_of(
         "openings": list(openings),
         "without": left_out(response),
         "stand": list(definition.get("stand", ())),
-        "starts_vary": bool(stowed and np.ptp(starts) > SAME),
-        "first": along.first,
-        "last": along.last,
-        "unit": along.unit,
-        "travel": travel_of(scenes, openings, along, stowed),
+        "starts_vary": bool(stowed and np.ptp(starts) > OPENING_TOLERANCE),
+        "first": positions.first,
+        "last": positions.last,
+        "unit": positions.unit,
+        "travel": travel_of(scenes, openings, positions, stowed),
         "latches": [
             latch.label(nominal) for kind in (Latch, RigidLatch) for latch in kind.of(nominal)
-            if latch.hinge in on and low + room < latch.angle < high - room
+            if latch.hinge in indices and low + room < latch.angle < high - room
         ],
         "motors": [nominal.hinges[motor.hinge].name for motor in Motor.of(nominal)],
         "own": own_settings(nominal, definition, response),
@@ -112,7 +112,7 @@ def margin_of(
     }  # fmt: skip
 
 
-def _leader(experiment: Any) -> Callable:
+def _travel_sweep(experiment: Any) -> Callable:
     """A function that leads a margin's travel at values (k) of the interval parameters: curves of
     the work of all parts, those that are left out too; each travel once."""
 
@@ -124,7 +124,7 @@ def _leader(experiment: Any) -> Callable:
     def curves(values: tuple[float, ...], columns: tuple) -> Any:
         return margins.led_curves(scene(values), [replace(experiment.curves[0], columns=columns)])
 
-    def led(values: tuple[float, ...], response: Any) -> Any:
+    def sweep(values: tuple[float, ...], response: Any) -> Any:
         definition = {
             key: value for key, value in experiment.responses[response.name].items()
             if key not in ("without", "evidence")
@@ -132,7 +132,7 @@ def _leader(experiment: Any) -> Callable:
         intact = parse(response.name, definition, experiment.nominal_scene)
         return curves(values, tuple(dict.fromkeys([*intact.columns, *response.columns])))
 
-    return led
+    return sweep
 
 
 def standard_of(margin: Any) -> str:
@@ -151,12 +151,12 @@ def left_out(margin: Any) -> list[str]:
 
 
 def travel_of(
-    scenes: Iterable[Any], openings: Sequence[str], along: Any, stowed: bool
+    scenes: Iterable[Any], openings: Sequence[str], positions: Any, stowed: bool
 ) -> list[float] | None:
     """The first and last opening of the whole travel of what is led: from the start to the farthest
     latch, or without one the nearest stop, in any of some scenes; None where there is neither.
     stowed: whether each scene is led from its own start."""
-    way = 1.0 if along.last > along.first else -1.0
+    sign = 1.0 if positions.last > positions.first else -1.0
     starts, ends = [], []
     for scene in scenes:
         hinges = {hinge.name: (i, hinge.opening) for i, hinge in enumerate(scene.hinges)}
@@ -164,17 +164,18 @@ def travel_of(
         starts.append(zero)
         latches, stops = [], []
         for number, start in (hinges[name] for name in openings):
-            side = "above" if way > 0 else "below"
+            side = "above" if sign > 0 else "below"
             own = [x for kind in (Latch, RigidLatch) for x in kind.of(scene) if x.hinge == number]
             latches += [zero + latch.angle - start for latch in own]
             own = [x for x in Stop.of(scene) if x.hinge == number and x.side == side]
             stops += [zero + stop.angle - start for stop in own]
         latches, stops = (
-            [way * end for end in found if way * (end - zero) > 0] for found in (latches, stops)
+            [sign * end for end in candidates if sign * (end - zero) > 0]
+            for candidates in (latches, stops)
         )
         ends += [max(latches)] if latches else [min(stops)] if stops else []
-    starts = [along.first] if stowed else starts
-    return [way * min(way * start for start in starts), way * max(ends)] if ends else None
+    starts = [positions.first] if stowed else starts
+    return [sign * min(sign * start for start in starts), sign * max(ends)] if ends else None
 
 
 def own_settings(scene: Any, definition: Mapping[str, Any], response: Any) -> list[str]:

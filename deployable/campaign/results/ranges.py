@@ -24,17 +24,17 @@ _GREY = "0.75"
 
 def draw_ranges(folder: Folder, place: str | Path) -> None:
     """Draw `ranges.png`, `.pdf` and `.svg` into `place`."""
-    with open_netcdf(folder.quantities) as found:
-        figure = ranges(found, runs_of(folder))
+    with open_netcdf(folder.quantities) as data:
+        figure = ranges(data, runs_of(folder))
     save(figure, Path(place) / "ranges")
 
 
-def ranges(found: Any, seen: Seen, width: float = 7.0) -> Any:
+def ranges(data: Any, runs: FittedRuns, width: float = 7.0) -> Any:
     """A figure of the open `quantities.nc`, with the runs; width in inches."""
     from matplotlib.figure import Figure
 
-    free = np.flatnonzero(found["box_upper"][:] > found["box_lower"][:])
-    count = len(found["quantity"])
+    free = np.flatnonzero(data["box_upper"][:] > data["box_lower"][:])
+    count = len(data["quantity"])
     columns = 1 if len(free) > 2 or count == 1 else 2
     rows = -(-count // columns)
     height = (0.6 + 0.22 * len(free)) if len(free) > 2 else 2.7
@@ -43,8 +43,8 @@ def ranges(found: Any, seen: Seen, width: float = 7.0) -> Any:
     draw = {0: _line, 1: _line, 2: _map}.get(len(free), _bars)
     for q, ax in enumerate(axes):
         if q < count:
-            draw(ax, found, q, seen, free)
-            title = textwrap.fill(found["quantity_long_name"][q], 90 // columns)
+            draw(ax, data, q, runs, free)
+            title = textwrap.fill(data["quantity_long_name"][q], 90 // columns)
             ax.set_title(title, fontsize=8)
             ax.tick_params(labelsize=7)
         else:
@@ -52,26 +52,26 @@ def ranges(found: Any, seen: Seen, width: float = 7.0) -> Any:
     return figure
 
 
-class Seen(NamedTuple):
+class FittedRuns(NamedTuple):
     """Unit points (R, k) of runs, their numbers (R, q) and by how much they have these (R, q)."""
 
     unit: np.ndarray
     numbers: np.ndarray
     margins: np.ndarray
 
-    def surrogate(self, found: Any, q: int) -> Any:
+    def surrogate(self, data: Any, q: int) -> Any:
         """What `quantities.nc` was made with: the surrogate of the same runs, no lower than what is
         possible."""
         from deployable.intervals.scalars import fit_scalar
 
-        end = json.loads(found.config)["solver"]["duration"]
-        least = float(found["least"][q])
-        latest = end if found["is_time"][q] else None
+        end = json.loads(data.config)["solver"]["duration"]
+        least = float(data["least"][q])
+        latest = end if data["is_time"][q] else None
         least = least if np.isfinite(least) else None
         return fit_scalar(self.unit, self.numbers[:, q], latest, least, self.margins[:, q])
 
 
-def runs_of(folder: Folder) -> Seen:
+def runs_of(folder: Folder) -> FittedRuns:
     """The runs fitted to, the further ones too."""
     with open_netcdf(folder.samples) as file:
         numbers = file["quantities"][:]
@@ -81,83 +81,83 @@ def runs_of(folder: Folder) -> Seen:
         parts = [(file["unit"][:][rows], numbers[rows], margins)]
     with open_netcdf(folder.further) as file:
         parts.append(tuple(file[name][:] for name in ("unit", "quantities", "margin")))
-    return Seen(*map(np.concatenate, zip(*parts, strict=True)))
+    return FittedRuns(*map(np.concatenate, zip(*parts, strict=True)))
 
 
-def _label(found: Any, j: int) -> str:
-    units = pretty(found["box_units"][j])
-    return f"{found['parameter'][j]} ({units})"
+def _label(data: Any, j: int) -> str:
+    units = pretty(data["box_units"][j])
+    return f"{data['parameter'][j]} ({units})"
 
 
-def _values(found: Any, j: int, unit: np.ndarray) -> np.ndarray:
-    lower, upper = found["box_lower"][j], found["box_upper"][j]
+def _values(data: Any, j: int, unit: np.ndarray) -> np.ndarray:
+    lower, upper = data["box_lower"][j], data["box_upper"][j]
     return lower + (unit + 1) / 2 * (upper - lower)
 
 
-def _line(ax: Any, found: Any, q: int, seen: Seen, free: Any) -> None:
+def _line(ax: Any, data: Any, q: int, runs: FittedRuns, free: Any) -> None:
     """The quantity against the one parameter; grey where it does not happen."""
     j = int(free[0]) if len(free) else 0
-    unit, values = seen.unit, seen.numbers[:, q]
+    unit, values = runs.unit, runs.numbers[:, q]
     points = np.zeros((_LINE, unit.shape[1]))
     points[:, j] = np.linspace(-1, 1, _LINE)
-    curve = seen.surrogate(found, q).evaluate(points)
-    x, there = _values(found, j, points[:, j]), np.isfinite(values)
+    curve = runs.surrogate(data, q).evaluate(points)
+    x, mask = _values(data, j, points[:, j]), np.isfinite(values)
     ax.plot(x, curve, color=BLUE, lw=1.2)
-    ax.plot(_values(found, j, unit[there, j]), values[there], "o", color="black", ms=3)
+    ax.plot(_values(data, j, unit[mask, j]), values[mask], "o", color="black", ms=3)
     for side, colour in (("lower", BLUE), ("upper", RED)):
-        if np.isfinite(found[side][q]):
-            ax.axhline(found[side][q], color=colour, lw=0.8, ls=(0, (4, 2)))
+        if np.isfinite(data[side][q]):
+            ax.axhline(data[side][q], color=colour, lw=0.8, ls=(0, (4, 2)))
     missing = ~np.isfinite(curve)
     if missing.any():
         ax.fill_between(x, 0, 1, where=missing, transform=ax.get_xaxis_transform(),
                         color="0.9", lw=0, label="does not happen")  # fmt: skip
-        without = _values(found, j, unit[~there, j])
-        ax.plot(without, np.full(len(without), 0.03), "x", color=RED, ms=4,
+        idle = _values(data, j, unit[~mask, j])
+        ax.plot(idle, np.full(len(idle), 0.03), "x", color=RED, ms=4,
                 transform=ax.get_xaxis_transform(), label="runs without")  # fmt: skip
         ax.legend(fontsize=7, frameon=False)
-    ax.set_xlabel(_label(found, j), fontsize=8)
-    ax.set_ylabel(f"{found['quantity'][q]} ({pretty(found['quantity_units'][q])})", fontsize=8)
+    ax.set_xlabel(_label(data, j), fontsize=8)
+    ax.set_ylabel(f"{data['quantity'][q]} ({pretty(data['quantity_units'][q])})", fontsize=8)
 
 
-def _map(ax: Any, found: Any, q: int, seen: Seen, free: Any) -> None:
+def _map(ax: Any, data: Any, q: int, runs: FittedRuns, free: Any) -> None:
     """The quantity over both parameters; hatched where it does not happen."""
     i, j = map(int, free)
-    unit, values = seen.unit, seen.numbers[:, q]
+    unit, values = runs.unit, runs.numbers[:, q]
     line = np.linspace(-1, 1, _GRID)
     points = np.zeros((_GRID**2, unit.shape[1]))
     points[:, i], points[:, j] = (grid.ravel() for grid in np.meshgrid(line, line))
-    field = seen.surrogate(found, q).evaluate(points).reshape(_GRID, _GRID)
-    x, y = _values(found, i, line), _values(found, j, line)
+    field = runs.surrogate(data, q).evaluate(points).reshape(_GRID, _GRID)
+    x, y = _values(data, i, line), _values(data, j, line)
     if np.isfinite(field).any() and np.nanmax(field) > np.nanmin(field):
         drawn = ax.contourf(x, y, field, 12, cmap="cividis")
         bar = ax.figure.colorbar(drawn, ax=ax)
-        bar.set_label(f"{found['quantity'][q]} ({pretty(found['quantity_units'][q])})", fontsize=8)
+        bar.set_label(f"{data['quantity'][q]} ({pretty(data['quantity_units'][q])})", fontsize=8)
         bar.ax.tick_params(labelsize=7)
     if (missing := ~np.isfinite(field)).any():
         ax.contourf(x, y, missing, [0.5, 1.5], colors=["0.9"], hatches=["///"])
-    there = np.isfinite(values)
-    for kind, mark, colour in ((there, "o", "white"), (~there, "x", RED)):
-        places = [_values(found, c, unit[kind, c]) for c in (i, j)]
+    mask = np.isfinite(values)
+    for kind, mark, colour in ((mask, "o", "white"), (~mask, "x", RED)):
+        places = [_values(data, c, unit[kind, c]) for c in (i, j)]
         ax.plot(*places, mark, color=colour, mec="black" if mark == "o" else colour, ms=3.5,
                 clip_on=False)  # fmt: skip
-    for which, mark in (("argmin", "v"), ("argmax", "^")):
-        place = found[which][q]
+    for bound, mark in (("argmin", "v"), ("argmax", "^")):
+        place = data[bound][q]
         ax.plot(place[i], place[j], mark, color="white", mec="black", ms=7, clip_on=False)
     for line in ax.lines:  # on the border: their size would collapse the layout of many maps
         line.set_in_layout(False)
-    ax.set_xlabel(_label(found, i), fontsize=8)
-    ax.set_ylabel(_label(found, j), fontsize=8)
+    ax.set_xlabel(_label(data, i), fontsize=8)
+    ax.set_ylabel(_label(data, j), fontsize=8)
 
 
-def _bars(ax: Any, found: Any, q: int, seen: Seen, free: Any) -> None:
+def _bars(ax: Any, data: Any, q: int, runs: FittedRuns, free: Any) -> None:
     """Width when one parameter varies alone; grey where that is not above the error."""
-    names = [found["parameter"][j] for j in free]
-    alone, share = found["alone"][q][free], found["share"][q][free]
-    alone = np.where(np.isfinite(alone), alone, 0.0)
-    ax.barh(names, alone, color=[BLUE if s > 0 else _GREY for s in share], height=0.6)
+    names = [data["parameter"][j] for j in free]
+    widths, share = data["alone"][q][free], data["share"][q][free]
+    widths = np.where(np.isfinite(widths), widths, 0.0)
+    ax.barh(names, widths, color=[BLUE if s > 0 else _GREY for s in share], height=0.6)
     for row, s in enumerate(share):
         text = f" {100 * s:.0f} %" if s > 0 else " not told apart from the error"
-        ax.text(alone[row], row, text, va="center", fontsize=7)
-    ax.set_xlim(0, 1.45 * alone.max() or 1.0)
+        ax.text(widths[row], row, text, va="center", fontsize=7)
+    ax.set_xlim(0, 1.45 * widths.max() or 1.0)
     ax.invert_yaxis()
-    ax.set_xlabel(f"width alone ({pretty(found['quantity_units'][q])})", fontsize=8)
+    ax.set_xlabel(f"width alone ({pretty(data['quantity_units'][q])})", fontsize=8)

@@ -23,9 +23,9 @@ HEADS = {
 COLUMNS = ("standard", *HEADS, "state")
 """Of the sheet as CSV: the edition, what people read, and the verdict as one of the states."""
 
-MET, FAILED, OPEN = "met", "not met", "undecided"
+MET, UNMET, OPEN = "met", "not met", "undecided"
 PARTLY, NOT_ANALYSED, REPORTED = "partly analysed", "not analysed", "reported"
-STATES = (FAILED, OPEN, PARTLY, NOT_ANALYSED, MET, REPORTED)
+STATES = (UNMET, OPEN, PARTLY, NOT_ANALYSED, MET, REPORTED)
 
 
 class Verdict(NamedTuple):
@@ -39,12 +39,12 @@ NOTHING = Verdict(NOT_ANALYSED, NOT_ANALYSED)
 
 
 class Clause(NamedTuple):
-    """number; asks: in one's own words; by: what analyses it, a topic of quantities or a name of
-    OTHERS."""
+    """number; asks: in one's own words; topic: what analyses it, a topic of quantities or a name
+    of ANALYSES."""
 
     number: str
     asks: str
-    by: str
+    topic: str
 
 
 CLAUSES = {
@@ -96,7 +96,7 @@ def rows_of(facts: Mapping[str, Any], experiment: Any, standard: str) -> list[di
     """The rows of a standard's sheet from the facts of a campaign (`facts.facts_of`), with its
     `mechanism` (`mechanism.mechanism_of`)."""
     sheet = _Sheet(facts, experiment, standard)
-    return [row for clause in CLAUSES[standard] for row in sheet.rows(clause)] + sheet.others()
+    return [row for clause in CLAUSES[standard] for row in sheet.rows(clause)] + sheet.other_rows()
 
 
 def head_of(
@@ -141,7 +141,7 @@ BUDGET_HEADS = ("part", "class", "acts", "moment", "factor", "weighted")
 
 def budgets_of(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Of each margin the parts at its worst place, which add up to it: heads, rows and the sum."""
-    found = []
+    budgets = []
     for name, margin in facts["mechanism"]["margins"].items():
         budget = margin["budget"]
         unit = "N m" if margin["unit"] == "rad" else "N"
@@ -151,24 +151,24 @@ def budgets_of(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
              *(numbers.number(row[key], 6) for key in ("moment", "factor", "weighted")))
             for row in budget["rows"]
         ]  # fmt: skip
-        at = numbers.place(margin["at"], facts["parameters"])
-        drives, required = (numbers.quantity(budget[key], unit, 6) for key in
+        place = numbers.place(margin["at"], facts["parameters"])
+        drives, minimum = (numbers.quantity(budget[key], unit, 6) for key in
                             ("drives", "required"))  # fmt: skip
-        found.append({
+        budgets.append({
             "title": f"{name}: {edition_of(margin['standard'])}, {margin['evidence']}, "
                      + f"own factors {', '.join(margin['own'])}, " * bool(margin["own"]) + "at "
                      f"{numbers.quantity(budget['opening'], margin['unit'], 4)}"
-                     f"{', ' if at else ''}{at}",
+                     f"{', ' if place else ''}{place}",
             "heads": [head + f" ({unit})" * (head in ("moment", "weighted"))
                       for head in BUDGET_HEADS],
             "rows": rows,
-            "sum": f"T = {drives} (sum of the weighted above 0), Tmin = {required} (of those "
+            "sum": f"T = {drives} (sum of the weighted above 0), Tmin = {minimum} (of those "
                    "below 0, without sign): "
                    + (f"T/Tmin − 1 = {numbers.number(budget['margin'], 4)}."
                       if budget["margin"] < MOST else
                       f"T/Tmin − 1 is {MOST:g} or more, and counts as {MOST:g}."),
         })  # fmt: skip
-    return found
+    return budgets
 
 
 def _error(row: Mapping[str, Any]) -> float | None:
@@ -197,88 +197,89 @@ class _Sheet:
         for row in facts.get("requirements", ()):
             for limit in row["limits"]:
                 self._limits.setdefault(limit["quantity"], []).append((row["name"], limit))
-        self._used: set[str] = set()
+        self._row_names: set[str] = set()
 
     def rows(self, clause: Clause) -> list[dict[str, str]]:
         """The rows of a clause; one that says that nothing was analysed where there is none."""
-        if clause.by in OTHERS:
-            rows = [OTHERS[clause.by](self)]
+        if clause.topic in ANALYSES:
+            rows = [ANALYSES[clause.topic](self)]
         else:
-            about = [row for row in self.facts["quantities"]
-                     if clause.by in self._topics(row["name"])]  # fmt: skip
-            if clause.by == "margin":  # those by own factors behind those of the standard
-                about.sort(key=lambda row: bool(self._margins[row["name"]]["own"]))
-            rows = [one for row in about for one in self._of_quantity(row, clause.by)]
-            rows += self._lacking(clause.by, about)
+            quantities = [row for row in self.facts["quantities"]
+                          if clause.topic in self._topics(row["name"])]  # fmt: skip
+            if clause.topic == "margin":  # those by own factors behind those of the standard
+                quantities.sort(key=lambda row: bool(self._margins[row["name"]]["own"]))
+            rows = [x for row in quantities for x in self._of_quantity(row, clause.topic)]
+            rows += self._lacking(clause.topic, quantities)
         rows = [row for row in rows if row] or [_row("", NOTHING)]
         return [{"clause": clause.number, "asks": clause.asks} | row for row in rows]
 
-    def others(self) -> list[dict[str, str]]:
+    def other_rows(self) -> list[dict[str, str]]:
         """Margins by other standards, and requirements of quantities that no clause is about."""
-        found = []
+        rows = []
         for name, row in self._quantities.items():
-            if name in self._used:
+            if name in self._row_names:
                 continue
             if (margin := self._margins.get(name)) is not None:
                 named = {
                     "clause": STANDARDS[margin["standard"]].title,
                     "asks": "a margin of at least 0 over the full range of travel",
                 }
-                found += [named | one for one in self._of_quantity(row, "margin")]
+                rows += [named | x for x in self._of_quantity(row, "margin")]
             else:
-                found += self._own(row, self._limits.get(name, []))
-        return found
+                rows += self._own(row, self._limits.get(name, []))
+        return rows
 
     def _topics(self, name: str) -> set[str]:
         number, margin = self._numbers[name], self._margins.get(name)
-        of = number.response
+        response = number.response
         if margin is not None:
             if margin["without"]:
                 return set() if margin["own"] else {"failure"}
             return {"margin"} if margin["standard"] == self.standard else set()
-        if of is None:
+        if response is None:
             return TOPICS.get(number.event, set())
-        if of.kind == "joint_moment":
-            return {"stop": {"stop"}, "latch": {"latch shock", "shock"}}.get(of.subjects[1], set())
-        return TOPICS.get(of.kind, set())
+        if response.kind == "joint_moment":
+            part = response.subjects[1]
+            return {"stop": {"stop"}, "latch": {"latch shock", "shock"}}.get(part, set())
+        return TOPICS.get(response.kind, set())
 
     # -- rows of quantities ------------------------------------------------------------------------
 
     def _of_quantity(self, row: Mapping[str, Any], topic: str) -> list[dict[str, str]]:
         """What a quantity says of a topic, and of each own requirement of it."""
         name = row["name"]
-        self._used.add(name)
+        self._row_names.add(name)
         limits = self._limits.get(name, [])
         if topic in JUDGES:
             verdict, limit = JUDGES[topic](self, row), None
             if topic == "latches":
-                limit = next((each for _, each in limits if _is_there(each)), None)
+                limit = next((own for _, own in limits if _is_there(own)), None)
             elif topic in ("margin", "failure"):
                 limit = self._limit_at_zero(name)
             main = self._row(row, verdict, limit)
             if topic == "margin" and self._margins[name]["own"]:
                 main |= {"clause": "own", "asks": "a margin by factors of one's own"}
-            rest = [(required, each) for required, each in limits if each is not limit]
+            rest = [(requirement, own) for requirement, own in limits if own is not limit]
             return [main, *self._own(row, rest)]
         if not limits:
             verdict = Verdict(REPORTED, "reported; no limit was stated")
             if topic in ALLOWABLES:
                 verdict = Verdict(NOT_ANALYSED, "not analysed: no allowable was stated (at_most)")
             return [self._row(row, verdict)]
-        return [self._row(row, self._allowed(row, each, topic), each) for _, each in limits]
+        return [self._row(row, self._allowed(row, own, topic), own) for _, own in limits]
 
     def _own(self, row: Mapping[str, Any], limits: Sequence) -> list[dict[str, str]]:
         """A row for each requirement of a quantity that is the campaign's own."""
-        self._used.add(row["name"])
+        self._row_names.add(row["name"])
         rows = []
-        for required, limit in limits:
-            verdict = self._judged(row, limit)
+        for requirement, limit in limits:
+            verdict = self._judge(row, limit)
             weaker = limit["kind"] != "at_least" or limit["level"] < 0
-            if row["name"] in self._margins and weaker and verdict.state != FAILED:
-                kept = "kept in all of the box" if verdict.state == MET else verdict.text
-                text = f"reported: {kept}, which shows nothing of the limit 0 of the standard"
+            if row["name"] in self._margins and weaker and verdict.state != UNMET:
+                outcome = "kept in all of the box" if verdict.state == MET else verdict.text
+                text = f"reported: {outcome}, which shows nothing of the limit 0 of the standard"
                 verdict = Verdict(REPORTED, text)
-            named = {"clause": "own", "asks": f"own requirement {required}"}
+            named = {"clause": "own", "asks": f"own requirement {requirement}"}
             rows.append(named | self._row(row, verdict, limit))
         return rows
 
@@ -297,7 +298,7 @@ class _Sheet:
                 least = numbers.quantity(row["simulated_lower"], units, 4)
                 nearest = f"{numbers.place(row['argmin'], parameters)}: {least}, computed there"
         if limit is not None:
-            analysed += f"; {_asked(limit, units)}"
+            analysed += f"; {_describe_limit(limit, units)}"
             happens = limit["kind"] == "happens"
             if not (happens and limit["met"] in ("all", "open")):
                 nearest = numbers.place(limit["at"], parameters)
@@ -311,27 +312,27 @@ class _Sheet:
             nearest += f", at an opening of {opening}"
         return _row(analysed, verdict, value, nearest, name)
 
-    def _lacking(self, topic: str, about: Sequence[Mapping]) -> list[dict[str, str]]:
+    def _lacking(self, topic: str, rows: Sequence[Mapping]) -> list[dict[str, str]]:
         """Latches that no quantity of the clause is about, where there are others."""
-        if topic != "latches" or not about:
+        if topic != "latches" or not rows:
             return []
         places = {
-            place for row in about if len(self._numbers[row["name"]].places) == 1
+            place for row in rows if len(self._numbers[row["name"]].places) == 1
             for place in self._numbers[row["name"]].places
         }  # fmt: skip
-        left = [name for name in self._mechanism["latches"] if name not in places]
-        return [_row(", ".join(left), NOTHING)] if left else []
+        latches = [name for name in self._mechanism["latches"] if name not in places]
+        return [_row(", ".join(latches), NOTHING)] if latches else []
 
     # -- verdicts ----------------------------------------------------------------------------------
 
-    def _judged(self, row: Mapping[str, Any], limit: Mapping[str, Any]) -> Verdict:
+    def _judge(self, row: Mapping[str, Any], limit: Mapping[str, Any]) -> Verdict:
         """Whether a limit of a requirement is kept, as `answers.requirements` and the printed
         interval show it."""
         if limit["met"] == "none":
-            return Verdict(FAILED, "not met anywhere in the box")
+            return Verdict(UNMET, "not met anywhere in the box")
         if limit["met"] == "some":
             share = numbers.share(limit["share"], limit["open"])
-            return Verdict(FAILED, f"not met in a part of the box; {share} of the box meets it")
+            return Verdict(UNMET, f"not met in a part of the box; {share} of the box meets it")
         if limit["met"] == "open":
             runs = f"no failure found in {limit['runs']} runs"
             return Verdict(OPEN, f"undecided: {runs}, which proves nothing of the rest")
@@ -344,14 +345,14 @@ class _Sheet:
     def _allowed(self, row: Mapping[str, Any], limit: Mapping[str, Any], topic: str) -> Verdict:
         """Whether a limit is kept that is an allowable; nothing where it is none."""
         if topic not in ALLOWABLES:
-            return self._judged(row, limit)
-        sides = {self._side(q, each) for q in self._numbers for _, each in self._limits.get(q, ())
+            return self._judge(row, limit)
+        sides = {self._side(q, own) for q in self._numbers for _, own in self._limits.get(q, ())
                  if self._numbers[q].response == self._numbers[row["name"]].response}  # fmt: skip
         if not self._side(row["name"], limit):
-            asked = _asked(limit, row["units"])
-            text = f"not analysed: {asked}, of this quantity, is no allowable of the largest load"
-            return Verdict(NOT_ANALYSED, text)
-        verdict = self._judged(row, limit)
+            limit_text = _describe_limit(limit, row["units"])
+            text = f"{limit_text}, of this quantity, is no allowable of the largest load"
+            return Verdict(NOT_ANALYSED, f"not analysed: {text}")
+        verdict = self._judge(row, limit)
         signed = self._numbers[row["name"]].response.least is None
         if verdict.state == MET and signed and not {1, -1} <= sides:
             text = "partly analysed: met for loads of one sign; state a limit of the other as well"
@@ -380,11 +381,11 @@ class _Sheet:
     def _above_zero(self, row: Mapping[str, Any]) -> Verdict:
         """Whether a margin is at least 0, by the requirement of that or by its interval."""
         if limit := self._limit_at_zero(row["name"]):
-            return self._judged(row, limit)
+            return self._judge(row, limit)
         if row["upper"] is not None and row["upper"] < 0:
-            return Verdict(FAILED, "not met anywhere in the box")
+            return Verdict(UNMET, "not met anywhere in the box")
         if row["lower"] is None or row["lower"] < 0:
-            return Verdict(FAILED, "not met in at least a part of the box")
+            return Verdict(UNMET, "not met in at least a part of the box")
         if _keeps(row, "at_least", 0.0):
             return Verdict(MET, "met in all of the box, by analysis")
         return Verdict(OPEN, "undecided: the least margin is within its error")
@@ -393,22 +394,21 @@ class _Sheet:
         """Whether a margin meets its standard; of one by factors of its own, what both say."""
         margin, verdict = self._margins[row["name"]], self._above_zero(row)
         if margin["own"]:
-            other = self._margins.get(f"{margin['name']}{BY_STANDARD}_least", {})
-            known = not other.get("own", True) and other["standard"] == margin["standard"]
-            by = NOTHING
-            if known:
-                by = self._margin(self._quantities[f"{margin['name']}{BY_STANDARD}_least"])
+            name, standard_verdict = f"{margin['name']}{BY_STANDARD}_least", NOTHING
+            peer = self._margins.get(name, {})
+            if not peer.get("own", True) and peer["standard"] == margin["standard"]:
+                standard_verdict = self._margin(self._quantities[name])
             own = f"by own factors ({', '.join(margin['own'])}): {verdict.text}"
-            return Verdict(REPORTED, f"{own}; by those of the standard: {by.text}")
+            return Verdict(REPORTED, f"{own}; by those of the standard: {standard_verdict.text}")
         if verdict.state != MET:
             return verdict
-        for required, limit in self._limits.get(row["name"], ()):
-            stricter = self._judged(row, limit)
+        for requirement, limit in self._limits.get(row["name"], ()):
+            stricter = self._judge(row, limit)
             if limit["kind"] == "at_least" and limit["level"] > 0 and stricter.state != MET:
-                asked = _asked(limit, row["units"])
-                text = f"{stricter.state}: own requirement {required}, {asked}; the limit 0 is kept"
-                return Verdict(stricter.state, text)
-        if reasons := self._beyond(margin):
+                limit_text = _describe_limit(limit, row["units"])
+                text = f"own requirement {requirement}, {limit_text}; the limit 0 is kept"
+                return Verdict(stricter.state, f"{stricter.state}: {text}")
+        if reasons := self._open_travel(margin):
             analysed = _stretch(margin["first"], margin["last"], margin["unit"])
             text = f"partly analysed: met from {analysed}; {'; '.join(reasons)}"
             return Verdict(PARTLY, text)
@@ -416,7 +416,7 @@ class _Sheet:
             return Verdict(MET, f"{verdict.text}, if tests have shown what the factors rest on")
         return verdict
 
-    def _beyond(self, margin: Mapping[str, Any]) -> list[str]:
+    def _open_travel(self, margin: Mapping[str, Any]) -> list[str]:
         """What of the travel a margin leaves open, in words."""
         reasons, unit = [], margin["unit"]
         if margin["travel"] is None:
@@ -424,9 +424,11 @@ class _Sheet:
             reasons.append(f"no latch and no stop of {names} states where its travel ends")
         elif not _covers(margin):
             reasons.append(f"the travel is {_stretch(*margin['travel'], unit)}")
-        led = {name for other in self._margins.values() if other["standard"] == margin["standard"]
-               for name in other["openings"]}  # fmt: skip
-        if stand := [name for name in margin["stand"] if name not in led]:
+        openings = {
+            name for peer in self._margins.values() if peer["standard"] == margin["standard"]
+            for name in peer["openings"]
+        }  # fmt: skip
+        if stand := [name for name in margin["stand"] if name not in openings]:
             is_not = "stands, is not" if len(stand) == 1 else "stand, are not"
             reasons.append(f"{', '.join(stand)}, which {is_not} led")
         if margin["weaker"]:
@@ -466,11 +468,11 @@ class _Sheet:
         """Whether a latch catches."""
         places = self._numbers[row["name"]].places
         limits = [limit for _, limit in self._limits.get(row["name"], ())]
-        there = [limit for limit in limits if _is_there(limit)]
-        if not there:
-            asked = "that it does not happen" if limits else "nothing of it"
-            return Verdict(NOT_ANALYSED, f"not analysed: the campaign requires {asked}")
-        verdict = self._judged(row, there[0])
+        event_limits = [limit for limit in limits if _is_there(limit)]
+        if not event_limits:
+            demand = "that it does not happen" if limits else "nothing of it"
+            return Verdict(NOT_ANALYSED, f"not analysed: the campaign requires {demand}")
+        verdict = self._judge(row, event_limits[0])
         if verdict.state == MET and len(places) > 1:
             text = f"partly analysed: met for one of {', '.join(places)}, whichever it is"
             return Verdict(PARTLY, text)
@@ -495,10 +497,10 @@ class _Sheet:
         if row["lower"] is None or error is None or not row["upper"] > row["lower"]:
             return Verdict(NOT_ANALYSED, "not analysed: no tolerance changes it")
         tolerance = row["upper"] - row["lower"] + 2 * error
-        told = f"three times its tolerance is {numbers.quantity(3 * tolerance, row['units'])}"
+        text = f"three times its tolerance is {numbers.quantity(3 * tolerance, row['units'])}"
         if row["lower"] - error >= 3 * tolerance:
-            return Verdict(MET, f"met in all of the box, by analysis: {told}")
-        return Verdict(FAILED, f"not met in at least a part of the box: {told}")
+            return Verdict(MET, f"met in all of the box, by analysis: {text}")
+        return Verdict(UNMET, f"not met in at least a part of the box: {text}")
 
     # -- clauses that are about no single quantity -------------------------------------------------
 
@@ -519,22 +521,24 @@ class _Sheet:
             for name, margin in own.items()
             if len(margin["without"]) == 1 and margin["without"][0] in springs
         }  # fmt: skip
-        left = [name for name in springs if name not in verdicts]
-        text = "; ".join(f"without {out}: {each.text}" for out, (_, each) in verdicts.items())
+        remaining = [name for name in springs if name not in verdicts]
+        text = "; ".join(
+            f"without {name}: {verdict.text}" for name, (_, verdict) in verdicts.items()
+        )
         analysed = ", ".join(name for name, _ in verdicts.values())
         if not verdicts:
             return _row("", Verdict(NOT_ANALYSED, f"not analysed: {', '.join(springs)}"))
-        states = {each.state for _, each in verdicts.values()}
-        state = next((one for one in STATES if one in states), MET)
-        if state == MET and not left:
+        states = {verdict.state for _, verdict in verdicts.values()}
+        state = next((member for member in STATES if member in states), MET)
+        if state == MET and not remaining:
             text = f"met in all of the box: with each single one of {', '.join(springs)} out"
-        elif left:
+        elif remaining:
             state = PARTLY if state == MET else state
-            text += f"; not analysed: {', '.join(left)}"
+            text += f"; not analysed: {', '.join(remaining)}"
         text = text if text.startswith(state) else f"{state}: {text}"
         return _row(f"one at a time: {analysed}", Verdict(state, text))
 
-    def together(self) -> dict[str, str] | None:
+    def all_requirements(self) -> dict[str, str] | None:
         """What of the box meets all requirements, and margins the limit of their standard."""
         varied = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
         if "together" not in self.facts:
@@ -547,19 +551,19 @@ class _Sheet:
         rows, whole = self.facts["requirements"], self.facts["together"]
         failing = [
             name for row in rows if row["met"] in ("some", "none")
-            for name in [each["quantity"] for each in row["limits"] if each["met"] != "all"]
+            for name in [limit["quantity"] for limit in row["limits"] if limit["met"] != "all"]
             or [row["name"]]
         ]  # fmt: skip
-        failing += [name for name, state in states.items() if state == FAILED]
-        each = [self._judged(self._quantities[limit["quantity"]], limit).state
+        failing += [name for name, state in states.items() if state == UNMET]
+        outcomes = [self._judge(self._quantities[limit["quantity"]], limit).state
                 for row in rows for limit in row["limits"]]  # fmt: skip
-        open_ = [name for name, state in states.items() if state not in (MET, FAILED)]
+        open_ = [name for name, state in states.items() if state not in (MET, UNMET)]
         if not varied:
             verdict = Verdict(NOT_ANALYSED, "not analysed: no parameter is an interval")
         elif failing:
-            verdict = Verdict(FAILED, "not met in at least a part of the box")
-        elif whole["met"] != "all" or OPEN in each:
-            verdict = self._judged({}, {**whole, "met": "open"})
+            verdict = Verdict(UNMET, "not met in at least a part of the box")
+        elif whole["met"] != "all" or OPEN in outcomes:
+            verdict = self._judge({}, {**whole, "met": "open"})
         elif open_:
             text = f"what the campaign requires is met; see the rows of {', '.join(open_)}"
             verdict = Verdict(PARTLY, f"partly analysed: {text}")
@@ -567,26 +571,26 @@ class _Sheet:
             verdict = Verdict(MET, "met in all of the box, by analysis")
         if failing and whole["met"] == "some":
             share = numbers.share(whole["share"], whole["open"])
-            verdict = Verdict(FAILED, f"not met in a part of the box; {share} of the box meets all")
+            verdict = Verdict(UNMET, f"not met in a part of the box; {share} of the box meets all")
         value = f"not met: {', '.join(dict.fromkeys(failing))}" if failing else ""
         return _row(analysed, verdict, value)
 
     def balance(self) -> dict[str, str]:
         """The balance of energy, which every run keeps, where energies change by more than it."""
         motion, allowed = self._mechanism["motion"], numbers.percent(self._tolerance)
-        runs, each = self.facts["runs"]["all"], numbers.quantity(self.facts["duration"], "s")
+        runs, duration = self.facts["runs"]["all"], numbers.quantity(self.facts["duration"], "s")
         analysed = (
-            f"{runs} runs, each of {each}, fail where it is off by more than {allowed} of the "
+            f"{runs} runs, each of {duration}, fail where it is off by more than {allowed} of the "
             "largest energy"
         )
         if motion is None:
             text = "partly analysed: how far energies change was not kept (jobs.keep)"
             return _row(analysed, Verdict(PARTLY, text))
-        exchanged, largest, off = (motion[key] for key in ("exchanged", "largest", "off"))
+        exchanged, largest, imbalance = (motion[key] for key in ("exchanged", "largest", "off"))
         value = (
             f"in the nominal run energies change by up to {numbers.quantity(exchanged, 'J')}, the "
             f"largest is {numbers.quantity(largest, 'J')}, the balance off by "
-            f"{numbers.quantity(off, 'J', 2)}"
+            f"{numbers.quantity(imbalance, 'J', 2)}"
         )
         if exchanged < EXCHANGED * self._tolerance * largest or exchanged == 0:
             text = "not analysed: hardly anything moves, so that the balance shows nothing"
@@ -611,28 +615,29 @@ class _Sheet:
 
     def influence(self) -> dict[str, str] | None:
         """The parameter that widens each quantity most."""
-        found = [f"{row['name']} by {name} ({numbers.percent(row['influence'][name]['share'])})"
+        texts = [f"{row['name']} by {name} ({numbers.percent(row['influence'][name]['share'])})"
                  for row in self.facts["quantities"] if (name := decisive(row))]  # fmt: skip
         return _row("shares of the widths of quantities, by their surrogates",
                     Verdict(REPORTED, "reported"),
-                    "most: " + ", ".join(found)) if found else None  # fmt: skip
+                    "most: " + ", ".join(texts)) if texts else None  # fmt: skip
 
     def budget(self) -> dict[str, str] | None:
         """How wide intervals of quantities are, and with half of the tolerance that counts most."""
-        found = []
+        texts = []
         for row in self.facts["quantities"]:
             if name := decisive(row):
-                now, half = row["surrogate_upper"] - row["surrogate_lower"], row["influence"][name]
-                widths = (numbers.quantity(x, row["units"], 2) for x in (now, half["halved"]))
-                found.append("{}: {}, {} with half the tolerance of {}".format(
+                widths = (row["surrogate_upper"] - row["surrogate_lower"],
+                          row["influence"][name]["halved"])  # fmt: skip
+                widths = (numbers.quantity(width, row["units"], 2) for width in widths)
+                texts.append("{}: {}, {} with half the tolerance of {}".format(
                     row["name"], *widths, name))  # fmt: skip
         return _row(
             "widths of intervals, and with half of the tolerance that widens each most",
-            Verdict(REPORTED, "reported"), "; ".join(found)) if found else None  # fmt: skip
+            Verdict(REPORTED, "reported"), "; ".join(texts)) if texts else None  # fmt: skip
 
 
-OTHERS: dict[str, Callable[[_Sheet], dict | None]] = {
-    "together": _Sheet.together, "balance": _Sheet.balance, "influence": _Sheet.influence,
+ANALYSES: dict[str, Callable[[_Sheet], dict | None]] = {
+    "together": _Sheet.all_requirements, "balance": _Sheet.balance, "influence": _Sheet.influence,
     "budget": _Sheet.budget, "redundant": _Sheet.redundant, "parametric": _Sheet.parametric,
 }  # fmt: skip
 """What analyses clauses that are about no quantity."""
@@ -645,10 +650,10 @@ JUDGES = {
 
 
 def _row(
-    analysed: str, verdict: Verdict, value: str = "", nearest: str = "", of: str = ""
+    analysed: str, verdict: Verdict, value: str = "", nearest: str = "", quantity: str = ""
 ) -> dict[str, str]:
     return {"analysed": analysed, "value": value, "verdict": verdict.text, "state": verdict.state,
-            "nearest": nearest, "of": of}  # fmt: skip
+            "nearest": nearest, "of": quantity}  # fmt: skip
 
 
 def _stretch(first: float, last: float, unit: str) -> str:
@@ -656,7 +661,7 @@ def _stretch(first: float, last: float, unit: str) -> str:
     return f"{numbers.number(first, 4)} to {numbers.quantity(last, unit, 4)}"
 
 
-def _asked(limit: Mapping[str, Any], units: str) -> str:
+def _describe_limit(limit: Mapping[str, Any], units: str) -> str:
     """A limit in words."""
     if limit["kind"] == "happens":
         return "happens" if limit["level"] else "does not happen"

@@ -34,8 +34,8 @@ def nominal_row(samples: Any) -> int | None:
     """The place of the nominal run among the samples."""
     if keeps_extremes(samples):
         return 0
-    found = np.flatnonzero(np.asarray(samples.variables["role"][:]) == ROLES[0])
-    return int(found[0]) if len(found) else None
+    rows = np.flatnonzero(np.asarray(samples.variables["role"][:]) == ROLES[0])
+    return int(rows[0]) if len(rows) else None
 
 
 MOST_FITTED = 10_000
@@ -52,11 +52,11 @@ def fitted_rows(numbers: np.ndarray) -> np.ndarray:
         return np.arange(len(numbers))
     rows = set(range(_FITTED))
     for column in numbers.T:
-        there = np.isfinite(column)
-        if there.any():
+        mask = np.isfinite(column)
+        if mask.any():
             rows |= {int(np.nanargmin(column)), int(np.nanargmax(column))}
-        if not there.all():
-            rows.add(int(np.argmin(there)))
+        if not mask.all():
+            rows.add(int(np.argmin(mask)))
     return np.array(sorted(rows))
 
 
@@ -87,8 +87,10 @@ def counts(samples: Any) -> Counts:
         of_role[role].add(run)
     nominal, nodes, held_out, _ = of_role.values()
     held_out = held_out - nodes
-    others = nodes | held_out
-    return Counts(len(others | nominal), len(nodes), len(held_out), bool(nominal & others))
+    design_runs = nodes | held_out
+    return Counts(
+        len(design_runs | nominal), len(nodes), len(held_out), bool(nominal & design_runs)
+    )
 
 
 _AT_ONCE = 256  # runs
@@ -99,11 +101,11 @@ def margins_of(experiment: Experiment, values: np.ndarray) -> np.ndarray:
     response goes, above 0 where a run has the quantity. They are continuous where a quantity comes
     and goes, and tell where that is; NaN where a quantity has none."""
     names = list(experiment.responses)
-    found = np.full((len(values), len(experiment.quantities)), np.nan)
+    margins = np.full((len(values), len(experiment.quantities)), np.nan)
     for q, quantity in enumerate(experiment.numbers):
-        if (one := quantity.decider) is not None and len(values):
-            found[:, q] = one.margin(values[:, names.index(one.response.name)])
-    return found
+        if (decider := quantity.decider) is not None and len(values):
+            margins[:, q] = decider.margin(values[:, names.index(decider.response.name)])
+    return margins
 
 
 def margins_of_samples(experiment: Experiment, samples: Any, rows: Sequence[int]) -> np.ndarray:

@@ -66,7 +66,7 @@ def run_batch(
     Raises `CampaignError` that lists the runs that failed, after all others were written; then
     there is no manifest.
     """
-    started = clocks()
+    start_clocks = clocks()
     store = open_store(jobs.keep, folder, plan.experiment)
     sweep(folder)
     groups = store.groups(plan.unique_runs(), jobs.group)
@@ -81,24 +81,24 @@ def run_batch(
         warm_up(scene, tell, plan.experiment.record)
         total = sum(map(len, groups))
         progress = Progress(plan.experiment.name, total, store.counter(groups), tell)
-        begun = clocks()
-        simulation.after = lambda: progress.report(last=False)
-        lots = [work] if processes == 1 else [[one] for one in work]
-        several = partial(_simulate_groups, simulation, store, processes)
-        for other in spread(several, [(lot,) for lot in lots], processes):
-            simulation.take(other)
+        loop_start = clocks()
+        simulation.after_group = lambda: progress.report(last=False)
+        lots = [work] if processes == 1 else [[item] for item in work]
+        simulate_lot = partial(_simulate_groups, simulation, store, processes)
+        for totals in spread(simulate_lot, [(lot,) for lot in lots], processes):
+            simulation.take(totals)
             progress.report(last=False)
         progress.report()
         if simulation.count and jobs.minutes:
-            taken = (clocks() - begun)[0] * min(processes, len(lots)) / simulation.count
-            tell(f"jobs.run_seconds: {taken:.3g} s of a core for a run here")
+            seconds = (clocks() - loop_start)[0] * min(processes, len(lots)) / simulation.count
+            tell(f"jobs.run_seconds: {seconds:.3g} s of a core for a run here")
     simulation.check()
     facts = {
         "batch": batch,
         "runs": sum(map(len, mine)),
         "simulated": simulation.count,
         # Of the clock and of the processor.
-        "seconds": (clocks() - started).round(3).tolist(),
+        "seconds": (clocks() - start_clocks).round(3).tolist(),
         "seconds_integrating": simulation.seconds.round(3).tolist(),
     }
     write_result(manifest, json.dumps(facts, indent=1) + "\n")
@@ -118,8 +118,8 @@ def spread(function: Callable, work: Sequence[tuple], processes: int) -> Iterato
     context = multiprocessing.get_context("fork")
     with ProcessPoolExecutor(processes, mp_context=context) as pool:
         try:
-            for done in as_completed([pool.submit(_one, number) for number in range(len(work))]):
-                yield done.result()
+            for future in as_completed([pool.submit(_call, number) for number in range(len(work))]):
+                yield future.result()
         except BrokenProcessPool:
             raise CampaignError(
                 "a process of this job was ended from outside, for lack of memory perhaps; "
@@ -130,7 +130,7 @@ def spread(function: Callable, work: Sequence[tuple], processes: int) -> Iterato
             _WORK.clear()
 
 
-def _one(number: int) -> Any:
+def _call(number: int) -> Any:
     return _WORK["function"](*_WORK["work"][number])
 
 
@@ -143,9 +143,9 @@ def _simulate_groups(
     """
     own = Simulation(simulation.plan, simulation.size, simulation.threads)
     if processes == 1:
-        own.after = simulation.after
-    lots = [(missing, store.had(missing)) for _, missing in work]
-    for (group, _), results in zip(work, own.each(lots), strict=True):
+        own.after_group = simulation.after_group
+    lots = [(missing, store.previous_columns(missing)) for _, missing in work]
+    for (group, _), results in zip(work, own.run_lots(lots), strict=True):
         store.write(group, results)
     return own.count, own.failures, own.seconds
 
@@ -156,19 +156,19 @@ def check_structure(plan: Plan) -> None:
     The runs would be others under the names of the planned ones.
     """
     if plan.experiment.mechanics != plan.mechanics:
-        what = plan.experiment.scene.file or f"the structure {plan.experiment.scene.name}"
-        raise CampaignError(f"{what} has changed since the runs were planned; start again")
+        source = plan.experiment.scene.file or f"the structure {plan.experiment.scene.name}"
+        raise CampaignError(f"{source} has changed since the runs were planned; start again")
 
 
 def tell_again(store: Any, tell: Tell) -> None:
     """Tell which files of a store can not be used, and will be made again; each once."""
-    for error in store.damaged.values():
+    for error in store.damage.values():
         tell(f"{error}; its runs are made again")
-    store.damaged.clear()
+    store.damage.clear()
     if store.lacking:
-        what = words(sorted(set().union(*store.lacking.values())))
+        variables = words(sorted(set().union(*store.lacking.values())))
         count = len(store.lacking)
-        tell(f"{count} runs lack {what} as this version reads it; they are simulated again")
+        tell(f"{count} runs lack {variables} as this version reads it; they are simulated again")
     store.lacking.clear()
 
 
@@ -184,7 +184,7 @@ def make_again(plan: Plan, store: Any, group: Runs, size: int, tell: Tell) -> No
     check_structure(plan)
     tell(f"{plan.experiment.name}: {len(missing)} runs are missing and made again")
     simulation = Simulation(plan, size)
-    store.write(group, simulation.results(missing, store.had(missing)))
+    store.write(group, simulation.results(missing, store.previous_columns(missing)))
     simulation.check()
 
 
@@ -192,55 +192,56 @@ class Simulation:
     """Simulates runs of a plan, `size` side by side, on so many threads.
 
     Attributes: `count` of the runs that went well, `failures`, and the `seconds` that it took to
-    integrate: of the clock, as the mean of the threads, and of cpu time, of all of them; `after` is
-    called after each group.
+    integrate: of the clock, as the mean of the threads, and of cpu time, of all of them;
+    `after_group` is called after each group.
     """
 
     def __init__(self, plan: Plan, size: int, threads: int = 1):
         self.plan, self.size, self.threads = plan, size, threads
         self.count, self.seconds = 0, np.zeros(2)
         self.failures: list[Failure] = []
-        self.after: Callable[[], None] = lambda: None
+        self.after_group: Callable[[], None] = lambda: None
 
-    def take(self, other: tuple[int, list[Failure], np.ndarray]) -> None:
+    def take(self, totals: tuple[int, list[Failure], np.ndarray]) -> None:
         """Add what another one has done: its count, failures and seconds."""
-        count, failures, seconds = other
+        count, failures, seconds = totals
         self.count += count
         self.failures += failures
         self.seconds += seconds
 
-    def results(self, runs: Runs, also: Iterable[Column] = ()) -> Iterator[Result]:
-        """The results of those runs that go well, in order; also: as for `simulate`."""
-        for found in self.each([(runs, also)]):
-            yield from found
+    def results(self, runs: Runs, columns: Iterable[Column] = ()) -> Iterator[Result]:
+        """The results of those runs that go well, in order; columns: as for `simulate`."""
+        for results in self.run_lots([(runs, columns)]):
+            yield from results
 
-    def each(self, lots: Sequence[tuple[Runs, Iterable[Column]]]) -> Iterator[Iterator[Result]]:
+    def run_lots(self, lots: Sequence[tuple[Runs, Iterable[Column]]]) -> Iterator[Iterator[Result]]:
         """The results of several lots of runs, which are to be taken one by one.
 
         While those of a group of runs are taken, the threads make those of the next.
         """
         with ThreadPoolExecutor(self.threads) as pool:
 
-            def start(group: Runs, also: Iterable[Column]) -> list[Future]:
+            def start(group: Runs, columns: Iterable[Column]) -> list[Future]:
                 count = max(1, min(self.threads, len(group) // 4))  # eight runs take as long as one
                 parts = [share(group, part, count) for part in range(count)]
-                return [pool.submit(simulate, self.plan, part, also) for part in parts]
+                return [pool.submit(simulate, self.plan, part, columns) for part in parts]
 
-            groups = [(groups_of(runs, self.size), also) for runs, also in lots]
-            started = _one_ahead(start, ((one, also) for own, also in groups for one in own))
+            groups = [(groups_of(runs, self.size), columns) for runs, columns in lots]
+            items = ((group, columns) for own, columns in groups for group in own)
+            futures = _one_ahead(start, items)
             try:
                 for own, _ in groups:
-                    yield self._taken(islice(started, len(own)))
+                    yield self._collect(islice(futures, len(own)))
             finally:
                 pool.shutdown(cancel_futures=True)
 
-    def _taken(self, started: Iterable[list[Future]]) -> Iterator[Result]:
-        for parts in started:
+    def _collect(self, futures: Iterable[list[Future]]) -> Iterator[Result]:
+        for parts in futures:
             for part in parts:
-                results, failed, taken = part.result()
-                self.take((len(results), failed, taken / (self.threads, 1)))
+                results, failures, seconds = part.result()
+                self.take((len(results), failures, seconds / (self.threads, 1)))
                 yield from results
-            self.after()
+            self.after_group()
 
     def check(self) -> None:
         """Raise `CampaignError` that lists the runs that failed, if any did."""
@@ -250,34 +251,36 @@ class Simulation:
 
 def _one_ahead(start: Callable, items: Iterable[tuple]) -> Iterator[Any]:
     """`start(*item)` of all items in order, each when that of the next was called."""
-    begun = deque()
+    queue = deque()
     for item in items:
-        begun.append(start(*item))
-        if len(begun) > 1:
-            yield begun.popleft()
-    yield from begun
+        queue.append(start(*item))
+        if len(queue) > 1:
+            yield queue.popleft()
+    yield from queue
 
 
 def simulate(
-    plan: Plan, runs: Sequence[PlannedRun], also: Iterable[Column] = ()
+    plan: Plan, runs: Sequence[PlannedRun], columns: Iterable[Column] = ()
 ) -> tuple[list[Result], list[Failure], np.ndarray]:
     """Simulate runs side by side: those that went well, those that failed with the reason, and the
-    seconds, of the clock and of this thread's cpu time, that it took to integrate them. also: what
-    is recorded beside what the responses need."""
+    seconds, of the clock and of this thread's cpu time, that it took to integrate them.
+
+    columns: what is recorded beside what the responses need.
+    """
     experiment, solver = plan.experiment, plan.experiment.solver
     parameters = [experiment.parameters(plan.named(run)) for run in runs]
     with _BUILDING:
         scenes = [experiment.scene_type.build(**values) for values in parameters]
-    before = clocks(time.thread_time)
+    start = clocks(time.thread_time)
     outcomes = fpm.simulate(
         scenes,
         duration=solver.duration,
         instants=solver.instants,
         step=plan.time.step,
         energy_tolerance=solver.energy_tolerance,
-        record=sorted({*experiment.record, *also}),
+        record=sorted({*experiment.record, *columns}),
     )
-    seconds = clocks(time.thread_time) - before
+    seconds = clocks(time.thread_time) - start
     check_code()  # what only this needed may have been imported just now
     common = {
         "campaign": experiment.name,
@@ -286,17 +289,17 @@ def simulate(
         "limiting_element": plan.time.limiting_element,
         "provenance": as_attribute(),
     }
-    results, failed = [], []
+    results, failures = [], []
     for run, values, outcome in zip(runs, parameters, outcomes, strict=True):
         if outcome.failure is not None:
-            failed.append((run, str(outcome.failure)))
+            failures.append((run, str(outcome.failure)))
             continue
         if outcome.events_dropped:
             count = len(outcome.events) + outcome.events_dropped
-            failed.append((run, f"{count} contact events, more than are kept: contacts chatter"))
+            failures.append((run, f"{count} contact events, more than are kept: contacts chatter"))
             continue
         results.append(Result(run, outcome, values, common))
-    return results, failed, seconds
+    return results, failures, seconds
 
 
 def failure_text(plan: Plan, failures: Sequence[Failure]) -> str:

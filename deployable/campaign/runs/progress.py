@@ -64,15 +64,15 @@ class Progress:
 
     def report(self, last: bool = True) -> None:
         """Tell; not more than once a second unless it is the last time."""
-        now = time.monotonic()
-        if not last and now < self.reported + 1.0:
+        time_now = time.monotonic()
+        if not last and time_now < self.reported + 1.0:
             return
-        self.reported, done = now, self.count()
-        gained = done - self.start_count
-        text = f"{self.campaign}: {done} of {self.total} runs done"
-        if done < self.total and gained > 0:
-            left = (now - self.start_time) / gained * (self.total - done)
-            text += f", about {duration_text(left)} left"
+        self.reported, count = time_now, self.count()
+        gained = count - self.start_count
+        text = f"{self.campaign}: {count} of {self.total} runs done"
+        if count < self.total and gained > 0:
+            seconds = (time_now - self.start_time) / gained * (self.total - count)
+            text += f", about {duration_text(seconds)} left"
         if isinstance(self.tell, Teller):
             self.tell.move(text, last)
         else:
@@ -84,18 +84,18 @@ def warm_up(scene: Any, tell: Tell, record: Sequence = ()) -> None:
 
     record: as for `fpm.simulate`.
     """
-    begun, done, some = time.monotonic(), threading.Event(), compile_seconds(scene)
+    start, end, total = time.monotonic(), threading.Event(), compile_seconds(scene)
     move = tell.move if isinstance(tell, Teller) else tell
 
     def report() -> None:
-        while not done.wait(PAUSE):
-            taken = time.monotonic() - begun
-            move(f"compiling for these kinds of element, once: {taken:.0f} s of some {some:.0f}")
+        while not end.wait(PAUSE):
+            seconds = time.monotonic() - start
+            move(f"compiling for these kinds of element, once: {seconds:.0f} s of some {total:.0f}")
 
     watch = threading.Thread(target=report, daemon=True)
     watch.start()
     try:
         fpm.warm_up(scene, record)
     finally:
-        done.set()
+        end.set()
         watch.join()

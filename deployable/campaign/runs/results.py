@@ -19,7 +19,7 @@ from fpm.files.sealed import DamagedError, check
 from fpm.files.trajectory import Column
 from fpm.kernels import sources
 
-# Contact events as the interval side gets them, in the order of the columns of `Record.events`.
+# Contact events as the interval side gets them, in the order of the columns of `RunRecord.events`.
 EVENT_VARIABLES = ("event_time", "event_contact", "event_closing")
 
 
@@ -46,7 +46,7 @@ class Result:
 
 
 @dataclass(frozen=True)
-class Record:
+class RunRecord:
     """What the interval side needs of a run: time (t,) s, the values (n, t) of its n responses,
     contact events (e, 3): time (s), contact index, 1 if it closes, names of contacts, numbers (q,)
     of its quantities, NaN where what is asked for does not happen, and by how much (rad) the faces
@@ -64,7 +64,7 @@ class Store:
     """Where the results of runs are kept, in `folder`, under names that follow from their content.
 
     A finished run is found again by a campaign that was killed. A file that is not as it was
-    written, or is another run's, counts as absent, and is noted in `damaged` until it is written
+    written, or is another run's, counts as absent, and is noted in `damage` until it is written
     again; `lacking` tells by run which columns its file lacks. A store says which runs of a group
     are `missing`, and can `write` the group's results and `read` them.
     """
@@ -72,14 +72,14 @@ class Store:
     def __init__(self, folder: Path, experiment: Experiment):
         self.folder, self.experiment = folder, experiment
         self.responses, self.quantities = experiment.curves, experiment.numbers
-        self.damaged: dict[Path, DamagedError] = {}
+        self.damage: dict[Path, DamagedError] = {}
         self.lacking: dict[str, set[Column]] = {}
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
         """Runs that are written together."""
         return groups_of(runs, size)
 
-    def had(self, runs: Runs) -> set[Column]:
+    def previous_columns(self, runs: Runs) -> set[Column]:
         """What must be recorded of runs beside what is asked now, as their files had it."""
         return set()
 
@@ -93,24 +93,24 @@ class Store:
     def _contents(self) -> list:
         """What files depend on that hold responses and quantities and not what they are made of:
         their definitions, and the code that reads them off a run."""
-        wanted = (asdict(one) for one in (*self.responses, *self.quantities))
-        return [type(self).__name__, sources.reading(), *wanted]
+        definitions = (asdict(definition) for definition in (*self.responses, *self.quantities))
+        return [type(self).__name__, sources.reading(), *definitions]
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
         """A function that tells how many runs of groups are there, by the names of files alone."""
         sizes = {f"{self.file_of(group)}.nc": len(group) for group in groups}
         return lambda: sum(sizes.get(path.name, 0) for path in self.folder.glob("*.nc"))
 
-    def checked(self, record: Record) -> Record:
+    def checked(self, record: RunRecord) -> RunRecord:
         """A record that was read; ValueError unless it is of what the campaign asks for."""
-        shapes = [np.shape(each) for each in (record.time, record.values, record.numbers)]
+        shapes = [np.shape(array) for array in (record.time, record.values, record.numbers)]
         count, instants = len(self.responses), self.experiment.solver.instants
         if shapes != [(instants,), (count, instants), (len(self.quantities),)]:
             raise ValueError("it has other instants, responses or quantities than the campaign")
-        which = record.events[:, 1]
+        indices = record.events[:, 1]
         if not (np.isfinite(record.values).all() and np.isfinite(record.overlap)):
             raise ValueError("it has values that are no numbers")
-        if not ((which >= 0) & (which < len(record.contacts))).all():
+        if not ((indices >= 0) & (indices < len(record.contacts))).all():
             raise ValueError("it has events of no contact")
         return record
 
@@ -120,7 +120,7 @@ class Store:
             check(path, title(path))
             refuse_outside(path)
         except DamagedError as error:
-            self.damaged[path] = error
+            self.damage[path] = error
         except FileNotFoundError:
             pass
         else:
@@ -158,10 +158,10 @@ def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
 def padded(events: Sequence[np.ndarray], least: int = 0) -> np.ndarray:
     """Tables (e, 3) of events of several runs as one (r, most, 3), filled with NaN."""
     most = max(least, *map(len, events))
-    out = np.full((len(events), most, len(EVENT_VARIABLES)), np.nan)
-    for row, table in zip(out, events, strict=True):
+    tables = np.full((len(events), most, len(EVENT_VARIABLES)), np.nan)
+    for row, table in zip(tables, events, strict=True):
         row[: len(table)] = table
-    return out
+    return tables
 
 
 def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str]) -> float:
@@ -197,7 +197,7 @@ def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapp
 
 
 def names_of(holder: Any) -> dict[str, list[str]]:
-    """The dimensions of a store's, or a share's, responses and quantities."""
+    """The dimensions of a store's, or a chunk's, responses and quantities."""
     return {
         "response": [response.name for response in holder.responses],
         "quantity": [quantity.name for quantity in holder.quantities],

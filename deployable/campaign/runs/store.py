@@ -7,7 +7,7 @@
 `Responses`     one netCDF file per group, `<digest of the group's runs>.nc`, with the
                 responses, contact events and quantities only. Other groups have other files:
                 another design, size of group or response simulates its runs again;
-`Extremes`      one netCDF file per share of a scan, with the least and largest values over time
+`ScanExtremes`  one netCDF file per chunk of a scan, with the least and largest values over time
                 (`campaign.runs.extremes`).
 """
 
@@ -27,8 +27,8 @@ from deployable.campaign.files import whole_file
 from deployable.campaign.files.contents import reading
 from deployable.campaign.plan.runs import PlannedRun, Runs
 from deployable.campaign.runs import results as common
-from deployable.campaign.runs.extremes import Extremes
-from deployable.campaign.runs.results import EVENT_VARIABLES, Record, Result, Store
+from deployable.campaign.runs.extremes import ScanExtremes
+from deployable.campaign.runs.results import EVENT_VARIABLES, Result, RunRecord, Store
 from fpm.files import trajectory
 from fpm.files.sealed import DamagedError
 from fpm.files.trajectory import Column
@@ -41,7 +41,7 @@ class Trajectories(Store):
 
     def __init__(self, folder: Path, experiment: Experiment):
         super().__init__(folder, experiment)
-        self._had: dict[str, set[Column]] = {}
+        self._columns: dict[str, set[Column]] = {}
         self._needs = {need for response in self.responses for need in response.needs}
         self._code = sources.reading()
 
@@ -53,9 +53,9 @@ class Trajectories(Store):
         """The runs of the group that are still to be simulated."""
         return group[[i for i, run in enumerate(group) if self._curves(run) is None]]
 
-    def had(self, runs: Runs) -> set[Column]:
+    def previous_columns(self, runs: Runs) -> set[Column]:
         """Columns that some of these runs have in files that lack others."""
-        return set().union(*(self._had.get(run.id, ()) for run in runs))
+        return set().union(*(self._columns.get(run.id, ()) for run in runs))
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
         names = {self.path(run).name for group in groups for run in group}
@@ -68,9 +68,9 @@ class Trajectories(Store):
             contents = trajectory.contents(result.outcome, attributes=result.attributes)
             trajectory.write(contents, self.path(result.run))
 
-    def read(self, group: Runs) -> dict[str, Record]:
+    def read(self, group: Runs) -> dict[str, RunRecord]:
         """Those runs of a group that are there, by id."""
-        found = {}
+        records = {}
         for run in group:
             if (curves := self._curves(run)) is None:
                 continue
@@ -79,9 +79,9 @@ class Trajectories(Store):
                 numbers = common.numbers_of(self.quantities, curves)
                 events, contacts = curves.impacts()
                 overlap = common.largest_overlap(curves.openings, contacts)
-                record = Record(curves.time, values, events, contacts, numbers, overlap)
-                found[run.id] = self.checked(record)
-        return found
+                record = RunRecord(curves.time, values, events, contacts, numbers, overlap)
+                records[run.id] = self.checked(record)
+        return records
 
     def _curves(self, run: PlannedRun) -> trajectory.Curves | None:
         """The run's curves; None if its file is not there, not whole, or lacks what responses
@@ -91,15 +91,15 @@ class Trajectories(Store):
             with reading(path):
                 curves = trajectory.read_curves(path, run.id)
         except DamagedError as error:
-            self.damaged[error.path] = error
+            self.damage[error.path] = error
             return None
         except FileNotFoundError:
             return None
-        there = {column for column in curves.columns if curves.codes.get(column[0]) == self._code}
-        if not (lacks := self._needs - there):
+        columns = {column for column in curves.columns if curves.codes.get(column[0]) == self._code}
+        if not (lacks := self._needs - columns):
             return curves
         self.lacking[run.id] = lacks
-        self._had[run.id] = {column for column in curves.columns if column[0] in VARIABLES}
+        self._columns[run.id] = {column for column in curves.columns if column[0] in VARIABLES}
         return None
 
 
@@ -121,8 +121,8 @@ class Responses(Store):
         if not self.is_whole(path):
             return group
         with reading(path), netCDF4.Dataset(path) as file:
-            there = list(file["run_id"][:])
-        return group[:0] if there == [run.id for run in group] else group
+            ids = list(file["run_id"][:])
+        return group[:0] if ids == [run.id for run in group] else group
 
     def write(self, group: Runs, results: Iterable[Result]) -> None:
         """Write the results of runs of a group; ValueError if a number is not finite."""
@@ -131,8 +131,8 @@ class Responses(Store):
         outcomes = [result.outcome for result in results]
         impacts = [outcome.impacts() for outcome in outcomes]
         contacts = impacts[0].names
-        events = common.padded([each.events for each in impacts], least=1)
-        overlaps = [common.largest_overlap(each.openings, contacts) for each in outcomes]
+        events = common.padded([impact.events for impact in impacts], least=1)
+        overlaps = [common.largest_overlap(outcome.openings, contacts) for outcome in outcomes]
         numbers = [common.numbers_of(self.quantities, outcome) for outcome in outcomes]
         # Not compressed: it would save a third, and take half of the time of writing.
         variables = {
@@ -153,7 +153,7 @@ class Responses(Store):
         with whole_file(path, {"name": common.title(path)}) as temporary:
             common.write_netcdf(temporary, names, variables)
 
-    def read(self, group: Runs) -> dict[str, Record]:
+    def read(self, group: Runs) -> dict[str, RunRecord]:
         """Those runs of a group that are there, by id."""
         import netCDF4
 
@@ -164,18 +164,18 @@ class Responses(Store):
             time, contacts = file["time"][:], list(file["contact"][:])
             values, overlaps = file["values"][:], file["overlap"][:]
             events = np.stack([file[name][:] for name in EVENT_VARIABLES], axis=-1)
-            none = np.zeros((len(group), 0))
-            numbers = file["quantities"][:] if self.quantities else none
-            found = {}
+            empty = np.zeros((len(group), 0))
+            numbers = file["quantities"][:] if self.quantities else empty
+            records = {}
             for row, run in enumerate(group):
                 own = events[row][np.isfinite(events[row, :, 0])]
                 overlap = float(overlaps[row])
-                record = Record(time, values[row], own, contacts, numbers[row], overlap)
-                found[run.id] = self.checked(record)
-        return found
+                record = RunRecord(time, values[row], own, contacts, numbers[row], overlap)
+                records[run.id] = self.checked(record)
+        return records
 
 
-STORES = {"trajectories": Trajectories, "responses": Responses, "extremes": Extremes}
+STORES = {"trajectories": Trajectories, "responses": Responses, "extremes": ScanExtremes}
 
 
 def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Any:

@@ -28,7 +28,7 @@ from deployable.campaign.files import result_file
 from deployable.campaign.plan.plan import Plan
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs.batch import make_again
-from deployable.campaign.runs.extremes import CURVES, EVENTS, Share
+from deployable.campaign.runs.extremes import CURVES, EVENTS, ScanChunk
 from deployable.campaign.runs.progress import Tell
 from deployable.campaign.runs.store import open_store
 from deployable.campaign.samples import samples
@@ -46,9 +46,9 @@ _LONG_NAMES = {
 def gather(
     plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, tell: Tell = lambda text: None
 ) -> None:
-    """Write `samples.nc` at `path` from the shares in `folder`; memory is that of the plan.
+    """Write `samples.nc` at `path` from the chunks in `folder`; memory is that of the plan.
 
-    Shares that were lost since they were simulated, or damaged, are made again. Raises
+    Chunks that were lost since they were simulated, or damaged, are made again. Raises
     `CampaignError` when runs fail.
     """
     import netCDF4
@@ -64,25 +64,25 @@ def gather(
         file.createDimension("run", len(runs))
         samples.write_places(file, runs, **_packing(len(runs), len(plan.experiment.intervals)))
         for group in store.groups(runs, jobs.group):
-            share = _share(plan, store, group, jobs.group, tell)
+            chunk = _chunk(plan, store, group, jobs.group, tell)
             if first == 0:
-                _define(file, share, store, len(runs))
-            _write(file, share, first, store)
+                _define(file, chunk, store, len(runs))
+            _write(file, chunk, first, store)
             quarter = next(i for i in range(4) if first < ends[i + 1])
-            found = share.running
-            moved = Running(found.low, found.high, found.low_run + first, found.high_run + first)
-            quarters[quarter] = moved.merge(quarters[quarter])
-            file["overlap"][:] = max(float(file["overlap"][:]), share.overlap)
+            running = chunk.running
+            rows = running.low_run + first, running.high_run + first  # in the scan
+            quarters[quarter] = Running(running.low, running.high, *rows).merge(quarters[quarter])
+            file["overlap"][:] = max(float(file["overlap"][:]), chunk.overlap)
             first += len(group)
         _write_quarters(file, quarters)
 
 
-def _share(plan: Plan, store: Any, group: Runs, size: int, tell: Tell) -> Share:
-    share = store.read(group)
-    if share is None or not share.done.all():
+def _chunk(plan: Plan, store: Any, group: Runs, size: int, tell: Tell) -> ScanChunk:
+    chunk = store.read(group)
+    if chunk is None or not chunk.mask.all():
         make_again(plan, store, group, size, tell)
-        share = store.read(group)
-    return share
+        chunk = store.read(group)
+    return chunk
 
 
 def _packing(runs: int, columns: int) -> dict:
@@ -91,15 +91,15 @@ def _packing(runs: int, columns: int) -> dict:
     return {"zlib": True, "complevel": 1, "shuffle": True, "chunksizes": chunk}
 
 
-def _define(file: Any, share: Share, store: Any, runs: int) -> None:
-    """Define time, curves and tables of runs as the first share has them."""
-    samples.write_time(file, share.time, share.contacts)
+def _define(file: Any, chunk: ScanChunk, store: Any, runs: int) -> None:
+    """Define time, curves and tables of runs as the first chunk has them."""
+    samples.write_time(file, chunk.time, chunk.contacts)
     samples.write_names(file, "response", store.responses)
     file.createDimension("quarter", 4)
     file.createDimension("event", None)
     variable = file.createVariable("nominal", "f8", ("response", "time"))
     variable.long_name = "nominal run"
-    variable[:] = share.first
+    variable[:] = chunk.first
     file.createVariable("overlap", "f8", ())[:] = 0.0
     file["overlap"].setncatts(samples.ATTRIBUTES["overlap"])
     for name, (kind, fill) in EVENTS.items():
@@ -113,23 +113,23 @@ def _define(file: Any, share: Share, store: Any, runs: int) -> None:
         variable.long_name = samples.ATTRIBUTES["quantities"]["long_name"]
 
 
-def _write(file: Any, share: Share, first: int, store: Any) -> None:
-    """Write the tables of the runs of a share, the first of which has the number `first`."""
-    rows = slice(first, first + len(share.done))
-    for name, values in share.events.items():
+def _write(file: Any, chunk: ScanChunk, first: int, store: Any) -> None:
+    """Write the tables of the runs of a chunk, the first of which has the number `first`."""
+    rows = slice(first, first + len(chunk.mask))
+    for name, values in chunk.events.items():
         file[name][rows, : values.shape[1]] = values
     if store.quantities:
-        file["quantities"][rows] = share.numbers
+        file["quantities"][rows] = chunk.numbers
 
 
 def _write_quarters(file: Any, quarters: list[Running | None]) -> None:
     for name, key in zip(CURVES, ("low", "high", "low_run", "high_run"), strict=True):
         is_run = name.endswith("run")
-        kind, none = ("i4", -1) if is_run else ("f8", 0.0)
+        kind, fill = ("i4", -1) if is_run else ("f8", 0.0)
         dims = ("quarter", "response", "time")
         variable = file.createVariable(name, kind, dims, zlib=True, complevel=1)
         for i, quarter in enumerate(quarters):
-            empty = np.full(variable.shape[1:], none)
+            empty = np.full(variable.shape[1:], fill)
             variable[i] = empty if quarter is None else getattr(quarter, key)
         variable.long_name = _LONG_NAMES[name]
         variable.setncatts({"units": "1"} if is_run else {})

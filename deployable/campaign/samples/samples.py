@@ -40,7 +40,7 @@ from deployable.campaign.plan.runs import Runs
 from deployable.campaign.provenance import as_attribute
 from deployable.campaign.runs.batch import make_again
 from deployable.campaign.runs.progress import Tell
-from deployable.campaign.runs.results import EVENT_VARIABLES, Record, padded, write_dimension
+from deployable.campaign.runs.results import EVENT_VARIABLES, RunRecord, padded, write_dimension
 from deployable.campaign.runs.store import open_store
 from fpm.files.trajectory import CONVENTIONS
 
@@ -80,18 +80,18 @@ def gather(
         write_names(file, "response", store.responses)
         if store.quantities:
             write_names(file, "quantity", store.quantities)
-            none = np.full((len(plan.runs), len(store.quantities)), np.nan)
+            blanks = np.full((len(plan.runs), len(store.quantities)), np.nan)
             text = ATTRIBUTES["quantities"]["long_name"]
-            _numbers(file, "quantities", ("run", "quantity"), none, text)
+            _numbers(file, "quantities", ("run", "quantity"), blanks, text)
         for group in groups:
-            found = store.read(group)
-            if len(found) < len(group):
+            records = store.read(group)
+            if len(records) < len(group):
                 make_again(plan, store, group, jobs.group, tell)
-                found = store.read(group)
+                records = store.read(group)
             if "time" not in file.variables:
-                _define_curves(file, next(iter(found.values())), plan.experiment.intervals)
-            placed = sorted((row, id_) for id_ in found for row in rows[id_])
-            _write_rows(file, [row for row, _ in placed], [found[id_] for _, id_ in placed])
+                _define_curves(file, next(iter(records.values())), plan.experiment.intervals)
+            pairs = sorted((row, id_) for id_ in records for row in rows[id_])
+            _write_rows(file, [row for row, _ in pairs], [records[id_] for _, id_ in pairs])
 
 
 def _write_runs(file: Any, plan: Plan) -> None:
@@ -108,17 +108,17 @@ def _write_runs(file: Any, plan: Plan) -> None:
 
 def write_places(file: Any, runs: Runs, **packing: Any) -> None:
     """Write where in the box the runs are."""
-    across = ("run", "parameter")
+    dims = ("run", "parameter")
     text = "coordinates in the box, -1 to 1"
-    _numbers(file, "unit", across, runs.unit, text, packing, units="1")
-    _numbers(file, "value", across, runs.values, "parameter values in their units", packing)
+    _numbers(file, "unit", dims, runs.unit, text, packing, units="1")
+    _numbers(file, "value", dims, runs.values, "parameter values in their units", packing)
 
 
 def write_box(file: Any, plan: Plan) -> list[str]:
     """Write the box, and as attributes what the samples are of; units of the parameters."""
     experiment = plan.experiment
-    names, known = list(experiment.intervals), experiment.scene_type.parameters
-    units = [known[name].unit for name in names]
+    names, parameters = list(experiment.intervals), experiment.scene_type.parameters
+    units = [parameters[name].unit for name in names]
     write_dimension(file, "parameter", names, "interval parameter")
     _text(file, "box_units", "parameter", units, "units of the parameter")
     for key in ("lower", "upper", "nominal"):
@@ -145,7 +145,7 @@ def write_box(file: Any, plan: Plan) -> list[str]:
     return units
 
 
-def _define_curves(file: Any, record: Record, parameters: Iterable[str]) -> None:
+def _define_curves(file: Any, record: RunRecord, parameters: Iterable[str]) -> None:
     """Define time, values and events as the first run has them."""
     write_time(file, record.time, record.contacts)
     # Not compressed: it would save a third at most, and take half of the time of gathering.
@@ -171,31 +171,31 @@ def write_time(file: Any, instants: np.ndarray, contacts: Sequence[str]) -> None
     write_dimension(file, "contact", contacts, "name of the contact, stop or latch")
 
 
-def write_names(file: Any, what: str, named: Sequence[Any]) -> None:
+def write_names(file: Any, dimension: str, items: Sequence[Any]) -> None:
     """Write which responses, or quantities, there are."""
-    write_dimension(file, what, [one.name for one in named], f"name of the {what}")
+    write_dimension(file, dimension, [item.name for item in items], f"name of the {dimension}")
     for key, values in (
-        ("units", [one.unit for one in named]),
-        ("long_name", [one.long_name for one in named]),
+        ("units", [item.unit for item in items]),
+        ("long_name", [item.long_name for item in items]),
     ):
-        text = f"{key.replace('_', ' ')} of the {what}"
-        _text(file, f"{what}_{key}", what, values, text)
-    if what == "response":
-        if any(one.along for one in named):
-            along = [json.dumps(one.along and one.along._asdict()) for one in named]
+        text = f"{key.replace('_', ' ')} of the {dimension}"
+        _text(file, f"{dimension}_{key}", dimension, values, text)
+    if dimension == "response":
+        if any(item.along for item in items):
+            abscissas = [json.dumps(item.along and item.along._asdict()) for item in items]
             text = "over what the response lies instead of time, evenly, as JSON; null: over time"
-            _text(file, "response_along", what, along, text)
+            _text(file, "response_along", dimension, abscissas, text)
             text = (
                 "1 where the response is a ratio less one, as margins are, that is fitted as such"
             )
-            ratio = [float(one.kind == "margin") for one in named]
+            ratio = [float(item.kind == "margin") for item in items]
             _numbers(file, "response_ratio", ("response",), ratio, text)
-        least = [np.nan if one.least is None else one.least for one in named]
+        least = [np.nan if item.least is None else item.least for item in items]
         text = "least value that the response can have, in its units; missing where there is none"
         _numbers(file, "response_least", ("response",), least, text)
 
 
-def _write_rows(file: Any, rows: list[int], records: Sequence[Record]) -> None:
+def _write_rows(file: Any, rows: list[int], records: Sequence[RunRecord]) -> None:
     """Write the responses and events of some runs."""
     file["values"][rows] = np.stack([record.values for record in records])
     file["overlap"][rows] = [max(0.0, record.overlap) for record in records]
@@ -214,8 +214,8 @@ def _text(file: Any, name: str, dimension: str, values: Sequence[str], long_name
 
 def _numbers(
     file: Any, name: str, dimensions: tuple[str, ...], values: Any, long_name: str,
-    packing: Mapping | None = None, **more: str,
+    packing: Mapping | None = None, **attributes: str,
 ) -> None:  # fmt: skip
     variable = file.createVariable(name, "f8", dimensions, **(packing or {}))
     variable[:] = values
-    variable.setncatts({"long_name": long_name, **more})
+    variable.setncatts({"long_name": long_name, **attributes})

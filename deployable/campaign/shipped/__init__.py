@@ -5,10 +5,10 @@
 
 from pathlib import Path
 
-_HERE = Path(__file__).parent
+_FOLDER = Path(__file__).parent
 
-WORKFLOW = (_HERE / "workflow").resolve()
-CONFIG = (_HERE / "config").resolve()
+WORKFLOW = (_FOLDER / "workflow").resolve()
+CONFIG = (_FOLDER / "config").resolve()
 SNAKEFILE = str(WORKFLOW / "Snakefile")
 """The workflow, for `module:` of other workflows."""
 RULES = str(WORKFLOW / "rules" / "campaign.smk")

@@ -80,7 +80,7 @@ def estimate_bound(
     points = [peak] if excess > tolerance else []
     if gain > tolerance and not is_predicted:
         points += [*_sections(surrogate.occurrence, argument)]
-        points += _apart(surrogate.occurrence.points, candidates[gains > tolerance])
+        points += _spaced(surrogate.occurrence.points, candidates[gains > tolerance])
     unit_points = np.array(points).reshape(-1, len(argument))
     if is_predicted:
         return BoundEstimate(end, max(error, gain - excess), unit_points)
@@ -114,13 +114,13 @@ def _candidates(surrogate: ScalarSurrogate, argument: np.ndarray) -> np.ndarray:
     return np.concatenate([spread, *clouds, surrogate.occurrence.surface_points])
 
 
-def _apart(runs: np.ndarray, candidates: np.ndarray) -> list[np.ndarray]:
+def _spaced(runs: np.ndarray, candidates: np.ndarray) -> list[np.ndarray]:
     """The first of unit points (P, k) that are farther from each other than half of the distance to
     the nearest of the runs (N, k)."""
     points: list[np.ndarray] = []
     gaps = scipy.spatial.cKDTree(runs).query(candidates)[0]
     for point, gap in zip(candidates, gaps, strict=True):
-        is_apart = all(np.linalg.norm(point - other) > gap / 2 for other in points)
+        is_apart = all(np.linalg.norm(point - known_point) > gap / 2 for known_point in points)
         if len(points) < _INFILL and gap > _NEAREST and is_apart:
             points.append(point)
     return points
@@ -129,10 +129,10 @@ def _apart(runs: np.ndarray, candidates: np.ndarray) -> list[np.ndarray]:
 def _sections(occurrence: Occurrence, argument: np.ndarray) -> np.ndarray:
     """Unit points (P, k) that divide the way from a run that has the quantity, at a unit point (k),
     to the nearest run without it; none where all runs have it."""
-    others = occurrence.points[~occurrence.happens]
-    if not len(others):
-        return others
-    way = others[np.linalg.norm(others - argument, axis=1).argmin()] - argument
-    if np.abs(way).max() < _NEAREST:
-        return others[:0]
-    return argument + np.arange(1, _SECTIONS + 1)[:, None] / (_SECTIONS + 1) * way
+    misses = occurrence.points[~occurrence.happens]
+    if not len(misses):
+        return misses
+    offset = misses[np.linalg.norm(misses - argument, axis=1).argmin()] - argument
+    if np.abs(offset).max() < _NEAREST:
+        return misses[:0]
+    return argument + np.arange(1, _SECTIONS + 1)[:, None] / (_SECTIONS + 1) * offset

@@ -89,7 +89,9 @@ whole(Damper)
 @acting(
     Friction,
     left_out={"bristle_deflection": f"{DEFLECTION:g} rad, {1e3 * SLIDE_DEFLECTION:g} mm"},
-    sticks=ChoiceKey("bristle", "`exactly`: without any deflection", options=("bristle", "exactly")),
+    sticks=ChoiceKey(
+        "bristle", "`exactly`: without any deflection", options=("bristle", "exactly")
+    ),
 )  # fmt: skip
 def friction(build, args):
     """Dry (Coulomb) friction in a joint."""

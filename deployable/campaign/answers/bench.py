@@ -14,9 +14,10 @@ import numpy as np
 from deployable.campaign.config.sections import Experiment, Jobs
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
+from deployable.campaign.plan.event_margins import margins_of, margins_of_samples
 from deployable.campaign.plan.plan import Plan, read_plan
 from deployable.campaign.plan.runs import PlannedRun, Runs, run_id
-from deployable.campaign.results.which import fitted_rows, margins_of, margins_of_samples
+from deployable.campaign.results.which import fitted_rows
 from deployable.campaign.runs.batch import Simulation, check_structure, tell_again
 from deployable.campaign.runs.progress import Tell, warm_up
 from deployable.campaign.runs.results import RunRecord

@@ -11,11 +11,7 @@ import numpy as np
 from deployable.campaign.answers.bench import SAME, Bench
 from deployable.campaign.answers.limits import Asked, judged
 
-TOLERANCE = 1e-3
-"""Convergence tolerance: a bound is converged when the surrogate exceeds the extreme run by less
-than this fraction of the width. Also the undecided volume fraction of the box at which refinement
-of a limit-state surface stops."""
-
+_UNDECIDED = 1e-3  # volume fraction of the box at which the search for a surface stops
 _SURFACE = 8  # runs of an iteration about a limit-state surface: eight take what three do
 
 
@@ -74,7 +70,7 @@ def settle(bench: Bench, rounds: int, asked: Sequence[Asked] = ()) -> list[Ends]
 
 
 def _bounds(bench: Bench, q: int, surrogate: Any, mispredictions: np.ndarray) -> Ends:
-    from deployable.intervals.scalars import estimate_bound
+    from deployable.intervals.scalars import TOLERANCE, estimate_bounds
 
     surrogate_range, values = surrogate.range(), bench.numbers[:, q]
     if not np.isfinite(values).any():
@@ -82,29 +78,18 @@ def _bounds(bench: Bench, q: int, surrogate: Any, mispredictions: np.ndarray) ->
         return Ends(surrogate, surrogate_range, np.nan, np.nan, nowhere, nowhere)
     rows = int(np.nanargmin(values)), int(np.nanargmax(values))
     lower, upper = (float(values[row]) for row in rows)
+    estimates = estimate_bounds(surrogate, bench.unit, values, mispredictions)
     tolerance = TOLERANCE * max(upper - lower, surrogate_range.width)
-    estimates = tuple(
-        estimate_bound(
-            surrogate,
-            surrogate_range,
-            sign,
-            (values[row], bench.unit[row]),
-            tolerance,
-            misprediction,
-        )
-        for sign, row, misprediction in zip((-1.0, 1.0), rows, mispredictions, strict=True)
-    )
     unconverged = surrogate_range.low < lower - tolerance, surrogate_range.high > upper + tolerance
-    return Ends(
-        surrogate, surrogate_range, lower, upper, *bench.unit[list(rows)], estimates, unconverged
-    )
+    points = bench.unit[list(rows)]
+    return Ends(surrogate, surrogate_range, lower, upper, *points, estimates, unconverged)
 
 
 def _infill(bounds: Ends) -> list[np.ndarray]:
     """Unit points (k) of the next runs for one quantity."""
     points = [point for estimate in bounds.estimates for point in estimate.points]
     occurrence = bounds.surrogate.occurrence
-    if occurrence.open > TOLERANCE:
+    if occurrence.open > _UNDECIDED:
         points += list(occurrence.infill_points(_SURFACE))
     return points
 

@@ -19,9 +19,16 @@ from deployable import intervals
 from deployable.campaign.config.sections import Experiment, Solver
 from deployable.campaign.files import open_dataset
 from deployable.campaign.plan.decide import Resources, Standing
+from deployable.campaign.plan.event_margins import margins_of_samples
 from deployable.campaign.plan.jobs import LANES, run_seconds
 from deployable.campaign.plan.plan import Plan, Round, Rounds, TimeStep, choose_step, make_plan
-from deployable.intervals.scalars import fit_scalar
+from deployable.intervals.scalars import (
+    NEAREST,
+    BoundEstimate,
+    ScalarSurrogate,
+    estimate_bounds,
+    fit_scalar,
+)
 
 _CANDIDATES = 4096  # points at which the spline is asked for more
 _CHECKED = 8  # places at which a check makes runs, of the responses
@@ -138,20 +145,28 @@ def _parts(previous: Mapping, new: dict, row: Any, name: str, width: float) -> d
 
 
 def _quantity(experiment: Experiment, samples: Any, i: int) -> tuple[float, float]:
-    """The error of quantity `i` of the surrogate as a share of its width, and the width; 0 where no
-    run has the quantity, or all the same."""
-    surrogate = _surrogate(experiment, samples, i)
-    width = surrogate.range().width
-    if not np.isfinite(width) or width <= 0:
+    """The error of the bounds of quantity `i` by the surrogate as a share of their width, and the
+    width; 0 where no run has the quantity, or all the same."""
+    surrogate, estimates = _bounds(experiment, samples, i)
+    if not estimates:
         return 0.0, 0.0
-    return float(min(surrogate.usual_error / width, 1e6)), float(width)
+    width = estimates[1].value - estimates[0].value
+    if not width > 0:
+        return 0.0, 0.0
+    error = max(surrogate.usual_error, *(estimate.error for estimate in estimates))
+    return float(min(error / width, 1e6)), float(width)
 
 
-def _surrogate(experiment: Experiment, samples: Any, i: int) -> Any:
+def _bounds(
+    experiment: Experiment, samples: Any, i: int
+) -> tuple[ScalarSurrogate, tuple[BoundEstimate, ...]]:
+    """The surrogate of quantity `i` and estimates of its bounds, none where no run has it."""
     quantity = experiment.numbers[i]
     end = experiment.solver.duration if quantity.is_time else None
-    values = samples["quantities"].values[:, i]
-    return fit_scalar(samples["unit"].values, values, end, quantity.least)
+    unit, values = samples["unit"].values, samples["quantities"].values[:, i]
+    margins = margins_of_samples(experiment, samples, np.arange(len(unit)))[:, i]
+    surrogate = fit_scalar(unit, values, end, quantity.least, margins)
+    return surrogate, estimate_bounds(surrogate, unit, values)
 
 
 def _standing(plan: Plan, shares: Mapping, step_is_free: bool = True) -> Standing:
@@ -207,8 +222,11 @@ def _places(
                 points.append(np.asarray(point, dtype=float))
 
     for i, name in enumerate(experiment.quantities):
-        if name in unmet and np.isfinite((ends := _surrogate(experiment, samples, i).range()).low):
-            take([ends.argmin, ends.argmax], 1e-2)
+        if name in unmet:
+            surrogate, estimates = _bounds(experiment, samples, i)
+            for estimate in estimates:
+                take(estimate.points, NEAREST)
+            take(surrogate.occurrence.infill_points(LANES), NEAREST)
     spacing = 2.0 * len(unit) ** (-1.0 / max(int(free.sum()), 1))
     if rows := [i for i, name in enumerate(experiment.responses) if name in unmet]:
         values = samples["values"].values[:, rows].astype(float)

@@ -1,5 +1,5 @@
 """Which runs an open `samples.nc` has (`netCDF4.Dataset` or `xarray.Dataset`), whatever was kept of
-them: their roles, their number, their names, and by how much they have their quantities."""
+them: their roles, their number and their names."""
 
 from __future__ import annotations
 
@@ -91,26 +91,3 @@ def counts(samples: Any) -> Counts:
     return Counts(
         len(design_runs | nominal), len(nodes), len(held_out), bool(nominal & design_runs)
     )
-
-
-_AT_ONCE = 256  # runs
-
-
-def margins_of(experiment: Experiment, values: np.ndarray) -> np.ndarray:
-    """Margins (R, q) of runs from the values (R, n, t) of their responses: how far beyond a level a
-    response goes, above 0 where a run has the quantity. They are continuous where a quantity comes
-    and goes, and tell where that is; NaN where a quantity has none."""
-    names = list(experiment.responses)
-    margins = np.full((len(values), len(experiment.quantities)), np.nan)
-    for q, quantity in enumerate(experiment.numbers):
-        if (decider := quantity.decider) is not None and len(values):
-            margins[:, q] = decider.margin(values[:, names.index(decider.response.name)])
-    return margins
-
-
-def margins_of_samples(experiment: Experiment, samples: Any, rows: Sequence[int]) -> np.ndarray:
-    """The same of some runs of the open `samples.nc`; NaN where their curves were not kept."""
-    if keeps_extremes(samples) or all(q.decider is None for q in experiment.numbers):
-        return np.full((len(rows), len(experiment.quantities)), np.nan)
-    parts = [rows[first : first + _AT_ONCE] for first in range(0, len(rows), _AT_ONCE)]
-    return np.concatenate([margins_of(experiment, samples["values"][part]) for part in parts])

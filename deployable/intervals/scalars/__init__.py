@@ -16,10 +16,12 @@ from .requirements import (
     share_reaching,
     sub_box,
 )
-from .search import BoundEstimate, estimate_bound, local_errors
+from .search import NEAREST, TOLERANCE, BoundEstimate, estimate_bounds
 from .surrogate import Extremes, Influence, ScalarSurrogate, extremes, fit_scalar, influence
 
 __all__ = [
+    "NEAREST",
+    "TOLERANCE",
     "BoundEstimate",
     "Choice",
     "Extremes",
@@ -31,12 +33,11 @@ __all__ = [
     "ScalarSurrogate",
     "best_choice",
     "best_fit",
-    "estimate_bound",
+    "estimate_bounds",
     "extremes",
     "fit_scalar",
     "influence",
     "largest_share",
-    "local_errors",
     "share_of_box",
     "share_reaching",
     "sub_box",

@@ -9,6 +9,7 @@ surfaces these errors stay large until runs enclose the place, so that the searc
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,11 +20,17 @@ from .fits import Fit
 from .occurrence import Occurrence
 from .surrogate import Extremes, ScalarSurrogate
 
+TOLERANCE = 1e-3
+"""Convergence tolerance: a bound is converged when nothing may exceed the extreme run by more than
+this fraction of the width of the bounds."""
+
+NEAREST = 1e-6
+"""Distance in unit coordinates by which a run must differ from all others."""
+
 _CANDIDATES, _CLOUD = 1024, 96
 _CLOUD_SIZES = (1.0, 0.3, 0.1, 0.03, 0.01, 1e-3, 1e-4)  # about the extreme run
 _INFILL, _SECTIONS = 3, 3  # runs of one iteration by confidence, and towards a limit-state surface
 _TRUSTED = 3.0  # times its error: so far the surrogate must exceed all runs to be a bound
-_NEAREST = 1e-6  # unit coordinates by which a run must differ from all others
 
 
 class BoundEstimate(NamedTuple):
@@ -39,6 +46,29 @@ class BoundEstimate(NamedTuple):
     points: np.ndarray
 
 
+def estimate_bounds(
+    surrogate: ScalarSurrogate,
+    points: np.ndarray,
+    values: np.ndarray,
+    mispredictions: Sequence[float] = (0.0, 0.0),
+) -> tuple[BoundEstimate, ...]:
+    """The lower and the upper bound of a quantity, from its surrogate and the values (N) of runs at
+    unit points (N, k), NaN where a run has none; nothing where all are.
+
+    mispredictions: by how much the last runs at the surrogate's bounds differed from these, if any
+    were made; infinite where they had no value.
+    """
+    if surrogate.fit is None:
+        return ()
+    surrogate_range = surrogate.range()
+    rows = int(np.nanargmin(values)), int(np.nanargmax(values))
+    tolerance = TOLERANCE * max(float(np.diff(values[list(rows)])[0]), surrogate_range.width)
+    return tuple(
+        _estimate(surrogate, surrogate_range, sign, (values[row], points[row]), tolerance, known)
+        for sign, row, known in zip((-1.0, 1.0), rows, mispredictions, strict=True)
+    )
+
+
 def local_errors(fit: Fit, unit: np.ndarray) -> np.ndarray:
     """Errors (P) of a fit at unit coordinates (P, k), by the leave-one-out errors of the runs about
     them: that of a run is the error at its distance from the next run, and falls towards a run."""
@@ -48,13 +78,13 @@ def local_errors(fit: Fit, unit: np.ndarray) -> np.ndarray:
         return np.full(len(unit), errors[0])
     count = min(len(points), int((np.ptp(points, axis=0) > 0).sum()) + 2)
     tree = scipy.spatial.cKDTree(points)
-    spacings = np.maximum(tree.query(points, 2)[0][:, 1], _NEAREST)
+    spacings = np.maximum(tree.query(points, 2)[0][:, 1], NEAREST)
     distances, rows = tree.query(unit, count)
     ratios = distances[:, :1] / spacings[rows]
     return np.minimum((errors[rows] * ratios).max(axis=1), errors.max())
 
 
-def estimate_bound(
+def _estimate(
     surrogate: ScalarSurrogate,
     surrogate_range: Extremes,
     sign: float,
@@ -121,7 +151,7 @@ def _spaced(runs: np.ndarray, candidates: np.ndarray) -> list[np.ndarray]:
     gaps = scipy.spatial.cKDTree(runs).query(candidates)[0]
     for point, gap in zip(candidates, gaps, strict=True):
         is_apart = all(np.linalg.norm(point - known_point) > gap / 2 for known_point in points)
-        if len(points) < _INFILL and gap > _NEAREST and is_apart:
+        if len(points) < _INFILL and gap > NEAREST and is_apart:
             points.append(point)
     return points
 
@@ -133,6 +163,6 @@ def _sections(occurrence: Occurrence, argument: np.ndarray) -> np.ndarray:
     if not len(misses):
         return misses
     offset = misses[np.linalg.norm(misses - argument, axis=1).argmin()] - argument
-    if np.abs(offset).max() < _NEAREST:
+    if np.abs(offset).max() < NEAREST:
         return misses[:0]
     return argument + np.arange(1, _SECTIONS + 1)[:, None] / (_SECTIONS + 1) * offset

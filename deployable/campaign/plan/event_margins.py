@@ -1,0 +1,37 @@
+"""Event margins of runs: by how much they have their quantities, from the curves of responses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from deployable.campaign.config.sections import Experiment
+
+_AT_ONCE = 256  # runs
+
+
+def margins_of(experiment: Experiment, values: np.ndarray) -> np.ndarray:
+    """Event margins (R, q) of runs from the values (R, n, t) of their responses: how far beyond a
+    level a response goes, above 0 where a run has the quantity.
+
+    They are continuous where a quantity comes and goes, and show where that is; NaN where a
+    quantity has none.
+    """
+    names = list(experiment.responses)
+    margins = np.full((len(values), len(experiment.quantities)), np.nan)
+    for q, quantity in enumerate(experiment.numbers):
+        if (decider := quantity.decider) is not None and len(values):
+            margins[:, q] = decider.margin(values[:, names.index(decider.response.name)])
+    return margins
+
+
+def margins_of_samples(experiment: Experiment, samples: Any, rows: Sequence[int]) -> np.ndarray:
+    """Event margins (len(rows), q) of some runs of the open `samples.nc` (`netCDF4.Dataset` or
+    `xarray.Dataset`); NaN where their curves were not kept."""
+    if "values" not in samples.variables or all(q.decider is None for q in experiment.numbers):
+        return np.full((len(rows), len(experiment.quantities)), np.nan)
+    parts = [rows[first : first + _AT_ONCE] for first in range(0, len(rows), _AT_ONCE)]
+    values = samples.variables["values"]
+    return np.concatenate([margins_of(experiment, np.asarray(values[part])) for part in parts])

@@ -68,14 +68,13 @@ SOFT_ROUNDS, SOFT_SHARE, SOFT_NEAR = 120, 1e-13, 1e-3
 
 
 class MisfitError(SceneError):
-    """Parts that cannot be forced together."""
+    """Raised for parts that cannot be forced together at their joints."""
 
 
 class Assembly(NamedTuple):
-    """What forced a scene together: the strain energy that is left (J); the joint that was farthest
-    open, by a gap (m) and an angle (rad) between directions that should agree; rounds; the openings
-    (rad, of slides m) of the hinges before, as they were stated.
-    """
+    """Result of an assembly: strain energy (J) of the assembled structure; the joint with the
+    largest misfit before, its gap (m) and angle (rad) between directions that should agree; number
+    of rounds; openings (rad, of slides m) of the hinges as stated before."""
 
     energy: float
     joint: str
@@ -86,12 +85,13 @@ class Assembly(NamedTuple):
 
 
 def assemble(scene, hold: Sequence[str] = ()) -> None:
-    """Force the parts of a scene together at its joints, and leave it in balance and at rest.
+    """Force the parts of a scene together at its joints; the scene is then in static balance and at
+    rest.
 
-    The scene's positions and frames become those of the assembled structure, and `scene.assembly`
-    tells what it took; beams keep the lengths and axes that they had, and poses that are stated
-    later are those before. hold: names of hinges that keep the opening that is stated. MisfitError
-    where no such position is found.
+    Positions and frames become those of the assembled structure, and `scene.assembly` is an
+    `Assembly`. Beams keep the lengths and axes that they had, and positions stated later refer to
+    the scene before. hold: names of hinges that keep their stated opening. Raises MisfitError where
+    no such position is found.
     """
     if not len(scene.position):
         return
@@ -110,7 +110,7 @@ def assemble(scene, hold: Sequence[str] = ()) -> None:
 
 
 def _settle(scene, start: ParticlePoses, conditions: Conditions, elastic: Elastic):
-    """The poses in stable balance, and the rounds that it took."""
+    """Poses in stable balance from the start on, and the number of rounds."""
     size = float(np.ptp(scene.position, axis=0).max()) or 1.0
     scales = np.tile(np.repeat([size, 1.0], 3), len(scene.position))
     free = np.flatnonzero(~scene.fixed.ravel())

@@ -107,5 +107,5 @@ def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
 
 @kernel
 def act(parts, world, timing):
-    """Add the forces of all kinds to those of the particles, and nothing else: no step is done."""
+    """Add the forces of all element types to those of the particles; no step is done."""
     hooks.forces(by_reference(parts), by_reference(world), timing)

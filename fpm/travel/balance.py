@@ -36,7 +36,7 @@ class Balance:
         self.acting = [ElementForces(scene, elements) for elements in by_kind.values()]
 
     def strain(self, poses: ParticlePoses) -> float:
-        """Energy (J) of the bars."""
+        """Strain energy (J) of the bars."""
         return self._bars.energy(poses) if len(self._bars.nodes) else 0.0
 
     def derivatives(self, poses: ParticlePoses):

@@ -27,7 +27,8 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class Viscosity(ElementType):
-    """share: of the critical damping of every beam element of the scene."""
+    """Bulk viscosity of all beam elements of a scene: `share`, the fraction of critical damping of
+    each element's stretch."""
 
     share: float
 

@@ -43,9 +43,9 @@ def _crowded(values: dict[str, float]) -> tuple[str, str]:
 class Cable(ElementType):
     """A cable through the free ends of two or more virtual beams.
 
-    stiffness: EA; rest: its unstrained length R; reel: length taken from that, times the curve of
-    that index (-1: none); friction: coefficient mu at the points between its ends; None: they turn
-    freely.
+    stiffness: EA (N); rest: unstrained length R (m); reel: length (m) that a winch takes in, times
+    the curve of index `curve` (-1: none); friction: coefficient mu at the points between its ends;
+    None: they turn freely.
     """
 
     name: str = same()

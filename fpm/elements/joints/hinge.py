@@ -47,7 +47,8 @@ def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Wat
 
 
 class JointBase(ElementType):
-    """What hinges and joints have in common: `type`, and `beams` whose ends are kept together."""
+    """Base class of hinges and joints: `type`, and virtual `beams` whose free ends are kept
+    together."""
 
     joins = True
     gaps: ClassVar[dict[str, str]]  # recorded: the largest of points and of directions, in words

@@ -23,7 +23,8 @@ from fpm.elements.openings.opening import OnHinge, Opening
 
 @dataclass(frozen=True)
 class Turn(ElementType):
-    """The condition on an opening; nothing states it, every element that holds one has it."""
+    """Condition that holds an opening exactly; it belongs to every element that holds one, and is
+    not stated."""
 
     @classmethod
     def of(cls, scene):
@@ -57,7 +58,8 @@ class Turn(ElementType):
 
 
 class HoldsHinge(OnHinge):
-    """What the kinds that hold the opening of one hinge exactly have in common."""
+    """Base class of motors, releases, latches and friction that constrain an opening exactly,
+    without a penalty spring."""
 
     reads: ClassVar = (Opening, Turn)
     resists_as: ClassVar = ""

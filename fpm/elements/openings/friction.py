@@ -70,7 +70,8 @@ def _unbalanced(element: str) -> str:
 
 @dataclass(frozen=True)
 class Friction(OnHinge):
-    """Friction in a hinge by a bristle, whose `damping` is None where it is as DAMPED says."""
+    """Friction in a hinge by a bristle: a spring that slips at a moment. damping None: as DAMPED
+    says."""
 
     hinge: int = on_hinge()
     moment: float = number("N m", 0.0, text="at which it slips; below, it sticks for ever")

@@ -39,7 +39,7 @@ slides names and units are others (opening.by_unit)."""
 
 
 class AnyLatch(OnHinge):
-    """What latches have in common, rigid ones too: how they catch, and their names."""
+    """Base class of latches, rigid ones too: how they catch, and their names."""
 
     takes = JOINT_LOSS
     events = ("latches", "misses")

@@ -47,7 +47,8 @@ TURNING = ("revolute", "universal", "cross")
 
 @dataclass(frozen=True)
 class Opening(ElementType):
-    """The opening of a hinge; nothing states it, every hinge of a scene has one, with its index."""
+    """The opening of a hinge (rad) or slide (m); every hinge of a scene has one, with its index,
+    and it is not stated."""
 
     resists_as = ""
 
@@ -97,7 +98,7 @@ class Opening(ElementType):
 
 
 class OnHinges(ElementType):
-    """What the kinds that act on openings have in common."""
+    """Base class of element types that act on openings of hinges."""
 
     reads = (Opening,)
 
@@ -123,7 +124,7 @@ class OnHinges(ElementType):
 
 
 class OnHinge(OnHinges):
-    """The same of one hinge, of index `hinge`."""
+    """Base class of element types that act on the opening of one hinge, of index `hinge`."""
 
     def acts_on(self):
         return (self.hinge,)
@@ -337,7 +338,7 @@ def start_angles(batch, kind) -> np.ndarray:
 
 
 def opening_at(scene, hinge) -> float:
-    """The opening (rad, of slides m) of a hinge of a scene as it stands."""
+    """Opening (rad, of slides m) of a hinge, for poses of a scene's particles."""
     axis, *ends = (
         scene.frame[p] @ own[k]
         for p, own, k in (

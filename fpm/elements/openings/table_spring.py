@@ -17,7 +17,8 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class TableSpring(OnHinge):
-    """hinge index; increasing angles (rad) and the moments (N m) there, two or more."""
+    """A nonlinear spring on a hinge, by a table: moments (N m) at two or more increasing angles
+    (rad)."""
 
     hinge: int = on_hinge("hinge of spring by a table")
     angles: tuple[float, ...]

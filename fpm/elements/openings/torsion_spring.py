@@ -9,7 +9,7 @@ from fpm.elements.openings.opening import OnHinge, on_hinge
 
 @dataclass(frozen=True)
 class TorsionSpring(OnHinge):
-    """A spring on a hinge."""
+    """A linear spring on the opening of a hinge or slide."""
 
     hinge: int = on_hinge()
     stiffness: float = stiffness(text="moment for each radian")

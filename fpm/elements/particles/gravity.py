@@ -11,7 +11,7 @@ LOAD_WORK = Energy("load_work", "load_work", "work of loads, weight and drives")
 
 @dataclass(frozen=True)
 class Gravity(ElementType):
-    """acceleration (3,) m/s²; several add up."""
+    """Uniform gravity on all particles: acceleration (3,) m/s², in global axes; several add up."""
 
     acceleration: np.ndarray
 

@@ -73,8 +73,8 @@ class MisfitError(SceneError):
 
 class Assembly(NamedTuple):
     """Result of an assembly: strain energy (J) of the assembled structure; the joint with the
-    largest misfit before, its gap (m) and angle (rad) between directions that should agree; number
-    of rounds; openings (rad, of slides m) of the hinges as stated before."""
+    largest misfit before, its gap (m) and tilt (sine of the angle between directions that should
+    agree); number of rounds; openings (rad, of slides m) of the hinges as stated before."""
 
     energy: float
     joint: str
@@ -266,12 +266,13 @@ def _negative(apply, count: int) -> np.ndarray:
 def linearised(
     scene, poses, conditions, elastic, impulses, scales, free, weight, ease=None, share=MASS_SHARE
 ):
-    """The equations of a round about poses: a function of forces (6n,) and of what conditions lack
-    (c,), times their weight, that gives the motion (6n,), lengths as shares of the size, and the
-    change of the impulses; and the gradient (6n,) of the energy and of the conditions.
+    """Linear equations of a Newton step at poses, as a function that solves them; and the gradient
+    (6n,) of the energy and of the conditions.
 
-    Rows and columns are scaled so that the largest entries are about one; ease: μ times the largest
-    mass (N m), that share of the largest stiffness if it is not given.
+    solve(forces (6n,), lacks (c,), residuals times their weight) gives the motion (6n,), lengths as
+    fractions of the size, and the change (c,) of the impulses. Rows and columns are scaled so that
+    the largest entries are about one; ease: μ times the largest mass (N m); None: `share` of the
+    largest stiffness.
     """
     from scipy.sparse import bmat, identity
     from scipy.sparse.linalg import splu
@@ -305,7 +306,7 @@ def linearised(
 
 
 def masses(scene, poses: ParticlePoses):
-    """Masses and inertias (6n, 6n) in global axes."""
+    """Sparse masses (kg) and inertias (kg m²) of all particles (6n, 6n), in global axes."""
     from scipy.sparse import coo_array
 
     blocks = np.zeros((len(scene.mass), 2, 3, 3))
@@ -320,14 +321,15 @@ def masses(scene, poses: ParticlePoses):
 
 
 def _reopened(scene, hinge):
-    """The hinge with the opening that it has now."""
+    """A hinge with the opening of the scene's current poses."""
     return replace(hinge, opening=opening_at(scene, hinge))
 
 
 def _check_strains(
     elastic: Elastic, poses: ParticlePoses, start_gaps: tuple[str, float, float]
 ) -> None:
-    """MisfitError where beams are strained by more than a run bears."""
+    """Check strains against the limits of a run; raises MisfitError where beams are strained
+    more."""
     bend, strain = elastic.largest(poses)
     name, gap, tilt = start_gaps
     for watch, value, condition in ((BEND, bend, "bent or twisted"), (STRAIN, strain, "strained")):
@@ -341,8 +343,8 @@ def _check_strains(
 def _refuse(
     conditions: Conditions, poses: ParticlePoses, start_gaps: tuple[str, float, float], moving: str
 ) -> None:
-    """Say which joint stays open; where none does, the one that was farthest open, or that it is
-    still `moving`."""
+    """Raise MisfitError for the joint that stays open; where none does, for the one with the
+    largest misfit, or for the element that is still `moving`."""
     gaps = conditions.gaps(poses)
     name, gap, tilt = conditions.worst(np.where(np.isfinite(gaps), gaps, np.inf))
     if not max(gap, tilt) > OPEN:

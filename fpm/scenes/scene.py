@@ -46,7 +46,7 @@ _EYE = np.eye(3)
 
 
 def _rows(values, *shape: int) -> np.ndarray:
-    """Numbers of an array of this shape, those of one row for all or each row's own."""
+    """Array of a shape, from one row for all or a row for each."""
     array = np.empty(shape)
     array[...] = values
     return array

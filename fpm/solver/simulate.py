@@ -135,7 +135,8 @@ def simulate(
 
 
 def _integrate(scenes, width, dtype, instants, division, tolerance):
-    """Integrate one batch: the Batch, the arrays of its kinds, its World and its Record."""
+    """Integrate one batch of scenes; returns the Batch, the arrays of its element types, its World
+    and its Record."""
     run = _integrate_once(scenes, width, dtype, instants, division, tolerance, pack.MOST_EVENTS)
     event_count = int(run[0].event_count[: len(scenes)].max())
     if event_count > pack.MOST_EVENTS:

@@ -137,8 +137,8 @@ class Beams(ElementType):
         return Beams(nodes, length, axes, section, material, name)
 
     def with_strain(self, strain: float, curvature: float | None) -> "Beams":
-        """The same elements, of one length, that are longer and curved (1/m) without stress: > 0
-        where the side of the third axis is the longer one."""
+        """Elements of equal length that are longer and curved (1/m) without stress; curvature above
+        0: the side of the third axis is the longer one."""
         length = self.length * (1.0 + strain)
         bow = None if curvature is None else float(curvature * length[0] / 2)
         return replace(self, length=length, bow=bow)
@@ -183,7 +183,7 @@ class Beams(ElementType):
         return Deformations(*(np.concatenate(x) for x in zip(*modes, strict=True)))
 
     def modes(self, frame: np.ndarray) -> list[Deformations]:
-        """The deformations of these beams; frame (n, 3, 3) of all particles without strain."""
+        """Deformations of the elements; frame (n, 3, 3) of all particles without strain."""
         table, (a, b) = self.stiffness(), self.nodes.T
         six = np.arange(6)
         dofs = np.concatenate([6 * a[:, None] + six, 6 * b[:, None] + six], axis=1)

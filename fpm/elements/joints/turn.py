@@ -65,17 +65,18 @@ class HoldsHinge(OnHinge):
     resists_as: ClassVar = ""
 
     def held_at_start(self, scene) -> float | None:
-        """The opening (rad) that it holds from the start; None: it is free then."""
+        """Opening (rad) that the element holds from the start on; None: it is free then."""
         return None
 
     def rate_at_start(self, scene) -> float | None:
-        """The rate (rad/s) that it gives the opening at the start, whatever that takes; None: any
-        may be."""
+        """Rate (rad/s) that the element imposes on the opening at the start; None: it imposes
+        none."""
         return None
 
     @classmethod
     def array(cls, name, batch):
-        """Besides, `turns`: the conditions on openings; `turn`: their places among these."""
+        """An array as of OnHinge.array; `turns`: the conditions on openings; `turn`: indices of the
+        elements among these."""
         match name:
             case "turns":
                 return batch.part(Turn)

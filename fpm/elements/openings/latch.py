@@ -91,5 +91,6 @@ class Latch(AnyLatch):
     stores = Energy("latch", "latch_energy", "energy of the latches")
 
     def damping_in(self, scene):
-        """Its damper begins with more than a kick."""
+        """Damping (N m s/rad) for the stable step, raised as the damper begins with more than a
+        kick."""
         return ONSET * self.damping

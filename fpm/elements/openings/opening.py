@@ -119,7 +119,7 @@ class OnHinges(ElementType):
 
     @classmethod
     def array(cls, name, batch):
-        """Besides, `openings`."""
+        """An array as of ElementType.array, or the `openings`."""
         return Opening.seen_by(cls, batch) if name == "openings" else super().array(name, batch)
 
 
@@ -130,7 +130,7 @@ class OnHinge(OnHinges):
         return (self.hinge,)
 
     def label(self, scene) -> str:
-        """Its name in messages and files: that of the hinge."""
+        """Name of the element in messages and files: that of its hinge."""
         return scene.hinges[self.hinge].name
 
     def title(self, scene):
@@ -167,7 +167,7 @@ class OnHinge(OnHinges):
 
     @classmethod
     def dampings(cls, scene):
-        """The same for their dampers."""
+        """Deformations of the elements' dampers, with damping, as if all acted."""
         return cls._turns(scene, [e.damping_in(scene) for e in cls.of(scene)])
 
     @classmethod
@@ -177,7 +177,7 @@ class OnHinge(OnHinges):
 
     @classmethod
     def array(cls, name, batch):
-        """Besides, `on`: the hinges; `past`: of their motion, for losses."""
+        """An array as of OnHinges.array; `on`: the hinges; `past`: history for losses."""
         if name == "past":
             return pack_past(batch, cls)
         return super().array("hinge" if name == "on" else name, batch)
@@ -189,9 +189,8 @@ def on_hinge(words: str = "hinge of {called}", types: tuple[str, ...] = ()) -> A
 
 
 def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
-    """What was recorded of elements on hinges, one a column, with labels: what is on slides has
-    variables and a dimension of its own, whose names begin with `slide`.
-    """
+    """Recorded series of elements on hinges, one a column, with labels; columns of slides become
+    variables of their own, whose names, and dimension, begin with `slide`."""
     result = {}
     slides = np.array([hinge.slides for hinge in hinges], bool)
     for columns, prefix in ((~slides, ""), (slides, "slide_")):
@@ -316,7 +315,8 @@ def rate_at(places, hinge, motion) -> float:
 
 
 def pack_past(batch, kind) -> np.ndarray:
-    """What is kept of the motion for losses (losses_kernels.py) of a kind's elements."""
+    """History (elements, HISTORY, lanes) of the elements of a type, for their losses
+    (losses_kernels.py)."""
     from fpm.elements.openings.losses_kernels import HISTORY
 
     count = len(kind.of(batch.scene))

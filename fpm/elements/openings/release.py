@@ -25,7 +25,7 @@ class AnyRelease(OnHinge):
     resists_as = ""
 
     def check(self, scene):
-        """That it may let go, as its hinge's only one."""
+        """Check that the release has a time or a level, and is its hinge's only one."""
         super().check(scene)
         self.check_alone(scene)
         title = self.title(scene)

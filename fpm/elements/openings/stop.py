@@ -36,5 +36,6 @@ class Stop(OnHinge):
         return [f"{stop.title(scene)} {stop.side}" for stop in cls.of(scene)]
 
     def damping_in(self, scene):
-        """Its damper begins with more than a kick."""
+        """Damping (N m s/rad) for the stable step, raised as the damper begins with more than a
+        kick."""
         return ONSET * self.damping

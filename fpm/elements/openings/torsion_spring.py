@@ -21,6 +21,6 @@ class TorsionSpring(OnHinge):
     resists_as = "S"
 
     def title(self, scene):
-        """Those on slides are just springs."""
+        """Name in messages; springs on slides are no torsion springs."""
         hinge = scene.hinges[self.hinge]
         return f"{'spring' if hinge.slides else self.called} {hinge.name}"

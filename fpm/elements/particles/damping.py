@@ -22,7 +22,7 @@ class Damping(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """None where the rates add up to nothing."""
+        """The dampings of a scene; an empty list where their rates add up to 0."""
         return scene.kinds.get(cls, []) if scene.damping > 0 else []
 
     @classmethod

@@ -21,7 +21,7 @@ class Gravity(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """None where it all adds up to nothing."""
+        """The gravities of a scene; an empty list where they add up to 0."""
         return scene.kinds.get(cls, []) if np.any(scene.gravity != 0) else []
 
     @classmethod

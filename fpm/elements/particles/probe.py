@@ -31,7 +31,7 @@ class Probe(ElementType):
         return cls.of_scene(scene).impulses
 
     def topology(self):
-        """All of it."""
+        """All fields of the probe."""
         return self.frames, self.forces, self.moments, self.impulses
 
     @classmethod

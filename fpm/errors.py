@@ -1,4 +1,4 @@
-"""Errors of the mechanics. Each one says what was found, what is allowed and what to change."""
+"""Errors of the mechanics. Each one names the key, the value, what is allowed, and the remedy."""
 
 import difflib
 import re
@@ -7,9 +7,10 @@ from math import inf, isfinite
 
 
 class SceneError(ValueError):
-    """A scene, a parameter or a response that cannot be built.
+    """Raised for a scene, parameter, response or argument that is not allowed.
 
-    Attributes: `key` (what was wrong), `value` (what was found), `allowed` (what would be right).
+    Attributes: `key` (name of what is wrong), `value` (as given), `allowed` (values that are, in
+    words).
     """
 
     def __init__(self, key: str, value: object, allowed: str):
@@ -21,8 +22,8 @@ class SceneError(ValueError):
 
 
 class ChangedError(SceneError):
-    """A file that is not as it was when this process read it, so that it names no numbers; `key` is
-    the file."""
+    """Raised for a file that changed since this process read it, so that digests of it name no
+    numbers; `key` is the file."""
 
     def __init__(self, file: str):
         self.key, self.value = file, "changed since it was imported"
@@ -35,14 +36,16 @@ class ChangedError(SceneError):
 
 
 class InstabilityError(RuntimeError):
-    """A run whose numbers can not be trusted: its energy balance broke, or beams are no beams.
+    """Raised, or kept as `Outcome.failure`, for a run whose numbers mean nothing: its energy
+    balance broke, numbers are not finite, or a watched quantity is too large.
 
-    Attributes: `time` (s) of the first check that failed, `element` (name of the element with the
-    most energy, the first non-finite one, or the one to blame), `step` (s) used, `limit` (s) the
-    stable step of the scene at its start, `balance` (J) the energy that came from nowhere, `scale`
-    (J), `cause` the name of what is watched and too large (None: the balance broke), `largest` of
-    everything that is watched, by name, `words` what was found and how to cure it by the cause,
-    `remedy` of the element where its kind knows one and nothing that is watched is too large.
+    Attributes: `time` (s) of the first check that failed; `element`, name of the element with the
+    most energy, the first non-finite one, or the one to blame; `step` (s) used; `limit` (s), stable
+    step of the scene at its start; `balance` (J), the error of the energy balance; `scale` (J),
+    largest energy held; `cause`, name of the watched quantity that is too large (None: the balance
+    broke); `largest`, values of all watched quantities by name; `words`, cause and remedy in words,
+    by the cause; `remedy` of the element where its type knows one and no watched quantity is too
+    large.
     """
 
     def __init__(

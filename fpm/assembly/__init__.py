@@ -68,14 +68,13 @@ SOFT_ROUNDS, SOFT_SHARE, SOFT_NEAR = 120, 1e-13, 1e-3
 
 
 class MisfitError(SceneError):
-    """Parts that cannot be forced together."""
+    """Raised for parts that cannot be forced together at their joints."""
 
 
 class Assembly(NamedTuple):
-    """What forced a scene together: the strain energy that is left (J); the joint that was farthest
-    open, by a gap (m) and an angle (rad) between directions that should agree; rounds; the openings
-    (rad, of slides m) of the hinges before, as they were stated.
-    """
+    """Result of an assembly: strain energy (J) of the assembled structure; the joint with the
+    largest misfit before, its gap (m) and tilt (sine of the angle between directions that should
+    agree); number of rounds; openings (rad, of slides m) of the hinges as stated before."""
 
     energy: float
     joint: str
@@ -86,12 +85,13 @@ class Assembly(NamedTuple):
 
 
 def assemble(scene, hold: Sequence[str] = ()) -> None:
-    """Force the parts of a scene together at its joints, and leave it in balance and at rest.
+    """Force the parts of a scene together at its joints; the scene is then in static balance and at
+    rest.
 
-    The scene's positions and frames become those of the assembled structure, and `scene.assembly`
-    tells what it took; beams keep the lengths and axes that they had, and poses that are stated
-    later are those before. hold: names of hinges that keep the opening that is stated. MisfitError
-    where no such position is found.
+    Positions and frames become those of the assembled structure, and `scene.assembly` is an
+    `Assembly`. Beams keep the lengths and axes that they had, and positions stated later refer to
+    the scene before. hold: names of hinges that keep their stated opening. Raises MisfitError where
+    no such position is found.
     """
     if not len(scene.position):
         return
@@ -110,7 +110,7 @@ def assemble(scene, hold: Sequence[str] = ()) -> None:
 
 
 def _settle(scene, start: ParticlePoses, conditions: Conditions, elastic: Elastic):
-    """The poses in stable balance, and the rounds that it took."""
+    """Poses in stable balance from the start on, and the number of rounds."""
     size = float(np.ptp(scene.position, axis=0).max()) or 1.0
     scales = np.tile(np.repeat([size, 1.0], 3), len(scene.position))
     free = np.flatnonzero(~scene.fixed.ravel())
@@ -266,12 +266,13 @@ def _negative(apply, count: int) -> np.ndarray:
 def linearised(
     scene, poses, conditions, elastic, impulses, scales, free, weight, ease=None, share=MASS_SHARE
 ):
-    """The equations of a round about poses: a function of forces (6n,) and of what conditions lack
-    (c,), times their weight, that gives the motion (6n,), lengths as shares of the size, and the
-    change of the impulses; and the gradient (6n,) of the energy and of the conditions.
+    """Linear equations of a Newton step at poses, as a function that solves them; and the gradient
+    (6n,) of the energy and of the conditions.
 
-    Rows and columns are scaled so that the largest entries are about one; ease: μ times the largest
-    mass (N m), that share of the largest stiffness if it is not given.
+    solve(forces (6n,), lacks (c,), residuals times their weight) gives the motion (6n,), lengths as
+    fractions of the size, and the change (c,) of the impulses. Rows and columns are scaled so that
+    the largest entries are about one; ease: μ times the largest mass (N m); None: `share` of the
+    largest stiffness.
     """
     from scipy.sparse import bmat, identity
     from scipy.sparse.linalg import splu
@@ -305,7 +306,7 @@ def linearised(
 
 
 def masses(scene, poses: ParticlePoses):
-    """Masses and inertias (6n, 6n) in global axes."""
+    """Sparse masses (kg) and inertias (kg m²) of all particles (6n, 6n), in global axes."""
     from scipy.sparse import coo_array
 
     blocks = np.zeros((len(scene.mass), 2, 3, 3))
@@ -320,14 +321,15 @@ def masses(scene, poses: ParticlePoses):
 
 
 def _reopened(scene, hinge):
-    """The hinge with the opening that it has now."""
+    """A hinge with the opening of the scene's current poses."""
     return replace(hinge, opening=opening_at(scene, hinge))
 
 
 def _check_strains(
     elastic: Elastic, poses: ParticlePoses, start_gaps: tuple[str, float, float]
 ) -> None:
-    """MisfitError where beams are strained by more than a run bears."""
+    """Check strains against the limits of a run; raises MisfitError where beams are strained
+    more."""
     bend, strain = elastic.largest(poses)
     name, gap, tilt = start_gaps
     for watch, value, condition in ((BEND, bend, "bent or twisted"), (STRAIN, strain, "strained")):
@@ -341,8 +343,8 @@ def _check_strains(
 def _refuse(
     conditions: Conditions, poses: ParticlePoses, start_gaps: tuple[str, float, float], moving: str
 ) -> None:
-    """Say which joint stays open; where none does, the one that was farthest open, or that it is
-    still `moving`."""
+    """Raise MisfitError for the joint that stays open; where none does, for the one with the
+    largest misfit, or for the element that is still `moving`."""
     gaps = conditions.gaps(poses)
     name, gap, tilt = conditions.worst(np.where(np.isfinite(gaps), gaps, np.inf))
     if not max(gap, tilt) > OPEN:

@@ -1,4 +1,4 @@
-"""The conditions of all joints of a scene, and their derivatives.
+"""Conditions of all joints of a scene, and their derivatives by the motions of particles.
 
 Each is one of three: two points agree along a direction, global or carried by the first particle
 (joints of points, supports, sliders), or a direction of the first is normal to one of the second
@@ -19,13 +19,14 @@ STEP = 1e-30
 
 
 class ParticlePoses(NamedTuple):
-    """Positions (n, 3) m, and frames (n, 3, 3) with the particles' axes as columns."""
+    """Positions (n, 3) m of particles, and frames (n, 3, 3) with the particles' axes as columns."""
 
     position: np.ndarray
     frame: np.ndarray
 
     def displace(self, step: np.ndarray) -> "ParticlePoses":
-        """After a motion (6n,) of all particles: a shift (m) and a turn (rad), in global axes."""
+        """Poses after a motion (6n,): of each particle a shift (m) and a rotation vector (rad), in
+        global axes."""
         from scipy.spatial.transform import Rotation
 
         shift, turn = step.reshape(-1, 2, 3).transpose(1, 0, 2)
@@ -34,7 +35,7 @@ class ParticlePoses(NamedTuple):
         )
 
     def select(self, particles: np.ndarray) -> "ParticlePoses":
-        """Those of some particles (k,)."""
+        """Poses of some particles (k,), by index."""
         return ParticlePoses(self.position[particles], self.frame[particles])
 
     def nudged(self, first: int) -> "ParticlePoses":
@@ -49,16 +50,20 @@ class ParticlePoses(NamedTuple):
 
 
 def slopes(function, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
-    """Derivatives (e, k, 12) of function(first, second) -> (..., e, k), by the motions of both.
+    """Derivatives (e, k, 12) of function(first, second) -> (..., e, k) by the motions of both
+    poses, by complex steps.
 
-    The function has no absolute values and the like: its arguments are complex.
+    Columns: translation (m) and rotation vector (rad) of the first, then of the second, in global
+    axes. The function takes complex arrays and must be analytic: no abs (whose derivative would
+    come out as 0), conj or casts to real numbers.
     """
     values = function(first.nudged(0), second.nudged(6))
     return np.moveaxis(values.imag / STEP, 0, -1)
 
 
 def sparse_matrix(blocks: np.ndarray, pairs: np.ndarray, count: int):
-    """The sparse matrix (6 count, 6 count) of blocks (e, 12, 12) on pairs (e, 2) of particles."""
+    """Sparse matrix (6 count, 6 count) that sums blocks (e, 12, 12) on pairs (e, 2) of
+    particles."""
     from scipy.sparse import coo_array
 
     dofs = dofs_of(pairs)
@@ -67,7 +72,7 @@ def sparse_matrix(blocks: np.ndarray, pairs: np.ndarray, count: int):
 
 
 def dofs_of(pairs: np.ndarray) -> np.ndarray:
-    """Degrees of freedom (e, 12) of pairs (e, 2) of particles."""
+    """Indices (e, 12) of the degrees of freedom of pairs (e, 2) of particles."""
     return (6 * pairs[:, :, None] + np.arange(6)).reshape(len(pairs), 12)
 
 
@@ -76,8 +81,8 @@ SMALLEST = 1e-9
 
 
 def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
-    """Rank of conditions with derivatives (c, f), and the share (c,) of each one in combinations
-    of them whose derivatives vanish."""
+    """Rank of conditions with derivatives (c, f), and size (c,) of each condition in the
+    combinations whose derivatives vanish: 0 where it depends on no other."""
     if not rows.size:
         return 0, np.zeros(len(rows))
     vectors, sizes, _ = np.linalg.svd(rows)
@@ -86,7 +91,7 @@ def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
 
 
 def scaled(matrix, rows: np.ndarray, columns: np.ndarray):
-    """A sparse matrix with its rows and columns times factors, in columns."""
+    """Sparse matrix in column form with its rows and columns times factors."""
     matrix = matrix.tocsc(copy=True)
     matrix.data = matrix.data * rows[matrix.indices] * np.repeat(columns, np.diff(matrix.indptr))
     return matrix
@@ -96,10 +101,10 @@ GLOBAL, BODY_FIXED, NORMAL = 0, 1, 2
 
 
 class Conditions(NamedTuple):
-    """Conditions on pairs (c, 2) of particles; `joint`: the name of each one's joint.
+    """Conditions (c,) on pairs (c, 2) of particles; joint: name of the joint of each condition.
 
-    axis_types: GLOBAL, BODY_FIXED to the first, or NORMAL; axis1, axis2 (c, 3): the direction,
-    and for NORMAL that of the second; arms (c, 2, 3) to the points, each in its particle's frame;
+    axis_types: GLOBAL, BODY_FIXED to the first, or NORMAL; axis1, axis2 (c, 3): the direction, and
+    for NORMAL that of the second; arms (c, 2, 3) to the points, each in its particle's frame;
     second (c,): 1, or 0 where a point is held at a `place` (c, 3).
     """
 
@@ -113,15 +118,17 @@ class Conditions(NamedTuple):
     place: np.ndarray
 
     def weight(self, size: float) -> np.ndarray:
-        """Factors (c,) that make numbers without unit of all gaps."""
+        """Factors (c,) that make all gaps dimensionless; size: characteristic length (m)."""
         return np.where(self.axis_types == NORMAL, 1.0, 1.0 / size)
 
     def gaps(self, poses: ParticlePoses) -> np.ndarray:
-        """By how much each is off (c,), m or rad."""
+        """Residuals (c,) of all conditions: gaps of points (m), and cosines of angles that should
+        be right."""
         return self._residuals(*self._ends(poses))[:, 0]
 
     def worst(self, gaps: np.ndarray) -> tuple[str, float, float]:
-        """The joint that is farthest open, its gap (m) and the angle between its directions."""
+        """Name of the joint with the largest residual, its gap (m), and its tilt, the root of
+        summed squares of cosines (rad if small)."""
         gap: dict[str, float] = {}
         tilt: dict[str, float] = {}
         for name, axis_type, residual in zip(self.joint, self.axis_types, gaps, strict=True):
@@ -132,12 +139,13 @@ class Conditions(NamedTuple):
         return name, gap.get(name, 0.0), tilt.get(name, 0.0)
 
     def derivatives(self, poses: ParticlePoses, impulses: np.ndarray):
-        """Sparse rows (c, 6n) of the derivatives, and those (6n, 6n) of their sum with impulses."""
+        """Sparse derivatives (c, 6n) of all conditions, and (6n, 6n) of their sum with factors
+        `impulses` (c,)."""
         blocks = impulses[:, None, None] * slopes(self._rows, *self._ends(poses))
         return self.jacobian(poses), sparse_matrix(blocks, self.pairs, len(poses.position))
 
     def jacobian(self, poses: ParticlePoses):
-        """Derivatives, sparse (c, 6n), by the motions of all particles."""
+        """Sparse derivatives (c, 6n) of all conditions by the motions (m, rad) of all particles."""
         from scipy.sparse import coo_array
 
         rows = self._rows(*self._ends(poses))
@@ -146,10 +154,12 @@ class Conditions(NamedTuple):
         return coo_array(entries, shape=(len(rows), 6 * len(poses.position))).tocsc()
 
     def _ends(self, poses: ParticlePoses) -> tuple[ParticlePoses, ParticlePoses]:
+        """Poses (c,) of the first and of the second particle of each condition."""
         return poses.select(self.pairs[:, 0]), poses.select(self.pairs[:, 1])
 
     def _parts(self, first: ParticlePoses, second: ParticlePoses):
-        """Direction, that of the second, arms of both in global axes, and the way between."""
+        """In global axes: directions of both particles, arms of both, and offset of the points
+        (..., c, 3)."""
         body_axis = np.einsum("...cij,cj->...ci", first.frame, self.axis1)
         axis1 = np.where((self.axis_types == GLOBAL)[:, None], self.axis1, body_axis)
         axis2 = np.einsum("...cij,cj->...ci", second.frame, self.axis2)
@@ -162,6 +172,7 @@ class Conditions(NamedTuple):
         return axis1, axis2, arms, offset
 
     def _residuals(self, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
+        """Residuals (..., c, 1), as of `gaps`, for poses of both particles."""
         axis1, axis2, _, offset = self._parts(first, second)
         vector = np.where((self.axis_types == NORMAL)[:, None], axis2, offset)
         return np.sum(axis1 * vector, axis=1, keepdims=True)
@@ -186,7 +197,10 @@ class Conditions(NamedTuple):
 
 
 def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
-    """The conditions of all joints of a scene; hinges named by `hold` keep their opening."""
+    """Conditions of all joints of a scene; hold: names of hinges that keep their opening as well.
+
+    Raises SceneError for names of hinges that there are not.
+    """
     rows: list[tuple] = []
     for joint in (*(j for hinge in scene.hinges for j in as_joints(hinge)), *_joints_of(scene)):
         rows += _rows_of(scene, joint)
@@ -215,7 +229,7 @@ def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
 
 
 def _joints_of(scene) -> list[Joint]:
-    """Joints that are stated as such."""
+    """Joints of a scene that are no hinges."""
     return scene.kinds.get(Joint, [])
 
 

@@ -1,4 +1,4 @@
-"""Strain energy of the beams of a scene, and its derivatives: the theory of kinds/beam.py."""
+"""Strain energy of the beams of a scene, and its derivatives; theory: fpm/elements/bars/beam.py."""
 
 from typing import NamedTuple
 
@@ -9,9 +9,9 @@ from fpm.elements.bars.beam import Beams, elements_of, end_axes
 
 
 class Shape(NamedTuple):
-    """How elements are deformed. chord: its direction (e, 3); length (e,) m; axes a₂, a₃, b₂, b₃
-    (e, 4, 3) of the ends; sines (e, 4) of the angles between them and the chord; twist (e,).
-    """
+    """Deformed shape of beam elements: chord (e, 3), direction; length (e,) m; axes a₂, a₃, b₂, b₃
+    (e, 4, 3) of the ends; sines (e, 4) of the small angles by which the ends are turned against the
+    chord, scalar products of axes and chord; twist (e,) rad."""
 
     chord: np.ndarray
     length: np.ndarray
@@ -31,7 +31,7 @@ class Elastic(NamedTuple):
     half: np.ndarray
 
     def energy(self, poses: ParticlePoses) -> float:
-        """Strain energy, J."""
+        """Strain energy (J) of all elements."""
         shape = self._shape(*self._ends(poses))
         rest, axial, *bending, torsion = self.stiffness.T
         turns = shape.sines + shape.sines**3 / 6
@@ -42,7 +42,7 @@ class Elastic(NamedTuple):
         return float(np.sum(total))
 
     def largest(self, poses: ParticlePoses) -> tuple[float, float]:
-        """The largest sine of an angle or twist, and the largest strain at a surface."""
+        """Largest sine of an end's angle or a twist, and largest strain at a surface."""
         shape = self._shape(*self._ends(poses))
         turns = shape.sines + shape.sines**3 / 6
         rest = self.stiffness[:, :1]
@@ -52,7 +52,7 @@ class Elastic(NamedTuple):
         return float(bend.max(initial=0.0)), float(strain.max(initial=0.0))
 
     def derivatives(self, poses: ParticlePoses):
-        """Gradient (6n,) and Hessian, sparse (6n, 6n), of the energy."""
+        """Gradient (6n,), N and N m, and Hessian, sparse (6n, 6n), of the strain energy."""
         count, ends = len(poses.position), self._ends(poses)
         gradient = np.zeros(6 * count)
         np.add.at(gradient, dofs_of(self.nodes), self._gradient(*ends))
@@ -60,13 +60,14 @@ class Elastic(NamedTuple):
 
     @property
     def unstressed(self) -> "Unstressed":
-        """The same elements, whose Hessian lacks what stress adds."""
+        """These elements with a Hessian without the terms of their stress."""
         return Unstressed(self)
 
     def _ends(self, poses: ParticlePoses) -> tuple[ParticlePoses, ParticlePoses]:
         return poses.select(self.nodes[:, 0]), poses.select(self.nodes[:, 1])
 
     def _shape(self, first: ParticlePoses, second: ParticlePoses) -> Shape:
+        """Shape of elements between poses of their ends; complex where these are."""
         chord = second.position - first.position
         length = np.sqrt(np.sum(chord * chord, axis=-1))
         chord = chord / length[..., None]
@@ -82,8 +83,8 @@ class Elastic(NamedTuple):
         return Shape(chord, length, axes, np.einsum("...ei,...eki->...ek", chord, axes), twist)
 
     def _modes(self, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
-        """What is strained of each element (e, 6), half of whose squares is its energy: stretch,
-        twist, and the sum and difference of its ends' angles in both planes."""
+        """Deformations (e, 6) of each element, scaled so that half of their squares is its energy:
+        stretch, twist, and sum and difference of its ends' angles in both planes."""
         _, length, _, sines, twist = self._shape(first, second)
         rest, axial, *bending, torsion = self.stiffness.T
         turns = sines * (1 + sines**2 / 6)
@@ -95,7 +96,7 @@ class Elastic(NamedTuple):
         return np.stack(modes, axis=-1)
 
     def _gradient(self, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
-        """Derivatives (..., e, 12) of each element's energy by the motions of its ends."""
+        """Derivatives (..., e, 12) of each element's energy by the motions (m, rad) of its ends."""
         n, length, axes, sines, t = self._shape(first, second)
         rest, axial, in_2, in_3, torsion = self.stiffness.T
         turns = sines * (1 + sines**2 / 6)
@@ -126,7 +127,7 @@ class Unstressed(NamedTuple):
 
 
 def elastic_of(scene) -> Elastic:
-    """The beams of a scene."""
+    """All beam elements of a scene, for its assembly."""
     nodes, _, half = elements_of(scene.beams)
     if not len(nodes):
         return Elastic(nodes, np.zeros((0, 5)), np.zeros((0, 4, 3)), half)

@@ -1,7 +1,7 @@
-"""Scenes to kernel arrays: numbers of several scenes side by side in lanes.
+"""Scenes of one topology to kernel arrays: numbers of several scenes side by side in SIMD lanes.
 
-All scenes of a batch share their topology (pack.py); only numbers may differ. The last scene fills
-the lanes that are left over; their results are dropped.
+Only numbers of the scenes may differ (fpm/solver/pack.py). The last scene fills the lanes that are
+left over; their results are dropped.
 """
 
 import math
@@ -37,7 +37,7 @@ def blank(*shape_and_dtype) -> np.ndarray:
 
 
 class SceneData(Protocol):
-    """What kinds of element use of the scene that they are in (fpm.scene)."""
+    """What element types use of a scene (fpm.Scene)."""
 
     position: np.ndarray
     frame: np.ndarray
@@ -55,7 +55,7 @@ class SceneData(Protocol):
 
 
 class Slices:
-    """Consecutive places in a shared array: which of them are whose."""
+    """Slice of each key in a shared array, one after the other; count: length of the array."""
 
     def __init__(self, sizes: dict):
         ends = np.cumsum([0, *sizes.values()])
@@ -64,11 +64,12 @@ class Slices:
 
 
 class Batch:
-    """Scenes of one topology in the making: what kinds need to pack their arrays.
+    """Scenes of one topology while they are packed for the kernels.
 
-    scenes, of which `scene` stands for all where they agree; kinds in them, in order, and energies
-    of the balance; particles that these have `moved`, the others, `free`; width: number of lanes;
-    instants that are recorded; room: for how many events of each scene.
+    scenes, of which `scene` represents all where they agree; kinds: element types in them, in
+    order; energies of the balance; indices of particles that element types have `moved`, the
+    others, `free`; width: number of lanes; instants: number of recorded instants; room: number of
+    events of each scene that fit.
     """
 
     def __init__(
@@ -99,7 +100,7 @@ class Batch:
         self.event_count = np.zeros(width, np.int64)
 
     def _accounts(self) -> list:
-        """Energies given, then taken: one account for all kinds with the same."""
+        """Energies given, then taken: one account for all element types with the same."""
         works = dict.fromkeys(kind.gives for kind in self.kinds if kind.gives)
         losses = dict.fromkeys(kind.takes for kind in self.kinds if kind.takes)
         self.givers = len(works)
@@ -123,7 +124,7 @@ class Batch:
         return array
 
     def table(self, kind: type, columns: int, row: Callable) -> np.ndarray:
-        """Array (elements, columns, lanes) from row(element) of every element of a kind."""
+        """Array (elements, columns, lanes) from row(element) of every element of a type."""
         count = len(kind.of(self.scene))
         return self.stack(count, columns, lambda scene: [row(e) for e in kind.of(scene)])
 
@@ -138,42 +139,44 @@ class Batch:
     # -- what kinds share -------------------------------------------------------------------------
 
     def part(self, kind: type) -> NamedTuple:
-        """The arrays of a kind, packed at the first call."""
+        """The arrays of an element type, packed at the first call."""
         if kind not in self._parts:
             self._parts[kind] = kind.pack(self)
         return self._parts[kind]
 
     def is_read(self, kind: type) -> bool:
-        """Whether another kind needs the arrays of this one in every step (ElementType.reads)."""
+        """Whether another element type reads the arrays of this one in every step
+        (ElementType.reads)."""
         return any(kind in reader.reads for reader in self.kinds)
 
     def given_by(self, kind: type) -> int:
-        """Number of the account of the work that a kind gives."""
+        """Index of the account of the work that an element type gives."""
         return self.accounts.index(kind.gives)
 
     def taken_by(self, kind: type) -> int:
-        """Number of the account of the energy that a kind takes."""
+        """Index of the account of the energy that an element type takes."""
         return self.accounts.index(kind.takes)
 
     def watched_by(self, kind: type) -> np.ndarray:
-        """Its own part (1, watches, lanes) of what is watched."""
+        """View (1, watches, lanes) of the watched quantities of an element type."""
         return self._watched[:, self.watches.of[kind]]
 
     def rows_of(self, kind: type) -> np.ndarray:
-        """Its own part (elements, 1, lanes) of the rows that say how bad an element is."""
+        """View (elements, 1, lanes) of an element type's measures of failure, one for each
+        element."""
         return self._rows[self.rows.of[kind]]
 
     def log_of(self, kind: type) -> Log:
-        """Where it notes its events."""
+        """Log of the events of an element type."""
         return Log(self.events, self.event_count, self.eventful.of[kind].start)
 
     # -- the whole --------------------------------------------------------------------------------
 
     def parts(self) -> tuple:
-        """The arrays of all kinds, in order.
+        """The arrays of all element types, in order.
 
-        TypeError for a kind whose kernels and statement differ about whether it stores energy: the
-        energies would stand in the wrong columns.
+        Raises TypeError for a type whose kernels and definition differ about whether it stores
+        energy: the energies would stand in the wrong columns.
         """
         from fpm.kernels.hooks import KERNELS
 
@@ -186,7 +189,7 @@ class Batch:
         return tuple(self.part(kind) for kind in self.kinds)
 
     def world(self) -> World:
-        """Particles at their start, curves, and what the kinds share."""
+        """Arrays of particles at their start, of curves, and of what element types share."""
         scene, n, points = self.scene, len(self.scene.position), self.scene.points
         lengths = [len(times) for times, _ in scene.curves]
         watches = [(kind, watch) for kind in self.kinds for watch in kind.watches]
@@ -216,7 +219,7 @@ class Batch:
         )
 
     def record(self, step: float, steps: int) -> Record:
-        """An empty record, for so many steps of so many seconds."""
+        """Empty record of a run of `steps` steps of `step` seconds."""
         rows, width, dtype = self.instants + 1, self.width, self.dtype
         energies = layout.ACCOUNTS + len(self.accounts) + sum(bool(k.stores) for k in self.kinds)
         failed_step = np.full(width, -1, np.int64)
@@ -266,9 +269,8 @@ def _state(scene: SceneData) -> np.ndarray:
 
 
 def size_of(scene: SceneData) -> float:
-    """Size (m) of a scene, by which lengths are large or small: how far apart what moves and the
-    points of joints lie, and at least the largest radius of gyration.
-    """
+    """Characteristic length (m) of a scene: the extent of what moves and of the points of joints,
+    and at least the largest radius of gyration."""
     free = ~scene.fixed.all(axis=1)
     joining = (e for kind, elements in scene.kinds.items() if kind.joins for e in elements)
     beams = [beam for element in joining for beam in element.beams]
@@ -279,6 +281,7 @@ def size_of(scene: SceneData) -> float:
 
 
 def _particles(scene: SceneData) -> np.ndarray:
+    """Constants (n, PARTICLE) of the particles of one scene."""
     rows = np.zeros((len(scene.position), layout.PARTICLE))
     rows[:, layout.MASS] = scene.mass
     rows[:, layout.IM] = np.where(scene.fixed[:, :3].all(axis=1), 0.0, 1.0 / scene.mass)

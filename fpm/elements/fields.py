@@ -1,7 +1,7 @@
-"""What the fields of an element say of themselves: units, limits and words.
+"""Fields of elements: units, limits and words of each.
 
-Checks, packing, what is described of an element and the keys of a structure file follow from that
-(kind.py). A field of a dataclass that is stated without any of these is the kind's own business.
+Checks, packing, descriptions of elements and the keys of a structure file follow from these
+(kind.py). A field of a dataclass without a spec is left to its element type.
 """
 
 import math
@@ -19,10 +19,11 @@ _KEY = "fpm"
 
 @dataclass(frozen=True)
 class FieldSpec:
-    """What is said of a field. same: whether it must be equal in scenes that run side by side.
+    """Spec of a field of an element. same: whether it must be equal in scenes that run side by
+    side.
 
-    words: what it is called in messages, with {called} or {title} of the kind (kind.py); text: in
-    words, for the table of keys; is_shown: whether it is a part of descriptions.
+    words: its name in messages, with {called} or {title} of the element (kind.py); text: for the
+    table of keys; is_shown: whether it is a part of descriptions.
     """
 
     name: str = ""
@@ -54,7 +55,7 @@ class Number(FieldSpec):
         return not low and not math.isnan(value) and (math.isfinite(value) or not self.finite)
 
     def allowed(self, unit: str) -> str:
-        """What is allowed, in words, in a unit."""
+        """Allowed values in words, in a unit."""
         plural = f"{self.count} {'finite ' * self.finite}numbers"
         singular = f"a {'finite ' * self.finite}number"
         end = f" >= {self.least:g}" if self.least is not None else ""
@@ -64,14 +65,15 @@ class Number(FieldSpec):
 
 @dataclass(frozen=True)
 class Word(FieldSpec):
-    """One of some words, and the number that each is in the kernels."""
+    """Spec of one of some words, and the number that represents each in kernels."""
 
     values: Mapping[Any, float] | None = None
 
 
 @dataclass(frozen=True)
 class Index(FieldSpec):
-    """A place in a list of the scene, by its name; `least` -1: or none. types: of hinges."""
+    """Spec of an index into a list of the scene, by the list's name; `least` -1: or none. types: of
+    hinges."""
 
     of: str = ""
     least: int = 0
@@ -117,7 +119,7 @@ def same(default: Any = MISSING) -> Any:
 
 @cache
 def specs(kind: type) -> dict[str, FieldSpec]:
-    """What a kind's fields say of themselves, by name."""
+    """Specs of the fields of an element type, by name of the field."""
     keyed = [f for f in fields(kind) if _KEY in f.metadata]
     return {f.name: replace(f.metadata[_KEY], name=f.name) for f in keyed}
 
@@ -128,7 +130,7 @@ def numbers_in(value: Any) -> Sequence[float]:
 
 
 def check_number(subject: str, value: Any, number: Number, unit: str) -> None:
-    """SceneError unless the value of a field, with this subject in messages, is allowed."""
+    """Check the value of a field; raises SceneError, with this subject, unless it is allowed."""
     if value is None and number.optional:
         return
     numbers = numbers_in(value)

@@ -1,8 +1,8 @@
-"""What every kind of element has in common: the contract that the rest of the mechanics relies on.
+"""Base class of all element types: the interface that the rest of the mechanics relies on.
 
-A kind is a frozen dataclass by which a scene states its elements, one object each (for beams, one
-for a group of elements), and a kernel file (kernels/hooks.py). What it does not override, it
-does not have. `docs/mechanics.md` shows how to add one.
+An element type is a frozen dataclass by which a scene states its elements, one object each (for
+beams, one for a group of elements), and a kernel file (fpm/kernels/hooks.py). Everything has a
+neutral default. `docs/mechanics.md` shows how to add an element type.
 """
 
 from collections.abc import Callable, Hashable
@@ -32,13 +32,13 @@ class Energy(NamedTuple):
 
 
 class Watch(NamedTuple):
-    """A quantity that is watched, and above which value (`most`) a run fails.
+    """A failure criterion: a watched quantity, and the value `most` above which a run fails.
 
-    always: it counts also where the energy does not balance, as nothing else would explain that.
-    of_size: `most` is a share of the scene's size (m), World.size.
-    failure(values) -> (found, remedy): in words, from the largest values of the kind's watches.
-    unbalanced(element) -> remedy: where the energy does not balance and this element of the kind is
-    the worst; "" where the kind knows none of its own.
+    unconditional: whether it counts also where the energy does not balance, as nothing else would
+    explain that. of_size: whether `most` is a fraction of the scene's size (m), World.size.
+    failure(values) -> (cause, remedy): in words, from the largest values of the element type's
+    watches. unbalanced(element) -> remedy: where the energy does not balance and this element of
+    the type is the worst; "" where the type knows none of its own.
     """
 
     name: str
@@ -50,9 +50,11 @@ class Watch(NamedTuple):
 
 
 class Series(NamedTuple):
-    """Something recorded: values (t,), or (t, k) along a dimension with k labels, in a unit; over:
-    the dimension of t; code: digest of what read it off the run, where that does not count in the
-    run's name."""
+    """A recorded series: values (t,), or (t, k) along a dimension with k labels, in a unit.
+
+    time_dim: the dimension of t; code: digest of the code that read it off the run, where that does
+    not count in the run's name.
+    """
 
     values: np.ndarray
     unit: str
@@ -63,14 +65,14 @@ class Series(NamedTuple):
     code: str = ""
 
     def merge(self, series: "Series") -> "Series":
-        """The same of the elements of another kind, and of these."""
+        """The columns of another series, then those of this one."""
         values = np.concatenate([series.values, self.values], axis=1)
         return self._replace(values=values, labels=series.labels + self.labels)
 
 
 class Eventful(NamedTuple):
-    """An element that has events: its name, theirs in the order of their numbers, and the name of
-    the joint that it is on, "" for none."""
+    """An element that has events: its name, names of its events in the order of their numbers, and
+    the name of the joint that it is on, "" for none."""
 
     name: str
     events: tuple[str, ...]
@@ -101,7 +103,8 @@ SHARED = {
 
 
 class ElementType:
-    """A kind of element. Everything has a default: what is not stated, the kind does not have."""
+    """Base class of an element type. A subclass overrides what it provides; every attribute has a
+    neutral default."""
 
     stores: ClassVar[Energy | None] = None  # the energy it stores (hook `stored`)
     gives: ClassVar[Energy | None] = None  # the work it gives; kinds with the same share an account
@@ -127,7 +130,8 @@ class ElementType:
         scene.kinds.setdefault(type(self), []).append(self)
 
     def check(self, scene: SceneData) -> None:
-        """SceneError if the element does not fit into the scene as it is: what its fields say."""
+        """Check the element's fields against their limits; raises SceneError if it does not fit
+        into the scene."""
         for name, field in specs(type(self)).items():
             value = getattr(self, name)
             if isinstance(field, Index):
@@ -140,48 +144,50 @@ class ElementType:
                 raise SceneError(self.subject(scene, field), value, ", ".join(field.values))
 
     def check_index(self, scene: SceneData, field: Index, value: int) -> None:
-        """SceneError unless a field has the index of something that there is."""
+        """Check that a field's index exists in the scene; raises SceneError if not."""
         count = len(getattr(scene, field.of))
         if not (isinstance(value, Integral) and field.least <= value < count):
             raise SceneError(self.subject(scene, field), value, f"{field.least} to {count - 1}")
 
     def subject(self, scene: SceneData, field: FieldSpec) -> str:
-        """What messages call a field."""
+        """Name of a field in messages."""
         words = field.words or field.name.replace("_", " ") + " of {title}"
         title = self.title(scene) if "{title}" in words else ""
         return words.format(called=self.called, title=title)
 
     def title(self, scene: SceneData) -> str:
-        """What messages about its numbers call it."""
+        """Name of the element in messages about its numbers."""
         return self.called
 
     def unit_in(self, scene: SceneData, unit: str) -> str:
-        """The unit of one of its numbers."""
+        """Unit of a number of the element, by the unit that its field states."""
         return unit
 
     def topology(self) -> Hashable:
-        """What of it must be equal in all scenes that run side by side."""
+        """What must be equal, of this element, in all scenes that run side by side."""
         return tuple(getattr(self, n) for n, field in specs(type(self)).items() if field.same)
 
     def acts_on(self) -> tuple[int, ...]:
-        """Indices of the hinges on whose openings it acts."""
+        """Indices of the hinges on whose openings the element acts."""
         return ()
 
     # -- of all elements of the kind in a scene -------------------------------------------------
 
     @classmethod
     def of(cls, scene: SceneData) -> list[Any]:
-        """The scene's elements of this kind."""
+        """Elements of this type in a scene."""
         return scene.kinds.get(cls, [])
 
     @classmethod
     def led(cls, scene: SceneData) -> list["ElementType"]:
-        """What stands for each of the scene's elements where an opening is led slowly."""
+        """Elements that represent each element of the type in the quasi-static travel of an opening
+        (fpm/travel)."""
         return cls.of(scene)
 
     @classmethod
     def topology_of(cls, scene: SceneData) -> Hashable:
-        """What of all of them must be equal; None: even whether there are any may differ."""
+        """What must be equal, of all elements of the type, in scenes that run side by side; None:
+        even whether there are any may differ."""
         return tuple(element.topology() for element in cls.of(scene))
 
     @classmethod
@@ -191,22 +197,24 @@ class ElementType:
 
     @classmethod
     def eventful(cls, scene: SceneData) -> list[Eventful]:
-        """Its elements, if they have events."""
+        """Elements of the type with their events, if they have any."""
         return [Eventful(name, cls.events) for name in cls.names(scene) if cls.events]
 
     @classmethod
     def moved(cls, scene: SceneData) -> list[int]:
-        """Particles that the kind moves itself (hooks `prepare` and `move`)."""
+        """Indices of particles that the type's own kernels move (hooks `prepare` and `move`)."""
         return []
 
     @classmethod
     def deformations(cls, scene: SceneData) -> Deformations | None:
-        """Their part in the stable step."""
+        """Deformations of the elements with their stiffness, for the stable step; None: the type
+        has no stiffness."""
         return None
 
     @classmethod
     def dampings(cls, scene: SceneData) -> Deformations | None:
-        """The part of their dampers, with damping (N m s/rad) in place of stiffness.
+        """Deformations with damping (N m s/rad) in place of stiffness, for the stable step; None:
+        the type has no dampers.
 
         For dampers whose rate is extrapolated from the last two steps (losses_kernels.py).
         """
@@ -214,7 +222,7 @@ class ElementType:
 
     @classmethod
     def shut(cls, scene: SceneData, inverse: np.ndarray) -> Any:
-        """Motions that are ruled out in the one position in which the kind acts, as orthonormal
+        """Motions that are ruled out in the one position in which the type acts, as orthonormal
         sparse columns (dofs, c); None: it always acts.
 
         inverse (dofs,): inverse masses; the columns are in coordinates scaled with their roots.
@@ -234,18 +242,18 @@ class ElementType:
 
     @classmethod
     def pack(cls, batch: Batch) -> NamedTuple:
-        """The arrays that its kernels work on: the named tuple in their file, filled by `array`."""
+        """The named tuple of arrays for the type's kernels, filled by `array`."""
         arrays = _arrays_in(cls.kernels())
         return arrays(**{name: cls.array(name, batch) for name in arrays._fields})
 
     @classmethod
     def array(cls, name: str, batch: Batch) -> Any:
-        """What stands under a name in the tuple of its kernels; other names are those of fields
-        with integers.
+        """The array that stands under a name in the tuple of the type's kernels; by default the
+        integers of the field of that name.
 
-        `numbers`: those of every element that NUMBERS in the kernels' file names, in that order;
+        `numbers`: constants of every element, in the order of NUMBERS in the kernels' file;
         `state`, `track`: zeros, STATE for each element, and TRACK for each at every instant;
-        `account`: that of the work it gives, else of the energy it takes; SHARED.
+        `account`: index of the account of the work it gives, else of the energy it takes; SHARED.
         """
         elements = cls.of(batch.scene)
         match name:
@@ -270,12 +278,13 @@ class ElementType:
 
     @classmethod
     def held_round(cls, scene: SceneData) -> float:
-        """The same of moments (N m), which what holds openings exactly may bear."""
+        """Moment (N m) that exact holds of openings may have to bear at rest, where rounding moves
+        the scene a little."""
         return 0.0
 
     @classmethod
     def reads_impulses(cls, scene: SceneData) -> bool:
-        """Whether its elements need the impulses of joints summed over each step."""
+        """Whether elements of the type need the impulses of joints summed over each step."""
         return False
 
     @classmethod
@@ -288,16 +297,17 @@ class ElementType:
 
     @classmethod
     def recorded(cls, part: Any, scene: SceneData, lane: int) -> dict[str, Series]:
-        """What was recorded of one lane, by the names of its variables in a trajectory file."""
+        """Recorded series of one lane, by names of variables in a trajectory file."""
         return {}
 
     @classmethod
     def prescribe(cls, scene: SceneData, time: float, motion: Any) -> None:
-        """Put what the kind prescribes at a time (s) into a Motion (fpm.simulate), in place."""
+        """Put the prescribed motion at a time (s) into a Motion (fpm/files/outcome.py), in
+        place."""
 
 
 def _row(element: ElementType, columns: list) -> list[float]:
-    """The numbers of an element, from the names of its fields and what is stated of them."""
+    """Constants of an element in the order of columns, (name, field spec)."""
     numbers = []
     for name, field in columns:
         value = getattr(element, name)

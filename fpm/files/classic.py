@@ -52,9 +52,10 @@ def write(
 def read(
     path: str | os.PathLike, content: bytes | None = None
 ) -> tuple[dict[str, Any], dict[str, NetcdfVariable]]:
-    """Attributes and variables of a file in the classic format; text stays characters.
+    """Read attributes and variables of a file in the classic format; text stays characters.
 
-    `content`: what was read of it already. Raises OSError if it is not such a file, or not whole.
+    content: the file's bytes, if read before. Raises OSError if the file is not in this format, or
+    not whole.
     """
     from scipy.io import netcdf_file
 
@@ -74,7 +75,7 @@ def read(
 def _column(
     name: str, dims: tuple[str, ...], values: np.ndarray, attributes: Mapping
 ) -> NetcdfVariable:
-    """The variable as the file keeps it."""
+    """A variable in the form in which the file stores it."""
     values = np.asarray(values)
     if values.dtype.kind == "O":  # text, as xarray reads it
         values = values.astype(str)

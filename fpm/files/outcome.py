@@ -1,4 +1,4 @@
-"""What a run gives back: the curves of one sample, its events, and why it failed if it did."""
+"""Outcome of a run: the curves of one sample, its events, and its failure if it has one."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -21,7 +21,8 @@ BALANCE = Energy("balance", "energy_balance", "energy that came from nowhere sin
 
 
 class Motion(NamedTuple):
-    """Where all particles are and how they move, in the form in which a Scene keeps its start.
+    """Positions and velocities of all particles at one time, in the form in which a Scene keeps its
+    start.
 
     position (n, 3) m; frame (n, 3, 3) axes as columns; velocity (n, 3) m/s; spin (n, 3) rad/s.
     """
@@ -35,21 +36,21 @@ class Motion(NamedTuple):
 def eventful(
     scene: Scene, kinds: Iterable[type[ElementType]] | None = None
 ) -> tuple[Eventful, ...]:
-    """The elements of a scene that have events, or those of these kinds of it."""
+    """Elements of a scene that have events; kinds: of these element types only."""
     kinds = kinds_of([scene]) if kinds is None else kinds
     return tuple(element for kind in kinds for element in kind.eventful(scene))
 
 
 @dataclass(frozen=True)
 class Outcome(Curves):
-    """What one sample did: its curves and events, and
+    """Result of one run: curves and events (`Curves`), final motion, and failure.
 
-    energy_kinds, by name as in `energies`; recorded: what else was recorded, by the names of the
-    variables in a trajectory file; steps; limit: the stable step; largest: of everything that is
-    watched (`bend`, the largest sine of the angle between an element's chord and its ends, or of
-    its twist; `strain` at the surface of an element; ...); final: the motion of all particles at
-    the end; failure: None or why this sample has none of these that mean something, its
-    InstabilityError, or the SceneError of a travel that it cannot make.
+    energy_kinds: energies in the order of `energies`; recorded: further series by variable of a
+    trajectory file; steps: number of steps; limit: the stable step, None if the step was given;
+    largest: largest values of what is watched (`bend`, the largest sine of the angle between an
+    element's chord and its ends, or of its twist; `strain` at the surface of an element; ...);
+    final: motion of all particles at the end; failure: None, the InstabilityError of a run whose
+    numbers mean nothing, or the SceneError of a travel that cannot be made.
     """
 
     scene: Scene
@@ -63,32 +64,39 @@ class Outcome(Curves):
 
     @property
     def tensions(self) -> dict[str, np.ndarray]:
-        """Tensions (t,) in N by the names of the cables."""
+        """Tensions (t,) of all cables by name, N."""
         return self.labelled("cable_tension")
 
     @property
     def gap(self) -> np.ndarray:
-        """Largest gap (t,) in m of all hinges."""
+        """Largest gap (t,) of all hinges, m."""
         return self._recorded_or_zero("hinge_gap")
 
     @property
     def axis_gap(self) -> np.ndarray:
-        """Largest angle (t,) in rad between the axes of a hinge."""
+        """Largest sine (t,) of the angle between the axes of a hinge, rad where small."""
         return self._recorded_or_zero("hinge_axis_gap")
 
     def _recorded_or_zero(self, name: str) -> np.ndarray:
         return self.recorded[name].values if name in self.recorded else np.zeros(len(self.time))
 
     def dataset(self, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":
-        """The trajectory as an xarray Dataset; raises the failure if there is one.
+        """The trajectory as an xarray.Dataset; raises the failure of a run that failed.
 
-        responses: sequence of fpm.responses.Response; the others as in fpm.trajectory.contents.
+        Parameters
+        ----------
+        responses : sequence of fpm.reading.responses.Response
+            Responses whose values are added.
+        attributes : dict, optional
+            Further global attributes.
+        parameters : dict, optional
+            Values and units, (value, unit), of parameters of the run by name.
         """
         return to_dataset(self, responses, attributes, parameters)
 
 
 def columns_of(records: Mapping[str, Series]) -> dict[Column, np.ndarray]:
-    """The columns (t,) of what was recorded along a dimension."""
+    """Columns (t,) of all recorded series with a dimension, by variable and label."""
     return {
         (name, label): record.values[:, i]
         for name, record in records.items()

@@ -29,7 +29,7 @@ _TEMPORARY = re.compile(r"^\..*\.(?P<host>[^.]+)-(?P<process>\d+)\.part(\.\w+)?$
 
 
 class DamagedError(OSError):
-    """A file that is there, but not as it was written, or not what it should be.
+    """Raised for a file that exists, but is not as it was written, or not the expected one.
 
     Attributes: `path`, and `reason` in words.
     """
@@ -43,7 +43,7 @@ class DamagedError(OSError):
 
 
 def seal(path: str | os.PathLike, facts: Mapping[str, str]) -> None:
-    """Seal a complete file; `facts` are `name` and whatever else a reader shall be told.
+    """Append the seal to a complete file; facts: its `name`, and further ones for readers.
 
     A JSON file must be an object over several lines.
     """
@@ -65,9 +65,9 @@ def _json(data: Mapping) -> str:
 
 
 def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
-    """The facts of a sealed file that is whole and, if that is given, of this name.
+    """Facts of a sealed file that is whole and, if `name` is given, of this name.
 
-    Raises DamagedError if it is not, FileNotFoundError if it is not there.
+    Raises DamagedError if the file is not, FileNotFoundError if it does not exist.
     """
     path = Path(path)
     if path.suffix == ".json":
@@ -84,7 +84,7 @@ def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
 
 
 def read_bytes(path: str | os.PathLike, most: int = _MOST) -> bytes:
-    """The content of a plain file of at most so many bytes; DamagedError if it is none.
+    """Content of a plain file of at most `most` bytes; raises DamagedError if it is none.
 
     A device, or a pipe, is not waited for; what a kernel makes up while it is read is no file.
     """
@@ -107,14 +107,15 @@ _AT_ONCE = getattr(os, "O_NONBLOCK", 0)
 
 
 def unsealed(path: str | os.PathLike) -> bytes:
-    """The content of a sealed file as it was before; DamagedError if it is not whole."""
+    """Content of a sealed file without its seal; raises DamagedError if the file is not whole."""
     content = read_bytes(path)
     check_content(path, content)
     return _split(path, content)[1]
 
 
 def check_content(path: str | os.PathLike, content: bytes, name: str | None = None) -> dict:
-    """The same for the whole content of a file that was read already; `path` names it."""
+    """Facts of a sealed file, as `check`, from its whole content that was read before; path: its
+    name in messages."""
     facts, rest = _split(path, content)
     _compare(path, facts, hashlib.sha256(rest), name)
     return facts

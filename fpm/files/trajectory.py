@@ -38,15 +38,15 @@ IMPACTS = {"closes": "opens", "hits": "leaves", "latches": "latches"}
 
 
 class Contents(NamedTuple):
-    """What a trajectory file holds: global attributes, and variables by name."""
+    """Contents of a trajectory file: global attributes, and variables by name."""
 
     attributes: dict[str, Any]
     variables: dict[str, classic.NetcdfVariable]
 
 
 class Impacts(NamedTuple):
-    """Impacts (e, 3): time (s), index into `names`, 1 if it begins, 0 if it ends; and the names of
-    all elements that have some, contacts by those of their hinges."""
+    """Impacts of a run, rows (e, 3): time (s), index into `names`, 1 if it begins, 0 if it ends;
+    names: of all elements that have impacts, contacts by their hinges."""
 
     events: np.ndarray
     names: list[str]
@@ -54,11 +54,13 @@ class Impacts(NamedTuple):
 
 @dataclass(frozen=True)
 class Curves:
-    """What responses and quantities are read off: time (t,) s; points: name -> (position (t, 3) m,
-    velocity (t, 3) m/s); energies: name -> (t,) J; columns: values (t,) of what else is recorded;
-    events (e, 3): time (s), index into `eventful`, number of the event; events_dropped: how many
-    more there were; step: of the time loop (s); codes: by variable, of what was recorded on request
-    and read from a file, the digest of the code that read it off the run.
+    """Curves and events of one run, off which responses and quantities are read.
+
+    time (t,) s; points: name -> (position (t, 3) m, velocity (t, 3) m/s); energies: name -> (t,) J;
+    columns: further values (t,) by (variable, label); events (e, 3): time (s), index into
+    `eventful`, number of the event; events_dropped: number of events that were not kept; step: of
+    the time loop (s); codes: by variable, of what was recorded on request and read from a file, the
+    digest of the code that read it off the run.
     """
 
     time: np.ndarray
@@ -73,7 +75,7 @@ class Curves:
 
     @property
     def openings(self) -> dict[str, np.ndarray]:
-        """Openings (t,) in rad, or of slides in m, by the names of the hinges."""
+        """Openings (t,) of all hinges by name, in rad, or m of slides."""
         return {**self.labelled("opening"), **self.labelled("slide_opening")}
 
     def labelled(self, variable: str) -> dict[str, np.ndarray]:
@@ -81,14 +83,15 @@ class Curves:
         return {label: x for (name, label), x in self.columns.items() if name == variable}
 
     def times(self, event: str, places: Iterable[str]) -> np.ndarray:
-        """Times (s) of an event of elements with these names, in order."""
+        """Times (s), in order, of an event of elements with the given names."""
         numbers = [e.events.index(event) if e.name in places and event in e.events else -1
                    for e in self.eventful]  # fmt: skip
         rows = self.events[:, 2] == np.array(numbers)[self.events[:, 1].astype(int)]
         return np.sort(self.events[rows, 0])
 
     def impacts(self, pairs: Mapping[str, str] = IMPACTS) -> Impacts:
-        """The events that begin or end an impact, by these pairs: where responses bend or jump.
+        """Impacts, by pairs of names of the events that begin and end one; there responses bend or
+        jump.
 
         A latch closes and opens at once: it does not stand in the way of the impacts that follow.
         """
@@ -109,10 +112,12 @@ class Curves:
 
 
 def contents(outcome, responses=(), attributes=None, parameters=None) -> Contents:
-    """The trajectory of one outcome (fpm.Outcome) with its responses, CF-style names and units.
+    """Contents of a trajectory file of one outcome (fpm.Outcome), with names and units by the CF
+    conventions.
 
-    attributes: of the file; parameters: name -> (value, unit), each a scalar coordinate named
-    `parameter_<name>`. Raises the outcome's failure if there is one.
+    responses: sequence of fpm.reading.responses.Response, whose values are added; attributes:
+    further global ones of the file; parameters: name -> (value, unit), each a scalar coordinate
+    named `parameter_<name>`. Raises the outcome's failure if there is one.
     """
     if outcome.failure is not None:
         raise outcome.failure
@@ -271,7 +276,10 @@ def _name(run: str | None) -> str:
 
 
 def read(path: str | os.PathLike) -> "xarray.Dataset":
-    """Read a trajectory into memory; DamagedError if it is not as it was written."""
+    """Read a trajectory file into memory, as an xarray.Dataset.
+
+    Raises DamagedError if the file is not as it was written.
+    """
     import xarray
 
     sealed.check(path)
@@ -280,9 +288,10 @@ def read(path: str | os.PathLike) -> "xarray.Dataset":
 
 
 def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
-    """The curves of a trajectory, a hundred times faster than `read`; `run`: which it must be.
+    """Read the curves of a trajectory file, a hundred times faster than `read`; run: name of the
+    run that it must be, None: any.
 
-    Raises OSError if the file is not there, `sealed.DamagedError` (which is one) if it is not as
+    Raises OSError if the file is not there, `sealed.DamagedError` (a subclass) if it is not as
     `write` left it, or of another run.
     """
     content = sealed.read_bytes(path)

@@ -11,11 +11,10 @@ UNBALANCED = -1
 
 @kernel
 def find_failures(parts, world, record, row, n, tolerance):
-    """Mark the lanes that fail at step n; True when no lane is left.
+    """Mark the lanes that fail at step n; returns whether no lane is left.
 
-    A lane fails when energy came from nowhere (or went there) by more than `tolerance` times the
-    largest energy it has held so far, when a number is not finite, or when something watched is
-    larger than it may be.
+    A lane fails when its energy balance is off by more than `tolerance` times the largest energy it
+    has held so far, when a number is not finite, or when a watched quantity is above its limit.
     """
     running = 0
     for s in range(record.scale.shape[0]):

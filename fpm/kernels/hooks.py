@@ -136,32 +136,35 @@ def restrain(parts, world, timing):
 
 @_unrolled()
 def prepare(parts, world, timing):
-    """Kick the particles that the kind moves itself (ElementType.moved), timing.kick long."""
+    """Kick the particles that the element type moves itself (ElementType.moved), timing.kick
+    long."""
 
 
 @_unrolled()
 def decide(parts, world, timing):
-    """Change which openings are held in this step, by what `solve` found (kinds/turn.py).
+    """Lock or free openings in this step, by the impulses that `solve` found
+    (elements/joints/turn.py).
 
-    World.undecided then asks for another round; every kind lets that come to an end.
+    Sets World.undecided where anything changed, and then `solve` and `decide` are repeated; each
+    element may change only finitely often per step.
     """
 
 
 @_unrolled()
 def solve(parts, world, timing):
-    """Find the impulses of the step, while World.undecided asks for them."""
+    """Find the impulses of the step, once and again while World.undecided is set."""
 
 
 @_unrolled()
 def move(parts, world, timing):
-    """Move these particles over timing.step, whether or not others have moved."""
+    """Move the particles that the element type moves itself over timing.step, whether or not others
+    have moved."""
 
 
 @_unrolled()
 def look_back(parts, world, timing):
-    """At the start, correct the momenta of half a step before in World.start_state, which are those
-    after it reflected, and the impulses of the first kick.
-    """
+    """Correct the momenta half a step before the start in World.start_state, which are the
+    reflected ones after it, and the impulses of the first kick."""
 
 
 @_unrolled()
@@ -176,7 +179,8 @@ def work_after(parts, world, timing):
     "store(energies, row, ACCOUNTS + world.accounts.shape[1] + {j}, {kernel}({part}, world))"
 )
 def stored(parts, world, energies, row):
-    """A kernel of (part, world) returns the energy (lanes, J) that all elements of the kind store.
+    """Store the energy (lanes, J) of all elements of the type: a kernel of (part, world) returns
+    it.
 
     `energy_of` is simpler.
     """

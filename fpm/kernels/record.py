@@ -45,8 +45,8 @@ def reflect(world):
 
 @kernel
 def kinetic_energies(world):
-    """Kinetic energy (J) between the half steps before (`start`) and after an instant, and that of
-    half their difference, the kick.
+    """Kinetic energy (J) at an instant, from momenta half a step before (`start`) and after it; and
+    that of half their difference, the kick.
 
     The product of the two half-step velocities is the form that leapfrog conserves exactly,
     together with the potential energy at the instant, for linear systems. It is less by the second
@@ -70,7 +70,7 @@ def kinetic_energies(world):
 
 @kernel
 def record_before(parts, world, record, row):
-    """Record what belongs to the positions at an instant: energies, and what the kinds have."""
+    """Record what depends on positions at an instant: energies, and records of element types."""
     hooks.stored(parts, world, record.energies, row)
     for k in range(world.accounts.shape[1]):
         store(record.energies, row, ACCOUNTS + k, load(world.accounts, 0, k))
@@ -80,9 +80,9 @@ def record_before(parts, world, record, row):
 
 @kernel
 def record_after(parts, world, record, row, timing):
-    """Record what needs the momenta on both sides of an instant: points, kinetic energy, balance.
+    """Record what depends on momenta on both sides of an instant: points, kinetic energy, balance.
 
-    start: the state at the instant, with the momenta half a step before it.
+    World.start_state: the state at the instant, with the momenta half a step before it.
     """
     start, state, points = world.start_state, world.state, record.points
     count = world.point_on.shape[0]
@@ -105,12 +105,12 @@ def record_after(parts, world, record, row, timing):
 
 @kernel
 def balance(world, energies, row, kick):
-    """Energy that came from nowhere since the start: stored, less given, and taken.
+    """Error of the energy balance (J) since the start: stored energy, less work given, and losses.
 
-    It is small or large against the sizes of what is stored: where a kind's energy is zero, and
-    thus its sign, is a matter of words, as that of a constant moment. What begins to move by a blow
-    has none between its half steps yet, but for rounding before it times what is after it, which is
-    some 1e-12 of that of the kick.
+    It is small or large against the sizes of what is stored: where an element type's energy is
+    zero, and thus its sign, is a matter of words, as that of a constant moment. What begins to move
+    by an impact has no kinetic energy between its half steps yet, but for rounding before it times
+    what is after it, which is some 1e-12 of that of the kick.
     """
     stored_energy = load(energies, row, KINETIC)
     size = stored_energy  # of either sign: where a step is not stable, velocities alternate

@@ -22,7 +22,7 @@ tenths of a radian in a step, the ends of the series; the third as a product add
 
 @kernel
 def time_particles(particles, timing):
-    """What a kick and a step make of the particles' constants, once for all steps alike."""
+    """Store the particles' constants times kick and step, once for all steps alike."""
     for i in range(particles.shape[0]):
         store(particles, i, KICK, timing.kick * load(particles, i, IM))
         put3(particles, i, HALF, (0.5 * timing.step) * get3(particles, i, IJ))
@@ -107,5 +107,5 @@ def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
 
 @kernel
 def act(parts, world, timing):
-    """Add the forces of all kinds to those of the particles, and nothing else: no step is done."""
+    """Add the forces of all element types to those of the particles; no step is done."""
     hooks.forces(by_reference(parts), by_reference(world), timing)

@@ -280,7 +280,7 @@ def tree_digest(path: Path) -> str:
 
 
 def content_digest(content: bytes, path: Path) -> str:
-    """The same of a file whose content is known."""
+    """Digest of a file by its content, as `syntax_digest`."""
     if path.suffix != ".py":
         return hashlib.sha256(content).hexdigest()
     return _tree_digest(content, str(path))

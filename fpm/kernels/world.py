@@ -1,4 +1,4 @@
-"""The arrays a run works on, but for those of the kinds in it, as named tuples.
+"""Arrays of a run that all element types share, as named tuples.
 
 Integer arrays are the same for all lanes; the others are (rows, fields, lanes), fields as in
 layout.py.
@@ -10,7 +10,8 @@ import numpy as np
 
 
 class StepTime(NamedTuple):
-    """The moment of a step: time (s) of the positions, step (s), and the time of its kick (s).
+    """Times of a step: time (s) of the positions, step (s), and kick (s), the time over which
+    momenta change.
 
     The first kick is half a step long.
     """
@@ -21,7 +22,7 @@ class StepTime(NamedTuple):
 
 
 class World(NamedTuple):
-    """Particles, curves, and what the kinds share."""
+    """Particles, curves, and arrays that element types share."""
 
     state: np.ndarray  # (n, STATE, lanes)
     start_state: np.ndarray  # (n, STATE, lanes) the state at the start of a step that is recorded
@@ -45,7 +46,7 @@ class World(NamedTuple):
 
 
 class Log(NamedTuple):
-    """Events of all kinds; `first` is the number of the first element of the kind that writes."""
+    """Events of all element types; first: number of the first element of the type that writes."""
 
     events: np.ndarray  # (most events, 3, lanes) time, element, which of its events
     count: np.ndarray  # (lanes,) noted so far, also those that find no place
@@ -53,7 +54,8 @@ class Log(NamedTuple):
 
 
 class Record(NamedTuple):
-    """What a run writes; one more row than instants, the last one for checks in between."""
+    """Recorded arrays of a run, with one row more than instants: the last one is for checks in
+    between."""
 
     points: np.ndarray  # ((instants + 1) p, POINT, lanes)
     energies: np.ndarray  # (instants + 1, ACCOUNTS + accounts + kinds that store, lanes)

@@ -39,12 +39,33 @@ def whole_motion(
     attributes: Sequence[dict] | None = None,
     extra_variables: Callable[[int, Outcome], Mapping] = lambda number, outcome: {},
 ) -> list:
-    """The whole motion of scenes of one topology, an xarray.Dataset each.
+    """Simulate scenes of one topology and return the motion of all particles, an xarray.Dataset for
+    each.
 
-    duration (s), instants, step (s), energy_tolerance, record as in `simulate`: those of the
-    trajectory that is to be had again. Kept are `frames` of its instants, evenly spread, and those
-    nearest to `times` (s). attributes: further global ones of each; extra_variables(number,
-    outcome): further variables of one. Raises the failure of a run that fails.
+    Parameters
+    ----------
+    scenes : sequence of Scene
+        Scenes that differ in numbers only.
+    duration, instants, step, energy_tolerance, record
+        As for `simulate`: the motion is, bit for bit, that of a run with these.
+    frames : int
+        Number of the instants that are returned, evenly spread.
+    times : sequence of float
+        Further times (s), of which the nearest instants are returned as well.
+    attributes : sequence of dict, optional
+        Further global attributes of each dataset.
+    extra_variables : callable
+        `extra_variables(number, outcome)` gives further variables of a dataset by name.
+
+    Returns
+    -------
+    list of xarray.Dataset
+        Positions (m), frames, velocities (m/s), strains and stresses by instant.
+
+    Raises
+    ------
+    InstabilityError, SceneError
+        The failure of the first run that fails; arguments that are not allowed.
     """
     arguments = {"duration": duration, "instants": instants, "step": step}
     arguments |= {"energy_tolerance": energy_tolerance, "record": tuple(record)}
@@ -73,7 +94,7 @@ def whole_motion(
 
 
 def chosen_instants(duration: float, instants: int, frames: int, times=()) -> np.ndarray:
-    """Indices of `frames` of `instants` evenly spaced instants, and of those nearest to times."""
+    """Indices of `frames` of all instants, evenly spread, and of those nearest to times (s)."""
     even = np.linspace(0, instants - 1, min(frames, instants)).round().astype(int)
     nearest = np.round(np.asarray(times, float) / duration * (instants - 1)).astype(int)
     return np.unique(np.concatenate([even, nearest.clip(0, instants - 1)]))

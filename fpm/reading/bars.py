@@ -20,19 +20,20 @@ MOMENTS = ("torsion", "bending_y", "bending_z")
 
 
 class Bar(NamedTuple):
-    """A bar's elements from start to end, as groups of one section and material."""
+    """A bar: groups of beam elements of one section and material each, from its start to its
+    end."""
 
     name: str
     groups: tuple[Beams, ...]
 
     @property
     def particles(self) -> list[int]:
-        """All of its particles."""
+        """Indices of all particles of the bar."""
         return sorted({int(p) for beams in self.groups for p in beams.nodes.ravel()})
 
     @property
     def ends(self) -> np.ndarray:
-        """Where its elements end (m,) m from its start, without strain."""
+        """Distances (m,) of the elements' ends from the start of the bar, m, without strain."""
         return np.cumsum(np.concatenate([beams.length for beams in self.groups]))
 
 
@@ -44,7 +45,8 @@ class Sections(NamedTuple):
 
 
 def bar_of(name: str) -> str:
-    """The bar of an element or of a stretch: `panel` of `panel from knee[3]`, `AB` of `AB[0]`."""
+    """Name of the bar of an element or of a stretch: `panel` of `panel from knee[3]`, `AB` of
+    `AB[0]`."""
     return name.rsplit("[", 1)[0].partition(" from ")[0]
 
 
@@ -57,9 +59,11 @@ def bars_of(scene: Scene) -> dict[str, Bar]:
 
 
 def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Of both ends of the elements of a group: positions (t, m, 3) m, and axes y and z of their
-    sections as the particles there carry them (t, m, 3, 2). place(particle) gives positions (t, 3)
-    m, axes(particle) frames (t, 3, 3)."""
+    """Positions (t, m, 3) m of both ends of a group's elements, and axes y and z (t, m, 3, 2) of
+    their sections as the particles there carry them.
+
+    place(particle) gives positions (t, 3) m, axes(particle) frames (t, 3, 3).
+    """
     start, ends = scene.frame if scene.unstrained is None else scene.unstrained, []
     for nodes, square in zip(beams.nodes.T, beams.end_axes(), strict=True):
         frames = np.stack([axes(int(p)) for p in nodes], axis=1)
@@ -69,9 +73,9 @@ def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, n
 
 
 class Bends(NamedTuple):
-    """How a group's elements are strained: lengths (t, m) m and directions (t, m, 3) of chords; at
-    both ends the sines between chord and axes y and z (t, m, 2), the angles that count for them,
-    and these axes (t, m, 3, 2)."""
+    """Deformation of a group's elements: lengths (t, m) m and directions (t, m, 3) of chords; at
+    both ends the sines (t, m, 2) of the small angles between chord and section, scalar products of
+    chord and axes y and z; these angles (rad) by a series; and the axes (t, m, 3, 2)."""
 
     length: np.ndarray
     chord: np.ndarray
@@ -81,7 +85,7 @@ class Bends(NamedTuple):
 
 
 def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
-    """Of the elements of a group; place and axes as for `ends_of`."""
+    """Deformation (`Bends`) of a group's elements; place and axes as for `ends_of`."""
     (first, *own), (second, *axes2) = ends_of(scene, beams, place, axes)
     chord, own = second - first, own + axes2
     length = np.linalg.norm(chord, axis=2)
@@ -91,7 +95,7 @@ def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
 
 
 def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
-    """Of the elements of a group; place and axes as for `ends_of`."""
+    """Section forces (`Sections`) of a group's elements; place and axes as for `ends_of`."""
     _, axial, bend_z, bend_y, twist = beams.stiffness().T
     length, chord, sines, angles, own = bends_of(scene, beams, place, axes)
     stiffness = np.stack([bend_z, bend_y], axis=1)
@@ -116,15 +120,15 @@ def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
 
 
 def sections_of(scene: Scene, bar: Bar, place, axes) -> Sections:
-    """Of all elements of a bar."""
+    """Section forces (`Sections`) of all elements of a bar."""
     groups = [sections(scene, beams, place, axes) for beams in bar.groups]
     return Sections(*(np.concatenate(arrays, axis=1) for arrays in zip(*groups, strict=True)))
 
 
 def at_share(bar: Bar, sections: Sections, share: float) -> tuple[np.ndarray, np.ndarray]:
-    """Force (t, 3) N and moment (t, 3) N m at a share of a bar's length, from 0 to 1.
+    """Force (t, 3) N and moment (t, 3) N m at a fraction of a bar's length, from 0 to 1.
 
-    Where two elements meet it is their mean.
+    Where two elements meet, the mean of both.
     """
     ends = bar.ends
     lengths = np.diff(ends, prepend=0.0)
@@ -138,8 +142,8 @@ def at_share(bar: Bar, sections: Sections, share: float) -> tuple[np.ndarray, np
 
 
 def half_sizes(section: Section) -> tuple[float, float]:
-    """Half width and half height (m); of an unknown outline those of the rectangle with the same
-    area and second moments."""
+    """Half width and half height (m) of a section; for an unknown outline, of the rectangle with
+    its area and second moments."""
     if section.outline:
         return section.width / 2, section.height / 2
     return tuple(np.sqrt(3.0 * np.array([section.Iz, section.Iy]) / section.A))

@@ -25,8 +25,8 @@ def clearance(scene: Scene, first: Bar, second: Bar, place, axes) -> np.ndarray:
 
 
 def _lines(scene: Scene, bar: Bar, place, axes) -> tuple[np.ndarray, ...]:
-    """Of the elements of a bar: start and end (t, m, 3), and what their sections take along their
-    axes y and z, as vectors (t, m, 2, 3), with radii (t, m) of round ones."""
+    """Elements of a bar: start and end (t, m, 3) m, half sizes of their sections along axes y and z
+    as vectors (t, m, 2, 3) m, and radii (t, m) m of round ones."""
     lines = []
     for beams in bar.groups:
         (start, own), (end, _) = ends_of(scene, beams, place, axes)
@@ -38,7 +38,7 @@ def _lines(scene: Scene, bar: Bar, place, axes) -> tuple[np.ndarray, ...]:
 
 
 def _shortest(a, b, sides_one, radius_one, c, d, sides_two, radius_two) -> np.ndarray:
-    """Shortest distance (t,) of the elements from a to b and those from c to d."""
+    """Shortest distance (t,) m of the elements from a to b and the elements from c to d."""
     a, b = a[:, :, None], b[:, :, None]
     c, d = c[:, None], d[:, None]
     line = nearest(a, b, c, d)
@@ -51,9 +51,9 @@ def _shortest(a, b, sides_one, radius_one, c, d, sides_two, radius_two) -> np.nd
 
 
 def nearest(a, b, c, d) -> np.ndarray:
-    """The shortest vector (..., 3) from the segment a b to the segment c d, both (..., 3).
+    """Shortest vector (..., 3) from the segment a b to the segment c d, both (..., 3).
 
-    It begins or ends at an end of one of them, or is normal to both.
+    The vector begins or ends at an end of a segment, or is normal to both.
     """
     u, v, w = b - a, d - c, c - a
 

@@ -31,8 +31,8 @@ def joints_of(scene: Scene) -> dict[str, Hinge | Joint]:
 
 
 def point_of(run: Recording, joint: Hinge | Joint) -> np.ndarray:
-    """Where the forces of a joint act (t, 3) m: its point on the first part, on the second of a
-    slider."""
+    """Position (t, 3) m at which the forces of a joint act: its point on the first part, of a
+    slider on the second."""
     beam = joint.beams[1 if joint.slides else 0]
     return run.place(beam.particle) + run.arm(beam)
 
@@ -40,7 +40,7 @@ def point_of(run: Recording, joint: Hinge | Joint) -> np.ndarray:
 def couple_on_two(run: Recording, joint: Hinge | Joint, sides: Sides) -> np.ndarray:
     """Moment (t, 3) N m of a joint on its second part about its point.
 
-    About axes about which the second does not turn it is the opposite of that on the first.
+    About axes about which the second part does not turn, minus the moment on the first.
     """
     point = point_of(run, joint)
     place1, place2 = (run.place(beam.particle) for beam in joint.beams)
@@ -69,8 +69,8 @@ def on_particle(run: Recording, particle: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 class Reaction(NamedTuple):
-    """What holds or drives a point, the end of `beam`: joints by their names that hold the point
-    itself; and whether its particle is held or driven, so that there may be a moment, too."""
+    """A held or driven point, the end of `beam`: names of joints that hold the point itself, and
+    whether its particle is held or driven, so that there may be a moment, too."""
 
     beam: VirtualBeam
     holders: tuple[str, ...]
@@ -78,8 +78,8 @@ class Reaction(NamedTuple):
 
 
 def reactions_of(scene: Scene) -> dict[str, Reaction]:
-    """Supports and drives by name, points on particles that are held or driven, and hinges whose
-    point is held; of the same name the first counts."""
+    """Reactions by name: supports and drives, points on particles that are held or driven, and
+    hinges whose point is held; of equal names the first counts."""
     holding = {joint.name: joint for joint in Joint.of(scene) if len(joint.beams) == 1}
     is_fixed = scene.fixed.any(axis=1)
     reactions = {}
@@ -97,9 +97,9 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
     """Force (t, 3) N of a support or drive on the structure, and its moment (t, 3) N m about its
     point.
 
-    Of a particle that is held: what all other forces, and those of joints, lack to its own change
-    of momentum, along and about the axes that are held. Several supports on one particle are one.
-    What is held altogether and is neither on a bar nor a body with a name is the ground: it has no
+    Of a particle that is held: the rate of its momentum less all other forces and those of joints,
+    along and about the axes that are held. Several supports on one particle are one. A particle
+    that is held entirely and is neither on a bar nor a named body is the ground, which has no
     weight (`ElementType.weight`).
     """
     scene, support = run.scene, reactions_of(run.scene)[name]
@@ -124,7 +124,7 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _is_ground(scene: Scene, particle: int) -> bool:
-    """Whether a particle stands for what does not move."""
+    """Whether a particle represents the ground."""
     on_bars = any(particle in beams.nodes for beams in scene.beams)
     has_role = on_bars or particle in scene.bodies.values() or particle in Drive.moved(scene)
     return bool(scene.fixed[particle].all()) and not has_role
@@ -135,8 +135,11 @@ SHARE = 3e-5
 
 
 def undetermined_forces(scene: Scene, responses: Iterable[Any]) -> dict[str, str]:
-    """Responses of forces and moments of joints and supports that are not determined, by name:
-    why, and what to do, as a sentence. responses: `fpm.reading.responses.Response`."""
+    """Sentences, by name of the response, on responses of constraint forces that the motion does
+    not determine: why, and the remedy.
+
+    responses: `fpm.reading.responses.Response`.
+    """
     joints = []
     for response in responses:
         if response.kind.startswith("constraint_"):

@@ -24,11 +24,11 @@ touches: a step before the later one, SPREAD after the earlier one, and up to on
 
 
 def value_at(curves: Curves, response: Response, instant: float, event: bool) -> float:
-    """A response of a run at a time (s), or just before the event then.
+    """Value of a response of a run at a time `instant` (s), or just before the event then.
 
     By the cubic at most through the nearest instants that no other event parts from that time, or
-    as `_continued`. Where there are not two it is not followed: just before an event it is the
-    value at the last instant that is a step before, else that between two instants.
+    as `_continued`. Where there are not two such instants nothing is extrapolated: just before an
+    event it is the value at the last instant that is a step before, else that between two instants.
     """
     time, step, values = curves.time, curves.step, response.evaluate(curves)
     times = np.sort(curves.events[:, 0])
@@ -51,17 +51,19 @@ def value_at(curves: Curves, response: Response, instant: float, event: bool) ->
 
 
 def cubic_through(time: np.ndarray, values: np.ndarray, last: int) -> np.polynomial.Polynomial:
-    """The cubic through the four instants up to `last`, or the nearest four that there are."""
+    """Polynomial, a cubic at most, through the four instants up to index `last`, or the nearest
+    four."""
     stop = min(max(last + 1, 4), len(time))
     window = slice(max(stop - 4, 0), stop)
     return np.polynomial.Polynomial.fit(time[window], values[window], len(time[window]) - 1)
 
 
 def _continued(curves: Curves, response: Response, rows, t: float) -> float | None:
-    """A response at a time after the instants `rows`, by what it is made of and the rates of that.
+    """Value of a response at a time t (s) after the instants `rows`, extrapolated from its
+    constituents and their rates.
 
-    None where these are not recorded, or would not have foretold the last of five instants better
-    than a cubic: what trembles between the instants, or jumps.
+    None where rates are not recorded, or would have predicted the last of five instants no better
+    than a cubic: a constituent that trembles between the instants, or jumps.
     """
     values = {}
     for name in response.subjects:
@@ -76,7 +78,7 @@ def _continued(curves: Curves, response: Response, rows, t: float) -> float | No
 
 
 def _with_rates(curves: Curves, kind: str, name: str) -> tuple[np.ndarray, np.ndarray] | None:
-    """What a response of a kind is made of, of that point or hinge, and its rates (t, k)."""
+    """Constituents of a response of a kind at a point or hinge, and their rates (t, k)."""
     if kind in ("position", "distance"):
         return curves.points[name]
     rates = {
@@ -90,8 +92,8 @@ def _with_rates(curves: Curves, kind: str, name: str) -> tuple[np.ndarray, np.nd
 
 
 def _continue(time: np.ndarray, values: np.ndarray, rates: np.ndarray, t: float):
-    """Values (1, k) at a time after five instants, where values and rates are (5, k); None where
-    they would not have foretold the last."""
+    """Values (1, k) at a time t after five instants, from values and rates (5, k); None where they
+    would not have predicted the last instant."""
     if len(time) < 5:
         return None
     cubic = np.polynomial.polynomial.polyfit(time[:4] - time[4], values[:4], 3)[0]
@@ -102,7 +104,7 @@ def _continue(time: np.ndarray, values: np.ndarray, rates: np.ndarray, t: float)
 
 
 def _hermite(time: np.ndarray, values: np.ndarray, rates: np.ndarray, instant: float) -> np.ndarray:
-    """Values (1, k) at a time of the polynomials that have these values and rates (n, k)."""
+    """Values (1, k) at a time of the polynomials with given values and rates (n, k)."""
     unit, powers = time[-1] - time[0], np.arange(2 * len(time))
     distance = ((time - instant) / unit)[:, None]
     rows = np.vstack([distance**powers, powers * distance ** np.maximum(powers - 1, 0)])

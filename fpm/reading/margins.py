@@ -95,8 +95,8 @@ def column_of(travel: Travel, variable: str, part: str) -> np.ndarray:
 
 
 def driving(works: Mapping[str, np.ndarray]) -> list[str]:
-    """The parts that drive somewhere on the way, by more than a rounding; works: their virtual work
-    (p,)."""
+    """Names of components that drive anywhere on the travel, by more than rounding; works: virtual
+    work (p,) by component."""
     largest = max((float(np.abs(work).max()) for work in works.values()), default=0.0)
     return [part for part, work in works.items() if work.max() > DRIVES * largest]
 
@@ -234,20 +234,20 @@ class _WeightedTravel:
 
 
 def values(response: Any, run: Any) -> np.ndarray:
-    """The margin (t,), evenly over the way of the run."""
+    """Margin (t,) of a run, at evenly spaced positions of its travel."""
     time = run.time
     return _WeightedTravel(response, run).margin((time - time[0]) / (time[-1] - time[0]))
 
 
 def least(response: Any, run: Any) -> tuple[float, float]:
-    """The least margin on the way of a run, and the opening there."""
+    """Least margin of a run over its travel, and the opening (rad, m) there."""
     travel = _WeightedTravel(response, run)
     position, margin = travel.least()
     return margin, float(interpolate(travel.positions, travel.opening, np.array([position]))[0])
 
 
 def torque_budget(response: Any, run: Any) -> Budget:
-    """What drives and resists where the margin of a run is least, part by part."""
+    """Torque budget of a run at its least margin, component by component."""
     travel = _WeightedTravel(response, run)
     position, margin = travel.least()
     points = np.array([position])

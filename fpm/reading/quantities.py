@@ -17,10 +17,13 @@ from fpm.reading.responses import Response
 
 @dataclass(frozen=True)
 class Quantity:
-    """A named number of a run: its `kind`, and what the other keys of its definition say.
+    """Definition of a named number of a run: its `kind`, the type of quantity, and the values of
+    its other keys.
 
-    unit (UDUNITS) and long_name are those of the number that `evaluate` returns. `places` are the
-    names of the elements whose `event` counts.
+    unit (UDUNITS) and long_name are those of the number that `evaluate` returns. response: None for
+    events; at: time (s), or the quantity that gives it; about, within, level (in the response's
+    unit), way, number: as docs/quantities.md defines them; places: names of the elements whose
+    `event` counts.
     """
 
     name: str
@@ -38,42 +41,48 @@ class Quantity:
     places: tuple[str, ...] = ()
 
     @property
-    def is_peak(self) -> bool:
-        """Whether it is as large as a response is for an instant."""
-        return KINDS[self.kind].peak
+    def is_instantaneous(self) -> bool:
+        """Whether the quantity has the size of the response at an instant: maximum, minimum, rms,
+        overshoot.
+
+        A shock that mesh and step do not resolve can then decide its value (Experiment.doubts).
+        """
+        return KINDS[self.kind].instantaneous
 
     @property
     def is_time(self) -> bool:
-        """Whether it is a time of the run (s)."""
+        """Whether the quantity is a time of the run (s)."""
         return KINDS[self.kind].unit == "s"
 
     @property
     def least(self) -> float | None:
-        """The least value that it can have; None where there is none."""
+        """Physical lower bound of the quantity; None where there is none."""
         if self.kind == "smallest_at":
             return None
         return 0.0 if self.is_time or KINDS[self.kind].positive else self.response.least
 
     @property
     def decider(self) -> "Quantity | None":
-        """The quantity whose `margin` tells whether there is this one; None where nothing does but
-        that there is."""
+        """Quantity whose `margin` is the event margin of this one; None if only its number tells
+        whether it exists."""
         if isinstance(self.at, Quantity):
             return self.at.decider
         settles = self.kind == "settling" and self.about is not None
         return self if self.kind == "crossing" or settles else None
 
     def margin(self, values: np.ndarray) -> np.ndarray:
-        """By how much (...) a decider happens, in the unit of its response, whose values (..., t)
-        are given: not above 0 where it does not, and continuous."""
+        """Event margin (...) of a decider, in the unit of its response, for the response's values
+        (..., t): above 0 if the event occurs, and continuous."""
         if self.kind == "settling":
             return self.within - np.abs(values[..., -1] - self.about)
         return crossing_margin(values - self.level, self.way, self.number)
 
     def evaluate(self, curves: Curves) -> float:
-        """The number of one run; NaN where what is asked for does not happen in it.
+        """Value of the quantity in one run; NaN if it does not exist there, as where an event does
+        not occur.
 
-        ValueError where the run had more events than were kept, and it may be among the others.
+        Raises ValueError if the run had more events than are kept, and the event may be one of the
+        others.
         """
         value = KINDS[self.kind].read(self, curves)
         # Parabolas and cubics between instants go below what can be.
@@ -223,7 +232,8 @@ class QuantityType(NamedTuple):
 
     read(quantity, curves): its number; text: its long name, with `about` for the response's and
     what else quantity_definitions puts in; mandatory, optional: the other keys of its definition;
-    unit: None for the response's; positive: whether it is never below 0; peak: `Quantity.is_peak`.
+    unit: None for the response's; positive: whether it is never below 0; instantaneous: as
+    `Quantity.is_instantaneous`.
     """
 
     read: Callable[[Quantity, Curves], float]
@@ -232,7 +242,7 @@ class QuantityType(NamedTuple):
     optional: tuple[str, ...] = ()
     unit: str | None = None
     positive: bool = False
-    peak: bool = False
+    instantaneous: bool = False
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -241,19 +251,21 @@ class QuantityType(NamedTuple):
 
 
 KINDS = {
-    "largest": QuantityType(_of_values(lambda q, time, y: peak(y)), "largest {about}", peak=True),
-    "smallest": QuantityType(_smallest, "smallest {about}", peak=True),
+    "largest": QuantityType(
+        _of_values(lambda q, time, y: peak(y)), "largest {about}", instantaneous=True
+    ),
+    "smallest": QuantityType(_smallest, "smallest {about}", instantaneous=True),
     "smallest_at": QuantityType(_place_of_smallest, "{place} of the smallest {about}"),
     "final": QuantityType(_of_values(lambda q, time, y: float(y[-1])), "final {about}"),
     "mean": QuantityType(_of_values(lambda q, time, y: _mean(time, y)), "mean {about}"),
     "rms": QuantityType(
         _of_values(lambda q, time, y: float(np.sqrt(_mean(time, y**2)))), "rms {about}",
-        positive=True, peak=True,
+        positive=True, instantaneous=True,
     ),
     "value": QuantityType(_value, "{about} {moment}", ("at",)),
     "overshoot": QuantityType(
         _of_values(lambda q, time, y: _overshoot(y, q.about)), "overshoot of the {about}",
-        optional=("about",), positive=True, peak=True,
+        optional=("about",), positive=True, instantaneous=True,
     ),
     "settling": QuantityType(
         _of_values(lambda q, time, y: settling(time, y, q.within, q.about)),

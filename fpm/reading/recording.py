@@ -17,7 +17,7 @@ from fpm.scenes.scene import Scene
 
 
 class Sides(NamedTuple):
-    """What a joint does to the particles of its sides: forces and moments about them, (t, 3)."""
+    """Forces and moments (t, 3) of a joint on the particles of its two sides."""
 
     on_one: np.ndarray
     about_one: np.ndarray
@@ -26,8 +26,8 @@ class Sides(NamedTuple):
 
 
 class Recording:
-    """What was recorded of one lane at t instants, `time` (t,) s, with steps of `step` (s); of what
-    the scene's probe names (elements/particles/probe.py)."""
+    """Records of one lane at instants `time` (t,) s, with steps of `step` (s), of what the scene's
+    probe names (elements/particles/probe.py)."""
 
     def __init__(self, batch, parts, lane: int, time: np.ndarray, step: float):
         self.scene: Scene = batch.scenes[lane]
@@ -37,7 +37,7 @@ class Recording:
         self._memo: dict[Hashable, Any] = {}
 
     def _rows(self, array: np.ndarray, count: int) -> np.ndarray:
-        """What was recorded of `count` things: (t, count, fields)."""
+        """Records of `count` items as (t, count, fields)."""
         rows = array[:, :, self._lane].reshape(len(self.time) + 1, count, array.shape[1])
         return rows[:-1]  # the last row is for checks between instants
 
@@ -65,16 +65,16 @@ class Recording:
         return {int(p): rates[:, :, :, k] for k, p in enumerate(motions[0][0][0])}
 
     def place(self, particle: int) -> np.ndarray:
-        """Position (t, 3) m."""
+        """Position (t, 3) m of a particle."""
         return self._frames[particle][:, :3]
 
     def axes(self, particle: int) -> np.ndarray:
-        """Axes (t, 3, 3), as columns."""
+        """Frame (t, 3, 3) of a particle, axes as columns."""
         second, third = np.split(self._frames[particle][:, 3:], 2, axis=1)
         return np.stack([np.cross(second, third), second, third], axis=2)
 
     def arm(self, beam) -> np.ndarray:
-        """From a virtual beam's particle to its end, (t, 3) m."""
+        """Vector (t, 3) m from a virtual beam's particle to its free end."""
         return self.axes(beam.particle) @ beam.arm
 
     def _column(self, particle: int, name: str) -> np.ndarray:
@@ -84,11 +84,11 @@ class Recording:
         return self._forces[particle][:, column : column + 3]
 
     def force(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
-        """Force (t, 3) N and moment (t, 3) N m on a particle, but for those that hold it."""
+        """Force (t, 3) N and moment (t, 3) N m on a particle, without those that hold it."""
         return self._column(particle, "FORCE"), self._column(particle, "MOMENT")
 
     def spin(self, particle: int) -> np.ndarray:
-        """Angular velocity (t, 3) rad/s."""
+        """Angular velocity (t, 3) rad/s of a particle."""
         if particle in self._driven_rates:
             return self._driven_rates[particle][1, :, 1]
         spin = self._angular(particle, self._column(particle, "MOMENTUM"))
@@ -96,7 +96,7 @@ class Recording:
         return spin
 
     def velocity(self, particle: int) -> np.ndarray:
-        """Velocity (t, 3) m/s."""
+        """Velocity (t, 3) m/s of a particle."""
         if particle in self._driven_rates:
             return self._driven_rates[particle][1, :, 0]
         velocity = self._column(particle, "VELOCITY").copy()
@@ -104,8 +104,9 @@ class Recording:
         return velocity
 
     def acceleration(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
-        """Acceleration (t, 3) m/s² and angular acceleration (t, 3) rad/s²: changes over the step
-        around each instant; of driven particles, over the half step after the first."""
+        """Acceleration (t, 3) m/s² and angular acceleration (t, 3) rad/s² of a particle: changes
+        over the step around each instant; of driven particles, over the half step after the
+        first."""
         if particle in self._driven_rates:
             v0, v1, v2 = self._driven_rates[particle]
             change = (v2 - v0) / self.step
@@ -123,14 +124,15 @@ class Recording:
         return np.einsum("tij,tj->ti", axes, change(np.einsum("tij,ti->tj", axes, vector)))
 
     def _angular(self, particle: int, momentum: np.ndarray) -> np.ndarray:
-        """Inverse inertia times (t, 3), about the axes about which the particle may turn."""
+        """Inverse inertia of a particle times a momentum (t, 3), about the axes about which it may
+        turn."""
         inertia = turns_of(self.scene).inertia[particle]
         rotation = self._in_own_axes(particle, momentum, lambda local: local / inertia)
         return rotation * ~self.scene.fixed[particle, 3:]
 
     def inertia(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
-        """Rates of change of momentum (t, 3) N and angular momentum (t, 3) N m of a particle as it
-        moves, driven or not."""
+        """Rates of change of momentum (t, 3) N and angular momentum (t, 3) N m of a particle,
+        driven or not."""
         (change, turning), spin = self.acceleration(particle), self.spin(particle)
         own = self.scene.inertia[particle]
         momentum, moment = (
@@ -139,14 +141,14 @@ class Recording:
         return self.scene.mass[particle] * change, moment + np.cross(spin, momentum)
 
     def moments(self, hinge: int) -> tuple[np.ndarray, np.ndarray]:
-        """Moments (t, PARTS) N m on a hinge of that index, or forces (t, PARTS) N on a slide, and
-        their work so far (t, PARTS) J."""
+        """Moments (t, PARTS) N m on a hinge (index), or forces N on a slide, by component, and
+        their work up to each instant (t, PARTS) J."""
         rows = self._rows(self._parts[Opening].told_track, len(self.scene.hinges) * len(PARTS))
         own = rows[:, hinge * len(PARTS) : (hinge + 1) * len(PARTS)]
         return own[..., 0], own[..., 1]
 
     def sections(self, bar: str) -> tuple[Bar, Sections]:
-        """A bar, and what the sections of its elements bear."""
+        """A bar by name, and the section forces of its elements."""
 
         def read() -> tuple[Bar, Sections]:
             bar_data = bars_of(self.scene)[bar]
@@ -155,14 +157,14 @@ class Recording:
         return self.memoize(bar, read)
 
     def memoize(self, key: Hashable, find: Callable[[], Any]) -> Any:
-        """What several columns are made of: found for the first of them."""
+        """Value of find(), computed once for each key."""
         if key not in self._memo:
             self._memo[key] = find()
         return self._memo[key]
 
     @cached_property
     def joints(self) -> list[tuple[Hinge | Joint, Sides]]:
-        """All joints, lone hinges and others, and what they do to their sides."""
+        """Forces and moments of all joints on their sides, lone hinges and others, by name."""
         pairs = []
         for kind in (Hinge, Joint):
             if elements := kind.of(self.scene):

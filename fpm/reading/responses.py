@@ -31,11 +31,12 @@ Names = Callable[[Scene], Iterable[str]]
 
 @dataclass(frozen=True)
 class Response:
-    """A named response: `kind`, what it is about (points, a hinge, ...), `component` of a vector.
+    """A scalar function of time that is read off a run, by its name and definition.
 
-    unit (UDUNITS) and long_name are those of the values that `evaluate` returns. columns: what of a
-    run it is made of, beside points and energies (`Curves.columns`). along: over what it lies, if
-    not over time; factors: of its columns, if it has some.
+    kind: type of response; subjects: names of its points, hinge, ...; component of a vector, or "";
+    unit (UDUNITS) and long_name of the values that `evaluate` returns; columns: (variable, label)
+    of a run that it is made of, besides points and energies; along: the abscissa, if not time;
+    factors: of its columns, if it has some.
     """
 
     name: str
@@ -50,12 +51,12 @@ class Response:
 
     @property
     def needs(self) -> tuple[Column, ...]:
-        """Columns that a run must record for it, beside what is always recorded."""
+        """Columns that a run must record for the response, besides what is always recorded."""
         return tuple(column for column in self.columns if column[0] in VARIABLES)
 
     @property
     def least(self) -> float | None:
-        """The least value that it can have; None where there is none."""
+        """Physical lower bound of the response's values; None where there is none."""
         if self.kind == "margin":
             return -1.0
         positive = KINDS[self.kind].positive
@@ -63,13 +64,33 @@ class Response:
         return 0.0 if self.component == "norm" or positive is True or is_positive else None
 
     def evaluate(self, run: Curves) -> np.ndarray:
-        """Values (t,) of the response for one run; KeyError if it did not record its needs."""
+        """Values (t,) of the response for one run; raises KeyError if the run did not record its
+        `needs`."""
         return KINDS[self.kind].values(self, run)
 
 
 def parse(name: str, definition: Mapping[str, Any], scene: Scene) -> Response:
-    """A response from its definition in a config, one of KINDS as docs/responses.md describes them;
-    SceneError names what is wrong."""
+    """Make a response from its definition in a config.
+
+    Parameters
+    ----------
+    name : str
+        Name of the response.
+    definition : mapping
+        Exactly one key of KINDS, and the further keys of this type, as in docs/responses.md.
+    scene : Scene
+        The scene whose points, hinges and bars the definition names.
+
+    Returns
+    -------
+    Response
+        With unit and long name.
+
+    Raises
+    ------
+    SceneError
+        For keys and values that are not allowed; it names them and what is.
+    """
     if not isinstance(definition, Mapping) or len(set(definition) & set(KINDS)) != 1:
         raise SceneError(f"responses.{name}", definition, f"exactly one of {', '.join(KINDS)}")
     kind = next(k for k in KINDS if k in definition)
@@ -87,7 +108,8 @@ def parse(name: str, definition: Mapping[str, Any], scene: Scene) -> Response:
 
 
 class Definition(NamedTuple):
-    """A definition in a config: the name of its response, its kind, its keys, the scene."""
+    """Definition of a response in a config: its name, its kind (type), all keys as `data`, and the
+    scene."""
 
     name: str
     kind: str
@@ -95,7 +117,8 @@ class Definition(NamedTuple):
     scene: Scene
 
     def one_of(self, choices: Iterable[str], key: str = "", value: object = None) -> str:
-        """The value of a key, or of the kind, or another one; SceneError unless it is known."""
+        """A value that has to be among choices: of a key, of the kind's own key, or `value`; raises
+        SceneError if it is not."""
         key, names = key or self.kind, list(choices)
         value = self.data[key] if value is None else value
         if not isinstance(value, str) or value not in names:
@@ -105,7 +128,7 @@ class Definition(NamedTuple):
         return value
 
     def hinge(self) -> tuple[str, bool, str]:
-        """The hinge that it is about, whether it is a slide, and its words."""
+        """Name of the hinge, whether it is a slide, and its name in words."""
         slides = {hinge.name: hinge.slides for hinge in self.scene.hinges}
         name = self.one_of(slides)
         kind = "slide" if slides[name] else "hinge"
@@ -113,11 +136,13 @@ class Definition(NamedTuple):
 
     @property
     def variable(self) -> Variable:
-        """The variable of its kind."""
+        """The recorded variable (unit, name, columns) that this response definition asks for, from
+        VARIABLES."""
         return VARIABLES[self.kind]
 
     def response(self, subjects: tuple[str, ...], component: str, *fields: Any) -> Response:
-        """The response that it means, of the other fields of one."""
+        """The response with the definition's name and kind; fields: the further ones of
+        Response."""
         return Response(self.name, self.kind, subjects, component, *fields)
 
 

@@ -18,8 +18,8 @@ others follow from openings and their rates."""
 
 
 def doubt(scene: Scene, response: Response) -> str:
-    """Why the peaks of a response mean nothing in a scene, and what to do, as a sentence; nothing
-    where they mean something."""
+    """Warning, as a sentence with the remedy, that peaks of a response do not converge with mesh
+    and step in a scene; "" where they do."""
     jumps = KINDS[response.kind].shock
     if response.kind in ("joint_moment", "joint_power"):
         jumps = response.subjects[1] in _HOLDING

@@ -39,8 +39,8 @@ def torsion_stresses(width: float, height: float, J: float) -> tuple[float, floa
 
 
 def equivalent(section: Section, force: np.ndarray, moment: np.ndarray) -> np.ndarray:
-    """Largest equivalent stress (...,) Pa of a section that bears forces (..., 3) N and moments
-    (..., 3) N m along its own axes."""
+    """Largest equivalent stress (...,) Pa of a section under forces (..., 3) N and moments (..., 3)
+    N m along its own axes."""
     normal = np.abs(force[..., 0]) / section.A
     torque, about_y, about_z = np.abs(np.moveaxis(moment, -1, 0))
     y, z = half_sizes(section)
@@ -57,13 +57,13 @@ def equivalent(section: Section, force: np.ndarray, moment: np.ndarray) -> np.nd
 
 
 def von_mises(normal: np.ndarray, shear: np.ndarray) -> np.ndarray:
-    """Equivalent stress of a normal and a shear stress."""
+    """Equivalent stress (Pa) of a normal and a shear stress (Pa)."""
     return np.sqrt(normal**2 + 3.0 * shear**2)
 
 
 def element_stress(scene: Scene, groups: Iterable[Beams], place, axes) -> np.ndarray:
-    """Largest equivalent stress (t, m) Pa in each element of groups of them; place and axes as for
-    `bars.sections`."""
+    """Largest equivalent stress (t, m) Pa in each element of groups of beams; place and axes as for
+    `bars.ends_of`."""
     stresses = []
     for beams in groups:
         force, moment = sections(scene, beams, place, axes)

@@ -36,14 +36,15 @@ LED_FROM = " led "  # between an opening and its travel
 
 
 class Variable(NamedTuple):
-    """A variable: unit (UDUNITS), words, and where its values come from.
+    """A variable that runs record on request: unit (UDUNITS), words, and the source of its values.
 
-    names(scene): of what it may be; parts: of each; probe(scene, name): what the loop has to keep;
-    values(recording, name): (t,), or (t, parts). form: how a definition of a response names a
-    column (`fpm.reading.responses.FORMS`), "" if there is no response of that name. shock: whether
-    a shock makes it jump, or as large as it is short (`fpm.reading.shocks`); positive: whether it
-    is never below 0; along: with what the name of the dimension ends; separator: with what begins,
-    in a label, what is no more of the name; time_dim: the dimension of its values.
+    names(scene): names of items that it may be recorded of; parts: components of each; probe(scene,
+    name): what the loop has to record; values(recording, name): (t,), or (t, parts). form: how a
+    definition of a response names a column (`fpm.reading.responses.FORMS`), "" if there is no
+    response of that name. shock: whether a shock makes it jump, or as large as it is short
+    (`fpm.reading.shocks`); positive: whether it is never below 0; along: end of the dimension's
+    name; separator: text in a label after which the name ends; time_dim: the dimension of its
+    values.
     """
 
     unit: str
@@ -73,7 +74,7 @@ class Variable(NamedTuple):
         return label.rpartition(" ")[::2] if self.parts else (label, "")
 
     def column(self, recording: Recording, label: str) -> np.ndarray:
-        """The values (t,) of a label."""
+        """Values (t,) of the column with a label."""
         name, part = self.split(label)
         values = self.values(recording, name)
         return values[:, self.parts.index(part)] if self.parts else values
@@ -83,7 +84,7 @@ class Variable(NamedTuple):
 
 
 def _turning(scene: Scene) -> dict[str, int]:
-    """What has an angular velocity: bodies and named points, with their particles."""
+    """Names with an angular velocity, bodies and named points, and their particles."""
     return {**{name: beam.particle for name, beam in scene.points.items()}, **scene.bodies}
 
 
@@ -118,7 +119,7 @@ def _openings(scene: Scene, slides: bool) -> list[str]:
 
 
 def _acting(index: int, recording: Recording, name: str) -> np.ndarray:
-    """Moments (t, parts) on a hinge (0), or their work (1)."""
+    """Moments (t, parts) on a hinge (index 0), or their work (index 1)."""
     return recording.moments(_hinge(recording.scene, name))[index]
 
 
@@ -291,9 +292,9 @@ VARIABLES = {
 
 
 def prepared(scene: Scene, columns: Iterable[Column]) -> Scene:
-    """A copy of a scene with the probe for some columns; itself where there are none.
+    """A copy of a scene with the probe for some columns; the scene itself where there are none.
 
-    SceneError for a column that it does not have.
+    Raises SceneError for a column that the scene does not have.
     """
     columns = list(columns)
     if not columns:
@@ -322,7 +323,7 @@ def prepared(scene: Scene, columns: Iterable[Column]) -> Scene:
 
 
 def numbers(scene: Scene, columns: Iterable[Column]) -> int:
-    """How many numbers of a sample the loop keeps at an instant for some columns."""
+    """Number of values of a sample that the loop records at an instant for some columns."""
     from fpm.elements.particles import probe_kernels
 
     probe = Probe.of_scene(prepared(scene, columns))
@@ -349,7 +350,7 @@ def recorded(recording: Recording, columns: Iterable[Column]) -> dict[str, Serie
 
 
 def words(columns: Iterable[Column]) -> str:
-    """Columns in words, each variable once with what it is of: for messages."""
+    """Columns in words, each variable once with its names, for messages."""
     return "; ".join(
         f"{name.replace('_', ' ')} of {', '.join(labels)}"
         for name, labels in _by_variable(columns).items()

@@ -56,12 +56,12 @@ COMPILE, COMPILE_KIND, COMPILE_JOINTS = 4.0, 1.0, 4.0
 
 
 def compile_seconds(scene: Scene) -> float:
-    """Seconds to compile the time loop for a scene's kinds, once on a machine."""
+    """Seconds to compile the time loop for the element types of a scene, once on a machine."""
     return COMPILE + sum(COMPILE_JOINTS if k is Joint else COMPILE_KIND for k in kinds_of([scene]))
 
 
 def step_seconds(scene: Scene) -> float:
-    """Seconds of a core for a step of eight runs side by side."""
+    """Core time (s) of one step of eight runs of a scene side by side."""
     cost = STEP
     elements = sum(len(beams.length) for beams in scene.beams)
     on_beams = {int(p) for beams in scene.beams for p in np.unique(beams.nodes)}
@@ -72,13 +72,14 @@ def step_seconds(scene: Scene) -> float:
 
 
 def run_seconds(scene: Scene, steps: int, instants: int) -> float:
-    """Seconds of a core for a run of so many steps and recorded instants, one of eight."""
+    """Core time (s) of one of eight runs side by side, with given numbers of steps and recorded
+    instants."""
     packing = PACKING + PER_STATEMENT * sum(map(len, scene.kinds.values()))
     return (steps * step_seconds(scene) + instants * 1e-9 * INSTANT) / 8 + packing
 
 
 def _of_kind(kind: type[ElementType], scene: Scene) -> float:
-    """Nanoseconds for all elements of a kind, but for beams."""
+    """Nanoseconds of a step for all elements of a type; of beams apart from this."""
     if kind.__name__ == "Damping":
         return DAMPED * len(scene.position)
     if kind.__name__ == "Viscosity":
@@ -118,7 +119,8 @@ def elimination_of(scene: Scene) -> tuple[int, float]:
 
 @cache
 def machine() -> float:
-    """How many times as long this one takes: with 512 bits a step took a 2.9th."""
+    """Factor on all costs for this machine: with 512 bits a step took a 2.9th of what is
+    tabulated."""
     from llvmlite.binding import get_host_cpu_features
 
     has = get_host_cpu_features()

@@ -36,7 +36,7 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class Link:
-    """A straight bar: its `particles` from start to end and its axes `triad` (3, 3) as columns."""
+    """A straight bar: `particles` (n,), indices from start to end, and its axes `triad` (3, 3)."""
 
     particles: np.ndarray
     triad: np.ndarray
@@ -46,7 +46,7 @@ _EYE = np.eye(3)
 
 
 def _rows(values, *shape: int) -> np.ndarray:
-    """Numbers of an array of this shape, those of one row for all or each row's own."""
+    """Array of a shape, from one row for all or a row for each."""
     array = np.empty(shape)
     array[...] = values
     return array
@@ -65,11 +65,19 @@ def _elements(kind: type[ElementType]) -> property:
 
 
 class Scene:
-    """Particles, and the elements between and on them, of one sample.
+    """Particles of one sample at their start, and the elements between and on them.
 
-    name: for messages; gravity (3,) m/s²; damping: mass-proportional rate (1/s), the force on a
-    particle is -damping * mass * velocity (and its like for rotation). `kinds` has the list of
-    elements for every kind that was added (kinds/).
+    `kinds` has the list of elements by element type (fpm/elements).
+
+    Parameters
+    ----------
+    name : str
+        Name in messages.
+    gravity : (3,) array
+        Acceleration of gravity (m/s²), in global axes.
+    damping : float
+        Mass-proportional damping rate (1/s): the force on a particle is
+        -damping * mass * velocity; rotations are damped alike.
     """
 
     def __init__(self, name: str = "scene", gravity=(0.0, 0.0, 0.0), damping: float = 0.0):
@@ -127,9 +135,9 @@ class Scene:
         self.kinds = {**self.kinds, Damping: [damping]}
 
     def add(self, element: ElementType) -> int:
-        """Add an element of any kind; returns its index among those of its kind.
+        """Add an element of any type; returns its index among the elements of its type.
 
-        SceneError if it does not fit into the scene as it is.
+        Raises SceneError if it does not fit into the scene as it is.
         """
         element.add_to(self)
         return len(self.kinds.get(type(element), [])) - 1
@@ -139,9 +147,23 @@ class Scene:
     def add_particles(self, position, mass, inertia, frame=None, velocity=0.0, spin=0.0):
         """Add n particles; returns their indices (n,).
 
-        position (n, 3) or (3,) m; mass (n,) kg; inertia (n, 3) principal values (kg m²) about the
-        particle's own axes; frame (3, 3) or (n, 3, 3): those axes as columns; velocity (n, 3) m/s;
-        spin (n, 3) rad/s in global axes. A particle without mass cannot be integrated: SceneError.
+        Parameters
+        ----------
+        position : (n, 3) or (3,) array
+            Positions (m).
+        mass : (n,) array or float
+            Masses (kg), above 0.
+        inertia : (n, 3) array
+            Principal moments of inertia (kg m²) about the particles' own axes, above 0.
+        frame : (3, 3) or (n, 3, 3) array, optional
+            The particles' own axes as columns; by default the global axes.
+        velocity, spin : (n, 3) array or float
+            Velocities (m/s) and angular velocities (rad/s) at the start, in global axes.
+
+        Raises
+        ------
+        SceneError
+            For masses that are not positive, and frames that are no rotations.
         """
         position = np.atleast_2d(np.asarray(position, float))
         first, n = len(self.position), len(position)
@@ -164,10 +186,20 @@ class Scene:
         return np.arange(first, first + n)
 
     def add_beams(self, nodes, section: Section, material: Material, normal, name="beam"):
-        """Add beam elements between existing particles, unstressed as they lie.
+        """Add m beam elements between existing particles, free of stress as they lie.
 
-        nodes (m, 2) particle indices; normal (3,) or (m, 3): a vector in the plane of the chord
-        and the section's local z axis.
+        Parameters
+        ----------
+        nodes : (m, 2) array
+            Indices of the particles at both ends.
+        section : Section
+            Cross-section of all elements.
+        material : Material
+            Material of all elements.
+        normal : (3,) or (m, 3) array
+            A vector in the plane of the chord and the section's local z axis.
+        name : str
+            Prefix of the elements' names.
         """
         self.add(Beams.create(self, nodes, section, material, normal, name))
 
@@ -182,10 +214,27 @@ class Scene:
         name: str = "link",
         inertia_scale: float = 1.0,
     ) -> Link:
-        """Add a straight bar of `elements` equal beam elements with lumped masses (lumping.py).
+        """Add a straight bar of equal beam elements, with particles of lumped masses; returns the
+        Link.
 
-        start, end (3,) m; normal (3,): lies in the plane of the bar and its section's z axis.
-        The particles' axes are the bar's.
+        The particles' axes are those of the bar. Masses are as of `fpm/elements/bars/lumping.py`.
+
+        Parameters
+        ----------
+        start, end : (3,) array
+            Ends of the bar (m).
+        normal : (3,) array
+            A vector in the plane of the bar and its section's local z axis.
+        section : Section
+            Cross-section.
+        material : Material
+            Material.
+        elements : int
+            Number of beam elements, at least 1.
+        name : str
+            Prefix of the elements' names.
+        inertia_scale : float
+            Factor, at least 1, on the section's rotational inertia.
         """
         start, end = np.asarray(start, float), np.asarray(end, float)
         chord = end - start
@@ -205,68 +254,155 @@ class Scene:
     # -- hinges, springs, contact -------------------------------------------------------------
 
     def add_hinge(self, name, particles, point, axis, references=None, opening=0.0, support=""):
-        """Hinge two particles at `point` (3,) about `axis` (3,); returns the hinge's index.
+        """Join two particles by a hinge; returns its index.
 
-        references: two vectors (3,), fixed to the first and the second particle and normal to the
-        axis, as they lie at the start; their angle is the opening. `opening` (rad) picks the turn:
-        the starting value is the one closest to it. Without references the hinge starts at
-        `opening`. support: global axes ("", "z", "xyz") along which the hinge point is held. point
-        and axis may be (2, 3), one for each particle, for fpm.assembly to bring together.
+        `point` and `axis` may be (2, 3), one for each particle, if `fpm.assembly` brings them
+        together.
+
+        Parameters
+        ----------
+        name : str
+            Name, which no other joint has.
+        particles : (int, int)
+            Indices of the first and the second particle.
+        point : (3,) array
+            Position of the hinge (m).
+        axis : (3,) array
+            Direction of the axis.
+        references : two (3,) arrays, optional
+            Vectors at the start, fixed to the first and the second particle and normal to the axis;
+            the opening is the angle from the first to the second. Without them the opening at
+            the start is `opening`.
+        opening : float
+            Opening (rad) at the start; with references, picks the turn that is nearest to it.
+        support : str
+            Global axes along which the hinge point is held: "", "z", "xyz".
         """
         return self.add(
             Hinge.create(self, name, particles, point, axis, references, opening, support)
         )
 
     def add_joint(self, name, type, particles, point, axis=(1, 0, 0), axis2=None) -> int:
-        """Join two particles at `point` (3,), if not by a hinge; returns the joint's index.
+        """Join two particles by a joint that is no hinge; returns its index.
 
-        type: "spherical"; "fixed"; "universal", about `axis` (3,) of the first and `axis2` (3,) of
-        the second, normal to it; "prismatic": the second slides on the first along `axis`. point
-        may be (2, 3), one for each particle, for fpm.assembly to bring together.
+        `point` may be (2, 3), one for each particle, if `fpm.assembly` brings them together.
+
+        Parameters
+        ----------
+        name : str
+            Name, which no other joint has.
+        type : str
+            "spherical"; "fixed"; "universal", about `axis` of the first and `axis2` of the second
+            particle; "prismatic", where the second slides on the first along `axis`.
+        particles : (int, int)
+            Indices of the first and the second particle.
+        point : (3,) array
+            Position of the joint (m).
+        axis : (3,) array
+            Direction of the axis.
+        axis2 : (3,) array, optional
+            Of a universal joint: the axis on the second particle, normal to `axis`.
         """
         return self.add(Joint.create(self, name, type, particles, point, axis, axis2))
 
     def add_slide(self, name, particles, point, axis, opening: float = 0.0) -> int:
-        """Join two particles by a slide; returns its index, as of a hinge: it counts among those.
+        """Join two particles by a slide; returns its index, which counts among the hinges.
 
-        The second slides on the first along `axis` (3,), by the opening (m), which is `opening` at
-        the start. point may be (2, 3), as for other joints.
+        The second particle slides on the first. `point` may be (2, 3), as for other joints.
+
+        Parameters
+        ----------
+        name : str
+            Name, which no other joint has.
+        particles : (int, int)
+            Indices of the first and the second particle.
+        point : (3,) array
+            Position of the joint (m).
+        axis : (3,) array
+            Direction of the slide, in which the opening grows.
+        opening : float
+            Opening (m) at the start.
         """
         return self.add(Joint.slide(self, name, particles, point, axis, opening))
 
     def add_universal(self, name, particles, point, axis, axis2, openings=(0.0, 0.0)) -> int:
-        """Join two particles by a cross about `axis` (3,) of the first and `axis2` (3,) of the
-        second, normal to it; returns the index of the angle about the first, the other's is next.
+        """Join two particles by a universal joint with two openings; returns the index of the
+        first.
 
-        They count among the hinges as `<name>_axis` and `<name>_other`: by which the cross turns
-        against the first particle, and the second against the cross; openings (rad): at the start.
+        The openings are those of the hinges `<name>_axis`, by which the cross turns against the
+        first particle, and `<name>_other`, with the next index, by which the second particle turns
+        against the cross.
+
+        Parameters
+        ----------
+        name : str
+            Name, which no other joint has.
+        particles : (int, int)
+            Indices of the first and the second particle.
+        point : (3,) array
+            Position of the joint (m).
+        axis, axis2 : (3,) array
+            Axes on the first and on the second particle, normal to each other.
+        openings : (float, float)
+            Both openings (rad) at the start.
         """
         hinges = Joint.universal(self, name, particles, point, axis, axis2, openings)
         return min(self.add(hinge) for hinge in hinges)
 
     def hold_point(self, name, particle: int, point, axes: str) -> int:
-        """Hold a point (3,) of a particle along global axes, e.g. "z"; returns the joint's index.
+        """Hold a point of a particle along global axes; returns the joint's index.
 
-        For points off the particle: what holds the particle itself is `fix`, and costs nothing.
+        For points off the particle; to hold the particle itself, `fix` costs nothing.
+
+        Parameters
+        ----------
+        name : str
+            Name, which no other joint has.
+        particle : int
+            Index of the particle.
+        point : (3,) array
+            Position of the point (m) at the start.
+        axes : str
+            Global axes along which it is held, as "z" or "xy".
         """
         return self.add(Joint.holding(self, name, int(particle), point, axes))
 
     def add_torsion_spring(self, hinge: int, stiffness: float, rest: float = 0.0) -> None:
-        """Torsion spring of `stiffness` (N m/rad) that turns a hinge towards `rest` (rad)."""
+        """Add a spring, of `stiffness` (N m/rad), that turns a hinge (index) towards the opening
+        `rest` (rad).
+
+        On a slide: N/m, and m.
+        """
         self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
 
     def add_contact(self, hinge: int, stiffness: float) -> None:
-        """Face-to-face contact of `stiffness` (N m/rad) where a hinge's opening is negative."""
+        """Add a contact of faces, of `stiffness` (N m/rad), where the opening of a hinge (index) is
+        below 0."""
         self.add(Contact(int(hinge), float(stiffness)))
 
     def add_cable(
         self, name, points, EA, rest=None, preload=None, reel=0.0, curve=-1, friction=None
     ):
-        """Cable through points, each a particle and a place (3,) m or None; returns its index.
+        """Add a cable through points of particles; returns its index.
 
-        EA (N); either its unstrained length `rest` (m), or the tension `preload` (N) that it has
-        at the start. A winch takes in the length `reel` (m) times a curve of time, at the first
-        point. friction: coefficient at the points between the ends; None: they turn freely.
+        Parameters
+        ----------
+        name : str
+            Name.
+        points : sequence of (int, (3,) array or None)
+            Particles (indices), and positions of the points on them (m); None: the particle itself.
+        EA : float
+            Axial stiffness (N), above 0.
+        rest : float, optional
+            Unstrained length (m); this or `preload`.
+        preload : float, optional
+            Tension (N) at the start; this or `rest`.
+        reel : float
+            Length (m) that a winch at the first point takes in, times the curve.
+        curve : int
+            Index of the winch's curve of time; -1: none.
+        friction : float, optional
+            Coefficient of friction at the points between the ends; None: they turn freely.
         """
         return self.add(Cable.create(self, name, points, EA, rest, preload, reel, curve, friction))
 
@@ -275,12 +411,24 @@ class Scene:
     def fix(self, particles, translations: str = "xyz", rotations: str = "xyz") -> None:
         """Hold particles along and about global axes.
 
-        One that is in joints and has unlike inertias is held about none, two or all axes.
+        A particle that is in joints and has unlike moments of inertia is held about none, two or
+        all axes.
+
+        Parameters
+        ----------
+        particles : int or sequence of int
+            Indices of the particles.
+        translations, rotations : str
+            Global axes along and about which they are held: letters of "xyz".
         """
         self.add(Support(tuple(np.atleast_1d(particles)), translations, rotations))
 
     def add_curve(self, times: Sequence[float], values: Sequence[float]) -> int:
-        """A piecewise linear curve of time (s), constant outside; returns its index."""
+        """Add a piecewise linear curve of time (s), constant before and after its points; returns
+        its index.
+
+        Raises SceneError unless there is a value for each of the increasing times.
+        """
         times, values = np.asarray(times, float), np.asarray(values, float)
         if times.shape != values.shape or times.ndim != 1 or np.any(np.diff(times) <= 0):
             raise SceneError("curve", (times.tolist(), values.tolist()), "increasing times")
@@ -288,30 +436,53 @@ class Scene:
         return len(self.curves) - 1
 
     def add_load(self, particle, force=(0, 0, 0), moment=(0, 0, 0), arm=(0, 0, 0), curve=-1):
-        """Dead load on a particle: force (3,) N at the end of `arm` (3,) m, moment (3,) N m.
+        """Add a dead load on a particle: it keeps its global direction.
 
-        All in global axes; the arm, as it lies at the start, is fixed to the particle.
+        Parameters
+        ----------
+        particle : int
+            Index of the particle.
+        force, moment : (3,) array
+            Force (N) and moment (N m), in global axes.
+        arm : (3,) array
+            Vector (m) from the particle to where the force acts, at the start; it is fixed to the
+            particle.
+        curve : int
+            Index of the curve of time that scales both; -1: constant.
         """
         frame = self.frame if self.unstrained is None else self.unstrained
         beam = VirtualBeam(int(particle), frame[particle].T @ np.asarray(arm, float))
         self.add(Load(beam, np.asarray(force, float), np.asarray(moment, float), int(curve)))
 
     def drive(self, particle: int, velocity=(0, 0, 0), spin=(0, 0, 0), curve: int = -1) -> None:
-        """Prescribe a particle's velocity (3,) m/s and spin (3,) rad/s, scaled by a curve.
+        """Prescribe the motion of a particle.
 
         Several drives of one particle add up (spins: one turn after another in each step).
+
+        Parameters
+        ----------
+        particle : int
+            Index of the particle.
+        velocity, spin : (3,) array
+            Velocity (m/s) and angular velocity (rad/s), in global axes.
+        curve : int
+            Index of the curve of time that scales both; -1: constant.
         """
         velocity, spin = np.asarray(velocity, float), np.asarray(spin, float)
         self.add(Drive(int(particle), velocity, spin, int(curve)))
 
     def add_point(self, name: str, particle: int, position=None) -> None:
-        """Name a point fixed to a particle, at `position` (3,) m (default: the particle itself)."""
+        """Name a point that is fixed to a particle (index), at `position` (3,) m; None: the
+        particle itself.
+
+        Raises SceneError if the name is in use.
+        """
         if name in self.points:
             raise SceneError("point", name, f"a name not yet used ({', '.join(self.points)})")
         self.points[name] = self.arm_to(int(particle), position)
 
     def arm_to(self, particle: int, point=None) -> VirtualBeam:
-        """The virtual beam from a particle to a point (3,) m, by default itself.
+        """The rigid offset from a particle (index) to a point (3,) m; None: the particle itself.
 
         Of a scene that was assembled, both are taken where they lay before.
         """
@@ -329,5 +500,5 @@ class Scene:
 
     @property
     def elements(self) -> list[str]:
-        """Names of all elements that store energy, in the order of the kinds."""
+        """Names of all elements that store energy, in the order of element types."""
         return [name for kind in kinds_of([self]) if kind.stores for name in kind.names(self)]

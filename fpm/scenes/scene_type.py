@@ -1,4 +1,4 @@
-"""A structure that scenes are built from, and what may be set in it."""
+"""Structures from which scenes are built, and their parameters."""
 
 import hashlib
 from collections.abc import Callable, Mapping
@@ -19,10 +19,11 @@ def one_line(text: str) -> str:
 
 @dataclass(frozen=True)
 class Parameter:
-    """What a scene's parameter is and which values it takes.
+    """Definition of a parameter of a structure: default, unit, description, and closed range of
+    values.
 
-    kind: "real" or "integer"; only real ones may be intervals. The range is closed. A default of
-    None means: follows from the others.
+    kind: "real" or "integer"; only real ones may be intervals. A default of None follows from other
+    parameters.
     """
 
     default: float | int | None
@@ -37,7 +38,7 @@ class Parameter:
 
     @property
     def allowed(self) -> str:
-        """The allowed values in words."""
+        """Allowed values of the parameter, in words."""
         noun = "a whole number" if self.kind == "integer" else "a number"
         bounds = []
         if self.lower > float("-inf"):
@@ -48,7 +49,7 @@ class Parameter:
         return " ".join([noun, " and ".join(bounds)]).strip() + unit
 
     def check(self, name: str, value: object) -> None:
-        """SceneError unless `value` is allowed."""
+        """Check a value of the parameter; raises SceneError if it is not allowed."""
         if value is None and self.default is None:
             return
         right = isinstance(value, int | float) and not isinstance(value, bool)
@@ -60,10 +61,10 @@ class Parameter:
 
 @dataclass(frozen=True)
 class SceneType:
-    """A structure whose scenes are built from named parameters.
+    """A structure, whose scenes are built from named parameters.
 
-    mesh: the parameter that sets the mesh, or None; content: digest of the structure's own files;
-    values: those of parameters for its `sample`.
+    mesh: name of the parameter that sets the mesh, or None; content: digest of the structure's own
+    files; values: parameters of its `sample`.
     """
 
     name: str
@@ -79,7 +80,8 @@ class SceneType:
 
     @cached_property
     def sample(self) -> Scene:
-        """The scene at `values`: what there is, whatever the other parameters are."""
+        """The scene at `values`, for names of points, hinges and elements, which no parameter
+        changes."""
         return self.build(**self.values)
 
     @cached_property
@@ -93,16 +95,20 @@ class SceneType:
 
     @property
     def digest(self) -> str:
-        """16 hex digits that change with the code that computes this scene's runs.
+        """16 hexadecimal digits that change with the code that computes this structure's runs.
 
-        It covers all of the mechanics that can change their numbers, and the structure's content.
-        ChangedError where the mechanics are no longer those that were imported.
+        They cover all of the mechanics that can change numbers of runs, and the structure's
+        content. Raises ChangedError where the mechanics are no longer those that were imported.
         """
         content = f"{sources.mechanics()} {self.content}"
         return hashlib.sha256(content.encode()).hexdigest()[:16]
 
     def build(self, **parameters) -> Scene:
-        """The scene; defaults fill in what is not given. SceneError names what is wrong."""
+        """Build the scene at values of parameters, by name; the others take their defaults.
+
+        Raises SceneError for names that there are not, values that are not allowed, and parts that
+        do not fit.
+        """
         for name, value in parameters.items():
             if name not in self.parameters:
                 raise SceneError(

@@ -112,10 +112,12 @@ def fastest(modes) -> tuple[float, np.ndarray]:
 
 
 def stable_step(scene: Scene) -> StableStep:
-    """Largest stable step of a scene, before any safety factor.
+    """Largest stable step of a scene at its start, before any safety factor: 2/ω of its highest
+    frequency ω.
 
-    A scene without stiffness (free bodies) has no limit: infinity, frequency 0, element "none".
-    With dampers the limit is approached from below, to 1 %.
+    Returns a StableStep: step (s), frequency (rad/s), and the element that limits it. A scene
+    without stiffness (free bodies) has no limit: infinity, frequency 0, element "none". With
+    dampers the limit is approached from below, to 1 %.
     """
     limit = _limit(scene)
     if all(kind.dampings(scene) is None for kind in kinds_of([scene])):

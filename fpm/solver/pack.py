@@ -27,7 +27,7 @@ def topology(scene: Scene) -> tuple:
 
 
 def check_topology(scenes: Sequence[Scene]) -> None:
-    """SceneError unless all scenes can run side by side."""
+    """Check that all scenes can run side by side; raises SceneError if not."""
     first = topology(scenes[0])
     for i, scene in enumerate(scenes[1:], start=1):
         if topology(scene) != first:

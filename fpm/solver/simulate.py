@@ -21,7 +21,8 @@ CHECK_EVERY = 50
 
 
 class Division(NamedTuple):
-    """How the time between two instants is divided: step (s), steps per instant and per check."""
+    """Division of the time between two instants: step (s), number of steps per instant, and per
+    check."""
 
     step: float
     per_instant: int
@@ -29,7 +30,23 @@ class Division(NamedTuple):
 
 
 def divide_time(duration: float, instants: int, max_step: float) -> Division:
-    """The step that `simulate` takes: at most `max_step` (s), whole steps between two instants."""
+    """Divide the time between two instants into equal steps of at most `max_step`, as `simulate`
+    does.
+
+    Parameters
+    ----------
+    duration : float
+        Duration of the run (s), above 0.
+    instants : int
+        Number of recorded instants, with both ends; at least 2.
+    max_step : float
+        Largest allowed step (s), above 0.
+
+    Returns
+    -------
+    Division
+        `step` (s), steps `per_instant`, and steps `per_check` of the energy balance.
+    """
     interval = duration / (instants - 1)
     # The tiny allowance keeps a step that was given as an exact share of the interval.
     steps = max(1, math.ceil(interval / max_step * (1 - 1e-12)))
@@ -49,16 +66,42 @@ def simulate(
     dtype=np.float64,
     record: Iterable[Column] = (),
 ) -> list[Outcome]:
-    """Integrate scenes of one topology over `duration` s; one Outcome per scene, in order.
+    """Integrate scenes of one topology over a duration, side by side.
 
-    instants: number of recorded instants, evenly spaced from 0 to duration, both included.
-    step (s): the time step, shortened if need be so that whole steps make up the time between two
-    instants; None: `safety` times the smallest stable step of the scenes given. A sample's
-    numbers depend on its scene and the step only, bit for bit, not on the scenes beside it.
-    energy_tolerance: a sample fails when its energy balance is off by more than this share of the
-    largest energy it held. record: columns that are recorded as well (fpm.reading.variables); the
-    motion and what is always recorded do not depend on them. SceneError for bad arguments or
-    topologies that differ.
+    A sample's numbers depend on its scene and the step only, bit for bit, not on the scenes beside
+    it.
+
+    Parameters
+    ----------
+    scenes : Scene or sequence of Scene
+        Scenes that differ in numbers only.
+    duration : float
+        Duration (s), above 0.
+    instants : int
+        Number of recorded instants, evenly spaced from 0 to `duration`; at least 2.
+    step : float, optional
+        Time step (s), shortened so that whole steps make up the time between two instants;
+        by default `safety` times the smallest stable step of the scenes.
+    safety : float
+        Factor on the stable step, where no step is given.
+    energy_tolerance : float
+        A sample fails where its energy balance is off by more than this fraction of the
+        largest energy that it held.
+    dtype : numpy dtype
+        Precision of the run, float64 or float32.
+    record : iterable of (variable, label)
+        Columns that are recorded as well (`fpm.reading.variables`). The motion, and what is
+        always recorded, do not depend on them.
+
+    Returns
+    -------
+    list of Outcome
+        One for each scene, in order; a run that failed has its `failure`.
+
+    Raises
+    ------
+    SceneError
+        For arguments that are not allowed, and for topologies that differ.
     """
     from fpm.kernels.lanes import width as lanes_of
 
@@ -92,7 +135,8 @@ def simulate(
 
 
 def _integrate(scenes, width, dtype, instants, division, tolerance):
-    """Integrate one batch: the Batch, the arrays of its kinds, its World and its Record."""
+    """Integrate one batch of scenes; returns the Batch, the arrays of its element types, its World
+    and its Record."""
     run = _integrate_once(scenes, width, dtype, instants, division, tolerance, pack.MOST_EVENTS)
     event_count = int(run[0].event_count[: len(scenes)].max())
     if event_count > pack.MOST_EVENTS:
@@ -115,7 +159,7 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
 
 
 def is_compiled(scene: Scene) -> bool:
-    """Whether the cache on disk has the solver for the kinds in a scene."""
+    """Whether the cache on disk has the time loop for the element types of a scene."""
     from fpm.kernels.compiled import DIGESTS, cache_folder
     from fpm.kernels.lanes import width as lanes_of
 
@@ -125,9 +169,9 @@ def is_compiled(scene: Scene) -> bool:
 
 
 def warm_up(scene: Scene, record=()) -> None:
-    """Compile the solver for the kinds in a scene, or load it from the cache on disk.
+    """Compile the time loop for the element types of a scene, or load it from the cache on disk.
 
-    record: as for `simulate`.
+    record: columns to be recorded, as for `simulate`.
     """
     # One step; a stable one takes a while.
     simulate(scene, duration=1e-9, instants=2, step=1e-9, record=record)

@@ -51,10 +51,10 @@ imply.
 
 
 def consistent_scene(scene: Scene) -> Scene:
-    """The scene, or a copy with velocities and spins that agree with all that holds and moves it.
+    """The scene, or a copy with velocities and spins that agree with its joints, motors and drives.
 
-    Where none do, as where motors contradict each other, those are taken that are off least: joints
-    gape then, by which the run fails. SceneError as of `check_masses`.
+    Where none do, as where motors contradict each other, those with the least error are taken:
+    joints gape then, by which the run fails. Raises SceneError as `check_masses` does.
     """
     check_masses(scene)
     # One for each that has any: of a motor and a latch on one hinge, the motor alone.
@@ -82,7 +82,8 @@ def consistent_scene(scene: Scene) -> Scene:
 
 
 def check_masses(scene: Scene) -> None:
-    """SceneError where light bodies between heavy ones hide from the joints what these do."""
+    """Check that masses at joints can be told from each other; raises SceneError where light bodies
+    between heavy ones hide from the joints what these do."""
     masses = scene.mass[~scene.fixed.all(axis=1)]
     if masses.max(initial=0.0) <= MASS_RATIO * masses.min(initial=np.inf):
         return
@@ -98,14 +99,13 @@ def check_masses(scene: Scene) -> None:
 
 
 def _rows(scene: Scene, conditions: Conditions):
-    """Sparse rows (c, 6n) of conditions at the start."""
+    """Sparse derivatives (c, 6n) of conditions at the start."""
     return conditions.jacobian(ParticlePoses(scene.position, scene.frame))
 
 
 def _scaled(scene: Scene, rows):
-    """Rows of length one, by the motions times the roots of their masses; those roots' inverse
-    (6n, 6n), and what each row was divided by, as factors (c,).
-    """
+    """Rows of unit length, by motions times the roots of masses; inverse roots of the masses (6n,
+    6n); and factors (c,), the length by which each row was divided."""
     from scipy.sparse import block_diag, diags
 
     free = ~scene.fixed
@@ -122,7 +122,8 @@ def _scaled(scene: Scene, rows):
 
 
 def _least_change(scene: Scene, rows, residual: np.ndarray, most: float) -> np.ndarray:
-    """The change (n, 6) of velocities and spins by which rates of conditions change by -residual.
+    """Change (n, 6) of velocities (m/s) and spins (rad/s), the least by masses, that changes rates
+    of conditions by -residual.
 
     Where masses lie far apart, what joins light bodies says little about the heavy ones: so the
     unknowns are d times the root of M, and the residuals are solved for, again and again.

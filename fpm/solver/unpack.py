@@ -17,7 +17,8 @@ from fpm.scenes.timestep import StableStep, stable_step
 def outcome_of(
     run, lane: int, times: np.ndarray, division, limit: StableStep | None, extra=()
 ) -> Outcome:
-    """The outcome of one lane of a run, (Batch, parts, World, Record); extra: further columns."""
+    """Outcome of one lane of a run, (Batch, parts, World, Record); extra: further columns to be
+    read."""
     batch, parts, world, record = run
     scene, instants = batch.scenes[lane], len(times)
     steps = division.per_instant * (instants - 1)
@@ -66,8 +67,8 @@ def outcome_of(
 
 
 def _start_velocity(scene: Scene, beam, velocity: np.ndarray) -> None:
-    """The first velocity (t, 3) of a point is that with which it starts; the mean of the half steps
-    before and after is that to the second order only."""
+    """Set the first row of a velocity (t, 3) m/s of a point to that of the scene at its start, in
+    place; the mean of the half steps before and after the start is right to second order only."""
     particle = beam.particle
     if particle not in Drive.moved(scene):
         arm = scene.frame[particle] @ beam.arm
@@ -76,7 +77,7 @@ def _start_velocity(scene: Scene, beam, velocity: np.ndarray) -> None:
 
 
 def _energies(batch, record, lane: int, instants: int) -> dict[str, np.ndarray]:
-    """Energies (t,) by name; those that no kind in the scene has are zero."""
+    """Energies (t,) J by name; energies of element types that the scene has not are zero."""
     table = record.energies[:instants, :, lane]
     energies = {energy.name: np.zeros(instants, table.dtype) for energy in batch.energies}
     for k, energy in enumerate(batch.accounts):
@@ -91,7 +92,7 @@ def _energies(batch, record, lane: int, instants: int) -> dict[str, np.ndarray]:
 
 
 def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityError:
-    """Why a lane failed, and what to change."""
+    """The InstabilityError of a lane that failed: cause, element and remedy."""
     batch, _, _, record = run
     scene, balance = batch.scenes[lane], float(record.failed_balance[lane])
     names = [(name, kind) for kind in batch.rows.of for name in kind.names(scene)]
@@ -117,10 +118,8 @@ def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityE
 
 
 def _final(scene: Scene, kinds, world, lane: int, time: float) -> Motion:
-    """The motion at the last instant; the momenta stand half a step before (kept) and after it.
-
-    What kinds prescribe is that at `time` (s).
-    """
+    """Motion of all particles at the last instant, at `time` (s), from momenta half a step before
+    (kept) and after it."""
     state, start = world.state[:, :, lane], world.start_state[:, :, lane]
     second, third = start[:, layout.D2 : layout.D2 + 3], start[:, layout.D3 : layout.D3 + 3]
     frame = columns(cross(second, third), second, third)

@@ -15,6 +15,9 @@ __all__ = ["StructureError", "load", "loads"]
 
 
 def load(path: str | Path) -> SceneType:
-    """The structure of a file, `.yaml` or `.py`; StructureError says all that is wrong with it."""
+    """Load a structure from a file, `.yaml` or `.py`; returns its SceneType.
+
+    Raises StructureError, which lists all that is wrong with the file. A `.py` file is run.
+    """
     path = Path(path)
     return load_python(path) if path.suffix == ".py" else load_text(path)

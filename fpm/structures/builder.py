@@ -42,7 +42,7 @@ class Body:
 
 
 class Ground(Body):
-    """What does not move; every point can be one of it."""
+    """The ground, which does not move; every point can be one of its points."""
 
     def particle(self, point: str) -> int:
         return 0

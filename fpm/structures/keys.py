@@ -38,7 +38,7 @@ class Key:
 
     @property
     def allowed(self) -> str:
-        """What is allowed, in words."""
+        """Allowed values in words."""
         raise NotImplementedError
 
     def sliding(self, joints: Container[str]) -> "Key":
@@ -46,7 +46,8 @@ class Key:
         return self
 
     def read(self, node: Node, place: Place) -> Value:
-        """What the node means; what is wrong is noted, and SkippedError raised."""
+        """The value of a node as a function of the Builder; raises SkippedError after noting what
+        is wrong."""
         raise NotImplementedError
 
 
@@ -245,9 +246,9 @@ class PointKey(Key):
 
 @dataclass(frozen=True)
 class ListKey(Key):
-    """A list of values of one kind, `least` to `most` of them, no two the same name.
+    """A list of values of one key, `least` to `most` of them, each name once.
 
-    units: whether {each: REPEAT, through: [...]} may stand for those of all units of a repeat.
+    units: whether {each: REPEAT, through: [...]} may represent the values of all units of a repeat.
     """
 
     kind: Key | None = None
@@ -294,9 +295,9 @@ class ListKey(Key):
 
 @dataclass(frozen=True)
 class MapKey(Key):
-    """A mapping from names of a group to values of one kind; its value is keyed by full names.
+    """A mapping from names of a group to values of one key; its value is keyed by full names.
 
-    one: whether one value for all may stand in its place.
+    single: whether one value for all may stand in its place.
     """
 
     group: str = "parts"

@@ -18,9 +18,10 @@ def load_python(path: Path) -> SceneType:
     """The structure of a Python file with `PARAMETERS` and `build`, and, if it has them, `MESH` and
     `DATA`.
 
-    PARAMETERS: dict of fpm.scene_type.Parameter; build(**parameters) -> fpm.Scene; MESH: the name
-    of the parameter that sets the mesh; DATA: patterns of files, from its folder, that it reads at
-    other values only or unseen (`fpm.structures.opened`). The docstring is its description.
+    PARAMETERS: dict of fpm.scenes.scene_type.Parameter; build(**parameters) -> fpm.Scene; MESH: the
+    name of the parameter that sets the mesh; DATA: patterns of files, from its folder, that it
+    reads at other values only or unseen (`fpm.structures.opened`). The docstring is its
+    description.
     StructureError otherwise. Its digest is of all files that are opened while it is loaded and
     built at its defaults, of those below its folder that its code imports, and of DATA. It is
     loaded once, and again when one of these has changed.
@@ -70,7 +71,9 @@ def _build_type(path: Path, module: ModuleType) -> SceneType:
     mesh = getattr(module, "MESH", None)
     values = parameters.values() if isinstance(parameters, dict) else [None]
     if not all(isinstance(value, Parameter) for value in values):
-        _refuse(path, "PARAMETERS: missing; allowed: a dict of fpm.scene_type.Parameter by name")
+        _refuse(
+            path, "PARAMETERS: missing; allowed: a dict of fpm.scenes.scene_type.Parameter by name"
+        )
     if not callable(build):
         _refuse(path, "build: missing; allowed: a function of the parameters that gives a Scene")
     if mesh is not None and (mesh not in parameters or parameters[mesh].kind != "integer"):

@@ -33,7 +33,8 @@ class Problem(NamedTuple):
 
 
 class StructureError(SceneError):
-    """A structure that cannot be built; `problems` are all things that are wrong with it.
+    """Raised for a structure that cannot be built; `problems` lists everything that is wrong with
+    it.
 
     `source` names the file. As a `SceneError` it has `key`, `value` and `allowed` too.
     """

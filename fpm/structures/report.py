@@ -104,10 +104,7 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
 
 
 def redundant(scene: Scene) -> list[str]:
-    """Names of the joints and supports whose conditions depend on those of others.
-
-    Rigid parts can only bear them if lengths and axes fit exactly; elastic ones give way.
-    """
+    """Names of the joints and supports whose conditions depend on other ones."""
     rows, names = jacobian(scene)
     shares = dependence(rows)[1]
     return list(dict.fromkeys(n for n, share in zip(names, shares, strict=True) if share > 1e-6))
@@ -136,7 +133,7 @@ def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, fl
 
 
 def cost(scene: Scene, duration: float, safety: float = 0.9) -> RunCost:
-    """What a run over `duration` (s) takes, at `safety` times the stable step."""
+    """Cost of a run over `duration` (s), at `safety` times the stable step."""
     limit = stable_step(scene)
     steps = max(1, math.ceil(duration / (safety * limit.step))) if limit.step < np.inf else 1
     seconds = machine() * run_seconds(scene, steps, 0)

@@ -98,9 +98,9 @@ CLASS = {"class": ChoiceKey(None, "in margins; left out: by what it is", options
 
 
 def key_of(kind: type[ElementType], name: str, left_out: str = "", **changes: Any) -> Key:
-    """The key of a field of a kind, with these changes.
+    """The key for a field of an element type, with changes.
 
-    left_out: what it means where the key is left out, which the field does not allow by itself.
+    left_out: meaning of a key that is left out, which the field does not allow by itself.
     """
     field = specs(kind)[name]
     default = {f.name: f.default for f in fields(kind)}[name]

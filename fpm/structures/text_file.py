@@ -90,12 +90,17 @@ class _File:
 
 
 def load_text(path: Path) -> SceneType:
-    """The structure of a YAML file; StructureError says all that is wrong with it."""
+    """Load a structure from a YAML file; raises StructureError, which lists all that is wrong with
+    it."""
     return loads(read_text(path), str(path))
 
 
 def loads(text: str, source: str = "structure") -> SceneType:
-    """The structure of a YAML file's text; `source` names it in messages."""
+    """Make a structure of the text of a YAML file; returns its SceneType.
+
+    source: name of the text in messages. Raises StructureError, which lists all that is wrong with
+    it.
+    """
     problems = Problems(source)
     node = read(text, problems)
     if len(OF_CAMPAIGNS & node.entries.keys()) > 1:

@@ -1,16 +1,17 @@
-"""Travel: an opening is led slowly from one value to another, and what acts is told apart.
+"""Quasi-static sweep of a joint opening over its travel, with the virtual work of every component.
 
-At every position the opening is held, and the rest lies in balance: all joints closed, and strain,
-springs, loops, cables, weight and loads in equilibrium (fpm/assembly), without what only resists,
-as friction. The way from one position to the next is that of the balance itself,
+At every position the opening is held, and the rest is in static balance: all joints closed, and
+strain, springs, loops, cables, weight and loads in equilibrium (fpm/assembly), without components
+that only resist, as friction. The motion from one position to the next is that of the balance
+itself,
 
     H t + G'p = 0,   G t = e
 
 e being one for the opening that is led and zero for all other conditions; t, the motion of all
-particles per unit of the opening, starts the next position. Each element's virtual work w = F·t is
-what it gives (w > 0) or takes per unit of the way, at a rate that vanishes: by its own kernels,
-with friction sliding the way that its joint goes. Kinetic energy does not enter, nor what holds:
-motors that prescribe the opening, releases, and latches.
+particles per unit of the opening, predicts the next position. The virtual work w = F·t of each
+element, per unit of the opening at a vanishing rate, is actuating (w > 0) or resistive (w < 0); it
+comes from the element's own kernels, with friction that slips as its joint goes. Kinetic energy
+does not enter, nor do elements that hold: motors that prescribe the opening, releases, and latches.
 """
 
 from fpm.travel.components import STRAIN, classes_of_kinds, parts_of, reeled, springs_of

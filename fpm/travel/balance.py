@@ -36,7 +36,7 @@ class Balance:
         self.acting = [ElementForces(scene, elements) for elements in by_kind.values()]
 
     def strain(self, poses: ParticlePoses) -> float:
-        """Energy (J) of the bars."""
+        """Strain energy (J) of the bars."""
         return self._bars.energy(poses) if len(self._bars.nodes) else 0.0
 
     def derivatives(self, poses: ParticlePoses):
@@ -73,11 +73,11 @@ class Balance:
 def forces_with_friction(
     base: Sequence[np.ndarray], slopes: Sequence[np.ndarray]
 ) -> tuple[np.ndarray, bool]:
-    """The forces F (b,) N in bearings with their own friction, and whether there are such forces.
+    """Forces F (b,) N in bearings with their own friction, and whether there is a solution.
 
     F_i = |base_i + slopes_i F|, base_i (r,) being the force in joint i without the bearings'
-    friction, slopes_i (r, b) how it goes with theirs. The solution is followed by Newton's method
-    from no friction on; where its equations become singular, a bearing locks itself.
+    friction, slopes_i (r, b) its derivatives by F. The solution is followed by Newton's method from
+    no friction on; where its equations become singular, a bearing locks itself.
     """
     forces = np.array([np.linalg.norm(x) for x in base])
     for factor in np.linspace(0.0, 1.0, 1 + FRICTION_STEPS)[1:]:

@@ -27,14 +27,15 @@ DRAGS = ("FR", "HY")
 
 
 def parts_of(scene) -> dict[str, str]:
-    """The parts of the virtual work in a scene, with their classes (ElementType.resists_as)."""
+    """Names of the components of the virtual work in a scene, with their classes
+    (ElementType.resists_as)."""
     classes = {part.name: part.resists_as for part in components_of(scene)}
     classes = {bearing_name(scene, hinge): "FR" for hinge in scene.bearings} | classes
     return classes | ({STRAIN: "S"} if scene.beams else {})
 
 
 def springs_of(scene) -> list[str]:
-    """The parts that are springs on joints, by tables too."""
+    """Names of the components that are springs on joints, springs by tables included."""
     return [
         part.name for part in components_of(scene)
         if isinstance(part.balanced, TorsionSpring | TableSpring) and part.resists_as == "S"
@@ -42,8 +43,8 @@ def springs_of(scene) -> list[str]:
 
 
 def classes_of_kinds(scene) -> dict[str, str]:
-    """The classes that parts have by what they are, whatever a file says; but a table is a spring
-    where it says so."""
+    """Classes of all components by element type alone, whatever a file says; but a table is a
+    spring where a file says so."""
     own = {bearing_name(scene, hinge): "FR" for hinge in scene.bearings}
     for part in components_of(scene):
         own[part.name] = "FR" if part.baseline else type(part.balanced).resists_as
@@ -53,7 +54,8 @@ def classes_of_kinds(scene) -> dict[str, str]:
 
 
 def reeled(scene) -> list[str]:
-    """Parts that follow a curve of time in a way that a travel cannot: cables that are reeled."""
+    """Names of components that depend on a curve of time in a way that a travel cannot follow:
+    cables that are reeled."""
     names = [name for c in scene.cables if c.curve >= 0 and c.reel for name in _of_cable(scene, c)]
     return [name for name in parts_of(scene) if name in names]
 
@@ -132,8 +134,8 @@ def components_of(scene) -> list[Component]:
 
 
 def _load_cases_of(scene, element: ElementType) -> tuple[ElementType, ...]:
-    """An element; of one that a curve of time scales those with its least and largest value from
-    the start on, the stronger one last."""
+    """The element at its least and largest load from the start on, if a curve of time scales it,
+    the stronger one last; else the element alone."""
     if not isinstance(element, Load | TorqueMotor) or element.curve < 0:
         return (element,)
     times, values = scene.curves[element.curve]

@@ -1,4 +1,4 @@
-"""The path of an assembly whose opening is led: one step after the other, on one branch."""
+"""Path of an assembly whose opening is led, step by step, on one branch of solutions."""
 
 from collections.abc import Sequence
 from copy import copy
@@ -43,7 +43,7 @@ they differ by more, it is not the opening alone that decides the motion."""
 
 
 def _rotations_of(first: np.ndarray, last: np.ndarray) -> np.ndarray:
-    """The rotations (n, 3) rad, below half a turn, from frames (n, 3, 3) to others."""
+    """Rotation vectors (n, 3) rad, below half a turn, from frames (n, 3, 3) to others."""
     turn = last @ first.transpose(0, 2, 1)
     skew = 0.5 * (turn - turn.transpose(0, 2, 1))
     axis = np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
@@ -52,8 +52,8 @@ def _rotations_of(first: np.ndarray, last: np.ndarray) -> np.ndarray:
 
 
 class Path:
-    """Where a scene is on its way, `poses`, with the motion `tangent` (6n,) per unit of the
-    opening."""
+    """State of a scene on the path of its opening: `poses` of particles, and the motion `tangent`
+    (6n,) per unit of the opening."""
 
     def __init__(self, scene, openings: Sequence[str], stand: Sequence[str]):
         self.scene, self.name = scene, openings[0]
@@ -77,8 +77,8 @@ class Path:
         self._ease = self.balance.ease(self.poses, self._scales)
 
     def move_to(self, value: float, depth: int = 0) -> None:
-        """Lead the opening to a value, by as many steps as it takes to stay on one way;
-        MisfitError where it cannot be."""
+        """Lead the opening to a value (rad, m), by as many steps as it takes to stay on one branch;
+        raises MisfitError where it cannot be led there."""
         state, tangents = self.state(), self._tangents
         is_past_jump = any(min(state[1], value) <= jump <= max(state[1], value)
                            for jump in self._jumps)  # fmt: skip
@@ -104,8 +104,9 @@ class Path:
         self.move_to(value, depth + 1)
 
     def _stays(self, state: tuple, tangents: Sequence[np.ndarray]) -> bool:
-        """Whether a motion agrees with the rates at both of its ends, and the assembly is the same
-        one: where two meet, the conditions' derivatives have the other orientation on the other."""
+        """Whether the last motion agrees with the rates at both of its ends, and stayed on its
+        branch: where two meet, the conditions' derivatives have the other orientation on the
+        other."""
         step = self.opening - state[1]
         shift = self.poses.position - state[0].position
         turn = _rotations_of(state[0].frame, self.poses.frame)
@@ -126,7 +127,8 @@ class Path:
         return rows[:, self._free].toarray()
 
     def _step(self, value: float) -> None:
-        """Lead the opening to a value at once; MisfitError where it cannot be."""
+        """Lead the opening to a value (rad, m) in one step; raises MisfitError where it cannot be
+        led there."""
         step, conditions = value - self.opening, self._conditions_at(value)
         weights = PREDICTOR_WEIGHTS[len(self._tangents) - 1] if self._tangents else []
         prediction = sum(w / sum(weights) * t for w, t in zip(weights, self._tangents, strict=True))
@@ -156,16 +158,16 @@ class Path:
         )  # fmt: skip
 
     def state(self) -> tuple:
-        """Where it is, to which `restore` brings it back."""
+        """State that `restore` takes: poses, opening, tangent, impulses, openings of all hinges."""
         return self.poses, self.opening, self.tangent, self._impulses, self._openings
 
     def restore(self, state: tuple) -> None:
-        """Go back to a state: the way on is then along its tangent."""
+        """Go back to a state of `state`; the next prediction is along its tangent."""
         self._tangents = self._tangents if state[1] == self.opening else [state[2]]
         self.poses, self.opening, self.tangent, self._impulses, self._openings = state
 
     def update_openings(self) -> list[float]:
-        """The openings of all hinges, on the turn that is nearest to where they were last."""
+        """Openings of all hinges, on the turn that is nearest to their values at the last call."""
         poses, openings = SimpleNamespace(**self.poses._asdict()), []
         for hinge, last in zip(self.scene.hinges, self._openings, strict=True):
             value = opening_at(poses, hinge)
@@ -177,13 +179,14 @@ class Path:
         return openings
 
     def rates(self, hinges: Sequence[int]) -> list[float]:
-        """Rates of the openings of hinges per unit of the one that is led."""
+        """Rates of openings, of hinges by index, per unit of the opening that is led."""
         shift, turn = self.tangent.reshape(-1, 2, 3).transpose(1, 0, 2)
         motion = SimpleNamespace(velocity=shift, spin=turn)
         return [float(rate_at(self.poses, self.scene.hinges[h], motion)) for h in hinges]
 
     def _opens(self, hinge: Any) -> np.ndarray:
-        """By how much an opening goes with each degree of freedom (6n,), as it is here."""
+        """Derivatives (6n,) of a hinge's opening by the motions of all particles, at the current
+        poses."""
         rates = np.zeros((len(self.scene.mass), 2, 3))
         for particle, kind, axis in product(hinge.particles, range(2), range(3)):
             unit = np.zeros_like(rates)
@@ -273,7 +276,8 @@ class Path:
         return self._scales * solve(np.zeros(len(self._scales)), self._weight * lacks)[0]
 
     def _conditions_at(self, value: float) -> Conditions:
-        """The conditions, the last of which hold the openings where the first has a value."""
+        """Conditions of all joints, the last of which hold the led openings where the first has a
+        value."""
         conditions, shift, count = self._conditions, value - self._start, len(self._hinges)
         normals, arms = conditions.axis1.copy(), conditions.arms.copy()
         for row, hinge, zero in zip(range(-count, 0), self._hinges, self._zeros, strict=True):

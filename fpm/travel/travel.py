@@ -40,8 +40,9 @@ APPROACH = 1e-4
 
 
 class Travel(NamedTuple):
-    """opening (p,) rad, or m of a slide; work: by part, its virtual work (p,) N m per rad, or N,
-    above 0 where it drives; inertia (p,) kg m², or kg, that the opening moves."""
+    """Result of a travel at positions (p,): opening, rad, or m of a slide; work: virtual work (p,)
+    of each component per unit of the opening, N m, or N, above 0 where it drives; inertia (p,), kg
+    m², or kg, that the opening moves."""
 
     opening: np.ndarray
     work: dict[str, np.ndarray]
@@ -56,13 +57,33 @@ def lead(
     stand: Sequence[str] = (),
     positions: int | None = None,
 ) -> Travel:
-    """Lead an opening of a scene from one value to another (rad, m).
+    """Lead an opening of a scene quasi-statically from one value to another.
 
-    openings: by name; of several, the others go as far from their start as the first does. stand:
-    others that keep their opening at the start. positions: as many, evenly, and no others; else
-    as many as it takes, those at which something bends among them (fpm.travel.positions).
-    SceneError where the opening does not decide the motion of all, MisfitError where it cannot be
-    led there.
+    Parameters
+    ----------
+    scene : Scene
+        The scene at its start.
+    openings : str or sequence of str
+        Hinge by name; of several, the others go as far from their start as the first does.
+    first, last : float
+        Values of the opening (rad, of slides m) at both ends.
+    stand : sequence of str
+        Hinges that are locked at their opening at the start.
+    positions : int, optional
+        Number of evenly spaced positions, at least 2; by default as many as it takes, with those
+        at which a moment bends (fpm.travel.positions).
+
+    Returns
+    -------
+    Travel
+        Openings, virtual works and inertia at all positions.
+
+    Raises
+    ------
+    SceneError
+        Where the opening does not decide the motion of all.
+    MisfitError
+        Where the opening cannot be led to a value.
     """
     path = Path(scene, [openings] if isinstance(openings, str) else openings, stand)
     count = positions or POSITIONS

@@ -242,7 +242,7 @@ class Experiment:
         and what to do. Peaks are those of shocks that mesh and step alone decide
         (fpm.reading.shocks), all are those of joints that others make redundant."""
         curves = [(curve.name, curve, True) for curve in self.curves]
-        quantities = [(q.name, q.response, q.is_peak) for q in self.numbers if q.response]
+        quantities = [(q.name, q.response, q.is_instantaneous) for q in self.numbers if q.response]
         undetermined = undetermined_forces(self.nominal_scene, self.curves)
         reasons = {
             name: (doubt(self.nominal_scene, response) if peak else "")

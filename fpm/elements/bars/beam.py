@@ -28,7 +28,8 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class Material:
-    """Linear elastic material: `E` Young's modulus (Pa), `nu` Poisson's ratio, `rho` (kg/m3)."""
+    """Linear elastic material: Young's modulus `E` (Pa), Poisson's ratio `nu`, -1 < nu <= 0.5, and
+    density `rho` (kg/m³)."""
 
     E: float
     nu: float
@@ -50,10 +51,11 @@ class Material:
 
 @dataclass(frozen=True)
 class Section:
-    """Cross-section: `A` (m2), `Iy` = ∫z² dA and `Iz` = ∫y² dA (m4), torsion constant `J` (m4).
+    """Cross-section of a bar: area `A` (m²), second moments of area `Iy` = ∫z² dA and `Iz` = ∫y² dA
+    (m⁴), and torsion constant `J` (m⁴).
 
-    outline: what is known of its contour, for stresses (stress.py): "rectangle", "round" or ""
-    with its `width` and `height` (m) along the local y and z axes.
+    outline: contour, for stresses (fpm/reading/stress.py): "rectangle", "round", or "" if unknown;
+    width and height (m) of the contour along the local y and z axes.
     """
 
     A: float
@@ -66,9 +68,11 @@ class Section:
 
     @staticmethod
     def rectangle(width: float, height: float) -> "Section":
-        """Solid rectangle, `width` along the local y, `height` along the local z axis (m).
+        """Solid rectangle with its width (m) along the local y and its height (m) along the local z
+        axis.
 
         Torsion constant by the series of Timoshenko and Goodier, Theory of Elasticity, § 109.
+        Raises SceneError unless both are above 0.
         """
         if not (width > 0 and height > 0):
             raise SceneError("section width, height", (width, height), "positive lengths (m)")
@@ -81,7 +85,7 @@ class Section:
 
     @staticmethod
     def square(side: float) -> "Section":
-        """Solid square of the given side (m)."""
+        """Solid square with sides of the given length (m)."""
         return Section.rectangle(side, side)
 
     @staticmethod
@@ -91,7 +95,7 @@ class Section:
 
     @staticmethod
     def tube(outer: float, inner: float) -> "Section":
-        """Round tube between two radii (m)."""
+        """Round tube with outer and inner radius (m)."""
         inertia = np.pi / 4 * (outer**4 - inner**4)
         area = np.pi * (outer**2 - inner**2)
         return Section(area, inertia, inertia, 2 * inertia, "round", 2 * outer, 2 * outer)
@@ -101,10 +105,10 @@ class Section:
 class Beams(ElementType):
     """Beam elements of one section and material.
 
-    nodes (m, 2) particle indices; length (m,) undeformed lengths (m); triad (m, 3, 3) the element's
-    initial axes as columns (first along the chord); name: prefix of the elements' names; bow (rad):
-    by how much, without stress, the first end is turned up against the chord and the second down,
-    up being the third axis; None: neither, in no sample.
+    nodes (m, 2) particle indices; length (m,) undeformed lengths (m); triad (m, 3, 3) initial axes
+    as columns (first along the chord); name: prefix of the elements' names; bow (rad): rotation of
+    the ends against the chord without stress, of the first towards the third axis and of the second
+    the other way; None: no bow, in no sample.
     """
 
     nodes: np.ndarray
@@ -133,8 +137,8 @@ class Beams(ElementType):
         return Beams(nodes, length, axes, section, material, name)
 
     def with_strain(self, strain: float, curvature: float | None) -> "Beams":
-        """The same elements, of one length, that are longer and curved (1/m) without stress: > 0
-        where the side of the third axis is the longer one."""
+        """Elements of equal length that are longer and curved (1/m) without stress; curvature above
+        0: the side of the third axis is the longer one."""
         length = self.length * (1.0 + strain)
         bow = None if curvature is None else float(curvature * length[0] / 2)
         return replace(self, length=length, bow=bow)
@@ -179,7 +183,7 @@ class Beams(ElementType):
         return Deformations(*(np.concatenate(x) for x in zip(*modes, strict=True)))
 
     def modes(self, frame: np.ndarray) -> list[Deformations]:
-        """The deformations of these beams; frame (n, 3, 3) of all particles without strain."""
+        """Deformations of the elements; frame (n, 3, 3) of all particles without strain."""
         table, (a, b) = self.stiffness(), self.nodes.T
         six = np.arange(6)
         dofs = np.concatenate([6 * a[:, None] + six, 6 * b[:, None] + six], axis=1)

@@ -33,7 +33,8 @@ BEND, STRAIN = 0, 1  # watched
 
 
 class StraightElements(NamedTuple):
-    """Elements whose axes are those of their particles."""
+    """Arrays of beam elements whose local axes are the axes of their particles, as on straight
+    bars."""
 
     nodes: np.ndarray  # (m, 2) particles
     beams: np.ndarray  # (m, BEAM, lanes)
@@ -42,7 +43,7 @@ class StraightElements(NamedTuple):
 
 
 class FramedElements(NamedTuple):
-    """Elements with axes of their own."""
+    """Arrays of beam elements with local axes of their own, in the frames of their particles."""
 
     nodes: np.ndarray
     beams: np.ndarray
@@ -53,25 +54,29 @@ class FramedElements(NamedTuple):
 
 @kernel
 def angle(s):
-    """Six times the angle of which s is the sine, s + s³/6 to fifth order, and twice its slope."""
+    """Six times the angle (rad) with sine s, by the series s + s³/6 to fifth order; and twice its
+    derivative by s."""
     slope = s * s + 2.0
     return s * (slope + 4.0), slope
 
 
 @kernel
 def twist_of(a2, a3, b2, b3):
-    """Twice the sine of the twist, b2 . a3 - b3 . a2; the axes of either end are normal."""
+    """Twice the sine of the twist of an element, b2 . a3 - b3 . a2; the axes of either end are
+    normal to each other."""
     return dot(b2 - a2, a3 + b3)
 
 
 @kernel
 def _own_axes(part, state, e):
+    """Axes of an element of `StraightElements`, as `end_axes`."""
     a, b = part.nodes[e, 0], part.nodes[e, 1]
     return get3(state, a, D2), get3(state, a, D3), get3(state, b, D2), get3(state, b, D3)
 
 
 @kernel
 def _framed_axes(part, state, e):
+    """Axes of an element of `FramedElements`, as `end_axes`."""
     frame1, frame2 = frame(state, part.nodes[e, 0]), frame(state, part.nodes[e, 1])
     return (
         to_global(frame1, get3(part.axes, e, A2)),
@@ -82,7 +87,7 @@ def _framed_axes(part, state, e):
 
 
 def end_axes(part, state, e):
-    """Axes 2 and 3 of element e as its ends a and b carry them: a2, a3, b2, b3."""
+    """Local axes 2 and 3 of element e at its ends a and b, in global components: a2, a3, b2, b3."""
     return _axes_for(type(part))(part, state, e)
 
 
@@ -98,7 +103,7 @@ def _end_axes(part, state, e):
 
 @kernel
 def chord_of(part, state, e):
-    """Direction of the chord of element e, its inverse length and the axial force."""
+    """Direction of the chord of element e, inverse of its length (1/m), and axial force (N)."""
     chord = get3(state, part.nodes[e, 1], X) - get3(state, part.nodes[e, 0], X)
     length = sqrt(dot(chord, chord))
     inverse = 1.0 / length
@@ -108,7 +113,7 @@ def chord_of(part, state, e):
 
 @kernel
 def forces(part, world, timing):
-    """End forces and moments of all elements.
+    """Add forces (N) and moments (N m) of all elements to their end particles.
 
     The chord of the next element is found beside the forces of each: its root and quotient take
     long, and leave the multipliers idle.
@@ -145,8 +150,11 @@ def forces(part, world, timing):
 
 @kernel
 def shape_of(part, state, e):
-    """The axial force of element e, the sines between its chord and axes 2 and 3 of its ends a and
-    b, and twice the sine of its twist.
+    """Axial force (N) of element e, four sines of the angles between chord and axes (a2, a3, b2,
+    b3), and twice the sine of its twist.
+
+    Each sine is the scalar product of the chord's direction with the axis, which is normal to the
+    chord where the element is straight.
     """
     a2, a3, b2, b3 = end_axes(part, state, e)
     n, _, force = chord_of(part, state, e)
@@ -155,7 +163,7 @@ def shape_of(part, state, e):
 
 @kernel
 def strain_energy(part, e, shape):
-    """Strain energy (J) of element e of a shape (`shape_of`)."""
+    """Strain energy (J) of element e, by its `shape_of`."""
     force, sines, twist = shape
     ta2, ta3 = angle(sines[0])[0], angle(sines[1])[0]
     tb2, tb3 = angle(sines[2])[0], angle(sines[3])[0]
@@ -169,7 +177,8 @@ def strain_energy(part, e, shape):
 
 @kernel
 def larger_strains(part, e, shape, bend, strain):
-    """The larger of bend (square of a sine) and strain, and those of element e by its shape.
+    """The larger of `bend` (square of a sine) and of element e's; the larger of `strain` and of its
+    largest surface strain.
 
     The height is that of a rectangle with the element's radius of gyration, sqrt(12 I/A).
     """
@@ -189,7 +198,7 @@ def larger_strains(part, e, shape, bend, strain):
 
 @kernel
 def stored(part, world):
-    """Strain energy of all elements (J); their bend and strain are watched."""
+    """Strain energy (J) of all elements; the largest bend and strain are watched."""
     total = 0.0 * load(world.state, 0, X)
     bend, strain = 0.0 * load(part.watched, 0, BEND), load(part.watched, 0, STRAIN)
     for e in range(part.nodes.shape[0]):

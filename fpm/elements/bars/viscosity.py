@@ -27,7 +27,8 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class Viscosity(ElementType):
-    """share: of the critical damping of every beam element of the scene."""
+    """Bulk viscosity of all beam elements of a scene: `share`, the fraction of critical damping of
+    each element's stretch."""
 
     share: float
 
@@ -41,12 +42,12 @@ class Viscosity(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """None where there are no beams."""
+        """The viscosities of a scene; an empty list where there are no beams."""
         return scene.kinds.get(cls, []) if scene.beams else []
 
     @classmethod
     def names(cls, scene):
-        """Those of the beam elements."""
+        """Names of the beam elements."""
         return Beams.names(scene)
 
     @classmethod

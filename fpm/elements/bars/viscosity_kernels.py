@@ -26,8 +26,11 @@ class Viscous(NamedTuple):
 
 @hook(Viscous)
 def forces(part, world, timing):
-    """Tensions against the rates of the lengths, extrapolated as those of dampers are; what they
-    take, by the trapezium rule, is what leapfrog does (losses_kernels.py)."""
+    """Add tensions (N) against the rates of the elements' lengths, extrapolated as dampers' rates
+    are, and their losses (J).
+
+    The trapezium rule of the losses is what leapfrog does (losses_kernels.py).
+    """
     state, history = world.state, part.past
     loss = load(world.accounts, 0, part.account)
     for e in range(part.nodes.shape[0]):

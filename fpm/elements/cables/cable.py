@@ -43,9 +43,9 @@ def _crowded(values: dict[str, float]) -> tuple[str, str]:
 class Cable(ElementType):
     """A cable through the free ends of two or more virtual beams.
 
-    stiffness: EA; rest: its unstrained length R; reel: length taken from that, times the curve of
-    that index (-1: none); friction: coefficient mu at the points between its ends; None: they turn
-    freely.
+    stiffness: EA (N); rest: unstrained length R (m); reel: length (m) that a winch takes in, times
+    the curve of index `curve` (-1: none); friction: coefficient mu at the points between its ends;
+    None: they turn freely.
     """
 
     name: str = same()
@@ -124,7 +124,8 @@ class Cable(ElementType):
         return np.linalg.norm(np.diff(places, axis=0), axis=1)
 
     def pieces(self, scene) -> Iterator[Piece]:
-        """What has one tension: all of it, or each stretch of a cable that rubs."""
+        """Parts of the cable with one tension each, as beams and stiffness (N/m): the whole cable,
+        or each stretch of one with friction."""
         shortest = self.shortest(scene)
         if not self.rubs:
             yield self.beams, self.stiffness / shortest
@@ -148,7 +149,7 @@ class Cable(ElementType):
 
     @classmethod
     def led(cls, scene):
-        """As if they did not rub: friction is a part of its own (fpm.travel)."""
+        """The cables without friction, which is a component of its own (fpm/travel)."""
         return [replace(cable, friction=None) for cable in cls.of(scene)]
 
     @classmethod

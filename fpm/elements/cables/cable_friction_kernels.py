@@ -51,7 +51,7 @@ from fpm.kernels.world import Log
 
 
 class RubbingCables(NamedTuple):
-    """Cables, of which those that rub have friction; fields as in Cables."""
+    """Arrays of all cables where some have friction at their points; fields as of Cables."""
 
     start: np.ndarray
     on: np.ndarray
@@ -73,9 +73,8 @@ class RubbingCables(NamedTuple):
 
 @kernel
 def exponential(x):
-    """exp(x) to 1e-11 of itself for 0 <= x <= 10: the series at x/256, squared eight times; exp(30)
-    beyond 30, which nothing slips against.
-    """
+    """exp(x) with a relative error of 1e-11 for 0 <= x <= 10, and exp(30) above 30, at which no
+    cable slips: the series at x/256, squared eight times."""
     y = (1.0 / 256.0) * where_negative(x - 30.0, x, 30.0)
     result = 1.0 + y * (1.0 + y * (0.5 + y * (1 / 6 + y * (1 / 24 + y * (1 / 120 + y / 720)))))
     for _ in range(8):
@@ -85,7 +84,7 @@ def exponential(x):
 
 @kernel
 def turn_angle(part, j):
-    """Angle (rad) by which the cable turns at point j."""
+    """Angle (rad) between the stretches of a cable before and after point j."""
     first, second = get3(part.stretches, j - 1, DIRECTION), get3(part.stretches, j, DIRECTION)
     normal = cross(first, second)
     return arctan2(sqrt(dot(normal, normal)), dot(first, second))
@@ -93,17 +92,18 @@ def turn_angle(part, j):
 
 @kernel
 def length_at(part, j, soft, share):
-    """Length of stretch j a share of the step after the last forces; soft: 1/EA."""
+    """Length (m) of stretch j at a fraction `share` of the step that ends now; soft: 1/EA (1/N)."""
     length = load(part.rubbed, j, MATERIAL) * (1.0 + soft * load(part.rubbed, j, TENSION))
     return length + share * (load(part.stretches, j, LENGTH) - length)
 
 
 @kernel
 def slip(part, c, rest, excess, turn):
-    """Find the strains of cable c as far as the law of friction does it from its far end.
+    """Find the strains FREE_STRAIN of all stretches of cable c by the law of friction, from its
+    first point on.
 
-    excess: by how much it was longer than at rest; turn: part of the step up to where it turns
-    tight, if it was slack.
+    rest: unstrained length (m); excess: length less unstrained length a step ago (m); turn:
+    fraction of the step up to where it turns tight, if it was slack.
     """
     first, last = part.start[c], part.start[c + 1] - 1
     soft, rest_sum = 1.0 / load(part.cables, c, EA), 0.0 * rest
@@ -121,10 +121,11 @@ def slip(part, c, rest, excess, turn):
 
 @kernel
 def pull_on(part, c, excess, turn, slack):
-    """Tensions of all stretches of cable c, what slipped into each, and the pulls on its points.
+    """Store tension (N), slipped length (m), unstrained length (m) and pull (N) of every stretch of
+    cable c.
 
-    excess: by how much it is longer than at rest; turn: part of the step up to where it turns
-    slack, if it is now; slack: part of the step in which it is slack.
+    excess: length less unstrained length (m); turn: fraction of the step up to where it turns
+    slack, if it is now; slack: fraction of the step in which it is slack.
     """
     first, last = part.start[c], part.start[c + 1] - 1
     stiffness = load(part.cables, c, EA)
@@ -145,7 +146,8 @@ def pull_on(part, c, excess, turn, slack):
 
 @kernel
 def find_tensions(part, world, timing, c):
-    """Measure cable c, let it slip, and find the tension of every stretch."""
+    """Find the tension (N) of every stretch of cable c: its lengths, slip over its points, and
+    pulls."""
     length, rest = lay(part, world.state, c), unstrained_now(part, world, timing, c)
     last, excess = load(part.state, c, LONGER), length - rest
     reeled = rest - load(part.state, c, UNSTRAINED)
@@ -163,7 +165,7 @@ def find_tensions(part, world, timing, c):
 
 @hook(RubbingCables)
 def forces(part, world, timing):
-    """Pull all points towards their neighbours, each stretch with its own tension."""
+    """Add the forces (N) and moments (N m) of all cables on their particles."""
     for c in range(part.curve.shape[0]):
         if part.rubs[c]:
             find_tensions(part, world, timing, c)
@@ -174,14 +176,15 @@ def forces(part, world, timing):
 
 @kernel
 def gain(part, j, soft):
-    """Mean over the step of the energy that leaves stretch j with a metre that comes."""
+    """Mean over the step that ends now of the energy (J/m) that enters stretch j with a metre of
+    cable; soft: 1/EA (1/N)."""
     tension, last = load(part.rubbed, j, TENSION), load(part.rubbed, j, TENSION_BEFORE)
     return 0.5 * (tension + last) + 0.25 * soft * (tension * tension + last * last)
 
 
 @hook(RubbingCables)
 def work_before(part, world, timing):
-    """Work of the winches, and what friction took, over the step up to now."""
+    """Add the work (J) of the winches, and the losses of friction, over the step that ends now."""
     work, loss = load(world.accounts, 0, part.account), load(world.accounts, 0, part.loss)
     for c in range(part.curve.shape[0]):
         if not part.rubs[c]:
@@ -213,7 +216,7 @@ def energy_of(part, world, c):
 
 @hook(RubbingCables)
 def record(part, world, row):
-    """Tension of the first stretch, and length."""
+    """Record the tension (N) of the first stretch of each cable, and its length (m)."""
     count = part.curve.shape[0]
     for c in range(count):
         if not part.rubs[c]:

@@ -40,7 +40,7 @@ TINY = 1e-30
 
 
 class Cables(NamedTuple):
-    """Cables one after the other; those of (c,) are per cable, (p,) per point."""
+    """Arrays of all cables, one after the other: (c,) per cable, (p,) per point."""
 
     start: np.ndarray  # (c + 1,) first point of each
     on: np.ndarray  # (p,) particles
@@ -58,7 +58,8 @@ class Cables(NamedTuple):
 
 @kernel
 def lay(part, state, c):
-    """Directions and lengths of the stretches of cable c; its length."""
+    """Store directions and lengths (m) of the stretches of cable c; returns its whole length
+    (m)."""
     first, last = part.start[c], part.start[c + 1] - 1
     total = 0.0 * load(part.cables, c, REST)
     for j in range(first, last + 1):
@@ -77,7 +78,7 @@ def lay(part, state, c):
 
 @kernel
 def unstrained_now(part, world, timing, c):
-    """Unstrained length of cable c."""
+    """Unstrained length (m) of cable c at timing.time, less what its winch has taken in."""
     rest = load(part.cables, c, REST)
     if part.curve[c] >= 0:
         rest = rest - curve_value(world, part.curve[c], timing.time) * load(part.cables, c, REEL)
@@ -86,12 +87,13 @@ def unstrained_now(part, world, timing, c):
 
 @kernel
 def missing(new, old):
-    """What to add to the stretch `new` for the force, as it was `before` a step ago.
+    """Correction (m) of the stretch `new` of a cable that turned tight or slack in the step that
+    ends now, else 0. old: the stretch a step ago; below 0: slack.
 
     Where a cable turns tight or slack between two steps, the force of either is not that of the way
     between them, k s²/2 on the way from -b to s. The half of what is missing is added at the later
-    step, and the energy is then kept through the turn to the third order in the step instead of
-    the second; for that one step, a cable that has turned slack pushes a little.
+    step, and the energy is then kept through the turn to the third order in the step instead of the
+    second; for that one step, a cable that has turned slack pushes a little.
     """
     product = new * old
     return where_negative(product, 0.5 * product / absolute(new - old), 0.0)
@@ -99,7 +101,7 @@ def missing(new, old):
 
 @kernel
 def find_pull(part, world, timing, c):
-    """Measure cable c, and find the force with which it pulls."""
+    """Find stretch (m) and tension (N) of cable c, equal in all its stretches."""
     length = lay(part, world.state, c)
     store(part.state, c, LONGER_BEFORE, load(part.state, c, LONGER))
     store(part.state, c, UNSTRAINED_BEFORE, load(part.state, c, UNSTRAINED))
@@ -117,7 +119,8 @@ def find_pull(part, world, timing, c):
 
 @kernel
 def pull_points(part, state, c):
-    """Pull all points of cable c towards their neighbours."""
+    """Add forces (N) and moments (N m) to the particles of cable c, at each point towards its
+    neighbours."""
     first, last = part.start[c], part.start[c + 1] - 1
     for j in range(first, last + 1):
         force = 0.0 * get3(part.stretches, j, DIRECTION)
@@ -132,7 +135,7 @@ def pull_points(part, state, c):
 
 @hook(Cables)
 def forces(part, world, timing):
-    """Pull all points of the cables towards their neighbours."""
+    """Add the forces (N) and moments (N m) of all cables on their particles."""
     for c in range(part.curve.shape[0]):
         find_pull(part, world, timing, c)
         pull_points(part, world.state, c)
@@ -140,7 +143,7 @@ def forces(part, world, timing):
 
 @hook(Cables)
 def note_events(part, world, timing):
-    """Note the cables that turned tight or slack since the last step."""
+    """Note events of cables that turned tight or slack since the last step."""
     for c in range(part.curve.shape[0]):
         new = load(part.state, c, LONGER) - TAUT * load(part.state, c, UNSTRAINED)
         old = load(part.state, c, LONGER_BEFORE) - TAUT * load(part.state, c, UNSTRAINED_BEFORE)
@@ -154,14 +157,14 @@ def note_events(part, world, timing):
 
 @kernel
 def work_of_winch(part, c):
-    """Work of cable c's winch over the step up to now."""
+    """Work (J) of the winch of cable c over the step that ends now."""
     reeled = load(part.state, c, UNSTRAINED_BEFORE) - load(part.state, c, UNSTRAINED)
     return 0.5 * reeled * (load(part.state, c, WINCH) + load(part.state, c, WINCH_BEFORE))
 
 
 @hook(Cables)
 def work_before(part, world, timing):
-    """Work of the winches over the step up to now."""
+    """Add the work (J) of the winches over the step that ends now."""
     work = load(world.accounts, 0, part.account)
     for c in range(part.curve.shape[0]):
         if part.curve[c] >= 0:
@@ -191,7 +194,7 @@ def energy_of(part, world, c):
 
 @kernel
 def crowding(part, c):
-    """By how much cable c is strained, over its shortest stretch; zero where it is slack."""
+    """Elongation of cable c over the length of its shortest stretch; 0 where it is slack."""
     longer = where_negative(load(part.state, c, LONGER), 0.0, load(part.state, c, LONGER))
     most = 0.0 * longer
     for j in range(part.start[c], part.start[c + 1] - 1):
@@ -201,7 +204,12 @@ def crowding(part, c):
 
 @kernel
 def record_cable(part, c, row):
-    """Tension and length of cable c, and how crowded it is."""
+    """Record tension (N) and length (m) of cable c in row `row`, and update the largest elongation
+    ratio.
+
+    elongation ratio: elongation over the length of the shortest stretch (`crowding`); a run fails
+    above 1.
+    """
     store(part.track, row, 0, load(part.cables, c, EA) * strain_of(part, c))
     store(part.track, row, 1, load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED))
     store(part.watched, 0, 0, larger(load(part.watched, 0, 0), crowding(part, c)))
@@ -209,7 +217,7 @@ def record_cable(part, c, row):
 
 @hook(Cables)
 def record(part, world, row):
-    """Tension and length; the most crowded one is watched."""
+    """Record tension (N) and length (m) of each cable, and watch the largest elongation ratio."""
     count = part.curve.shape[0]
     for c in range(count):
         record_cable(part, c, row * count + c)
@@ -217,6 +225,6 @@ def record(part, world, row):
 
 @hook(Cables)
 def list_excess(part, world):
-    """The crowding of each cable."""
+    """Store the elongation ratio (`crowding`) of each cable."""
     for c in range(part.curve.shape[0]):
         store(part.rows, c, 0, crowding(part, c))

@@ -34,13 +34,14 @@ FLOOR = 1e-200
 
 @kernel
 def positive(x):
-    """x, or zero where that is negative."""
+    """x, or 0 where x is below 0."""
     return where_negative(x, 0.0, x)
 
 
 @kernel
 def handed_on(part, first, j, strain):
-    """Unstrained length that stretches `first` to j hand on if j is strained so, and its slope."""
+    """Unstrained length (m) that slips out of stretches `first` to j over the point after j at a
+    strain of stretch j, and its derivative by that strain."""
     flow, follows = 0.0 * strain, 0.0 * strain + 1.0
     slope, linked = flow, follows
     for k in range(j, first - 1, -1):
@@ -61,11 +62,12 @@ def handed_on(part, first, j, strain):
 
 @kernel
 def strain_alone(part, first, j, tight, slope, close):
-    """Strain of stretch j > first if nothing could slip over the point after it, zero if slack.
+    """Strain of stretch j > first if nothing could slip over the point after it, 0 if slack; and
+    the derivative `slope` for the stretches up to j.
 
-    It is where nothing is handed on, which grows with it: by Newton's rule, between bounds, from
-    the solution to first order, with the slope of what the stretches before hand on. Returns that
-    slope with this stretch as well. tight: by how much the stretches up to here are too long.
+    At this strain `handed_on`, which grows with it, is 0: by Newton's method between bounds, from
+    the solution to first order. tight: length less unstrained length of the stretches up to j (m);
+    slope: derivative for the stretches before j (m); close: allowed rest (m).
     """
     start, length = load(part.rubbed, j, START), load(part.stretches, j, LENGTH)
     free_strain, stuck = load(part.rubbed, j - 1, FREE_STRAIN), positive((length - start) / start)
@@ -94,7 +96,7 @@ def strain_alone(part, first, j, tight, slope, close):
 
 @kernel
 def strain_before(part, j, strain):
-    """Strain of the stretch before point j, if that after it is strained so."""
+    """Strain of the stretch before point j, by the strain of the stretch after the point."""
     least, most = load(part.rubbed, j, INVERSE) * strain, load(part.rubbed, j, RATIO) * strain
     free_strain = load(part.rubbed, j - 1, FREE_STRAIN)
     return larger(least, where_negative(most - free_strain, most, free_strain))
@@ -102,7 +104,8 @@ def strain_before(part, j, strain):
 
 @kernel
 def find_alone(part, first, last, close):
-    """The strains FREE_STRAIN of all stretches, from the first point to the last."""
+    """Store the strains FREE_STRAIN of all stretches between the points first and last; close:
+    allowed rest of unstrained length (m)."""
     start, length = load(part.rubbed, first, START), load(part.stretches, first, LENGTH)
     tight = length - start
     strain, slope = positive(tight) / larger(start, 0.0 * start + TINY), length

@@ -54,7 +54,8 @@ def count_hinge(sums, part, h, condition):
 
 @kernel
 def count_joints(part, condition):
-    """The same of all conditions, and of the openings that are held among them."""
+    """Add the impulses last found for all conditions of joints, and for held openings, to their
+    sums, in the lanes where `condition` is below 0."""
     count_conditions(part.sums, part, condition)
     count_turns(part.turns, part, condition)
 
@@ -115,7 +116,8 @@ def coarse(time, size):
 
 @kernel
 def watch(part, gap2, tilt2):
-    """Raise what is watched by the squares of a hinge's or joint's gaps; returns these (m, rad)."""
+    """Raise the watched gaps to those of a hinge or joint, by their squares; returns gap (m) and
+    tilt (sine)."""
     gap, tilt = sqrt(gap2), sqrt(tilt2)
     store(part.watched, 0, GAP, larger(load(part.watched, 0, GAP), gap))
     store(part.watched, 0, TILT, larger(load(part.watched, 0, TILT), tilt))
@@ -123,9 +125,8 @@ def watch(part, gap2, tilt2):
 
 
 def report_gaps(arrays, find):
-    """The hooks that report gaps, of a kind with these arrays; find(part, state, i) gives the
-    squares of the gaps of element i, of points (m) and of directions (rad).
-    """
+    """Register the hooks that report gaps for an element type with these arrays; find(part, state,
+    i) gives the squares of the gaps of element i, of points (m) and of directions (sines)."""
 
     @hook(arrays)
     def record(part, world, row):

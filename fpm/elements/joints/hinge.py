@@ -38,7 +38,8 @@ ANGLES = "_axis", "_other"
 
 
 def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Watch]:
-    """What is watched of hinges or joints, under these names: gaps of points, and of directions."""
+    """Failure criteria of hinges or joints, under two names: gaps of points (m), and sines of the
+    tilts of directions."""
 
     def failure(values: dict[str, float]) -> tuple[str, str]:
         return f"a {noun} gapes by {values[gap]:.2g} m and {values[tilt]:.2g} rad", remedy
@@ -47,14 +48,15 @@ def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Wat
 
 
 class JointBase(ElementType):
-    """What hinges and joints have in common: `type`, and `beams` whose ends are kept together."""
+    """Base class of hinges and joints: `type`, and virtual `beams` whose free ends are kept
+    together."""
 
     joins = True
     gaps: ClassVar[dict[str, str]]  # recorded: the largest of points and of directions, in words
 
     @property
     def particles(self) -> tuple[int, ...]:
-        """Indices of its particles."""
+        """Indices of the joint's particles."""
         return tuple(beam.particle for beam in self.beams)
 
     @property
@@ -64,7 +66,7 @@ class JointBase(ElementType):
 
     @property
     def joint(self) -> str:
-        """Its name as a joint."""
+        """Name as a joint."""
         return self.name
 
     @staticmethod
@@ -158,9 +160,8 @@ class Hinge(JointBase):
 
     @property
     def ends(self) -> np.ndarray:
-        """What the opening is between (2, 3), in the frames of the particles: the references, or
-        the points of a slide, whose distance along the axis it is.
-        """
+        """Vectors (2, 3), in the frames of the particles, between which the opening is measured:
+        the references; or the points of a slide, whose distance along the axis is the opening."""
         if not self.slides:
             return self.references
         first, second = (beam.arm for beam in self.beams)
@@ -168,7 +169,7 @@ class Hinge(JointBase):
 
     @property
     def joint(self) -> str:
-        """Its name as a joint: of a universal one without that of its angle."""
+        """Name of the hinge as a joint; of a universal joint without the name of its angle."""
         return self.name.removesuffix(ANGLES[0]) if self.type == "universal" else self.name
 
     @classmethod
@@ -291,7 +292,8 @@ def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:
 
 @lru_cache(1024)  # there are few cases, and each of many runs asks several times
 def _is_regular(support: str, fixed1: bytes, fixed2: bytes) -> bool:
-    """The same for the axes that are held, six truth values each."""
+    """Whether the matrix of a hinge alone is regular, by held axes: letters of the point, and six
+    truth values of each particle."""
     fixed1, fixed2 = np.frombuffer(fixed1, bool), np.frombuffer(fixed2, bool)
     point = np.array(held_axes(support))
     doubled = (fixed1[:3] & fixed2[:3]) | ((fixed1[:3] | fixed2[:3]) & point)

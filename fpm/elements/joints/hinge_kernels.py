@@ -74,7 +74,8 @@ from fpm.kernels.vectors import (
 
 @hook(Hinges)
 def prepare(part, world, timing):
-    """Kick the particles of all hinges, and aim the impulses; all forces must be summed."""
+    """Kick the particles of all hinges, and apply the aimed impulses (`aim`); all forces must be
+    summed."""
     clear(part.sums)
     prepare_bodies(world, part, timing.kick)
     prepare_matrices(part)
@@ -85,7 +86,8 @@ def prepare(part, world, timing):
 
 @kernel
 def aim(part, state):
-    """Impulses that would keep every hinge closed if its rates did not change over the step."""
+    """Apply the impulses that would keep every hinge closed if the rates of its gaps were constant
+    over the step."""
     ends, b, w = part.ends, part.body_scratch, part.hinge_scratch
     part.open[:] = True
     for h in range(w.shape[0]):
@@ -108,21 +110,23 @@ def aim(part, state):
 
 @kernel
 def push(state, i, r, b):
-    """Add DV and DP to the momenta of particles i, bodies r (pairs)."""
+    """Add the changes DV (m/s) and DP (N m s) of bodies r, a pair of rows of b, to the momenta of
+    particles i."""
     add3(state, i, V, get3(b, r, DV))
     add3(state, i, P, get3(b, r, DP))
 
 
 @kernel
 def push_where_far(state, i, r, b, condition):
-    """The same in the lanes where `condition` is negative; the others are not touched."""
+    """Add DV and DP as `push` does, in the lanes where `condition` is below 0."""
     for k, change in ((V, DV), (P, DP)):
         add_where(state, i, k, get3(b, r, change), condition)
 
 
 @kernel
 def gaps(part, state, h):
-    """Hinge point of body 1, its gap (3) to that of 2, and the axis gap about p and q (rad)."""
+    """Point of hinge h on body 1 (m), its gap (m) to that on body 2, and sines of the tilts of the
+    axis about p and q."""
     row1, row2 = 2 * h, 2 * h + 1
     bodies, i, k = part.bodies, part.ends[row1], part.ends[row2]
     first, second = frame(state, i), frame(state, k)
@@ -136,7 +140,7 @@ def gaps(part, state, h):
 
 @kernel
 def move_bodies(state, particles, pair, step):
-    """Move the particles `pair` (a pair) by a step, with their momenta."""
+    """Move two particles, the indices `pair`, by a step (s) with their momenta."""
     put3(state, pair, X, step * get3(state, pair, V) + get3(state, pair, X))
     axes = frame(state, pair)
     half = half_turn(to_local(axes, get3(state, pair, P)), get3(particles, pair, HALF))
@@ -145,7 +149,8 @@ def move_bodies(state, particles, pair, step):
 
 @kernel
 def nudge(state, i, r, b, step):
-    """Change the momenta of particles i, bodies r (pairs), by DV and DP; move them by that."""
+    """Push bodies r by DV and DP (`push`), and move the particles i by these changes over a step
+    (s)."""
     push(state, i, r, b)
     put3(state, i, X, step * get3(b, r, DV) + get3(state, i, X))
     turn_little(state, i, step * symmetric(get6(b, r, INVERSE), get3(b, r, DP)))
@@ -153,9 +158,8 @@ def nudge(state, i, r, b, step):
 
 @kernel
 def ask(part, state, h, rate):
-    """Ask for what closes the gaps of hinge h within 1 / rate: of the point, the tilts, and from
-    where it is held.
-    """
+    """Set GOAL of hinge h to the rates that close its gaps within 1/rate (s): of the point (m/s),
+    of the sines of tilts (1/s), and of the support (m/s)."""
     w = part.hinge_scratch
     point, gap, ep, eq = gaps(part, state, h)
     put3(w, h, GOAL, -rate * gap)
@@ -169,7 +173,7 @@ def ask(part, state, h, rate):
 def move(part, world, timing):
     """Move the particles of all hinges by a step, and close the hinges at its end.
 
-    What the last round leaves open is watched.
+    Gaps that the last round leaves are watched.
     """
     state, ends, open_ = world.state, part.ends, part.open
     b, w = part.body_scratch, part.hinge_scratch
@@ -232,8 +236,8 @@ def look_back(part, world, timing):
 
 @kernel
 def gap_squares(part, state, h):
-    """Squares of what a hinge is open by: of the gap of its point (m) or, if that is larger, its
-    distance from where it is held, and of the angle between its axes (rad)."""
+    """Square of the gap of hinge h (m²), or of its distance from its support if larger, and squared
+    sine of the angle between its axes."""
     point, gap, ep, eq = gaps(part, state, h)
     gap2 = dot(gap, gap)
     if part.supported:
@@ -244,7 +248,8 @@ def gap_squares(part, state, h):
 
 @kernel
 def distance(w, h, step, size):
-    """Negative where the GOAL of hinge h is too large for `nudge`; size (m) of the scene."""
+    """Below 0 where the GOAL of hinge h is too large for `nudge`; size: characteristic length of
+    the scene (m)."""
     most = coarse(step, size)
     gap, gap2 = get3(w, h, GOAL), get3(w, h, GOAL + 5)
     ep, eq = load(w, h, GOAL + 3), load(w, h, GOAL + 4)
@@ -258,13 +263,14 @@ report_gaps(Hinges, gap_squares)
 
 @hook(Hinges)
 def record_step(part, world, row, timing):
-    """Record the constraint forces of the step, where they are counted."""
+    """Record the constraint forces of the step, where they are recorded."""
     record_sums(part.sums, part.forces, row, timing)
 
 
 @kernel
 def record_sums(sums, forces, row, timing):
-    """The sums as forces."""
+    """Record the summed impulses of the step, divided by the kick, as forces (N) and moments (N
+    m)."""
     if sums is not None:
         count = sums.shape[0]
         for h in range(count):

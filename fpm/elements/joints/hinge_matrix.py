@@ -91,9 +91,9 @@ def response(b, h, axis):
 
 @kernel
 def moved(part, h, axis, force, mp, mq):
-    """Velocity along an axis of the held point of hinge h by impulses at the hinge: those of a
-    force on body 1, and by symmetry what a support along that axis does to the tilts.
-    """
+    """Velocity along an axis of the held point of hinge h by impulses at the hinge: force (3) on
+    body 1, mp and mq about p and q. By symmetry also what a support along that axis does to the
+    tilts."""
     w = part.hinge_scratch
     p, q = load(w, h, TILTS + 2 * axis), load(w, h, TILTS + 2 * axis + 1)
     return dot(response(part.body_scratch, h, axis), force) + (p * mp + q * mq)
@@ -275,9 +275,8 @@ def prepare_matrices(part):
 
 @kernel
 def find_impulses(part):
-    """Impulses that change rates of every open hinge by its GOAL. They go into FORCE1, FORCE2 and
-    MP, what they do to the bodies into DV and DP.
-    """
+    """Find impulses that change the gap rates of every open hinge by its GOAL; stored in FORCE1,
+    FORCE2, MP, MQ, and as changes DV and DP of the bodies."""
     bodies, b, w, open_ = part.bodies, part.body_scratch, part.hinge_scratch, part.open
     for h in range(w.shape[0]):
         if open_[h]:

@@ -40,8 +40,8 @@ from fpm.errors import SceneError
 
 
 class JointType(NamedTuple):
-    """What a joint of a type keeps together: its number (joint_arrays.py), and how many conditions
-    it has; None: it cannot be stated as a joint of two particles."""
+    """Type of joint: its number (joint_arrays.py), and its number of conditions; None: it cannot be
+    stated as a joint of two particles."""
 
     number: int
     conditions: int | None = None
@@ -175,7 +175,8 @@ class Joint(JointBase):
 
     @classmethod
     def of(cls, scene):
-        """Those stated as such, the hinges that are not alone, and what holds openings."""
+        """Joints stated as such, hinges that are not solved alone, and conditions that hold
+        openings."""
         joints = list(scene.kinds.get(cls, []))
         for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True):
             if not lone:

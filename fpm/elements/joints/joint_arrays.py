@@ -74,7 +74,7 @@ class Pattern(NamedTuple):
 
 
 class Turns(NamedTuple):
-    """What holds openings, and the joints' solver, tell each other."""
+    """State shared by the joints' solver and the elements that hold openings exactly."""
 
     state: np.ndarray  # (t, TURN, lanes)
     blow: np.ndarray  # (1, 1, lanes) when a blow comes, in steps from the start of this one

@@ -74,7 +74,7 @@ from fpm.kernels.vectors import (
 
 @hook(Joints)
 def prepare(part, world, timing):
-    """Kick the bodies of all joints, and aim the impulses; all forces must be summed."""
+    """Kick the bodies of all joints, and apply the aimed impulses; all forces must be summed."""
     clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
     find_rows(part, world.state)
@@ -87,7 +87,8 @@ def prepare(part, world, timing):
 
 @kernel
 def kick_bodies(part, state, kick):
-    """Keep the bodies' state, kick those that nothing else moves, and find their inertias."""
+    """Keep the bodies' state, kick all that are not driven, by `kick` (s), and find their inverse
+    inertias."""
     bodies, b = part.bodies, part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]
@@ -106,7 +107,8 @@ def kick_bodies(part, state, kick):
 
 @kernel
 def find_spin(part, state, s):
-    """Angular velocity of body s, about axes about which it may turn; of a driven one the last."""
+    """Angular velocity (rad/s) of body s, about the axes about which it may turn; of a driven body
+    that of the last step."""
     b, turns = part.body_scratch, get3(part.bodies, s, TURNS)
     if part.is_driven[s]:
         return get3(b, s, LAST_SPIN)
@@ -115,7 +117,8 @@ def find_spin(part, state, s):
 
 @kernel
 def find_rates(part, state):
-    """Rates in RESIDUAL that impulses have to take, if they did not change over the step."""
+    """Store in RESIDUAL the rates of all gaps (m/s, rad/s) that the impulses have to cancel, with
+    what was missing in the step before (MISS)."""
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
     for s in range(part.on.shape[0]):
         put3(b, s, SPIN, find_spin(part, state, s))
@@ -133,7 +136,7 @@ def find_rates(part, state):
 
 @kernel
 def push_all(part, state):
-    """Push all bodies, by the impulses that were found."""
+    """Apply the impulses of `find_impulses` to all bodies, and count them."""
     for s in range(part.on.shape[0]):
         push(part, state, s)
     count_joints(part, ALL)
@@ -141,9 +144,9 @@ def push_all(part, state):
 
 @kernel
 def find_impulses(part, factor):
-    """Impulses that change what is in RESIDUAL, or rates of it, by `factor` times what it is.
+    """Find the impulses that change the rates of gaps by `factor` times RESIDUAL.
 
-    They go into IMPULSE, what they are to the bodies into FORCE and MOMENT.
+    They are stored in IMPULSE, and by body in FORCE (N s) and MOMENT (N m s).
     """
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
     for r in range(rows.shape[0]):
@@ -171,7 +174,7 @@ def find_impulses(part, factor):
 
 @kernel
 def push(part, state, s):
-    """Add the impulses of a round to the momenta of body s, unless it is driven."""
+    """Add FORCE and MOMENT to the momenta of body s, unless it is driven, and to its sums."""
     b, i = part.body_scratch, part.on[s]
     force, moment = get3(b, s, FORCE), get3(b, s, MOMENT)
     if not part.is_driven[s]:
@@ -183,7 +186,7 @@ def push(part, state, s):
 
 @kernel
 def push_where_far(part, state, s, condition):
-    """The same in the lanes where `condition` is negative; the others are not touched."""
+    """Add FORCE and MOMENT as `push` does, in the lanes where `condition` is below 0."""
     b, i = part.body_scratch, part.on[s]
     inverse_mass = get3(part.bodies, s, AXIS_IM)
     force, moment = get3(b, s, FORCE), get3(b, s, MOMENT)
@@ -196,7 +199,8 @@ def push_where_far(part, state, s, condition):
 
 @kernel
 def move_bodies(part, state, repeat, step):
-    """Move the bodies by a step with their momenta; repeat: from where they were at its start."""
+    """Move the bodies by a step (s) with their momenta; repeat: whether from the start of the step
+    again."""
     b = part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]
@@ -212,7 +216,7 @@ def move_bodies(part, state, repeat, step):
 
 @kernel
 def nudge(part, state, s, step):
-    """Push body s, and move it by that."""
+    """Push body s (`push`), and move it by the change of its momenta over a step (s)."""
     b, i = part.body_scratch, part.on[s]
     push(part, state, s)
     if not part.is_driven[s]:
@@ -225,7 +229,7 @@ def nudge(part, state, s, step):
 def move(part, world, timing):
     """Move the bodies of all joints by a step, and close the joints at its end.
 
-    What the last round leaves open is watched.
+    Gaps that the last round leaves are watched.
     """
     state, rows = world.state, part.rows
     inverse_step = 1.0 / timing.step
@@ -274,7 +278,7 @@ def look_back(part, world, timing):
 
 @kernel
 def move_back(part, start, step):
-    """Move the bodies from the start to a step before it."""
+    """Move the bodies from the start to the end of a step (s) before it."""
     for s in range(part.on.shape[0]):
         i = part.on[s]
         put3(start, i, X, get3(start, i, X) - step * get3(start, i, V))
@@ -288,7 +292,8 @@ def move_back(part, start, step):
 
 @kernel
 def close_before(part, start, step):
-    """Close what is in RESIDUAL by the momenta before the start, and bring the bodies back."""
+    """Close the gaps in RESIDUAL by the momenta before the start, and restore the bodies'
+    positions."""
     b = part.body_scratch
     find_impulses(part, -0.5 / step)
     for s in range(part.on.shape[0]):
@@ -304,7 +309,7 @@ def close_before(part, start, step):
 
 @hook(Joints)
 def work_after(part, world, timing):
-    """Work of what drives bodies, against the impulses of the joints on them."""
+    """Add the work (J) of drives against the impulses of joints on driven bodies."""
     state, b = world.state, part.body_scratch
     total = 0.0 * load(state, 0, X)
     for s in range(part.on.shape[0]):
@@ -334,7 +339,8 @@ def work_after(part, world, timing):
 
 @hook(Joints)
 def work_due(part, world, energies, row):
-    """What that did up to now by the impulses of this step."""
+    """Add to a recorded row the work (J) of drives, up to its instant, by the impulses of the step
+    after it."""
     account = ACCOUNTS + part.account
     for s in range(part.on.shape[0]):
         if part.is_driven[s]:
@@ -347,15 +353,16 @@ report_gaps(Joints, find_gaps)
 
 @hook(Joints)
 def record_step(part, world, row, timing):
-    """Record the constraint forces of the step, where they are counted."""
+    """Record the constraint forces of the step, where they are recorded."""
     record_sums(part.sums, part, row, timing)
 
 
 @kernel
 def record_sums(sums, part, row, timing):
-    """The sums as forces, in the order of the scene.
+    """Record the summed impulses, divided by the kick, as forces (N) and moments (N m) in the
+    scene's order of joints.
 
-    Of moments only those about axes about which a body may turn.
+    Only moments about axes about which a body may turn are recorded.
     """
     if sums is not None:
         rows, pattern, count = part.rows, part.pattern, part.types.shape[0]

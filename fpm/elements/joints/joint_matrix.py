@@ -45,7 +45,8 @@ def build(part):
 
 @kernel
 def factorise(part):
-    """Replace the blocks of A by those of its factor, and PIVOT by the inverse of its diagonal."""
+    """Replace the blocks of A by the blocks of its Cholesky factor, and PIVOT by the inverse of its
+    diagonal."""
     pattern, rows, matrix = part.pattern, part.rows, part.matrix
     for j in range(pattern.count.shape[0]):
         first, size, start = pattern.first[j], pattern.count[j], pattern.diagonal[j]

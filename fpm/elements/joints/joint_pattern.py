@@ -13,7 +13,7 @@ from fpm.elements.joints.joint_arrays import Pattern
 
 
 def neighbours(slots: np.ndarray, movable: np.ndarray) -> list[set[int]]:
-    """For each joint those that share a body with it that can move.
+    """For each joint the joints that share a movable body with it.
 
     slots (j, 2): bodies of the sides, -1 for none; movable (b,).
     """

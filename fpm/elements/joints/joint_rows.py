@@ -52,10 +52,11 @@ def put_row(part, state, j, r, linear, turn1, turn2):
 
 @kernel
 def put_turn(part, state, slot, r, k, turn):
-    """Store the moment on a body at `k` behind the fields of the first.
+    """Store the moment (m) of a unit impulse on the body `slot` in fields k of row r, and its
+    product with the body's inverse inertia.
 
-    Its products with the inverse inertias come from roots in the body's own axes, so that they form
-    a matrix that is not negative, however slender the body.
+    The products come from roots in the body's own axes, so that they form a matrix that is not
+    negative, however slender the body.
     """
     turn = times(get3(part.bodies, slot, TURNS), turn)
     own = to_local(frame(state, part.on[slot]), turn)
@@ -90,7 +91,7 @@ def unit_vectors(like):
 
 @kernel
 def find_rows(part, state):
-    """Store the conditions of all joints, as their bodies are."""
+    """Store the conditions of all joints, rows of their Jacobian, for the bodies' state now."""
     for j in range(part.types.shape[0]):
         if put_opening_row(part.turns, part, state, j):
             continue
@@ -139,7 +140,8 @@ def find_rows(part, state):
 
 @kernel
 def find_gaps(part, state, j):
-    """Store the gaps of joint j in RESIDUAL, those of points in m, of directions in rad.
+    """Store the gaps of joint j in RESIDUAL: of points (m), and of directions, cosines of angles
+    that should be right.
 
     Returns the sums of their squares.
     """
@@ -234,7 +236,8 @@ def opening_gap(turns, part, state, j):
 
 @kernel
 def put_held_row(part, state, j):
-    """The same where some joints hold openings. No impulse acts on a row where nothing turns."""
+    """Store the condition of joint j if it holds an opening, in samples with exact holds. No
+    impulse acts on a row of a free opening."""
     t = part.turn_of[j]
     if t < 0:
         return False
@@ -254,7 +257,8 @@ def put_held_row(part, state, j):
 
 @kernel
 def held_gap(part, state, j):
-    """The same where some joints hold openings."""
+    """Gap (rad, m) of the opening that joint j holds, in samples with exact holds; 0 where it is
+    free."""
     t = part.turn_of[j]
     _, first, point = place(part, state, j, 0)
     _, second, end = place(part, state, j, 1)

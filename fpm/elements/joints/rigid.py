@@ -63,7 +63,8 @@ others leaves a tenth (AGREES in solver/start.py)."""
 
 
 class Rigid(HoldsHinge):
-    """What these kinds have in common: each has a file of kernels by what it is called."""
+    """Base class of element types that hold an opening exactly; their kernels are in
+    rigid_<called>_kernels."""
 
     @classmethod
     def kernels(cls):
@@ -72,9 +73,10 @@ class Rigid(HoldsHinge):
 
 @dataclass(frozen=True)
 class RigidMotor(AnyMotor, Rigid):
-    """Prescribes the opening of a hinge: start + turn times the curve of that index (-1: 1).
+    """A motor that prescribes the opening of a hinge exactly: start + turn times the curve of index
+    `curve` (-1: 1).
 
-    by_rate: turn (rad/s) times the curve is the rate of the opening instead.
+    by_rate: whether turn (rad/s) times the curve is the rate of the opening instead.
     """
 
     hinge: int = on_hinge()
@@ -119,7 +121,7 @@ class RigidMotor(AnyMotor, Rigid):
 
 @dataclass(frozen=True)
 class RigidRelease(AnyRelease, Rigid):
-    """Holds a hinge exactly, until it lets go."""
+    """A release that holds a hinge exactly until its time or level."""
 
     hinge: int = on_hinge()
     time: float = number("s", above=0.0, finite=False, default=np.inf)
@@ -157,7 +159,7 @@ class RigidLatch(AnyLatch, Rigid):
 
 @dataclass(frozen=True)
 class RigidFriction(Rigid):
-    """Friction in a hinge without a bend."""
+    """Coulomb friction in a hinge, without a bristle: it sticks exactly up to its moment (N m)."""
 
     hinge: int = on_hinge(types=TURNING)
     moment: float = number("N m", 0.0)

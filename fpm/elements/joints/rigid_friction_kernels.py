@@ -35,7 +35,8 @@ CHANGES = 5
 
 
 class RigidFrictions(NamedTuple):
-    """on, turn (f,); numbers (f, 1, lanes); past (f, HISTORY, lanes); state (f, STATE, lanes)."""
+    """Arrays of friction without bristles: hinges on, held opening turn (f,); numbers (f, 1,
+    lanes); past (f, HISTORY, lanes); state (f, STATE, lanes)."""
 
     on: np.ndarray
     turn: np.ndarray
@@ -49,7 +50,8 @@ class RigidFrictions(NamedTuple):
 
 @hook(RigidFrictions)
 def forces(part, world, timing):
-    """Brake what slips. A blow of the step before still counts, whose rest comes in this one."""
+    """Add the moments (N m) of elements that slip. An impact of the step before still counts, whose
+    rest falls into this step."""
     blow = load(part.turns.blow, 0, 0)
     store(part.turns.blow, 0, 0, where_negative(-1.0 * blow, blow - 1.0, 0.0))
     for i in range(part.on.shape[0]):
@@ -71,9 +73,9 @@ account(RigidFrictions, WORKS, -1.0)
 
 @kernel
 def turning(part, i, timing):
-    """Share of the kick until an opening stands, and how far (rad) it goes still until then.
+    """Fraction of the kick until the opening of element i is at rest, and angle (rad) until then.
 
-    Its rate would fall in this kick to one below zero. If it fell so before, it stands at the
+    Its rate would fall below 0 in this kick. If it fell so before, the opening is at rest at the
     vertex of the parabola; else it is braked only now, from where it is, amid the kick.
     """
     sign = load(part.state, i, SIGN)
@@ -92,11 +94,12 @@ def turning(part, i, timing):
 
 @hook(RigidFrictions)
 def decide(part, world, timing):
-    """Let go where more is needed than it bears, turn round or stick where it comes to stand.
+    """Release elements whose moment is above their friction, and reverse or stick elements that
+    come to rest.
 
-    What would turn round is braked until it stands and pushed the other way from then on; if it
-    would not go back so, it sticks. Every element changes but a few times in a step, the last time
-    to let go: no impulse that it holds is more than it bears.
+    An element that would reverse is braked until it is at rest and pushed the other way from then
+    on; if it would not move back, it sticks. Every element changes but a few times in a step, the
+    last time to slip: no impulse that it holds is above its friction.
     """
     for i in range(part.on.shape[0]):
         t, changes = part.turn[i], load(part.state, i, CHANGES_LEFT)
@@ -113,17 +116,18 @@ def decide(part, world, timing):
 
 @kernel
 def needed_by(part, i, timing):
-    """Moment (N m) that held element i in this step."""
+    """Moment (N m) that holds element i in this step."""
     return (1.0 / timing.kick) * load(part.turns.state, part.turn[i], SOLVED_IMPULSE)
 
 
 @kernel
 def slipping(part, i, full, timing):
-    """Moment (N m) with which it lets go in this step, from how it was held to the full one.
+    """Moment (N m) of element i in the step in which it starts to slip, from the holding to the
+    full moment.
 
-    Of a load that grows, both are the same to the first order. A blow comes amid the kick, or a
-    share of the step after (before) that: what the next kick (the last) had too little of being
-    held, this one has.
+    Of a load that grows, both agree to first order. An impact comes amid the kick, or a fraction of
+    the step after (before) it: what the next kick (the last) had too little of being held, this one
+    has.
     """
     if timing.time == 0.0:
         return full
@@ -135,7 +139,7 @@ def slipping(part, i, full, timing):
 
 @kernel
 def change(part, world, timing, i, slips, turns, sticks):
-    """Let go, turn or stick in the lanes in which these are below zero."""
+    """Slip, reverse or stick element i in the lanes where slips, turns, sticks are below 0."""
     t, h, most = part.turn[i], part.on[i], load(part.numbers, i, 0)
     old, last = load(part.state, i, SIGN), load(part.state, i, BRAKE)
     sign = where_negative(needed_by(part, i, timing), -1.0, 1.0)
@@ -159,7 +163,7 @@ def change(part, world, timing, i, slips, turns, sticks):
 
 @hook(RigidFrictions)
 def work_after(part, world, timing):
-    """What it loses in the half step up to now by the moments of this step."""
+    """Add the loss (J) of the half step that ends now, by the moments of the step that begins."""
     for i in range(part.on.shape[0]):
         moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], timing)
         late = moment - load(part.state, i, LAST_BRAKE)

@@ -41,9 +41,8 @@ TRACK = 4  # recorded: as of all latches, and the impulse with which it caught
 
 
 class RigidLatches(NamedTuple):
-    """on (l,) hinges; turn (l,); numbers (l, 4, lanes); past (l, HISTORY, lanes); state (l,
-    STATE, lanes).
-    """
+    """Arrays of rigid latches: hinges on, held opening turn (l,); numbers (l, 4, lanes); past (l,
+    HISTORY, lanes); state (l, STATE, lanes)."""
 
     on: np.ndarray
     turn: np.ndarray
@@ -65,7 +64,7 @@ account(RigidLatches, WORKS, -1.0)
 
 @hook(RigidLatches)
 def prepare(part, world, timing):
-    """Keep the rates of the step before."""
+    """Keep the rates (rad/s) of the openings in the step before."""
     if timing.time > 0.0:
         for i in range(part.on.shape[0]):
             store(part.past, i, LAST, half_rate(part.openings, part.on[i], timing))
@@ -80,10 +79,10 @@ def predict(part, i, timing):
 
 @hook(RigidLatches)
 def decide(part, world, timing):
-    """Catch the openings that would come by in this step.
+    """Catch the openings that would enter their capture range in this step.
 
-    It looks on from where it looked to in the step before: what comes about otherwise, in the last
-    digits, would else slip through.
+    The way begins at the end that was predicted in the step before: what comes about otherwise, in
+    the last digits, would else slip through.
     """
     for i in range(part.on.shape[0]):
         t = part.turn[i]
@@ -107,7 +106,8 @@ def decide(part, world, timing):
 
 @hook(RigidLatches)
 def work_after(part, world, timing):
-    """What they lose in the half step up to now by the impulses of this step, and these.
+    """Add the losses (J) of the half step that ends now, by the impulses of the step that begins,
+    and sum the impulses.
 
     The impulse of catching is that of the two steps which share it, less what the moment of the
     third gives in the time since.
@@ -129,7 +129,8 @@ def work_after(part, world, timing):
 
 @hook(RigidLatches)
 def record_step(part, world, row, timing):
-    """Moment, impulse up to now, rate when it caught, and the impulse of catching."""
+    """Record moment (N m), impulse up to now (N m s), rate at the catch (rad/s), and impulse of the
+    catch (N m s)."""
     count = part.on.shape[0]
     for i in range(count):
         index, moment = row * count + i, load(part.state, i, MOMENT)

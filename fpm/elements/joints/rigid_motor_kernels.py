@@ -19,9 +19,8 @@ STATE = HOLD_FIELDS
 
 
 class RigidMotors(NamedTuple):
-    """on, turn, curve, by_rate (m,); numbers (m, 2, lanes); state (m, STATE,
-    lanes).
-    """
+    """Arrays of rigid motors: hinges on, held opening turn, curve, by_rate (m,); numbers (m, 2,
+    lanes); state (m, STATE, lanes)."""
 
     on: np.ndarray
     turn: np.ndarray
@@ -37,7 +36,7 @@ class RigidMotors(NamedTuple):
 
 @hook(RigidMotors)
 def prepare(part, world, timing):
-    """Where the openings have to be at the end of the step."""
+    """Set the prescribed openings (rad, m) of the end of the step."""
     for i in range(part.on.shape[0]):
         if not part.by_rate[i]:
             bend = bend_after(world, part.curve[i], timing.time)
@@ -53,13 +52,13 @@ account(RigidMotors, WORKS, 1.0)
 
 @hook(RigidMotors)
 def work_after(part, world, timing):
-    """Work of half of the moments of this step, on that way."""
+    """Add the work (J) of half of the moments of this step, over the step that ends now."""
     end_work(part, world, timing, WORKS, 1.0)
 
 
 @hook(RigidMotors)
 def record_step(part, world, row, timing):
-    """The moments."""
+    """Record the moment (N m) of each motor."""
     count = part.on.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, WORKS + HELD_BY))

@@ -24,7 +24,8 @@ NUMBERS = "time", "level"  # which come first of all releases
 
 
 class RigidReleases(NamedTuple):
-    """on, turn, watch (r,); numbers (r, 2, lanes); state (r, STATE, lanes)."""
+    """Arrays of rigid releases: hinges on, held opening turn, watch (r,); numbers (r, 2, lanes);
+    state (r, STATE, lanes)."""
 
     on: np.ndarray
     turn: np.ndarray
@@ -39,7 +40,7 @@ class RigidReleases(NamedTuple):
 
 @hook(RigidReleases)
 def forces(part, world, timing):
-    """Let go where it is due; what is left of the moment then."""
+    """Release elements that are due, and add the rest of the holding moment (N m)."""
     for i in range(part.on.shape[0]):
         t = part.turn[i]
         hold = load(part.turns.state, t, HOLDS)
@@ -63,7 +64,7 @@ account(RigidReleases, WORKS, -1.0)
 
 @hook(RigidReleases)
 def work_after(part, world, timing):
-    """The same by the impulses of this step."""
+    """Add the work (J) of the half step that ends now, by the impulses of the step that begins."""
     end_work(part, world, timing, WORKS, -1.0)
     for i in range(part.on.shape[0]):
         total = load(part.state, i, WORKS + HELD_BY) + load(part.state, i, REST_MOMENT)

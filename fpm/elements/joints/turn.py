@@ -23,7 +23,8 @@ from fpm.elements.openings.opening import OnHinge, Opening
 
 @dataclass(frozen=True)
 class Turn(ElementType):
-    """The condition on an opening; nothing states it, every element that holds one has it."""
+    """Condition that holds an opening exactly; it belongs to every element that holds one, and is
+    not stated."""
 
     @classmethod
     def of(cls, scene):
@@ -57,23 +58,25 @@ class Turn(ElementType):
 
 
 class HoldsHinge(OnHinge):
-    """What the kinds that hold the opening of one hinge exactly have in common."""
+    """Base class of motors, releases, latches and friction that constrain an opening exactly,
+    without a penalty spring."""
 
     reads: ClassVar = (Opening, Turn)
     resists_as: ClassVar = ""
 
     def held_at_start(self, scene) -> float | None:
-        """The opening (rad) that it holds from the start; None: it is free then."""
+        """Opening (rad) that the element holds from the start on; None: it is free then."""
         return None
 
     def rate_at_start(self, scene) -> float | None:
-        """The rate (rad/s) that it gives the opening at the start, whatever that takes; None: any
-        may be."""
+        """Rate (rad/s) that the element imposes on the opening at the start; None: it imposes
+        none."""
         return None
 
     @classmethod
     def array(cls, name, batch):
-        """Besides, `turns`: the conditions on openings; `turn`: their places among these."""
+        """An array as of OnHinge.array; `turns`: the conditions on openings; `turn`: indices of the
+        elements among these."""
         match name:
             case "turns":
                 return batch.part(Turn)

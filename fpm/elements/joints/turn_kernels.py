@@ -66,7 +66,7 @@ HOLD_FIELDS = 2
 
 @kernel
 def work_on(openings, h, moment):
-    """Work (J) of half of a moment on opening h, on the way of the step up to now."""
+    """Work (J) of half of a moment (N m) on opening h, over the step that ends now."""
     return 0.5 * moment * (load(openings.angles, h, NEW) - load(openings.angles, h, OLD))
 
 
@@ -78,15 +78,14 @@ def give(world, account, work):
 
 @kernel
 def moment_of(turns, t, timing):
-    """Moment (N m) on the second particle by which opening t was held at timing.time."""
+    """Moment (N m), on the second particle, that held opening t in the kick at timing.time."""
     return (1.0 / timing.kick) * load(turns.state, t, TURN_IMPULSE)
 
 
 @kernel
 def tell_late(moments, openings, h, moment):
-    """Count a moment of the kicks that are over, and its work up to now, where moments are told
-    apart.
-    """
+    """Add a moment (N m) of the last kick, and its work (J), to its component of opening h.
+    moments: None where there are no components."""
     if moments is not None:
         row = h * openings.parts + openings.part
         store(moments, row, ACTING, load(moments, row, ACTING) + moment)
@@ -94,10 +93,11 @@ def tell_late(moments, openings, h, moment):
 
 
 def account(arrays, first, sign):
-    """The hooks `work_before` and `work_due` of a kind with these arrays that holds openings.
+    """Register the hooks `work_before` and `work_due` of an element type with these arrays that
+    holds openings exactly.
 
-    first: the field of part.state with HELD_BY; sign: 1 for an account that is given to, -1 for one
-    of losses. Its `work_after` calls `end_work`.
+    first: the field of part.state with HELD_BY; sign: 1 for an account of work given, -1 for
+    losses. Its `work_after` calls `end_work`.
     """
 
     @hook(arrays)
@@ -118,7 +118,8 @@ def account(arrays, first, sign):
 
 @kernel
 def end_work(part, world, timing, first, sign):
-    """The other half, of the moments of this step (`work_after`)."""
+    """Add the work (J) of the half step that ends now, by the moments of the step that begins, for
+    all elements."""
     for i in range(part.on.shape[0]):
         moment = moment_of(part.turns, part.turn[i], timing)
         tell_late(part.openings.moments, part.openings, part.on[i], moment)
@@ -127,7 +128,7 @@ def end_work(part, world, timing, first, sign):
 
 @kernel
 def end_work_of(part, world, i, moment, first, sign):
-    """The other half, of the moment of element i."""
+    """Add the work (J) of the half step that ends now, by the moment (N m) of element i."""
     work = sign * work_on(part.openings, part.on[i], moment)
     give(world, part.account, work)
     store(part.state, i, first + HELD_BY, moment)
@@ -136,7 +137,8 @@ def end_work_of(part, world, i, moment, first, sign):
 
 @hook(TurnedJoints)
 def prepare(part, world, timing):
-    """Kick the bodies of all joints; all forces must be summed."""
+    """Kick the bodies of all joints, and mark the impulses as undecided; all forces must be
+    summed."""
     clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
     world.undecided[0] = 1
@@ -146,7 +148,7 @@ def prepare(part, world, timing):
 
 @hook(TurnedJoints)
 def solve(part, world, timing):
-    """Find the impulses of all joints, with the openings that are held now."""
+    """Find the impulses of all joints, with the openings that are held in this round."""
     find_rows(part, world.state)
     build(part)
     factorise(part)
@@ -161,7 +163,8 @@ def solve(part, world, timing):
 
 @kernel
 def tell_rates(part, state):
-    """Rates that the openings will have after the impulses, whether they are held or not."""
+    """Store the rates (rad/s, m/s) that openings will have after the impulses, and the impulses
+    that hold them."""
     b = part.body_scratch
     for s in range(part.on.shape[0]):
         if not part.is_driven[s]:
@@ -183,7 +186,7 @@ def tell_rates(part, state):
 
 @kernel
 def velocity(part, state, s, point):
-    """Velocity that a point of body s will have after the impulses."""
+    """Velocity (m/s), after the impulses, of a point (m, global) of body s."""
     b, i = part.body_scratch, part.on[s]
     v = get3(state, i, V)
     if not part.is_driven[s]:
@@ -200,7 +203,8 @@ def move(part, world, timing):
 
 @hook(TurnedJoints)
 def look_back(part, world, timing):
-    """The same before the start: a held opening was where its way, reflected at its rate, began."""
+    """Close the joints half a step before the start, with held openings where their motion,
+    reflected at its rate, began."""
     state, start, b = world.state, world.start_state, part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]

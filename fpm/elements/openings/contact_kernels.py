@@ -20,7 +20,8 @@ linkage at rest at closure has no events. Faces that meet at 1 rad/s reach it wi
 
 
 class Contacts(NamedTuple):
-    """on (c,) hinges; numbers (c, 1, lanes); rows (c, 1, lanes)."""
+    """Arrays of all contacts: hinges on (c,); numbers (c, 1, lanes) stiffness; rows (c, 1,
+    lanes)."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -31,7 +32,7 @@ class Contacts(NamedTuple):
 
 @hook(Contacts)
 def forces(part, world, timing):
-    """Moments that open the hinges whose faces overlap."""
+    """Add the moments (N m) of contacts whose faces overlap, which open their hinges."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         psi = load(part.openings.angles, h, NEW)
@@ -41,7 +42,7 @@ def forces(part, world, timing):
 
 @hook(Contacts)
 def note_events(part, world, timing):
-    """Note the contacts that shut or opened since the last step."""
+    """Note events of contacts that closed or opened since the last step."""
     angles = part.openings.angles
     for c in range(part.on.shape[0]):
         h = part.on[c]

@@ -14,7 +14,8 @@ DAMPING = 0
 
 
 class Dampers(NamedTuple):
-    """on (d,) hinges; numbers (d, 1, lanes); past (d, HISTORY, lanes); number of account."""
+    """Arrays of all dampers: hinges on (d,); numbers (d, 1, lanes) N m s/rad; past (d, HISTORY,
+    lanes); account: index of the loss in World.accounts."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -25,7 +26,8 @@ class Dampers(NamedTuple):
 
 @hook(Dampers)
 def forces(part, world, timing):
-    """Moments against the rates of the openings."""
+    """Add the moments (N m) of viscous dampers, -c times the rate of the opening, and their losses
+    (J)."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         rate = follow_rate(part.openings, part.past, i, h, timing)

@@ -69,7 +69,8 @@ def _unbalanced(element: str) -> str:
 
 @dataclass(frozen=True)
 class Friction(OnHinge):
-    """Friction in a hinge by a bristle, whose `damping` is None where it is as DAMPED says."""
+    """Friction in a hinge by a bristle: a spring that slips at a moment. damping None: as DAMPED
+    says."""
 
     hinge: int = on_hinge()
     moment: float = number("N m", 0.0, text="at which it slips; below, it sticks for ever")
@@ -94,14 +95,16 @@ class Friction(OnHinge):
 
     @classmethod
     def led(cls, scene):
-        """They slip at once, the way that their joints go; what Scene.bearings has does nothing."""
+        """Friction elements that slip at once, in the direction of their joints; those in
+        Scene.bearings have no moment."""
         frictions = [
             replace(friction, bristle_deflection=AT_ONCE, damping=0.0) for friction in cls.of(scene)
         ]
         return [f if f.load is None else replace(f, moment=0.0, load=None) for f in frictions]
 
     def add_to(self, scene):
-        """What goes with the joint's force counts where openings are led, too."""
+        """Add the element to a scene; friction in proportion to the joint's force is noted in
+        Scene.bearings, for travels."""
         super().add_to(scene)
         if self.load is not None:
             scene.bearings[self.hinge] += self.moment / self.load

@@ -30,7 +30,8 @@ step later, before the next one is found by the secant of both."""
 
 
 class Frictions(NamedTuple):
-    """on (f,) hinges; the others (f, 3, HISTORY or STATE, lanes)."""
+    """Arrays of all friction elements: hinges on (f,); numbers (f, 4, lanes); past (f, HISTORY,
+    lanes); state (f, STATE, lanes)."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -47,7 +48,8 @@ class Frictions(NamedTuple):
 
 @kernel
 def bend_at(points, start, i, most, psi):
-    """By how much bristle i bends at an opening before it slips; most: up to the first point."""
+    """Bristle deflection (rad) at which element i slips at opening psi (rad), by the table
+    `points`; most: the deflection up to the first point of the table."""
     if points is not None:
         for j in range(start[i], start[i + 1]):
             ramp = psi - load(points, j, ANGLE)
@@ -57,7 +59,8 @@ def bend_at(points, start, i, most, psi):
 
 @kernel
 def bend_by_force(bearing, state, i, timing):
-    """By how much more it bends by the joint's force, now and a step ago; at first as stated.
+    """Bristle deflection (rad), due to the force of the joint, at which element i slips: now and a
+    step ago; at the start the stated one.
 
     Where friction relieves its own joint by more than itself (beyond the angle of self-locking, led
     out of it), taking the force of the step before would grow from step to step; the secant of the
@@ -81,7 +84,8 @@ def bend_by_force(bearing, state, i, timing):
 
 @kernel
 def bends_now(bearing, part, i, psi, psi_before, timing):
-    """By how much bristle i bends before it slips, now and a step ago."""
+    """Bristle deflection (rad) at which element i slips, at psi now and at psi_before a step
+    ago."""
     first = load(part.numbers, i, BEND)
     most = bend_at(part.points, part.start, i, first, psi)
     last = bend_at(part.points, part.start, i, first, psi_before)
@@ -93,9 +97,11 @@ def bends_now(bearing, part, i, psi, psi_before, timing):
 
 @kernel
 def watch_lock(part, i, bend, most, slips):
-    """Watch whether bristle i is bent on, without slipping, while what it bears grows as fast.
+    """Watch for self-locking of element i: growth of its deflection `bend` without slip while the
+    deflection `most`, at which it slips, grows as fast.
 
-    That counts from where it was bent least, and what it bore within one bend from there.
+    slips: below 0 where it slips. Growth counts from the least deflection since the last slip, and
+    from the load within one deflection of there.
     """
     state, per_bend = part.state, load(part.numbers, i, LOCKING)
     size, least = absolute(bend), load(state, i, LEAST)
@@ -112,7 +118,7 @@ def watch_lock(part, i, bend, most, slips):
 
 @hook(Frictions)
 def forces(part, world, timing):
-    """Moments of the bristles; those that would bear too much slip.
+    """Add the moments (N m) of bristles and their dampers, and the losses (J) of those that slip.
 
     On the way into slipping the forces of both steps do not do the work of the way between; `edge`
     mends that as for a spring that begins where the bristle yields.
@@ -153,13 +159,14 @@ def forces(part, world, timing):
 
 @hook(Frictions)
 def energy_of(part, world, i):
-    """Energy of bristle i (J)."""
+    """Strain energy (J) of the bristle of element i."""
     bend = load(part.state, i, BENDING)
     return 0.5 * load(part.numbers, i, STIFFNESS) * bend * bend
 
 
 @hook(Frictions)
 def list_excess(part, world):
-    """How far each has locked itself."""
+    """Store, of each element, how many times its own deflection it was deflected on without slip
+    (LOCKED)."""
     for i in range(part.on.shape[0]):
         store(part.rows, i, 0, load(part.state, i, LOCKED))

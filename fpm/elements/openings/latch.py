@@ -39,7 +39,7 @@ slides names and units are others (opening.by_unit)."""
 
 
 class AnyLatch(OnHinge):
-    """What latches have in common, rigid ones too: how they catch, and their names."""
+    """Base class of latches, rigid ones too: how they catch, and their names."""
 
     takes = JOINT_LOSS
     events = ("latches", "misses")
@@ -91,5 +91,6 @@ class Latch(AnyLatch):
     stores = Energy("latch", "latch_energy", "energy of the latches")
 
     def damping_in(self, scene):
-        """Its damper begins with more than a kick."""
+        """Damping (N m s/rad) for the stable step, raised as the damper begins with more than a
+        kick."""
         return ONSET * self.damping

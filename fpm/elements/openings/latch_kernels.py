@@ -34,7 +34,8 @@ ANGLE_TOL = 1e-6
 
 
 class Latches(NamedTuple):
-    """on (l,) hinges; numbers (l, 7, lanes); past (l, HISTORY, lanes); state (l, STATE, lanes)."""
+    """Arrays of all latches: hinges on (l,); numbers (l, 7, lanes); past (l, HISTORY, lanes); state
+    (l, STATE, lanes)."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -49,7 +50,8 @@ class Latches(NamedTuple):
 
 @kernel
 def watch(part, i, h, timing):
-    """Catch the opening of latch i in the lanes where it has come by in this step."""
+    """Catch the opening of hinge h by latch i, in lanes where it entered the capture range in this
+    step."""
     angles = part.openings.angles
     reach = reach_of(part, i, load(angles, h, OLD), load(angles, h, NEW))
     if any_negative(where_negative(0.5 - load(part.state, i, IS_CAUGHT), 1.0, reach)):
@@ -61,18 +63,21 @@ def watch(part, i, h, timing):
 
 @kernel
 def reach_of(part, i, start, end):
-    """Below zero where latch i must be looked at on the way from an opening to another (rad)."""
+    """Distance (rad) of the capture range of latch i from the way between openings start and end;
+    below 0: the way may enter the range."""
     distance = absolute(0.5 * (end + start) - load(part.numbers, i, ANGLE))
     return distance - 0.5 * absolute(end - start) - load(part.numbers, i, CAPTURE_RANGE) - ANGLE_TOL
 
 
 @kernel
 def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
-    """Whether lane s of latch i catches or misses on the way of a step, and where.
+    """Decide whether lane s of latch i catches or misses on the way of a step; sets CATCH_TIME and
+    HOLD_ANGLE.
 
-    psi_start, psi_end: the opening at its start and end (rad); last_rate: in the step before;
-    end: of the step (s). The way is taken as straight; what is called first and last counts from
-    the edge of the reach that is met first.
+    psi_start, psi_end: opening at the start and end of the step (rad); last_rate: rate in the step
+    before (rad/s); end: time of the end of the step (s); step (s). The rate within the step is
+    taken as constant; `first` and `last` (rad) count from the edge of the capture range that is met
+    first.
     """
     angle, reach = part.numbers[i, ANGLE, s], part.numbers[i, CAPTURE_RANGE, s]
     change = psi_end - psi_start
@@ -102,14 +107,16 @@ def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
 
 @kernel
 def excess(part, i, field):
-    """How far (rad) the opening is beyond where latch i holds; `field` NEW or OLD."""
+    """Opening (rad) beyond the angle at which latch i holds, in the direction of its catch; field:
+    NEW or OLD."""
     angle = load(part.openings.angles, part.on[i], field) - load(part.state, i, HOLD_ANGLE)
     return load(part.state, i, SIGN) * angle
 
 
 @kernel
 def hold(part, i, rate):
-    """What the spring and the damper of latch i, if it holds, do on the way it came."""
+    """Moments (N m) of the spring and of the damper of latch i, in the direction of its catch; 0
+    where it is free. rate (rad/s): of the opening, in that direction."""
     stiffness, damping = load(part.numbers, i, STIFFNESS), load(part.numbers, i, DAMPING)
     fresh = 0.5 - load(part.state, i, NEWS)  # < 0 in the step in which it caught
     gap, last = excess(part, i, NEW), excess(part, i, OLD)
@@ -126,7 +133,8 @@ def hold(part, i, rate):
 
 @hook(Latches)
 def forces(part, world, timing):
-    """Moments of the latches that hold, those that have just caught among them."""
+    """Add the moments (N m) of latches that hold, from the step of their catch on, and their losses
+    (J)."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         if timing.time > 0.0:
@@ -144,7 +152,7 @@ def forces(part, world, timing):
 
 @hook(Latches)
 def note_events(part, world, timing):
-    """Note the latches that caught or missed since the last step."""
+    """Note events of latches that caught (0) or missed (1) since the last step."""
     for i in range(part.on.shape[0]):
         if any_negative(0.5 - load(part.state, i, NEWS)):
             for s in range(part.state.shape[2]):
@@ -156,7 +164,7 @@ def note_events(part, world, timing):
 
 @hook(Latches)
 def energy_of(part, world, i):
-    """Energy of latch i (J)."""
+    """Strain energy (J) of the spring of latch i."""
     gap = excess(part, i, NEW)
     one_sided = where_negative(gap, gap, 0.0)
     gap = where_negative(load(part.numbers, i, ONE_SIDED), one_sided, gap)
@@ -166,7 +174,7 @@ def energy_of(part, world, i):
 
 @hook(Latches)
 def record(part, world, row):
-    """Moment, impulse, and rate when it caught."""
+    """Record of each latch its moment (N m), impulse (N m s), and rate (rad/s) at its catch."""
     count = part.on.shape[0]
     for i in range(count):
         for k, field in enumerate((MOMENT, IMPULSE, RATE_THERE)):

@@ -1,4 +1,4 @@
-"""What elements that lose energy on openings share: rates, losses, and edges that are crossed."""
+"""Rates, losses and zero crossings that dissipative elements on joint openings share."""
 
 from typing import NamedTuple
 
@@ -17,8 +17,9 @@ HISTORY = 2
 
 
 class JointForce(NamedTuple):
-    """The forces of the joints: hinge of each element among the lone ones, or -1, and its first row
-    and how many among those of joints; the impulses of either, of the last step."""
+    """Impulses of joints of the last step, for friction by the force in a joint. lone (f,): index
+    of the hinge of each element among hinges solved alone, or -1; first, count (f,): its rows among
+    joints solved together."""
 
     share: np.ndarray  # (f, 1, lanes) what counts of each N; 0: not this one
     lone: np.ndarray  # (f,)
@@ -31,14 +32,15 @@ class JointForce(NamedTuple):
 
 @kernel
 def half_rate(openings, h, timing):
-    """Rate (rad/s) of opening h in the middle of the step up to now."""
+    """Rate (rad/s) of opening h at the middle of the step that ends now."""
     angles = openings.angles
     return (load(angles, h, NEW) - load(angles, h, OLD)) * (1.0 / timing.step)
 
 
 @kernel
 def follow_rate(openings, history, i, h, timing):
-    """Rate (rad/s) of opening h now, to the second order in the step, from the last two steps.
+    """Rate (rad/s) of opening h now, for element i, extrapolated from the last two steps to second
+    order.
 
     The middles of the steps lie half a step and one and a half behind (Adams and Bashforth).
     """
@@ -53,8 +55,10 @@ def follow_rate(openings, history, i, h, timing):
 
 @kernel
 def lose(world, account, openings, history, i, h, moment):
-    """Count what a moment on the second particle of hinge h loses in the step up to now.
+    """Add to an account the energy (J) that a moment (N m) on hinge h takes out in the step that
+    ends now.
 
+    moment: on the second particle, now; history, i: row of the element, with its moment a step ago.
     The trapezium rule is what leapfrog does: kinetic energy of the half steps before and after
     (record.py) changes by just that, so that no order of the step is left in the balance.
     """
@@ -67,7 +71,7 @@ def lose(world, account, openings, history, i, h, moment):
 
 @kernel
 def force_of(bearing, i, timing):
-    """Force (N) of the joint of element i in the last step."""
+    """Size (N) of the constraint force in the joint of element i, as a mean over the last step."""
     zero = 0.0 * load(bearing.share, i, 0)
     impulse = vector(zero, zero, zero)
     if bearing.lone[i] >= 0:
@@ -81,10 +85,12 @@ def force_of(bearing, i, timing):
 
 @kernel
 def edge(new, old):
-    """What a spring that begins at zero must have on top of `new` where zero was crossed.
+    """Correction of the overlap `new` of a spring that begins at zero, in the step in which zero
+    was crossed; else 0. new, old: overlap now and a step ago, in one unit.
 
-    On the way from -b to s it does k s²/2, but the forces k s and 0 at its ends do k s (s + b)/2.
-    Half of the difference is taken off at the later step, and again by the step that follows.
+    On the way from -b to s such a spring does k s²/2, but the forces k s and 0 at the ends do k s
+    (s + b)/2. Half of the difference is taken off at the later step, and again by the step that
+    follows.
     """
     product = new * old
     return where_negative(product, 0.5 * product / absolute(new - old), 0.0)
@@ -92,9 +98,10 @@ def edge(new, old):
 
 @kernel
 def onset(new, old):
-    """Share of a kick for a force that begins, whole, where zero was crossed from below.
+    """Fraction of a kick during which a force acts that jumps from 0 to its full size where zero is
+    crossed; 1 where nothing is crossed. new, old: the crossing value now and a step ago.
 
-    A kick is for half a step on either side; this one is for half a step and s/(s + b) of one.
+    A kick covers half a step on either side; the force acts for half a step and s/(s + b) of one.
     """
     product = new * old
     return where_negative(product, 0.5 + absolute(new) / absolute(new - old), 1.0)
@@ -102,10 +109,11 @@ def onset(new, old):
 
 @kernel
 def press(new, old, rate, stiffness, damping):
-    """Force (>= 0) of a one-sided spring and of its damper, where the overlap is above zero.
+    """Forces, at least 0 in sum, of the spring and of the damper of a one-sided stop, where the
+    overlap `new` is above 0.
 
-    new, before: the overlap now and a step ago; rate: its growth. The damper never pulls: it
-    takes off at most what the spring has.
+    new, old: overlap now and a step ago; rate: its rate now. The damper never pulls: it takes off
+    at most the force of the spring.
     """
     spring = stiffness * where_negative(new, 0.0, new)
     damper = damping * rate * onset(new, old)

@@ -19,7 +19,7 @@ MOTOR_WORK = Energy("motor_work", "motor_work", "work of the motors")
 
 
 class AnyMotor(OnHinge):
-    """What motors have in common, rigid and torque motors too."""
+    """Base class of motors, rigid and torque motors too."""
 
     gives = MOTOR_WORK
     acts_as = "motor"
@@ -43,9 +43,10 @@ class AnyMotor(OnHinge):
 
 @dataclass(frozen=True)
 class Motor(AnyMotor):
-    """Prescribes the opening of a hinge: start + turn times the curve of that index (-1: 1).
+    """A motor that prescribes the opening of a hinge through an elastic drive train: start + turn
+    times the curve of index `curve` (-1: 1).
 
-    stiffness and damping are those of the drive train; by_rate: turn (rad/s) times the curve is the
+    stiffness and damping: of the drive train; by_rate: whether turn (rad/s) times the curve is the
     rate of the opening instead.
     """
 

@@ -26,11 +26,10 @@ TRACK = 1
 
 
 class Motors(NamedTuple):
-    """on (m,) hinges; curve, by_rate (m,); numbers (m, 4, lanes); past (m, HISTORY, lanes);
-    state (m, STATE, lanes); given, taken: numbers of the accounts of work and loss; rows (m, 1,
-    lanes); track ((instants + 1) m, 1,
-    lanes) recorded moment (N m).
-    """
+    """Arrays of all motors: hinges on (m,); curve, by_rate (m,); numbers (m, 4, lanes); past (m,
+    HISTORY, lanes); state (m, STATE, lanes); given, taken: indices of work and loss in
+    World.accounts; rows (m, 1, lanes); track ((instants + 1) m, 1, lanes): recorded moment (N
+    m)."""
 
     on: np.ndarray
     curve: np.ndarray
@@ -47,7 +46,8 @@ class Motors(NamedTuple):
 
 @hook(Motors)
 def forces(part, world, timing):
-    """Moments towards the targets."""
+    """Add the moments (N m) of the motors' drive trains, spring and damper, towards their
+    prescribed openings."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         for k in (MOMENT, VISCOUS):
@@ -73,7 +73,8 @@ def forces(part, world, timing):
 
 @hook(Motors)
 def work_before(part, world, timing):
-    """Work of the motors over the step up to now, and what their drive trains lost.
+    """Add the work (J) of the motors over the step that ends now, and the losses of their drive
+    trains.
 
     By the trapezium rule, as the moments do it on the hinges: so the balance has no error of it.
     """
@@ -92,14 +93,14 @@ def work_before(part, world, timing):
 
 @hook(Motors)
 def energy_of(part, world, i):
-    """Energy of the drive train of motor i (J)."""
+    """Strain energy (J) of the drive train of motor i."""
     error = load(part.state, i, ERROR)
     return 0.5 * load(part.numbers, i, STIFFNESS) * error * error
 
 
 @hook(Motors)
 def record(part, world, row):
-    """The moments."""
+    """Record the moment (N m) of each motor."""
     count = part.on.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, MOMENT))

@@ -47,7 +47,8 @@ TURNING = ("revolute", "universal", "cross")
 
 @dataclass(frozen=True)
 class Opening(ElementType):
-    """The opening of a hinge; nothing states it, every hinge of a scene has one, with its index."""
+    """The opening of a hinge (rad) or slide (m); every hinge of a scene has one, with its index,
+    and it is not stated."""
 
     resists_as = ""
 
@@ -97,7 +98,7 @@ class Opening(ElementType):
 
 
 class OnHinges(ElementType):
-    """What the kinds that act on openings have in common."""
+    """Base class of element types that act on openings of hinges."""
 
     reads = (Opening,)
 
@@ -118,18 +119,18 @@ class OnHinges(ElementType):
 
     @classmethod
     def array(cls, name, batch):
-        """Besides, `openings`."""
+        """An array as of ElementType.array, or the `openings`."""
         return Opening.seen_by(cls, batch) if name == "openings" else super().array(name, batch)
 
 
 class OnHinge(OnHinges):
-    """The same of one hinge, of index `hinge`."""
+    """Base class of element types that act on the opening of one hinge, of index `hinge`."""
 
     def acts_on(self):
         return (self.hinge,)
 
     def label(self, scene) -> str:
-        """Its name in messages and files: that of the hinge."""
+        """Name of the element in messages and files: that of its hinge."""
         return scene.hinges[self.hinge].name
 
     def title(self, scene):
@@ -166,7 +167,7 @@ class OnHinge(OnHinges):
 
     @classmethod
     def dampings(cls, scene):
-        """The same for their dampers."""
+        """Deformations of the elements' dampers, with damping, as if all acted."""
         return cls._turns(scene, [e.damping_in(scene) for e in cls.of(scene)])
 
     @classmethod
@@ -176,7 +177,7 @@ class OnHinge(OnHinges):
 
     @classmethod
     def array(cls, name, batch):
-        """Besides, `on`: the hinges; `past`: of their motion, for losses."""
+        """An array as of OnHinges.array; `on`: the hinges; `past`: history for losses."""
         if name == "past":
             return pack_past(batch, cls)
         return super().array("hinge" if name == "on" else name, batch)
@@ -188,9 +189,8 @@ def on_hinge(words: str = "hinge of {called}", types: tuple[str, ...] = ()) -> A
 
 
 def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
-    """What was recorded of elements on hinges, one a column, with labels: what is on slides has
-    variables and a dimension of its own, whose names begin with `slide`.
-    """
+    """Recorded series of elements on hinges, one a column, with labels; columns of slides become
+    variables of their own, whose names, and dimension, begin with `slide`."""
     result = {}
     slides = np.array([hinge.slides for hinge in hinges], bool)
     for columns, prefix in ((~slides, ""), (slides, "slide_")):
@@ -315,7 +315,8 @@ def rate_at(places, hinge, motion) -> float:
 
 
 def pack_past(batch, kind) -> np.ndarray:
-    """What is kept of the motion for losses (losses_kernels.py) of a kind's elements."""
+    """History (elements, HISTORY, lanes) of the elements of a type, for their losses
+    (losses_kernels.py)."""
     from fpm.elements.openings.losses_kernels import HISTORY
 
     count = len(kind.of(batch.scene))
@@ -337,7 +338,7 @@ def start_angles(batch, kind) -> np.ndarray:
 
 
 def opening_at(scene, hinge) -> float:
-    """The opening (rad, of slides m) of a hinge of a scene as it stands."""
+    """Opening (rad, of slides m) of a hinge, for poses of a scene's particles."""
     axis, *ends = (
         scene.frame[p] @ own[k]
         for p, own, k in (

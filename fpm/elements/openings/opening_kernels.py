@@ -1,4 +1,4 @@
-"""Openings as they are now, and moments that act on them: for kinds that sit on hinges."""
+"""Joint openings: their values now, and moments on them."""
 
 import math
 from typing import NamedTuple
@@ -26,7 +26,8 @@ PART_FIELDS = 3
 
 
 class Openings(NamedTuple):
-    """Opening h has the sides 2h and 2h + 1; of what is None nothing is compiled."""
+    """Arrays of all openings; opening h has the sides 2h and 2h + 1. For fields that are None no
+    code is compiled."""
 
     ends: np.ndarray  # (2h,) particles of the sides
     sides: np.ndarray  # (2h, SIDE, lanes)
@@ -43,7 +44,7 @@ class Openings(NamedTuple):
 
 @kernel
 def is_slide(slides, h):
-    """Whether opening h is a length."""
+    """Whether opening h is a length (m) of a slide, not an angle (rad)."""
     if slides is None:
         return False
     return slides[h] != 0
@@ -51,7 +52,8 @@ def is_slide(slides, h):
 
 @hook(Openings)
 def forces(part, world, timing):
-    """No moments yet; but the kinds that act on openings follow, and need these."""
+    """Update all openings before other element types read them, and clear their moments by
+    component."""
     if part.is_needed:
         update(part, world.state)
     begin_parts(part.moments)
@@ -59,7 +61,7 @@ def forces(part, world, timing):
 
 @kernel
 def begin_parts(moments):
-    """Nobody acts yet."""
+    """Move each component's moment to MOMENT_BEFORE, and set the moment of the new step to 0."""
     if moments is not None:
         for r in range(moments.shape[0]):
             store(moments, r, MOMENT_BEFORE, load(moments, r, MOMENT))
@@ -68,7 +70,8 @@ def begin_parts(moments):
 
 @kernel
 def update(part, state):
-    """New openings, which are functions of the configuration; the last only picks the turn."""
+    """Update the openings (rad, m), which are functions of the particles' state (n, STATE, lanes);
+    the value before only picks the turn."""
     sides, angles = part.sides, part.angles
     for h in range(angles.shape[0]):
         first_end, second_end = part.ends[2 * h], part.ends[2 * h + 1]
@@ -94,8 +97,11 @@ def update(part, state):
 
 @kernel
 def turn(openings, state, h, moment):
-    """Add a moment about the axis of hinge h to its second particle, its opposite to the first; or
-    a force along that of a slide, both at the second's point, so that they are in balance.
+    """Add a moment (N m) about the axis of hinge h to its second particle, and its opposite to the
+    first.
+
+    On a slide, a force (N) along its axis, on both particles at the point of the second, so that
+    they are in balance.
     """
     first, second = openings.ends[2 * h], openings.ends[2 * h + 1]
     axis = get3(openings.axes, h, 0)
@@ -116,7 +122,8 @@ def turn(openings, state, h, moment):
 
 @kernel
 def push(openings, state, h, impulse):
-    """The same by an impulse (N m s), after the kick; not for slides."""
+    """Add an impulse (N m s) about the axis of hinge h to the second particle's momentum, and its
+    opposite to the first's; after the kick, and not on slides."""
     first, second = openings.ends[2 * h], openings.ends[2 * h + 1]
     kick = impulse * get3(openings.axes, h, 0)
     put3(state, second, P, get3(state, second, P) + kick)
@@ -125,7 +132,8 @@ def push(openings, state, h, impulse):
 
 @kernel
 def tell(moments, openings, h, moment):
-    """Count a moment as that of the kind that sees these openings, where they are told apart."""
+    """Add a moment (N m) on opening h to the component of the element type that these `openings`
+    belong to. moments: rows (h components), or None: not recorded by component."""
     if moments is not None:
         row = h * openings.parts + openings.part
         store(moments, row, MOMENT, load(moments, row, MOMENT) + moment)
@@ -133,13 +141,14 @@ def tell(moments, openings, h, moment):
 
 @hook(Openings)
 def work_before(part, world, timing):
-    """Work of every part over the step up to now."""
+    """Add the work (J) of each component's moment over the step that ends now."""
     work_parts(part.moments, part)
 
 
 @kernel
 def work_parts(moments, part):
-    """The same by the trapezium rule (losses_kernels.lose)."""
+    """Add the work (J) of each component's moment over the step that ends now, by the trapezium
+    rule (losses_kernels.lose). moments: None where there are no components."""
     if moments is not None:
         for h in range(part.angles.shape[0]):
             angle = load(part.angles, h, NEW) - load(part.angles, h, OLD)
@@ -150,7 +159,7 @@ def work_parts(moments, part):
 
 @hook(Openings)
 def record(part, world, row):
-    """Record the openings, and the moment and work of every part."""
+    """Record the openings, and the moment and work of every component, in row `row`."""
     if not part.is_needed:
         update(part, world.state)
     count = part.angles.shape[0]
@@ -161,13 +170,15 @@ def record(part, world, row):
 
 @hook(Openings)
 def record_step(part, world, row, timing):
-    """The latter with the moments of what holds openings exactly, which are known now."""
+    """Record the moment and work of every component again, after the step is solved, with the
+    moments of exact holds."""
     record_parts(part.moments, part, row)
 
 
 @kernel
 def record_parts(moments, part, row):
-    """Record the moment and work of every part."""
+    """Record the moment (N m) and work (J) of every component, in row `row`; moments: None where
+    there are none."""
     if moments is not None:
         count = moments.shape[0]
         for r in range(count):

@@ -15,9 +15,8 @@ from fpm.errors import SceneError
 
 
 class AnyRelease(OnHinge):
-    """What releases have in common, rigid ones too: each lets go at its `time` (s), or where the
-    opening of the hinge `watch` (-1: none) passes its `level`, at the first of both.
-    """
+    """Base class of releases, rigid ones too: each lets go at its `time` (s), or where the opening
+    of the hinge `watch` (-1: none) passes its `level`, at the first of both."""
 
     takes = JOINT_LOSS
     events = ("releases",)
@@ -26,7 +25,7 @@ class AnyRelease(OnHinge):
     resists_as = ""
 
     def check(self, scene):
-        """That it may let go, as its hinge's only one."""
+        """Check that the release has a time or a level, and is its hinge's only one."""
         super().check(scene)
         self.check_alone(scene)
         title = self.title(scene)
@@ -40,7 +39,8 @@ class AnyRelease(OnHinge):
 
 @dataclass(frozen=True)
 class Release(AnyRelease):
-    """Holds a hinge by a spring and a damper at the opening `hold`, until it lets go."""
+    """A release that holds a hinge at the opening `hold`, by a spring and a damper, until its time
+    or level."""
 
     hinge: int = on_hinge()
     stiffness: float = stiffness(text="with which it holds")

@@ -30,9 +30,9 @@ STATE = 6
 
 
 class Releases(NamedTuple):
-    """on, watch (r,) hinges; numbers (r, 5, lanes); past (r, HISTORY, lanes); state (r, STATE,
-    lanes); account: number of that of the loss; rows (r, 1, lanes).
-    """
+    """Arrays of all releases: hinges on, watch (r,), watch -1 for none; numbers (r, 5, lanes); past
+    (r, HISTORY, lanes); state (r, STATE, lanes); account: index of the loss in World.accounts; rows
+    (r, 1, lanes)."""
 
     on: np.ndarray
     watch: np.ndarray
@@ -47,7 +47,7 @@ class Releases(NamedTuple):
 
 @kernel
 def let_go(part, timing, i):
-    """How many steps ago release i was due to let go; below zero: not yet."""
+    """Number of steps, as a fraction, since the release of element i was due; below 0: not yet."""
     late = timing.time - load(part.numbers, i, TIME)
     steps = where_negative(late, -1.0, late / timing.step)
     if part.watch[i] >= 0:
@@ -61,7 +61,8 @@ def let_go(part, timing, i):
 
 @hook(Releases)
 def forces(part, world, timing):
-    """Moments of those that hold; of those that let go in this step, what is left of it."""
+    """Add the moments (N m) of releases that hold, and the rest of the moment of those released in
+    this step."""
     for i in range(part.on.shape[0]):
         for k in (MOMENT, ENERGY):
             store(part.state, i, k + 1, load(part.state, i, k))
@@ -89,7 +90,7 @@ def forces(part, world, timing):
 
 @hook(Releases)
 def note_events(part, world, timing):
-    """Note those that let go in this step."""
+    """Note events of releases in this step."""
     for i in range(part.on.shape[0]):
         steps = load(part.state, i, STEPS)
         if any_negative(where_negative(steps, 1.0, -1.0)):
@@ -100,9 +101,9 @@ def note_events(part, world, timing):
 
 @hook(Releases)
 def work_before(part, world, timing):
-    """What the dampers lost in the step up to now, and those that let go.
+    """Add the losses (J) of the dampers, and of springs let go, in the step that ends now.
 
-    That is what is no longer stored and was not done as work on the hinge either.
+    A loss is the drop of the stored energy, less the work on the hinge.
     """
     loss = load(world.accounts, 0, part.account)
     for i in range(part.on.shape[0]):
@@ -115,5 +116,5 @@ def work_before(part, world, timing):
 
 @hook(Releases)
 def energy_of(part, world, i):
-    """Energy of the spring of release i (J)."""
+    """Strain energy (J) of the spring of release i; 0 once it is released."""
     return load(part.state, i, ENERGY)

@@ -16,7 +16,7 @@ from fpm.elements.openings.opening import JOINT_LOSS, ONSET, OnHinge, on_hinge
 
 @dataclass(frozen=True)
 class Stop(OnHinge):
-    """A stop of a hinge on one side of an angle, where it acts."""
+    """A stop of a hinge: a spring and damper that act beyond an opening, on one side of it."""
 
     hinge: int = on_hinge()
     angle: float = number("rad")
@@ -36,5 +36,6 @@ class Stop(OnHinge):
         return [f"{stop.title(scene)} {stop.side}" for stop in cls.of(scene)]
 
     def damping_in(self, scene):
-        """Its damper begins with more than a kick."""
+        """Damping (N m s/rad) for the stable step, raised as the damper begins with more than a
+        kick."""
         return ONSET * self.damping

@@ -20,7 +20,8 @@ TOUCH = 1e-9
 
 
 class Stops(NamedTuple):
-    """on (s,) hinges; numbers (s, 4, lanes); past (s, HISTORY, lanes); account of what is lost."""
+    """Arrays of all stops: hinges on (s,); numbers (s, 4, lanes); past (s, HISTORY, lanes);
+    account: index of the loss in World.accounts."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -33,14 +34,15 @@ class Stops(NamedTuple):
 
 @kernel
 def overlap(part, i, field):
-    """Overlap (rad) of stop i, `field` NEW or OLD; negative where it is free."""
+    """Overlap (rad) of stop i, below 0 where it is free; field: NEW or OLD."""
     angle = load(part.openings.angles, part.on[i], field) - load(part.numbers, i, ANGLE)
     return load(part.numbers, i, SIDE) * angle
 
 
 @hook(Stops)
 def forces(part, world, timing):
-    """Moments against the overlaps."""
+    """Add the moments (N m) of stops against their overlaps, and the losses (J) of their
+    dampers."""
     for i in range(part.on.shape[0]):
         h, side = part.on[i], load(part.numbers, i, SIDE)
         rate = side * follow_rate(part.openings, part.past, i, h, timing)
@@ -57,7 +59,7 @@ def forces(part, world, timing):
 
 @hook(Stops)
 def note_events(part, world, timing):
-    """Note the stops that were hit or left since the last step."""
+    """Note events of stops that were hit or left since the last step."""
     for i in range(part.on.shape[0]):
         new = TOUCH - overlap(part, i, NEW)
         old = TOUCH - overlap(part, i, OLD)

@@ -21,9 +21,10 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class SyncLoop(OnHinges):
-    """A loop over two hinges.
+    """A closed cable loop over pulleys on two hinges, which couples their openings.
 
-    stiffness: of both strands together; preload: of each; without it none ever gets slack.
+    stiffness: of both strands together (N/m); preload: tension of each strand (N); without it no
+    strand ever gets slack.
     """
 
     name: str = same()

@@ -42,14 +42,14 @@ class Loops(NamedTuple):
 
 @kernel
 def excess(part, i):
-    """By how much the slip of loop i is beyond that at which a strand gets slack (m), or zero."""
+    """Slip (m) of loop i beyond the slip at which one strand gets slack; 0 where both are tight."""
     slip = absolute(load(part.state, i, SLIP)) - load(part.numbers, i, TIGHT)
     return where_negative(slip, 0.0, slip)
 
 
 @kernel
 def pull(part, i):
-    """Difference of the tensions of both strands of loop i (N), with the sign of the slip."""
+    """Difference of the tensions (N) of the two strands of loop i, with the sign of the slip."""
     slip = load(part.state, i, SLIP)
     extra = excess(part, i)
     return load(part.numbers, i, STIFFNESS) * (slip - 0.5 * where_negative(slip, -extra, extra))
@@ -57,7 +57,7 @@ def pull(part, i):
 
 @hook(Loops)
 def forces(part, world, timing):
-    """Moments on both hinges that take the slip back."""
+    """Add the moments (N m) of loops on both their hinges, against the slip."""
     for i in range(part.on.shape[0]):
         angles = part.openings.angles
         h1, h2 = part.on[i, 0], part.on[i, 1]
@@ -75,7 +75,7 @@ def forces(part, world, timing):
 
 @hook(Loops)
 def note_events(part, world, timing):
-    """Note the loops of which a strand turned slack, or both are tight again."""
+    """Note events of loops: one strand turned slack, or both are tight again."""
     for i in range(part.on.shape[0]):
         new = where_negative(load(part.state, i, SLACK), -1.0, 1.0)
         old = where_negative(load(part.state, i, SLACK_BEFORE), -1.0, 1.0)
@@ -87,14 +87,14 @@ def note_events(part, world, timing):
 
 @hook(Loops)
 def energy_of(part, world, i):
-    """Energy of loop i (J)."""
+    """Strain energy (J) of both strands of loop i."""
     slip, extra = load(part.state, i, SLIP), excess(part, i)
     return 0.5 * load(part.numbers, i, STIFFNESS) * (slip * slip - 0.5 * extra * extra)
 
 
 @hook(Loops)
 def record(part, world, row):
-    """The pulls."""
+    """Record the difference of tensions (N) of each loop."""
     count = part.on.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, pull(part, i))

@@ -17,7 +17,8 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class TableSpring(OnHinge):
-    """hinge index; increasing angles (rad) and the moments (N m) there, two or more."""
+    """A nonlinear spring on a hinge, by a table: moments (N m) at two or more increasing angles
+    (rad)."""
 
     hinge: int = on_hinge("hinge of spring by a table")
     angles: tuple[float, ...]
@@ -64,7 +65,8 @@ class TableSpring(OnHinge):
 
     @classmethod
     def array(cls, name, batch):
-        """Besides, all `points`, and where those of each spring `start`."""
+        """An array as of OnHinge.array; `points` of all tables, and indices at which the points of
+        each spring `start`."""
         if name not in ("start", "points"):
             return super().array(name, batch)
         return table_array(name, batch, cls, lambda s: bends(s.angles, s.moments))
@@ -81,12 +83,13 @@ def check_table(angles, values, noun: str, owner: str) -> None:
 
 
 def bends(angles, values) -> np.ndarray:
-    """By how much the slope of a table changes at each point."""
+    """Change of the slope of a table at each of its points."""
     return np.diff(np.diff(values) / np.diff(angles), prepend=0.0, append=0.0)
 
 
 def table_array(name: str, batch, kind, bends_of) -> np.ndarray:
-    """All `points` of the tables of a kind's elements, or where those of each `start`."""
+    """All `points` of the tables of a type's elements, or the indices at which the points of each
+    `start`."""
     ends = np.cumsum([0, *(len(element.angles) for element in kind.of(batch.scene))])
     if name == "start":
         return batch.integers(ends)

@@ -28,7 +28,8 @@ class TableSprings(NamedTuple):
 
 @hook(TableSprings)
 def forces(part, world, timing):
-    """Moments; where a point of the table is passed, the work of the way is mended by `edge`."""
+    """Add the moments (N m) of springs by tables; where a point of a table is passed, `edge`
+    corrects the work of the step."""
     angles = part.openings.angles
     for i in range(part.on.shape[0]):
         h = part.on[i]
@@ -43,7 +44,7 @@ def forces(part, world, timing):
 
 @hook(TableSprings)
 def energy_of(part, world, i):
-    """Energy of spring i (J): less what the moment has given since the first point."""
+    """Energy (J) of spring i: minus the work of its moment since the first point of the table."""
     psi = load(part.openings.angles, part.on[i], NEW)
     first = psi - load(part.points, part.start[i], ANGLE)
     energy = load(part.numbers, i, LIFT) - load(part.numbers, i, FIRST) * first

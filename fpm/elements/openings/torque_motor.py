@@ -34,7 +34,7 @@ class TorqueMotor(AnyMotor):
     variable = "torque_motor_moment"
 
     def damping_in(self, scene):
-        """By how much the moment falls with the speed at most (N m s/rad)."""
+        """Largest fall of the moment with the rate (N m s/rad), for the stable step."""
         most = np.abs(scene.curves[self.curve][1]).max() if self.curve >= 0 else 1.0
         return float(abs(self.torque) * most / self.no_load)
 

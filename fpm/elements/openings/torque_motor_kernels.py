@@ -19,10 +19,9 @@ STATE = 2  # moment, at the last forces and a step before
 
 
 class TorqueMotors(NamedTuple):
-    """on (m,) hinges; curve (m,); numbers (m, 2, lanes); past (m, HISTORY, lanes); state (m, STATE,
-    lanes); given: number of the account of their work; track ((instants + 1) m, 1, lanes) recorded
-    moment (N m).
-    """
+    """Arrays of all torque motors: hinges on (m,); curve (m,); numbers (m, 2, lanes); past (m,
+    HISTORY, lanes); state (m, STATE, lanes); given: index of their work in World.accounts; track
+    ((instants + 1) m, 1, lanes): recorded moment (N m)."""
 
     on: np.ndarray
     curve: np.ndarray
@@ -36,7 +35,8 @@ class TorqueMotors(NamedTuple):
 
 @hook(TorqueMotors)
 def forces(part, world, timing):
-    """Moments, less where the hinges already turn with them."""
+    """Add the moments (N m) of torque motors, reduced in proportion to the rate of the hinge in
+    their direction."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         speed = follow_rate(part.openings, part.past, i, h, timing)
@@ -52,7 +52,7 @@ def forces(part, world, timing):
 
 @hook(TorqueMotors)
 def work_before(part, world, timing):
-    """Work over the step up to now."""
+    """Add the work (J) of the torque motors over the step that ends now."""
     work = load(world.accounts, 0, part.given)
     for i in range(part.on.shape[0]):
         moment, h = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE), part.on[i]

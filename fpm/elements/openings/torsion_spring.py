@@ -9,7 +9,7 @@ from fpm.elements.openings.opening import OnHinge, on_hinge
 
 @dataclass(frozen=True)
 class TorsionSpring(OnHinge):
-    """A spring on a hinge."""
+    """A linear spring on the opening of a hinge or slide."""
 
     hinge: int = on_hinge()
     stiffness: float = stiffness(text="moment for each radian")
@@ -21,6 +21,6 @@ class TorsionSpring(OnHinge):
     resists_as = "S"
 
     def title(self, scene):
-        """Those on slides are just springs."""
+        """Name in messages; springs on slides are no torsion springs."""
         hinge = scene.hinges[self.hinge]
         return f"{'spring' if hinge.slides else self.called} {hinge.name}"

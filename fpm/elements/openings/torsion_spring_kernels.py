@@ -13,7 +13,7 @@ STIFFNESS, REST = range(2)
 
 
 class Springs(NamedTuple):
-    """on (s,) hinges; numbers (s, 2, lanes); rows (s, 1, lanes)."""
+    """Arrays of all torsion springs: hinges on (s,); numbers (s, 2, lanes); rows (s, 1, lanes)."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -23,7 +23,7 @@ class Springs(NamedTuple):
 
 @hook(Springs)
 def forces(part, world, timing):
-    """Moments towards the openings at rest."""
+    """Add the moments (N m) of torsion springs towards their openings at rest."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         angle = load(part.numbers, i, REST) - load(part.openings.angles, h, NEW)
@@ -32,6 +32,6 @@ def forces(part, world, timing):
 
 @hook(Springs)
 def energy_of(part, world, i):
-    """Energy of spring i (J)."""
+    """Strain energy (J) of spring i."""
     angle = load(part.openings.angles, part.on[i], NEW) - load(part.numbers, i, REST)
     return 0.5 * load(part.numbers, i, STIFFNESS) * angle * angle

@@ -10,7 +10,10 @@ from fpm.elements.kind import ElementType, Energy
 
 @dataclass(frozen=True)
 class Damping(ElementType):
-    """By a rate; several add up. What is held or driven entirely is not damped."""
+    """Mass-proportional damping of all particles at a rate (1/s); several add up.
+
+    Particles that are held or driven entirely are not damped.
+    """
 
     rate: float = number("1/s", 0.0, words="damping")
 
@@ -19,7 +22,7 @@ class Damping(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """None where the rates add up to nothing."""
+        """The dampings of a scene; an empty list where their rates add up to 0."""
         return scene.kinds.get(cls, []) if scene.damping > 0 else []
 
     @classmethod

@@ -18,9 +18,9 @@ from fpm.kernels.vectors import dot, get3, kernel, put3, times, to_local, vector
 
 
 class Damped(NamedTuple):
-    """rate (1, 1, lanes) 1/s; free (f,): particles that no other kind moves; joined (j,): those
-    that another one does; account: the number of that of the energy it takes.
-    """
+    """Arrays of mass-proportional damping: rate (1, 1, lanes) 1/s; free (f,): particles that no
+    other element type moves; joined (j,): particles that another one moves; account: index of the
+    loss in World.accounts."""
 
     rate: np.ndarray
     free: np.ndarray
@@ -37,14 +37,15 @@ def factors(part, kick):
 
 @kernel
 def take(part, world, path):
-    """Count the work over momenta times their ways (J s)."""
+    """Add to the loss the damping work (J) for the sum over particles of momentum times way, `path`
+    (lanes,) J s."""
     loss = load(world.accounts, 0, part.account) + load(part.rate, 0, 0) * path
     store(world.accounts, 0, part.account, loss)
 
 
 @hook(Damped)
 def restrain(part, world, timing):
-    """Scale momenta and forces of the joined particles, whose plain kick does the rest."""
+    """Scale momenta and forces of the joined particles before their kick, which then damps them."""
     state = world.state
     factor, force = factors(part, timing.kick)
     for n in range(part.jointed.shape[0]):
@@ -77,7 +78,7 @@ def move(part, world, timing):
 
 @hook(Damped)
 def work_after(part, world, timing):
-    """Work on the joined particles, once their joints have corrected the momenta."""
+    """Add the damping work (J) on the joined particles, after the impulses of their joints."""
     state, particles = world.state, world.particles
     total = 0.0 * load(part.rate, 0, 0)
     for n in range(part.jointed.shape[0]):

@@ -12,7 +12,8 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class Drive(ElementType):
-    """A particle whose velocity and spin are given, times the curve of that index (-1: 1)."""
+    """A particle with prescribed velocity (m/s) and spin (rad/s), in global axes, times the curve
+    of index `curve` (-1: 1)."""
 
     particle: int = index("position")
     velocity: np.ndarray = number("m/s", count=3)

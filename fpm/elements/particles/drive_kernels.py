@@ -16,10 +16,9 @@ LINEAR, SPIN = 0, 3
 
 
 class Drives(NamedTuple):
-    """particle, curve (d,), numbers (d, 6, lanes): in global axes.
-
-    Those of one particle add up. account: the number of that of their work.
-    """
+    """Arrays of all drives: particle, curve (d,); numbers (d, 6, lanes): velocity (m/s) and spin
+    (rad/s) in global axes. Drives of one particle add up. account: index of their work in
+    World.accounts."""
 
     particle: np.ndarray
     curve: np.ndarray
@@ -29,7 +28,8 @@ class Drives(NamedTuple):
 
 @kernel
 def add_work(part, world, timing, time):
-    """Add the work of half a step against the particles' forces; time (s) of the velocities."""
+    """Add the work (J) of drives against the forces on their particles over half a step; time (s):
+    of the velocities."""
     state = world.state
     total = 0.0 * load(state, 0, X)
     for n in range(part.particle.shape[0]):
@@ -43,19 +43,20 @@ def add_work(part, world, timing, time):
 
 @hook(Drives)
 def work_before(part, world, timing):
-    """Work of the half step up to now."""
+    """Add the work (J) of drives over the half step that ends now."""
     add_work(part, world, timing, timing.time - 0.5 * timing.step)
 
 
 @hook(Drives)
 def restrain(part, world, timing):
-    """Work of the half step after it, against the same forces."""
+    """Add the work (J) of drives over the half step that begins now, against the forces on their
+    particles now."""
     add_work(part, world, timing, timing.time + 0.5 * timing.step)
 
 
 @hook(Drives)
 def move(part, world, timing):
-    """Move the driven particles by one step, and clear their forces."""
+    """Move the driven particles by one step, and set their forces to 0."""
     state = world.state
     for n in range(part.particle.shape[0]):
         put3(state, part.particle[n], V, 0.0 * get3(state, part.particle[n], V))
@@ -74,9 +75,8 @@ def move(part, world, timing):
 
 @hook(Drives)
 def look_back(part, world, timing):
-    """Velocities half a step before the start, as if they changed evenly; in place of the momenta,
-    which driven particles do not have, the spins on both sides.
-    """
+    """Set velocities of driven particles half a step before the start, extrapolated linearly; and,
+    in place of momenta, their spins at half a step before and after."""
     for n in range(part.particle.shape[0]):
         i = part.particle[n]
         zero = 0.0 * get3(world.state, i, X)
@@ -94,7 +94,8 @@ def look_back(part, world, timing):
 
 @hook(Drives)
 def record_points(part, world, points, row, timing):
-    """Velocities of points on driven particles, which have no momenta: those prescribed now."""
+    """Record the prescribed velocities (m/s), at timing.time, of points on driven particles, which
+    have no momenta."""
     count = world.point_on.shape[0]
     for n in range(count):
         i, first, index = world.point_on[n], True, row * count + n

@@ -11,7 +11,7 @@ LOAD_WORK = Energy("load_work", "load_work", "work of loads, weight and drives")
 
 @dataclass(frozen=True)
 class Gravity(ElementType):
-    """acceleration (3,) m/s²; several add up."""
+    """Uniform gravity on all particles: acceleration (3,) m/s², in global axes; several add up."""
 
     acceleration: np.ndarray
 
@@ -21,7 +21,7 @@ class Gravity(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """None where it all adds up to nothing."""
+        """The gravities of a scene; an empty list where they add up to 0."""
         return scene.kinds.get(cls, []) if np.any(scene.gravity != 0) else []
 
     @classmethod

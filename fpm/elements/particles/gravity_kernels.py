@@ -11,7 +11,8 @@ from fpm.kernels.vectors import dot, get3, put3
 
 
 class Weight(NamedTuple):
-    """acceleration (1, 3, lanes) m/s²; account: the number of that of its work."""
+    """Arrays of gravity: acceleration (1, 3, lanes) m/s²; account: index of its work in
+    World.accounts."""
 
     acceleration: np.ndarray
     account: int
@@ -19,7 +20,7 @@ class Weight(NamedTuple):
 
 @hook(Weight)
 def forces(part, world, timing):
-    """Weight of every particle."""
+    """Add the weight (N) of every particle."""
     g = get3(part.acceleration, 0, 0)
     for i in range(world.state.shape[0]):
         weight = load(world.particles, i, MASS) * g
@@ -28,7 +29,8 @@ def forces(part, world, timing):
 
 @hook(Weight)
 def work_of_place(part, world, energies, row):
-    """Minus the potential energy of the weight (J), zero at the global origin."""
+    """Add the work (J) of the weight up to now: minus the potential energy, which is 0 at the
+    global origin."""
     g = get3(part.acceleration, 0, 0)
     total = 0.0 * load(world.state, 0, X)
     for i in range(world.state.shape[0]):

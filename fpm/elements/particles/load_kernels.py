@@ -20,10 +20,9 @@ STATE = 12
 
 
 class Loads(NamedTuple):
-    """on (l,) particles, curve (l,), numbers (l, 9, lanes): force (N), moment (N m), arm (m).
-
-    state (l, STATE, lanes); account: the number of that of their work.
-    """
+    """Arrays of all dead loads: particles on (l,); curve (l,); numbers (l, 9, lanes): force (N),
+    moment (N m), arm (m); state (l, STATE, lanes); account: index of their work in
+    World.accounts."""
 
     on: np.ndarray
     curve: np.ndarray
@@ -34,7 +33,8 @@ class Loads(NamedTuple):
 
 @hook(Loads)
 def forces(part, world, timing):
-    """Forces at the ends of the arms, and moments; where these ends are, and how they lie."""
+    """Add forces (N) at the ends of the arms, and moments (N m); keeps positions and axes of these
+    ends."""
     state = world.state
     for n in range(part.on.shape[0]):
         i = part.on[n]
@@ -52,10 +52,11 @@ def forces(part, world, timing):
 
 @hook(Loads)
 def work_after(part, world, timing):
-    """Work over the step: the mean of what acts before and after it, on the way between.
+    """Add the work (J) of all loads over the step: the mean of the loads before and after, times
+    the motion between.
 
-    That of a constant force is exact however its arm turns. Of a turn by t, the products of the
-    axes before and after it give the sine, from which t follows by the arc sine's series.
+    The work of a constant force is exact however its arm turns. Of a rotation by t, the products of
+    the axes before and after it give the sine, from which t follows by the arc sine's series.
     """
     state = world.state
     total = 0.0 * load(state, 0, X)

@@ -12,9 +12,9 @@ from fpm.elements.kind import ElementType
 
 @dataclass(frozen=True)
 class Probe(ElementType):
-    """What is kept: `frames` of particles, `forces` on particles (which are among the former), and
-    whether `moments` on openings and `impulses` of joints.
-    """
+    """Requested records of a scene: indices of particles whose `frames` are recorded, and whose
+    `forces` are (among the former), and whether `moments` on openings and `impulses` of joints
+    are."""
 
     frames: tuple[int, ...] = ()
     forces: tuple[int, ...] = ()
@@ -31,7 +31,7 @@ class Probe(ElementType):
         return cls.of_scene(scene).impulses
 
     def topology(self):
-        """All of it."""
+        """All fields of the probe."""
         return self.frames, self.forces, self.moments, self.impulses
 
     @classmethod

@@ -32,7 +32,8 @@ class Probes(NamedTuple):
 
 @hook(Probes)
 def record(part, world, row):
-    """Forces and moments at the instant; what follows in the step uses them up."""
+    """Record forces (N) and moments (N m) on particles at an instant, before the step uses them
+    up."""
     count = part.forces_of.shape[0]
     for n in range(count):
         i, index = part.forces_of[n], row * count + n
@@ -42,7 +43,7 @@ def record(part, world, row):
 
 @hook(Probes)
 def record_step(part, world, row, timing):
-    """Frames, and momenta on both sides of the instant."""
+    """Record frames of particles, and their momenta half a step before and after the instant."""
     start, state = world.start_state, world.state
     count = part.frames_of.shape[0]
     for n in range(count):

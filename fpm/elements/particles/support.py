@@ -40,12 +40,12 @@ class Support(ElementType):
 
     @classmethod
     def moved(cls, scene):
-        """Those that turn about two axes."""
+        """Particles that turn about two axes."""
         return turns_of(scene).about_two
 
     @classmethod
     def topology_of(cls, scene):
-        """What turns about two axes: all held axes are part of the scene's topology."""
+        """Particles that turn about two axes; all held axes are part of the scene's topology."""
         return tuple(cls.moved(scene))
 
     @classmethod

@@ -1,4 +1,5 @@
-"""Forces along held axes are taken out before the kick; what turns about two axes moves."""
+"""Supports: forces along held axes are removed before the kick, and particles free about two axes
+are moved."""
 
 from typing import NamedTuple
 
@@ -18,10 +19,9 @@ ROUNDS = 4
 
 
 class Supports(NamedTuple):
-    """on (f,) particles held along some axes only; free (f, 6, lanes): 1 free, 0 held.
-
-    about_two (t,): those that the kind moves; axis (t, 3, lanes): about which each is held.
-    """
+    """Arrays of particles held along some axes: on (f,); free (f, 6, lanes): 1 free, 0 held;
+    about_two (t,): particles that turn about two axes; axis (t, 3, lanes): the axis about which
+    each is held."""
 
     on: np.ndarray
     free: np.ndarray
@@ -31,7 +31,7 @@ class Supports(NamedTuple):
 
 @hook(Supports)
 def restrain(part, world, timing):
-    """Take out forces and moments along held axes."""
+    """Set forces and moments along held axes to 0."""
     state = world.state
     for n in range(part.on.shape[0]):
         i = part.on[n]
@@ -41,10 +41,10 @@ def restrain(part, world, timing):
 
 @hook(Supports)
 def move(part, world, timing):
-    """Kick and move by a step what turns about two axes.
+    """Kick particles that turn about two axes, and move them by a step.
 
-    The angular momentum about the third is such that in the middle of the step, as of all turns,
-    there is no spin about it. That is a condition on rates, not on places.
+    The angular momentum about the third axis is such that in the middle of the step, as of all
+    turns, there is no spin about it. That is a condition on rates, not on positions.
     """
     state, particles = world.state, world.particles
     for n in range(part.about_two.shape[0]):

@@ -28,13 +28,31 @@ from fpm.structures.model import KEYS
 def load_config(
     paths: Sequence[str | Path], overrides: Mapping | None = None, source: str | None = None
 ) -> Campaign:
-    """The campaign of YAML files, later ones and `overrides` winning key by key; but what the first
-    says was `published` is left out where a later one changes `scene` or `intervals`.
+    """A campaign from YAML files, checked and with all defaults filled in.
 
-    A structure's file is sought from the folder of the YAML file that names it, that of `overrides`
-    from the working folder.
+    Files are merged key by key, later ones over earlier ones and `overrides` over all. `published`
+    of an earlier file is dropped where a later one changes `scene` or `intervals`. The path of a
+    structure's file is relative to the YAML file that names it, in `overrides` to the working
+    folder.
 
-    Raises `ConfigError` that lists everything that is wrong.
+    Parameters
+    ----------
+    paths
+        YAML files, at least one.
+    overrides
+        Further keys of a config, nested as in YAML.
+    source
+        What messages call the config; None: the paths.
+
+    Returns
+    -------
+    Campaign
+        All sections, with numbers in SI units.
+
+    Raises
+    ------
+    ConfigError
+        With everything that is wrong, each with its file and line.
     """
     merged: dict = {}
     lines: dict[str, str] = {}
@@ -78,7 +96,11 @@ def _place(problem: str, lines: Mapping[str, str]) -> str:
 
 
 def check_config(raw: Mapping, source: str = "the config") -> Campaign:
-    """The campaign that `raw` means; raises `ConfigError` with everything that is wrong."""
+    """A campaign from the content of a config, checked and with all defaults filled in.
+
+    raw: sections by name, nested as in YAML; source: what messages call the config. Raises
+    `ConfigError` with everything that is wrong.
+    """
     own = Config.__dataclass_fields__.keys()
     if "campaign" not in raw and len(raw.keys() & {*KEYS}) > len(raw.keys() & own):
         raise ConfigError(source, [

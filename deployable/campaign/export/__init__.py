@@ -13,11 +13,11 @@ from deployable.campaign.files import check_results
 
 @dataclass(frozen=True)
 class ExportFormat:
-    """A kind of file: what writes it into a folder, how many frames it has if nothing is said, and
-    which results beside the samples it takes.
+    """A format in which a run is written: its writer, a summary in words, the default number of
+    frames, and the results that are read besides `samples.nc`.
 
-    `write(run, folder, frames)` returns the files to tell of; moving pictures also take
-    `by_stress`.
+    `write(run, folder, frames)` writes files into a folder and returns the paths to open; that of
+    moving pictures also takes `by_stress`.
     """
 
     write: Callable[..., list[Path]]
@@ -87,10 +87,32 @@ def export(
     frames: int | None = None,
     colour: str = "bars",
 ) -> list[Path]:
-    """Write a run as one of `FORMATS` into a folder; returns the files to open.
+    """Write a run into a folder in one of `FORMATS`, and return the paths of the files to open.
 
-    frames: number of frames, evenly spread over the run; colour: one of `COLOURS`. Raises
-    `CampaignError` where a kind has no such colours.
+    Parameters
+    ----------
+    run
+        The run, as `choose` returns it; it is simulated again.
+    kind
+        Name of a format, a key of `FORMATS`: vtk, glb, gif, webp, figures or csv.
+    folder
+        Folder of the files; made where it is missing.
+    frames
+        Number of frames, evenly spread over the run; None: the format's own number.
+    colour
+        By what moving pictures (gif, webp) are coloured: ``bars`` or ``stress``.
+
+    Returns
+    -------
+    list of Path
+        Of several files that belong together the one to open.
+
+    Raises
+    ------
+    CampaignError
+        If the format has no such colour, or the run fails.
+    DamagedError
+        If results of the run's campaign are damaged.
     """
     form = FORMATS[kind]
     if colour != "bars" and kind not in MOVIES:

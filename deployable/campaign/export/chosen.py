@@ -1,4 +1,5 @@
-"""Which run is exported: one of a campaign, a config's nominal run, or a structure's."""
+"""Selection of the run that is exported: one of a campaign, a config's nominal run, or a
+structure's."""
 
 from __future__ import annotations
 
@@ -24,9 +25,12 @@ INSTANTS = 2001
 
 @dataclass(frozen=True)
 class SelectedRun:
-    """A run that can be made, or made again: `name` for its files, and how it is integrated.
+    """A run that can be simulated, or simulated again: its scene, times and responses.
 
-    duration, step in s; responses: those of its campaign; folder: of the campaign's results.
+    name: of its files; duration, step: in s; instants: number of recorded instants;
+    energy_tolerance: largest error of the energy balance, relative to the largest energy;
+    responses: those of its campaign; attributes: texts that its files carry; folder: of the
+    campaign's results, None for a run of a config or a structure.
     """
 
     name: str
@@ -40,7 +44,11 @@ class SelectedRun:
     folder: Folder | None = None
 
     def motion(self, frames: int) -> xarray.Dataset:
-        """The whole motion at so many frames; raises `CampaignError` if the run fails."""
+        """The whole motion of the run as a dataset (`fpm.motions`) with `frames` evenly spread
+        frames.
+
+        Raises `CampaignError` if the run fails.
+        """
         import fpm
         from fpm.motions.motion import whole_motion
 
@@ -54,7 +62,10 @@ class SelectedRun:
         return motion
 
     def outcome(self) -> Any:
-        """The run's `fpm.Outcome`; raises `CampaignError` if it fails."""
+        """The `fpm.Outcome` of the run, with all that its responses need recorded.
+
+        Raises `CampaignError` if the run fails.
+        """
         import fpm
 
         record = [need for response in self.responses for need in response.needs]
@@ -80,13 +91,34 @@ def choose(
     duration: float | None = None,
     trusted: Sequence[str] = (),
 ) -> SelectedRun:
-    """The run that `source` and `run` mean.
+    """Select a run of a campaign's results, of a campaign's config, or of a structure.
 
-    source: a campaign's folder of results (run: `nominal`, or a run's id or its beginning), a
-    campaign's config (its nominal run, which need not have been made), or a structure's file or
-    name (at its defaults). settings: parameters that differ, by name, as text, and duration (s),
-    for the last two; trusted: files of structures that results may name, which are read, or run,
-    then. Raises `CampaignError`, `fpm.SceneError`.
+    Parameters
+    ----------
+    source
+        Folder of a campaign's results; path of a campaign's config, whose nominal run is meant;
+        or file or name of a structure, at its default parameters.
+    run
+        Of results: ``nominal``, or a run's id or the beginning of one; else ``nominal``.
+    settings
+        Parameters that differ, as text by name, in their units; not of results.
+    duration
+        In s; None: that of the config, 1 s of a structure; not of results.
+    trusted
+        Files of structures that results may name. They are read, and a Python file is executed.
+
+    Returns
+    -------
+    SelectedRun
+        Not simulated yet.
+
+    Raises
+    ------
+    CampaignError
+        If there is no such run, or results were made by another version of structure or
+        mechanics.
+    SceneError
+        If the structure cannot be built.
     """
     path = Path(source)
     for file in trusted:
@@ -206,7 +238,7 @@ def _of_structure(source: str, settings: Mapping[str, str], duration: float) -> 
 
 
 def parsed(settings: Mapping[str, str]) -> dict[str, Any]:
-    """Values of parameters from text, as a YAML file would have them."""
+    """Values of parameters by name, parsed from their texts as a YAML file would be."""
     from deployable.campaign.config.loader import parse
 
     return {

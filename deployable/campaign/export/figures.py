@@ -28,8 +28,11 @@ _STYLE = {
 
 
 def write_figures(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
-    """Draw the structure at some moments of the run and, of a campaign's results, its responses
-    with their bounds and what each parameter contributes. Returns the PDF files."""
+    """Write figures of a run as PDF, SVG and PNG into a folder; returns the paths of the PDF files.
+
+    They show the structure at some moments of a motion of `frames` frames and, for a run of a
+    campaign's results, each response with its bounds and the contribution of each parameter.
+    """
     import matplotlib
 
     paths = []

@@ -20,7 +20,11 @@ _BOUNDS = ("lower", "upper", "nominal", "error")
 
 
 def write_tables(run: SelectedRun, folder: Path) -> list[Path]:
-    """Write the run's curves, and of a campaign with results its bounds, runs and quantities."""
+    """Simulate a run and write its curves over time as `<name>.csv`; returns the paths.
+
+    Of a run with a folder of results also `bounds.csv`, `runs.csv` and, if the campaign has
+    quantities, `quantities.csv`. Raises `CampaignError` if the run fails.
+    """
     tables = {f"{run.name}.csv": _columns(curves(run.outcome(), run.responses))}
     if run.folder:
         tables["bounds.csv"] = _columns(bounds(run.folder))
@@ -33,8 +37,10 @@ def write_tables(run: SelectedRun, folder: Path) -> list[Path]:
 
 
 def curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np.ndarray]:
-    """What a run (`fpm.Outcome`) has over time, by heading: responses, points, openings and
-    energies."""
+    """Curves (t,) of a run by heading with unit: time, responses, points, openings, energies.
+
+    outcome: an `fpm.Outcome`; responses: definitions of `fpm.reading.responses`.
+    """
     columns = {"time (s)": outcome.time}
     columns |= {f"{r.name} ({r.unit})": r.evaluate(outcome) for r in responses}
     for name, tracks in outcome.points.items():
@@ -48,7 +54,7 @@ def curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np.ndarray]
 
 
 def bounds(folder: Folder) -> dict[str, np.ndarray]:
-    """The bounds of a campaign over time, by heading."""
+    """Bounds of a campaign's responses over time, arrays (t,) by heading with unit."""
     with open_netcdf(folder.bounds) as file:
         columns = {"time (s)": file["time"][:]}
         rows = zip(file["response"][:], file["response_units"][:], strict=True)
@@ -60,10 +66,10 @@ def bounds(folder: Folder) -> dict[str, np.ndarray]:
 
 
 def runs(folder: Folder) -> list[list]:
-    """The runs of a campaign with their parameters and quantities, a row each, headings first.
+    """Rows of a campaign's runs: id, role, parameters and quantities; the first row has the
+    headings.
 
-    A quantity that a run has not is an empty cell. The further runs of quantities are in
-    further.nc.
+    A quantity that a run does not have is an empty cell. Runs of `further.nc` are not among them.
     """
     with open_netcdf(folder.samples) as file:
         rows = [["run", "role", *_headings(file, "parameter", "box_units")]]
@@ -79,7 +85,8 @@ def runs(folder: Folder) -> list[list]:
 
 
 def quantities(folder: Folder) -> list[list]:
-    """The intervals of a campaign's quantities and where their ends are, a row each."""
+    """Rows of a campaign's quantities: interval, and parameter values at both bounds; the first row
+    has the headings."""
     with open_netcdf(folder.quantities) as file:
         headings = _headings(file, "parameter", "box_units")
         ends = [f"{name} at the {side} end" for side in ("lower", "upper") for name in headings]

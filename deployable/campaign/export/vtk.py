@@ -28,7 +28,10 @@ _OF_ELEMENTS = ("axial_strain", "bending_strain", "stress")
 
 
 def write_vtk(motion: xarray.Dataset, path: Path) -> Path:
-    """Write `path` (.pvd) and its grids, in a folder of its name beside it; returns `path`."""
+    """Write a whole motion as a ParaView collection, `path` (.pvd); returns `path`.
+
+    Its grids are written into a folder next to the collection that has its name without the suffix.
+    """
     solid = solid_of_motion(motion)
     places, entries = path.with_suffix(""), []
     for frame, time in enumerate(motion["time"].values.tolist()):
@@ -105,10 +108,10 @@ def grid_text(
     points: np.ndarray, cells: list[tuple[int, np.ndarray]], of_points: Mapping, of_cells: Mapping,
     time: float,
 ) -> str:  # fmt: skip
-    """An unstructured grid as a .vtu file's text.
+    """The text of a .vtu file with one unstructured grid.
 
-    points (n, 3) m; cells: VTK's number of a type, and its cells (m, k) as indices of points;
-    arrays by name, one row for a point and for a cell; time in s.
+    points (n, 3): m; cells: pairs of VTK's number of a cell type and its cells (m, k) as indices of
+    points; of_points, of_cells: arrays by name, with a row for each point or cell; time: s.
     """
     connectivity = np.concatenate([nodes.ravel() for _, nodes in cells]).astype(np.int64)
     sizes = np.concatenate([np.full(len(nodes), nodes.shape[1]) for _, nodes in cells])

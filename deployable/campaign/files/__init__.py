@@ -33,7 +33,7 @@ _FACTS: ContextVar[Mapping[str, str]] = ContextVar("facts of the results", defau
 
 @contextmanager
 def results_of(facts: Mapping[str, str]) -> Iterator[None]:
-    """What results written inside this block say of themselves beside their names."""
+    """A block in which results that are written carry `facts` in their seals, texts by name."""
     token = _FACTS.set({**_FACTS.get(), **facts})
     try:
         yield
@@ -43,17 +43,21 @@ def results_of(facts: Mapping[str, str]) -> Iterator[None]:
 
 @contextmanager
 def result_file(path: str | Path, **facts: str) -> Iterator[Path]:
-    """A temporary path of a result: sealed and renamed when the block ends without an error, if the
-    program is still the one that was imported."""
+    """A temporary path of a result, which is sealed and renamed to `path` when the block ends
+    without an error.
+
+    facts: of the seal, beside name and date. Raises `CampaignError` if the program was edited since
+    it was imported.
+    """
     with whole_file(path, {"name": Path(path).name, **dated(), **_FACTS.get(), **facts}) as file:
         yield file
         check_code()
 
 
 def open_netcdf(path: str | Path) -> Any:
-    """An open `netCDF4.Dataset` of a result with plain arrays; its import is faster than xarray's.
+    """An open `netCDF4.Dataset` of a result, with plain arrays instead of masked ones.
 
-    Raises `fpm.files.sealed.DamagedError`.
+    Its import is faster than that of xarray. Raises `fpm.files.sealed.DamagedError`.
     """
     import netCDF4
 
@@ -76,8 +80,8 @@ HISTORY: deque[Path] = deque(maxlen=9)
 
 
 def unforeseen(error: Exception) -> CampaignError | None:
-    """What is to be told of an error that results may have led to, which hold what none does; None
-    where none was opened."""
+    """The error to be reported instead of an unexpected one that malformed results may have caused;
+    None where no result was opened."""
     if not HISTORY or sys.flags.dev_mode:
         return None
     words, paths = " ".join(str(error).split())[:200], ", ".join(dict.fromkeys(map(str, HISTORY)))
@@ -89,7 +93,7 @@ def unforeseen(error: Exception) -> CampaignError | None:
 
 
 def read_json(path: str | Path) -> dict:
-    """A result in JSON; raises `fpm.files.sealed.DamagedError`."""
+    """The data of a result in JSON, without its seal; raises `fpm.files.sealed.DamagedError`."""
     content = read_bytes(path)
     check_content(path, content, Path(path).name)
     HISTORY.append(Path(path))
@@ -97,7 +101,8 @@ def read_json(path: str | Path) -> dict:
 
 
 def check_results(folder: Folder, names: Iterable[str]) -> None:
-    """DamagedError unless results of these names hold what they should, and are of one campaign."""
+    """Raise DamagedError unless the named results of a folder hold what they should, and are all of
+    one campaign."""
     first: tuple[Path, Experiment] | None = None
     for path in (folder / name for name in names):
         if path.suffix == ".json":
@@ -140,8 +145,8 @@ def open_dataset(path: str | Path) -> Any:
 
 
 def refuse_links(folder: str | Path) -> None:
-    """CampaignError for what nobody follows or waits for in a folder of results, which may come
-    from anybody: a link to what lies outside, a pipe, a device."""
+    """Raise CampaignError if a folder of results, which may come from anybody, holds a link to a
+    place outside, a pipe or a device."""
     whole, places = os.path.realpath(folder), [folder]
     while places:
         with suppress(FileNotFoundError, NotADirectoryError), os.scandir(places.pop()) as entries:
@@ -169,14 +174,16 @@ def write_text(path: str | Path, text: str) -> None:
 
 
 def write_result(path: str | Path, text: str, **facts: str) -> None:
-    """Write a text file that is a result."""
+    """Write a text file as a sealed result; facts: of its seal."""
     with result_file(path, **facts) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 
 def csv_text(rows: Iterable[Sequence]) -> str:
-    """Rows as CSV, numbers with all their digits; a text that would be a formula in a spreadsheet
-    begins with an apostrophe."""
+    """Rows as CSV text, numbers with all their digits.
+
+    A text that a spreadsheet would take for a formula begins with an apostrophe.
+    """
     buffer = io.StringIO()
     csv.writer(buffer, lineterminator="\n").writerows([*map(_cell, row)] for row in rows)
     return buffer.getvalue()

@@ -1,5 +1,8 @@
-"""What results hold: variables, their dimensions, numbers and names. Results may be anybody's, and
-who reads them relies on what is checked here, once, where a file is opened."""
+"""Checks of what results hold: variables, their dimensions, values and names.
+
+Results may come from anybody. Their readers rely on these checks, which are made once, where a file
+is opened.
+"""
 
 from __future__ import annotations
 
@@ -95,7 +98,10 @@ _ALL = 1 << 26
 
 @contextmanager
 def reading(path: str | os.PathLike) -> Iterator[None]:
-    """DamagedError for whatever goes wrong when what a file holds is taken apart in this block."""
+    """A block that reads a file, in which errors of malformed content become DamagedErrors.
+
+    Errors of the system, such as a missing file, and messages for users stay as they are.
+    """
     try:
         yield
     except Exception as error:
@@ -109,8 +115,11 @@ def reading(path: str | os.PathLike) -> Iterator[None]:
 
 
 def experiment_of(path: str | os.PathLike) -> Experiment | None:
-    """The experiment that a whole result in netCDF is of; None of a file of which only the size is
-    known, as of a motion. Raises DamagedError for one that holds anything else than it should."""
+    """The experiment of an undamaged result in netCDF; None for a file of which only the size is
+    checked, such as a motion.
+
+    Raises DamagedError for a file whose content is not that of a result.
+    """
     state = os.stat(path)
     return _checked(Path(path), state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns)
 
@@ -242,8 +251,8 @@ def _schema() -> dict:
 
 
 def data_of(path: str | os.PathLike, content: bytes) -> dict:
-    """The data in the content of a result in JSON, without its seal; DamagedError where it is no
-    such result."""
+    """The data in the content of a result in JSON, without its seal; DamagedError if the content is
+    not that of a result."""
     properties = _schema()["properties"]
     answers = {name: properties[name] for name in ("requirements", "together")}
     schemas = {
@@ -263,8 +272,11 @@ def _no_number(text: str) -> None:
 
 
 def matches(schema: Mapping, data: Any, path: str = "") -> None:
-    """ValueError where data are not as a JSON schema has it, by the words of one that are used in
-    the schema of summaries."""
+    """Raise ValueError if data do not match a JSON schema, of which the keywords used in
+    `summary.schema.json` are known.
+
+    path: of the data, for messages.
+    """
     if "$ref" in schema:
         matches(_schema()["$defs"][schema["$ref"].rpartition("/")[2]], data, path)
     kinds = schema.get("type", "object" if "required" in schema else [])

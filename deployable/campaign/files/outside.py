@@ -1,4 +1,5 @@
-"""Whether a netCDF file is all that is read of it: HDF5 follows paths in it to any other file."""
+"""Check that a netCDF file holds all its data itself, since HDF5 follows paths in a file to any
+other."""
 
 from __future__ import annotations
 
@@ -16,8 +17,8 @@ numbers lie in other datasets."""
 
 
 def refuse_outside(path: str | Path) -> None:
-    """DamagedError for a netCDF-4 file that has links, external storage or virtual datasets, or
-    groups, which no result has."""
+    """Raise DamagedError if a netCDF-4 file has links, external storage, virtual datasets or
+    groups, none of which a result has."""
     if (hdf5 := _library()) is None:
         return
     file = hdf5.H5Fopen(os.fsencode(path), 0, 0)

@@ -31,7 +31,7 @@ CLIPPED_SHARE = 0.005
 
 
 def rgb(colour: str) -> tuple[float, float, float]:
-    """`#E69F00` as shares of red, green and blue."""
+    """Red, green and blue, 0 to 1, of a colour in hexadecimal such as `#E69F00`."""
     return tuple(int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
 
 

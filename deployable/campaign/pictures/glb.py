@@ -59,15 +59,17 @@ class _Buffer:
 
 
 def write_glb(motion: xarray.Dataset, path: Path) -> Path:
-    """Write `path` (.glb); returns it."""
+    """Write a whole motion as a glTF file, `path` (.glb); returns `path`."""
     with whole_file(path) as temporary:
         temporary.write_bytes(glb_of(motion))
     return path
 
 
 def glb_of(motion: xarray.Dataset, small: bool = False) -> bytes:
-    """The file's content. small: places to 1/65534 of the motion's extent and turns in 16 bits, as
-    exact as can be seen."""
+    """The content of a glTF file (.glb) of a whole motion.
+
+    small: positions are rounded to 1/65534 of the motion's extent and rotations to 16 bits.
+    """
     buffer = _Buffer()
     content = _content(motion, buffer, small)
     text = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()

@@ -12,10 +12,11 @@ from deployable.campaign.pictures.view import View
 
 
 def telling_moments(motion: Any, count: int) -> np.ndarray:
-    """Indices of `count` frames, evenly spread in the way that the particles have gone.
+    """Indices (count,) of frames of an open motion, evenly spread over the length of the particles'
+    paths.
 
-    From the start to the first closure of a contact, or to the end where nothing closes. The way is
-    the root of the mean square of all particles' steps.
+    They reach from the start to the first closure of a contact, or to the end where none closes.
+    The path's length is the sum of the root mean squares of all particles' steps.
     """
     time, position = values_in(motion, "time"), values_in(motion, "position")
     is_closing = values_in(motion, "contact_event_closing") == 1
@@ -29,8 +30,25 @@ def telling_moments(motion: Any, count: int) -> np.ndarray:
 
 
 def draw_moments(motion: Any, count: int = 5, width: float = 7.5, view: View | None = None) -> Any:
-    """A figure of an open whole motion (as of `solid_of_motion`) at `count` moments; width in
-    inches."""
+    """A matplotlib figure of a structure at several moments of its motion, side by side.
+
+    Parameters
+    ----------
+    motion
+        An open whole motion, `xarray.Dataset` or `netCDF4.Dataset`, as of `fpm.motions`.
+    count
+        Number of moments, evenly spread over the length of the particles' paths up to the first
+        closure of a contact.
+    width
+        Of the figure, in inches.
+    view
+        Direction from which the structure is seen; None: the default of `View`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Not saved yet.
+    """
     from matplotlib.figure import Figure
 
     view = view or View()

@@ -33,10 +33,11 @@ def write_moving(
     width: float = 4.8,
     by_stress: bool = False,
 ) -> Path:
-    """Write `path`, `.gif` or `.webp`, of all frames of a motion; returns it.
+    """Write a motion as a moving picture into `path`, a `.gif` or `.webp`; returns `path`.
 
-    width: of the picture, in hundreds of pixels; by_stress: elements have the colours of their
-    stress, not of their bars.
+    motion: a whole motion, of which all frames are drawn; view: None for the default of `View`;
+    width: hundreds of pixels; by_stress: colour elements by their equivalent stress instead of by
+    bar.
     """
     from PIL import Image
 
@@ -65,7 +66,10 @@ def write_moving(
 def frames(
     motion: xarray.Dataset, view: View, width: float, by_stress: bool = False
 ) -> Iterator[np.ndarray]:
-    """The frames of a motion as pictures (height, width, 3) of bytes."""
+    """Pictures (height, width, 3) of a motion, one for each frame, as arrays of bytes.
+
+    width: hundreds of pixels; by_stress: colour elements by their equivalent stress.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

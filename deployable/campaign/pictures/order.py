@@ -1,8 +1,8 @@
-"""In which order faces are painted, so that none covers what lies before it.
+"""The order in which faces are painted, so that none covers one that is nearer to the eye.
 
-The middles of two faces do not tell which is before the other where one is long: of a tube within a
-tube the inner one's may be nearer. So it is asked at a place where both are on the page. Where such
-answers go round in a circle, or faces pass through each other, their middles decide.
+The middles of two faces do not tell which is nearer where one is long: of a tube within a tube the
+inner face's may be. So depths are compared at a point where both faces are on the page. Where these
+comparisons form a cycle, or faces intersect, their middles decide.
 """
 
 from __future__ import annotations
@@ -16,8 +16,12 @@ _MOST = 3000  # faces; of more, pairs take too long, and faces are small
 
 
 def paint_order(flat: np.ndarray, depth: np.ndarray) -> list[int]:
-    """Faces from far to near: corners on the page (f, 4, 2) of plane convex ones, in the order of a
-    walk about them, and how near each is to the eye (f, 4)."""
+    """Indices of f plane convex faces from far to near, so that painting covers what lies behind.
+
+    flat (f, 4, 2): corners on the page, in the order of a walk about the face; depth (f, 4): of
+    each corner, larger nearer to the eye. Up to 3000 faces the order is that of the overlaps, else
+    that of the faces' middles.
+    """
     middle = depth.mean(axis=1)
     if not 0 < len(middle) <= _MOST:
         return np.argsort(middle, kind="stable").tolist()

@@ -20,9 +20,10 @@ _HALO = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6}
 def paint_solid(
     ax: Any, solid: Solid, moment: int, view: View, colours: np.ndarray | None = None
 ) -> Any:
-    """Paint the visible faces of a structure at a moment; returns the collection of them.
+    """Paint the visible faces of a structure at a moment, and return their matplotlib collection.
 
-    colours (m, 3): of the elements, if not those of their bars.
+    moment: index among the moments of `solid`; colours (m, 3): of the elements, 0 to 1; None: those
+    of their bars.
     """
     from matplotlib.collections import PolyCollection
 
@@ -34,7 +35,8 @@ def paint_solid(
 
 
 def paint_cables(ax: Any, solid: Solid, moment: int, view: View) -> Any:
-    """Paint the cables of a structure at a moment, dashed where they are slack."""
+    """Paint the cables of a structure at a moment, dashed where slack, and return their
+    collection."""
     from matplotlib.collections import LineCollection
 
     cables = solid.cables
@@ -51,9 +53,11 @@ def paint_cables(ax: Any, solid: Solid, moment: int, view: View) -> Any:
 def visible_faces(
     solid: Solid, moment: int, view: View, colours: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Faces that look at the eye, from far to near: on the page (f, 4, 2), and colours (f, 3).
+    """Faces of a structure turned to the eye, from far to near: corners on the page (f, 4, 2), in
+    m, and colours (f, 3), 0 to 1.
 
-    colours (m, 3): of the elements, if not those of their bars.
+    moment: index among the moments of `solid`; colours (m, 3): of the elements; None: those of
+    their bars.
     """
     element, face = np.nonzero(solid.visible)
     corners = solid.corners[moment][element[:, None], FACES[face]]
@@ -69,7 +73,8 @@ def visible_faces(
 
 
 def paint_points(ax: Any, places: Mapping[str, np.ndarray], view: View, size: float) -> None:
-    """Mark points (3,) with their names, away from their middle; size (m) of the picture."""
+    """Mark points, positions (3,) in m by name, with their names away from their middle; size: of
+    the picture, m."""
     flat = {name: view.page @ place for name, place in places.items()}
     if not flat:
         return
@@ -84,8 +89,11 @@ def paint_points(ax: Any, places: Mapping[str, np.ndarray], view: View, size: fl
 
 
 def frame_picture(ax: Any, limits: np.ndarray, view: View, signs: bool = True) -> None:
-    """Fit axes to limits (2, 2) in metres on the page, lowest corner first, with room below them
-    for signs: directions and scale."""
+    """Set the limits of axes and draw directions and scale below the structure.
+
+    limits (2, 2): lowest and highest corner on the page, m; signs: whether directions and scale are
+    drawn.
+    """
     low, high = limits
     width, height = high - low
     size = max(width, height)
@@ -122,7 +130,8 @@ def length_text(length: float) -> str:
 
 
 def limits_of(places: np.ndarray, view: View, margin: float = 0.08) -> np.ndarray:
-    """Lowest and highest corner (2, 2) on the page of places (..., 3), with a margin (a share)."""
+    """Lowest and highest corner (2, 2), m, on the page of positions (..., 3); margin: relative to
+    the larger extent."""
     flat = places.reshape(-1, 3) @ view.page.T
     low, high = flat.min(axis=0), flat.max(axis=0)
     size = max((high - low).max(), 1e-9)

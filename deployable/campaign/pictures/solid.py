@@ -1,4 +1,4 @@
-"""A structure as solid bodies in space: what pictures paint and what other programs are given."""
+"""A structure as solid bodies in space, for pictures and for other programs."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ FACES = np.array([
 class CablePoints:
     """The p points of cables, one cable after the other.
 
-    cable (p,): index of the point's cable; particle (p,): its own; arm (p, 3) m: from there, in the
-    particle's frame; tension (t, c) N of each cable, None where it is not known.
+    cable (p,): index of the point's cable; particle (p,): index of the particle that the point is
+    fixed to; arm (p, 3): from the particle to the point, in the particle's frame, m; tension (t,
+    c): of each cable, N, None where it is not known.
     """
 
     cable: np.ndarray
@@ -32,7 +33,7 @@ class CablePoints:
 
     @cached_property
     def stretches(self) -> np.ndarray:
-        """Indices (s, 2) of the points at the ends of each straight stretch."""
+        """Indices (s, 2) of the points at the ends of each straight stretch of a cable."""
         first = np.flatnonzero(self.cable[1:] == self.cable[:-1])
         return np.stack([first, first + 1], axis=1)
 
@@ -42,11 +43,11 @@ NO_CABLES = CablePoints(np.zeros(0, int), np.zeros(0, int), np.zeros((0, 3)))
 
 @dataclass(frozen=True)
 class Solid:
-    """The elements of a structure at t moments, each a hexahedron between two sections.
+    """The m elements of a structure at t moments, each a hexahedron between two sections.
 
-    nodes (m, 2): particles at the elements' ends; sections (m, 2, 4, 3) m: corners of the sections
-    there, in the particles' frames; position (t, n, 3) m and frame (t, n, 3, 3) of the particles;
-    elements (m,): their names.
+    nodes (m, 2): indices of the particles at the elements' ends; sections (m, 2, 4, 3): corners of
+    the sections at the ends, in the particles' frames, m; position (t, n, 3): of the particles, m;
+    frame (t, n, 3, 3): their rotation matrices; elements (m,): names; cables: points of the cables.
     """
 
     nodes: np.ndarray
@@ -58,13 +59,13 @@ class Solid:
 
     @cached_property
     def cable_points(self) -> np.ndarray:
-        """Places (t, p, 3), m, of the cables' points."""
+        """Positions (t, p, 3), m, of the cables' points."""
         particle, arm = self.cables.particle, self.cables.arm
         return self.position[:, particle] + np.einsum("tpij,pj->tpi", self.frame[:, particle], arm)
 
     @cached_property
     def places(self) -> np.ndarray:
-        """Places (t, k, 3), m, that a picture must hold."""
+        """Positions (t, k, 3), m, that a picture must include."""
         count = len(self.position)
         points = [self.corners.reshape(count, -1, 3), self.cable_points]
         return np.concatenate(points, axis=1) if len(self.nodes) else self.position
@@ -84,7 +85,7 @@ class Solid:
 
     @cached_property
     def bars(self) -> tuple[str, ...]:
-        """Names of the bars: `AB[3]` is an element of `AB`."""
+        """Names of the bars, in their order; elements of a bar `AB` are called `AB[3]`."""
         return tuple(dict.fromkeys(map(bar_of, self.elements)))
 
     @cached_property
@@ -94,7 +95,8 @@ class Solid:
 
     @cached_property
     def visible(self) -> np.ndarray:
-        """Which of the six faces of each element (m, 6) are not hidden by its neighbour's."""
+        """Mask (m, 6) of the faces of the elements that no neighbouring element of the bar
+        covers."""
         stretches = np.array([name.rsplit("[", 1)[0] for name in self.elements])
         is_joined = stretches[1:] == stretches[:-1]
         is_joined &= self.nodes[1:, 0] == self.nodes[:-1, 1]
@@ -105,8 +107,11 @@ class Solid:
 
 
 def solid_of_motion(motion: Any, frames: Any = slice(None)) -> Solid:
-    """The solid of an open whole motion (`fpm.motion`; `xarray.Dataset` or `netCDF4.Dataset`), at
-    all its frames or at some."""
+    """The solid of an open whole motion, at all its frames or at those of an index.
+
+    motion: `xarray.Dataset` or `netCDF4.Dataset`, as of `fpm.motions`; frames: whatever indexes an
+    array (t, ...) by frames.
+    """
     return Solid(
         nodes=values_in(motion, "element_particle"),
         sections=values_in(motion, "section_corner"),
@@ -118,12 +123,12 @@ def solid_of_motion(motion: Any, frames: Any = slice(None)) -> Solid:
 
 
 def values_in(motion: Any, name: str) -> np.ndarray:
-    """The values of a variable of an open motion."""
+    """The values of a variable of an open dataset, as an array."""
     return np.asarray(motion.variables[name][:])
 
 
 def solid_of_scene(scene: Any) -> Solid:
-    """The solid of an `fpm.Scene` as it stands at the start: one moment."""
+    """The solid of an `fpm.Scene` at its start, with one moment."""
     from fpm.motions.motion import section_corners
     from fpm.motions.motion_dataset import shapes_of
 

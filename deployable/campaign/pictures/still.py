@@ -25,7 +25,22 @@ _MARKER = {"marker": "^", "color": "none", "markeredgecolor": "black", "markersi
 
 
 def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> Any:
-    """A figure of an `fpm.Scene` at its start; width in inches."""
+    """A matplotlib figure of a structure at its start, with points, hinges, cables and supports.
+
+    Parameters
+    ----------
+    scene
+        An `fpm.Scene`.
+    view
+        Direction from which the structure is seen; None: the default of `View`.
+    width
+        Of the figure, in inches; the height follows from the structure.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Not saved yet.
+    """
     from matplotlib.figure import Figure
 
     view = view or View()
@@ -56,7 +71,8 @@ def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> 
 
 
 def write_structure(scene: Any, path: str | Path) -> Path:
-    """Draw an `fpm.Scene` at its start into `path`, one of `SUFFIXES`; returns it."""
+    """Draw an `fpm.Scene` at its start into a file, `path`, whose suffix is one of `SUFFIXES`;
+    returns the path."""
     path = Path(path)
     with whole_file(path) as temporary:
         draw_structure(scene).savefig(temporary, dpi=160)

@@ -1,4 +1,4 @@
-"""From where a structure is looked at, in parallel projection."""
+"""Directions from which a structure is seen, in parallel projection."""
 
 from __future__ import annotations
 
@@ -10,14 +10,15 @@ import numpy as np
 
 @dataclass(frozen=True)
 class View:
-    """The eye's direction: `azimuth` about z from x, and `elevation` above the ground (deg)."""
+    """The direction from the structure to the eye: `azimuth` about z from x, and `elevation` above
+    the ground, in degrees."""
 
     azimuth: float = -60.0
     elevation: float = 22.0
 
     @cached_property
     def page(self) -> np.ndarray:
-        """Rows (2, 3): unit vectors to the right and upwards on the page."""
+        """Unit vectors (2, 3) to the right and upwards on the page, as rows."""
         a = np.radians(self.azimuth)
         right = np.array([-np.sin(a), np.cos(a), 0.0])
         return np.stack([right, np.cross(self.towards, right)])

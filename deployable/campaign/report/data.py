@@ -1,4 +1,4 @@
-"""What the page tells, independent of the files that it comes from."""
+"""Data of the page, independent of the files that they come from."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ MOST_LINES = 48
 
 @dataclass(frozen=True)
 class ResponseBounds:
-    """A response with its bounds over time, arrays (t,) in `units`.
+    """Bounds of a response over time, arrays (t,) in `units`, with nominal run and error.
 
-    error: estimated error of the bounds; shares (k,), widths (k, t): what each parameter
-    contributes, overall and at every instant, not a number where that is not above the error of the
-    fit. abscissa: over what it lies instead of time (`results.facts.along_of`); least: what it can
-    not be below.
+    error: estimated error of the bounds; shares (k,), widths (k, t): contribution of each
+    parameter, overall and at every instant, NaN where it is not above the error of the fit;
+    abscissa: as of `results.facts.along_of`, None: time; least: lowest possible value. None stands
+    for what is not known.
     """
 
     name: str
@@ -58,9 +58,10 @@ class Event:
 
 @dataclass(frozen=True)
 class PageRun:
-    """A run: role (nominal, node, held_out or further), parameter values (k,).
+    """A run of the page: its role (nominal, node, held_out or further), parameter values (k,) and
+    events.
 
-    curves (response, t): runs that are not drawn need none.
+    curves (response, t): None for a run that is not drawn.
     """
 
     id: str
@@ -72,7 +73,8 @@ class PageRun:
 
 @dataclass(frozen=True)
 class MovingRun:
-    """A run that is shown moving: its index among the runs, why, and its `fpm.motion` dataset."""
+    """A run that is shown moving: its index among the runs, a label in words, and its whole motion,
+    a dataset of `fpm.motions`."""
 
     run: int
     label: str
@@ -80,8 +82,8 @@ class MovingRun:
 
 
 @dataclass(frozen=True)
-class LeftOut:
-    """A run that could be shown moving, and is not: its id, and why it would be."""
+class OmittedRun:
+    """A run that would be shown moving if the page had room: its id, and its label in words."""
 
     id: str
     label: str
@@ -89,8 +91,8 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class RunVerdicts:
-    """Runs with their parameter values (R, k), which of them meet all requirements (R,), and their
-    quantities (R, q), not a number where there is none."""
+    """Runs with their parameter values (R, k), whether they meet all requirements (R,), and their
+    quantities (R, q), NaN for one that does not occur."""
 
     values: np.ndarray
     met: np.ndarray
@@ -99,9 +101,12 @@ class RunVerdicts:
 
 @dataclass(frozen=True)
 class WhatIf:
-    """What was fitted, which sliders ask: the surrogate of each quantity (`intervals.scalars`), and
-    of all responses the polynomial, coefficients (n, M, t) of the products `indices` (M, k); None
-    where the bounds are not those of a polynomial."""
+    """Surrogates that the page's sliders evaluate: of quantities by name (`intervals.scalars`), and
+    of all responses as polynomials.
+
+    coefficients (n, M, t): of the products with orders `indices` (M, k); both None where bounds are
+    not those of polynomials.
+    """
 
     quantities: Mapping[str, Any]
     indices: np.ndarray | None
@@ -110,7 +115,7 @@ class WhatIf:
 
 @dataclass(frozen=True)
 class Work:
-    """A piece of work: task, seconds of the clock and of the processor (if known)."""
+    """Time that a task took: seconds of wall-clock time and, None if unknown, of processor time."""
 
     task: str
     clock: float
@@ -119,15 +124,13 @@ class Work:
 
 @dataclass(frozen=True)
 class PageData:
-    """All that the page shows.
+    """All data that the page shows.
 
-    facts: what `summary.json` holds; time (t,) s; runs: those of the design, and of those for the
-    ends of quantities the ones that move;
-    moving: the nominal run first, then those at which quantities and bounds are attained;
-    omitted: those of them that do not move, since the page would be too large;
-    provenance: name -> text; config: text to start from again;
-    verdicts: the runs with their quantities, and which meet the requirements, if there are any;
-    what_if: what sliders ask.
+    facts: content of `summary.json`; time (t,): s; runs: those of the design, and refinement runs
+    that move; moving: the nominal run first, then those at which quantities and bounds are
+    attained; omitted: runs for whose motion the page has no room; provenance: texts by name;
+    config: text of a config that repeats the campaign; verdicts: None without quantities; what_if:
+    surrogates of the sliders.
     """
 
     facts: Mapping[str, Any]
@@ -135,7 +138,7 @@ class PageData:
     responses: tuple[ResponseBounds, ...]
     runs: tuple[PageRun, ...]
     moving: tuple[MovingRun, ...] = ()
-    omitted: tuple[LeftOut, ...] = ()
+    omitted: tuple[OmittedRun, ...] = ()
     work: tuple[Work, ...] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)
     config: str = ""
@@ -160,7 +163,8 @@ class PageData:
 
     @property
     def lines(self) -> list[int]:
-        """Indices of the runs drawn as thin lines: unfitted ones, evenly chosen where many are."""
+        """Indices of the runs drawn as thin lines: those not fitted, at most `MOST_LINES`, evenly
+        chosen."""
         runs = [i for i in self.unfitted if self.runs[i].role != "nominal"]
         indices = np.unique(np.linspace(0, len(runs) - 1, min(len(runs), MOST_LINES)).round())
         return [runs[int(i)] for i in indices] if runs else []

@@ -1,4 +1,4 @@
-"""The part of the box that fails: which runs meet all requirements, seen along two parameters."""
+"""The part of the box that fails: which runs meet all requirements, over pairs of parameters."""
 
 from __future__ import annotations
 
@@ -20,9 +20,12 @@ MOST_MARKS = 400
 
 @dataclass(frozen=True)
 class Panel:
-    """The box along two parameters, or one: marks (x, y, met, near) of `runs`, by their places
-    among all that are judged, and the part in which nothing fails, `feasible[0]` to `feasible[1]`;
-    coordinates from 0 to 1. Runs are near where all other parameters lie in that part."""
+    """A plot of runs over one or two parameters, with whether they meet all requirements.
+
+    marks: x, y, whether the run meets all requirements, whether its other parameters lie within the
+    feasible part; runs: index of each mark's run; feasible: lowest and highest corner of the part
+    of the box without failures, None if there is none. Coordinates are from 0 to 1.
+    """
 
     x_axis: Mapping[str, Any]
     y_axis: Mapping[str, Any] | None
@@ -32,8 +35,11 @@ class Panel:
 
 
 def meets(limits: Iterable[Mapping], names: Sequence[str], numbers: np.ndarray) -> np.ndarray:
-    """Which runs (R,) meet all limits of the summary's requirements, from their quantities (R, q)
-    by name; not a number is what does not happen, and breaks any limit but `happens: false`."""
+    """Mask (R,) of the runs that meet all limits of the summary's requirements.
+
+    numbers (R, q): quantities of the runs, in the order of `names`. NaN stands for a quantity that
+    does not occur, and breaks any limit but `happens: false`.
+    """
     from deployable.intervals.scalars import Limit
 
     met = np.ones(len(numbers), dtype=bool)
@@ -49,7 +55,8 @@ def _tells_apart(data: PageData) -> bool:
 
 
 def panels(data: PageData) -> list[Panel]:
-    """The panels of a page; none where there is nothing that fails, or nothing that meets all."""
+    """Plots of the failing and the feasible runs of a page, one for each pair of the parameters by
+    which they differ most; empty where no run fails, or none meets all requirements."""
     if not _tells_apart(data):
         return []
     unit = [_unit(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)]
@@ -88,8 +95,9 @@ def _panel(data: PageData, unit: list, runs: np.ndarray, i: int, j: int | None) 
 
 
 def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
-    """Of more parameters than panels show each run, whether it meets all requirements, and its
-    place along each parameter, from 0 to 1; what fails lies above."""
+    """Index of each run, whether it meets all requirements, and its parameters from 0 to 1, where
+    there are more parameters than panels show; at most `MOST_MARKS` runs, failing ones last, so
+    that they are drawn above."""
     if len(data.parameters) <= MOST_PARAMETERS or not _tells_apart(data):
         return []
     unit = np.array([_unit(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)])
@@ -100,8 +108,11 @@ def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
 
 
 def prices(facts: Mapping[str, Any]) -> Panel | None:
-    """The choices that were tried: both goals, or the one over the first chosen parameter. Those
-    whose latest time is the end of the runs are left out: it has none."""
+    """A plot of the choices that were tried, over two goals, or over the first parameter and its
+    goal; None without a choice, or with fewer than two trials that have numbers.
+
+    Trials whose latest time is the end of the runs are left out, since it is no bound.
+    """
     choice = facts.get("choice")
     if choice is None:
         return None

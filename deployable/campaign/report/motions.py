@@ -1,5 +1,5 @@
-"""The whole motion of the runs that the page shows: the nominal one, and those at which quantities
-and bounds are attained."""
+"""Whole motions of the runs that the page shows: the nominal one, and those at which quantities and
+bounds are attained."""
 
 from __future__ import annotations
 
@@ -35,10 +35,9 @@ _FEW_RUNS, _FEW_FRAMES = 7, 100
 
 @dataclass(frozen=True)
 class ShownRun:
-    """A run that is shown moving: its id, its parameter values (k,), and what it is.
+    """A run that is shown moving: its id, parameter values (k,), and a label in words.
 
-    row: its place among the samples; None for a further run, which was made for the end of a
-    quantity's interval.
+    row: index among the samples; None for a refinement run, which is in `further.nc`.
     """
 
     id: str
@@ -48,11 +47,12 @@ class ShownRun:
 
 
 def shown_runs(folder: str | Path) -> list[ShownRun]:
-    """The runs of a campaign's folder that are shown: the nominal run first.
+    """The runs of a campaign that its page shows moving, at most `MOST_MOVING`, the nominal run
+    first.
 
-    Then the runs at the ends of the quantities' intervals, and those with the least and the largest
-    value of each response where its bounds differ most, at most `MOST_MOVING` in all. A scan
-    without a nominal run begins with its first run.
+    Then follow the runs at the bounds of the quantities, and those with the least and the largest
+    value of each response at the instant at which its bounds differ most. A scan without a nominal
+    run begins with its first run.
     """
 
     folder = Path(folder)
@@ -85,8 +85,8 @@ def shown_runs(folder: str | Path) -> list[ShownRun]:
 
 
 def how_many_move(particles: int) -> int:
-    """How many runs of a structure of so many particles a page can show: those for which a hundred
-    frames find room, and seven at least."""
+    """Number of moving runs that a page has room for, by the number of particles of the structure:
+    that of runs with a hundred frames each, from 7 to `MOST_MOVING`."""
     room = MOST_PLACES // (_FEW_FRAMES * particles)
     return int(np.clip(room, _FEW_RUNS, MOST_MOVING))
 
@@ -139,10 +139,12 @@ def _extreme_runs(samples: xarray.Dataset, response: int, instant: int) -> tuple
 
 
 def motions_of(samples: xarray.Dataset, runs: Sequence[ShownRun], frames: int = 401) -> list:
-    """The whole motion of runs of a campaign, an xarray.Dataset each, made again side by side.
+    """Whole motions of runs of a campaign, simulated again side by side, an `xarray.Dataset` each.
 
-    Of runs whose curves are not in `samples.nc` it has them: ``curves`` (response, instant), and
-    ``impact`` (event, 3): time, index into ``eventful``, 1 if it closes.
+    samples: the open `samples.nc`; frames: of each motion, evenly spread; instants at which a
+    contact of the first run closes are added. A run whose curves are not in `samples.nc` has the
+    variables ``curves`` (response, instant) and ``impact`` (event, 3): time (s), index into
+    ``eventful``, 1 if it closes. Raises `fpm.InstabilityError` if a run fails.
     """
     from fpm.motions.motion import whole_motion
 
@@ -180,7 +182,7 @@ def _own_curves(experiment: Any, outcome: Any) -> dict:
 
 
 def motion_of(folder: str | Path, row: int) -> xarray.Dataset:
-    """The whole motion of the run at a place among the samples: the one that is there, or else made
+    """The whole motion of the run in a row of the samples: read from its file, or else simulated
     again."""
 
     folder = Path(folder)
@@ -195,10 +197,12 @@ def motion_of(folder: str | Path, row: int) -> xarray.Dataset:
 
 
 def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
-    """Write `motions/<run id>.nc` of the runs that the page of a campaign's folder shows, and
-    remove others that are damaged.
+    """Write the whole motions of the runs that the page of a campaign shows, and return their
+    paths.
 
-    None if they could not be made again as they were, since the structure or the mechanics changed.
+    They are `motions/<run id>.nc` below `folder`, that of the campaign's results, with `frames`
+    frames each. Damaged motions of other runs are removed. The list is empty where the structure or
+    the mechanics changed since the runs were made.
     """
     from deployable.campaign.results.bounds import write_dataset
 
@@ -222,8 +226,10 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
 
 
 def draw_nominal(folder: Folder, count: int) -> None:
-    """Draw `count` moments of the nominal run of a sampled campaign as `moments` into its folder of
-    overviews. Raises `CampaignError` where the run cannot be made again.
+    """Draw `count` moments of the nominal run of a campaign side by side, as PNG, PDF and SVG.
+
+    The files are called `moments`, in the folder of overviews. Raises `CampaignError` where
+    structure or mechanics changed since the runs were made.
     """
     with open_netcdf(folder.samples) as samples:
         experiment = Experiment.read(samples.config)

@@ -48,12 +48,13 @@ class _Arrays:
 
 
 def compressed(raw: bytes) -> str:
-    """Bytes as text for a page's script, which inflates them; the same for the same bytes."""
+    """Bytes as gzip in base64, which the page's script inflates; equal bytes give equal text."""
     return base64.b64encode(gzip.compress(raw, 6, mtime=0)).decode()
 
 
 def packed(data: PageData) -> str:
-    """All that the page's script needs, with as many frames of the motion as there is room for."""
+    """All data of the page's script as compressed text, with as many frames of the motions as keep
+    it below `PAGE` characters."""
     text, count = _packed(data, None), max((m.motion.sizes["time"] for m in data.moving), default=0)
     while len(text) > PAGE and count > 2:
         count = max(2, int(0.97 * count * min(0.97, PAGE / len(text))))
@@ -69,7 +70,7 @@ def _packed(data: PageData, frames: int | None) -> str:
 
 
 def thinned(curves: Sequence[np.ndarray], most: int = MOST_INSTANTS) -> np.ndarray:
-    """Indices of at most about `most` instants, with the extremes of all curves (t,) among them."""
+    """Indices of at most about `most` instants, among them the extremes of all curves (t,)."""
     count = len(curves[0])
     if count <= most:
         return np.arange(count)
@@ -83,7 +84,11 @@ def thinned(curves: Sequence[np.ndarray], most: int = MOST_INSTANTS) -> np.ndarr
 
 
 def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[str, Any]:
-    """What is packed, its arrays put into `arrays`; frames: of the motion, if not all."""
+    """The page's data as plain data for JSON, with references to its arrays, which are added to
+    `arrays`.
+
+    frames: number of frames of each motion; None: all.
+    """
     bounds = [c for r in data.responses for c in (r.lower, r.upper, r.upper - r.lower)]
     keep = thinned(bounds)
 

@@ -34,12 +34,13 @@ _WIDE = 300  # units of the drawing, of each moment
 
 
 def write_page(data: PageData, path: str | Path) -> None:
-    """Write the page of a campaign as one HTML file, whole or not at all."""
+    """Write the page of a campaign as one HTML file, which loads nothing from the network; the file
+    is written whole or not at all."""
     write_result(path, render(data))
 
 
 def render(data: PageData) -> str:
-    """The page as text."""
+    """The page of a campaign as HTML text."""
     units = {pretty(response.units) for response in data.responses}
     units |= {pretty(parameter["units"]) for parameter in data.parameters}
     return (
@@ -66,8 +67,8 @@ def _text(name: str) -> str:
 
 
 def still_picture(motion: xarray.Dataset) -> str:
-    """An SVG picture of some moments of a whole motion side by side, for browsers that cannot move
-    it."""
+    """An SVG element with three moments of a whole motion side by side, for browsers that show no
+    motion."""
     frames, view = telling_moments(motion, _MOMENTS), View()
     solid = solid_of_motion(motion, frames)
     low, high = limits_of(solid.places, view, margin=0.03)

@@ -1,4 +1,4 @@
-"""The page's data from the files that a campaign leaves: the one place that knows their formats."""
+"""Data of the page from a campaign's results, whose formats no other module of the report knows."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.report.data import (
     FURTHER,
     Event,
-    LeftOut,
     MovingRun,
+    OmittedRun,
     PageData,
     PageRun,
     ResponseBounds,
@@ -36,10 +36,11 @@ if TYPE_CHECKING:
 
 
 def from_results(folder: str | Path) -> PageData:
-    """The page's data from `samples.nc`, `bounds.nc` and what else there is in a folder of results.
+    """The data of the page, a `PageData`, from a campaign's folder of results.
 
-    sensitivities.nc, batches/*.json (work) and motions/*.nc (what `make_motions` wrote) may be
-    absent.
+    folder: has `samples.nc`, `bounds.nc` and `summary.json`; `sensitivities.nc`, `batches/*.json`
+    and `motions/*.nc` (of `make_motions`) may be absent. Raises `DamagedError` for a damaged
+    result.
     """
     folder = Path(folder)
     facts = read_json(folder / "summary.json")
@@ -195,10 +196,12 @@ def _what_if(folder: Path, summary: Mapping) -> WhatIf:
 
 def _omitted(
     movers: Iterable[ShownRun], runs: tuple[PageRun, ...], moving: tuple[MovingRun, ...]
-) -> tuple[LeftOut, ...]:
+) -> tuple[OmittedRun, ...]:
     """Runs that would be shown, beside those that move."""
     on_page = {runs[mover.run].id for mover in moving}
-    return tuple(LeftOut(run.id, run.label) for run in movers if on_page and run.id not in on_page)
+    return tuple(
+        OmittedRun(run.id, run.label) for run in movers if on_page and run.id not in on_page
+    )
 
 
 def _impacts(motion: xarray.Dataset) -> tuple[Event, ...]:

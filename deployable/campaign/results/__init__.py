@@ -1,1 +1,1 @@
-"""What a campaign tells: bounds, figures, facts, and a summary by templates over these."""
+"""Results of a campaign: bounds, figures, facts, and a summary as templates over the facts."""

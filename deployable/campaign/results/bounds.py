@@ -24,10 +24,11 @@ from deployable.campaign.results.which import keeps_extremes
 def analyse(
     folder: Folder, choice: BoundsChoice, with_errors: Callable[[Any], Any] | None = None
 ) -> None:
-    """Fit the design that the samples were made for; write surrogate, bounds and sensitivities.
+    """Fit the design of the samples, and write `surrogate.nc`, `bounds.nc` and `sensitivities.nc`.
 
-    Samples of a scan are read in pieces, so that they may be larger than memory.
-    with_errors: returns the dataset of bounds with further estimates of their errors.
+    Samples of a scan are read in pieces, so that they may be larger than memory. folder: has
+    `samples.nc`; choice: the model that bounds are taken of; with_errors: returns the dataset of
+    bounds with further estimates of their errors; None: there are none.
     """
     import xarray as xr
 
@@ -64,7 +65,10 @@ def _scanned(samples: Any) -> Any:
 
 
 def write_dataset(dataset: Any, path: str | Path, title: str) -> None:
-    """Write a dataset compressed, whole or not at all; `title` says what it holds."""
+    """Write an `xarray.Dataset` as a compressed result in netCDF, whole or not at all.
+
+    title: what the dataset holds, to which the name of the campaign, its attribute, is added.
+    """
     titled = f"{title}, campaign {dataset.attrs['campaign']}"
     history = f"{dataset.attrs.get('history', '')}\n{title}".strip()
     dataset = dataset.assign_attrs(title=titled, history=history, provenance=as_attribute())

@@ -1,5 +1,5 @@
-"""All that is said of a campaign, as plain numbers: what `summary.json` holds, and from which the
-templates beside make the summary and the page."""
+"""Facts of a campaign, its results as plain numbers and texts: the content of `summary.json`, from
+which the templates in this folder make the summary and the page."""
 
 from __future__ import annotations
 
@@ -49,9 +49,10 @@ _NUMBERS = ("lower", "upper", "simulated_lower", "simulated_upper", "surrogate_l
 def facts_of(
     folder: Folder, published: Mapping[str, float], requirements: bool = False, choice: bool = False
 ) -> dict[str, Any]:
-    """The facts of the results in a folder; published: largest differences by response.
+    """The facts of a campaign's results as plain data, as `summary.schema.json` describes them.
 
-    requirements, choice: whether the campaign has them.
+    published: largest differences of bounds from the literature, by response; requirements, choice:
+    whether the campaign has them, and `requirements.json` and `choice.json` are read.
     """
     plan = read_plan(folder.plan)
     experiment = plan.experiment
@@ -100,8 +101,12 @@ def facts_of(
 
 
 def mark_constant(facts: dict) -> None:
-    """Mark responses and quantities whose width is rounding beside the largest value of their unit
-    as `constant`: no share of that width, and no error beside it, means anything."""
+    """Mark responses and quantities that do not vary over the box as `constant`, and remove their
+    relative errors and contributions.
+
+    They are those whose width is within rounding, relative to the largest value of their unit.
+    facts: of `facts_of`, changed in place.
+    """
     rows, duration = [*facts["responses"], *facts["quantities"]], facts["duration"]
     sizes = {"s": duration} | _SIZES
     sizes |= {f"{unit} s-1": size / duration for unit, size in _SIZES.items()}
@@ -126,14 +131,15 @@ def mark_constant(facts: dict) -> None:
 
 
 def varies(row: Mapping) -> bool:
-    """Whether a response or quantity depends on the parameters: its value, or whether it is."""
+    """Whether a response or quantity, a row of the facts, depends on the parameters: by its value,
+    or by whether a quantity occurs."""
     if "constant" in row:
         return bool(row.get("runs_with") and row.get("runs_without"))
     return row.get("lower") is not None
 
 
 def of_bounds(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict[str, Any]:
-    """The facts of the open `bounds.nc` and `samples.nc`."""
+    """Facts that the open `bounds.nc` and `samples.nc` hold; published: as of `facts_of`."""
     count, time = counts(samples), bounds["time"][:]
     keys = ("parameter", "box_units", "box_lower", "box_nominal", "box_upper")
     names = ("name", "units", "lower", "nominal", "upper")
@@ -197,8 +203,8 @@ def _of_contacts(experiment: Any, fixed: Iterable[Mapping]) -> list[str]:
     for parameter in fixed:
         if type(parameter["value"]) is float and parameter["value"] > 0:
             with suppress(SceneError):  # a value that it may not have
-                raised = {parameter["name"]: 1.01 * parameter["value"]}
-                variations[parameter["name"]] = stiffness(**nominal, **raised)
+                change = {parameter["name"]: 1.01 * parameter["value"]}
+                variations[parameter["name"]] = stiffness(**nominal, **change)
     return [name for name, variation in variations.items() if np.allclose(variation, in_proportion)]
 
 
@@ -212,8 +218,11 @@ def _run_counts(facts: dict) -> dict[str, int]:
 
 
 def known_error(kind: str, error: float) -> float | None:
-    """An estimated error of bounds of a kind; None where it tells nothing: bounds of a scan that
-    did not grow with the second half of its runs."""
+    """The estimated error of bounds; None if it is unknown, as for bounds of a scan that did not
+    change with the second half of its runs.
+
+    kind: of the bounds, as in `bounds.nc`.
+    """
     return None if kind.startswith("least") and not error else error
 
 
@@ -243,8 +252,8 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict[s
         row["largest_error"] = known_error(bounds.bounds_kind, float(error[worst]))
         row["time_of_largest_error"] = float(time[worst])
         row["error_at_largest_difference"] = known_error(bounds.bounds_kind, float(error[instant]))
-        if extrapolated := _extrapolated_error(bounds, i, instant):
-            row["foretold"] = extrapolated
+        if extrapolation := _extrapolated_error(bounds, i, instant):
+            row["foretold"] = extrapolation
     row["grade"] = grade(row["error_at_largest_difference"], row["largest_difference"])
     if "growth_quarter" in bounds.variables:
         row["largest_growth_quarter"] = float(bounds["growth_quarter"][i].max())
@@ -260,15 +269,19 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict[s
 
 
 def along_of(data: Any, i: int) -> dict[str, Any] | None:
-    """Over what response `i` of an open file lies, and the `duration` that this takes on the axis
-    of time; None: over time."""
+    """The abscissa of response `i` of an open file where it is not time, else None.
+
+    It has the keys of `response_along`, and as `duration` (s) the stretch of the time axis on which
+    it lies.
+    """
     variable = data.variables.get("response_along")
     abscissa = json.loads(str(np.asarray(variable[i]))) if variable is not None else None
     return abscissa and abscissa | {"duration": float(data["time"][-1])}
 
 
 def grade(error: float | None, width: float) -> str:
-    """An estimated error beside a width: small, noticeable, large or unknown."""
+    """Grade of an estimated error relative to a width: small, noticeable, large, or unknown where
+    the error is None or the width 0."""
     if error is None or not width > 0:
         return "unknown"
     share = error / width
@@ -301,7 +314,11 @@ def _response_errors(bounds: Any, i: int) -> dict[str, float]:
 
 
 def quantity_errors(row: Mapping) -> dict[str, float | None]:
-    """The same of a quantity, from its row; None for what is not known."""
+    """Errors of a quantity by component, their sum `whole`, and their `share` of the interval's
+    width, from its row of `quantity_rows`.
+
+    Values that are not known are None. Empty where step and mesh were not refined.
+    """
     if "error_whole" not in row:
         return {}
     keys = {"surrogate": "error", "step": "error_step", "mesh": "error_mesh"}
@@ -350,9 +367,10 @@ def _is_met(errors: Mapping[str, float | None]) -> bool:
 
 
 def quantity_rows(data: Any, duration: float = np.inf) -> list[dict[str, Any]]:
-    """Plain numbers of each quantity, from the open `quantities.nc`; None for what is no number.
+    """Rows of plain numbers of each quantity, from the open `quantities.nc`; None stands for NaN.
 
-    duration: of the runs (s); a time that reaches it goes on `beyond` what was simulated.
+    duration: of the runs, s. It is the `beyond` of a time that does not occur in every run and
+    whose upper bound reaches it.
     """
     parameters = data["parameter"][:].tolist()
     rows = []
@@ -415,15 +433,19 @@ def _number(value: Any) -> float | None:
 
 
 def decisive(row: Mapping) -> str | None:
-    """The parameter that widens the interval of a quantity most; None where none does."""
+    """Name of the parameter that contributes most to the width of a quantity's interval; None where
+    none contributes, or there is one parameter alone."""
     shares = {name: influence["share"] or 0.0 for name, influence in row["influence"].items()}
     most = max(shares, key=shares.__getitem__)
     return most if shares[most] > 0 and len(shares) > 1 else None
 
 
 def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
-    """The quantity where it exists a requirement is met everywhere: it fails only where that does
-    not happen; None if it fails elsewhere."""
+    """Name of a quantity on whose occurrence a requirement depends: where the quantity occurs, the
+    requirement is met; None if there is none.
+
+    row: of the requirement; quantities: rows of all quantities.
+    """
     shares = {quantity["name"]: quantity["happens"] for quantity in quantities}
     limits = {limit["quantity"] for limit in row["limits"] if limit["kind"] != "happens"}
     names = [name for name in limits if shares[name] == row["share"] < 1]
@@ -431,7 +453,11 @@ def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
 
 
 def closures(samples: Any, run: int) -> list[dict[str, Any]]:
-    """Contacts of one run that close: time (s) and name of the contact, in order of time."""
+    """Contacts that close in a run of the open `samples.nc`: time (s) and name of the contact, in
+    order of time.
+
+    run: index among the samples.
+    """
     names = list(samples["contact"][:])
     keys = ("event_time", "event_closing", "event_contact")
     rows = zip(*(samples[key][run] for key in keys), strict=True)
@@ -444,7 +470,7 @@ def closures(samples: Any, run: int) -> list[dict[str, Any]]:
 
 
 def moments(rows: Iterable[Mapping]) -> dict[str, list[str]]:
-    """Names of contacts that close, by the moment as it is written."""
+    """Names of contacts that close, by the time as it is written; rows: of `closures`."""
     contacts: dict[str, list[str]] = {}
     for row in rows:
         names = contacts.setdefault(f"{row['time']:.4f} s", [])

@@ -32,19 +32,33 @@ _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (8, 2)))
 
 
 def draw_envelopes(bounds_path: str | Path, shade_above: float, folder: str | Path) -> None:
-    """Draw `<response>.png`, `.pdf` and `.svg` of all responses into `folder`."""
+    """Draw each response of `bounds.nc` with its bounds as `<response>.png`, `.pdf` and `.svg` into
+    a folder.
+
+    shade_above: as of `envelope`.
+    """
     with open_netcdf(bounds_path) as bounds:
         for name in bounds["response"][:]:
             save(envelope(bounds, name, shade_above), Path(folder) / name)
 
 
 def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> Any:
-    """A figure of one response: lower and upper bound, nominal run, and where the error is large;
-    below, the difference of the bounds, where it is too thin to be seen above.
+    """A figure of a response: both bounds, nominal run, and where the error of the bounds is large.
 
-    `bounds` is the open `bounds.nc`. Instants are shaded at which the error estimate exceeds
-    `shade_above` times the largest difference of the bounds; from `LARGE` times that on, bounds are
-    not drawn. All words stand below the axes. width: in inches.
+    Below are the differences of the bounds over time where they are too small to be read off the
+    bounds. All words stand below the axes.
+
+    Parameters
+    ----------
+    bounds
+        The open `bounds.nc`.
+    name
+        Of the response.
+    shade_above
+        Error estimate, relative to the largest difference of the bounds, from which instants
+        are hatched. Bounds are not drawn where it exceeds `LARGE`.
+    width
+        Of the figure, in inches.
     """
     from matplotlib.figure import Figure
 
@@ -112,17 +126,17 @@ _THIN = 0.15
 
 
 def draw_sensitivities(path: str | Path, folder: str | Path) -> None:
-    """Draw `sensitivities`, which parameter widens bounds when, into `folder` in all forms."""
+    """Draw `sensitivities.nc` as `sensitivities.png`, `.pdf` and `.svg` into a folder."""
     with open_netcdf(path) as data:
         save(shares(data), Path(folder) / "sensitivities")
 
 
 def shares(data: Any, width: float = 7.0) -> Any:
-    """A figure of the open `sensitivities.nc`; width in inches.
+    """A figure of the open `sensitivities.nc`, with a row for each response.
 
-    A row for each response: the width of its range when one parameter varies alone, against time,
-    and each parameter's share of these widths over all time. Widths that are not above the error of
-    the fit are grey, and have no share.
+    A row shows the width of the response's range over time when one parameter varies alone, and the
+    share of each parameter in the mean of these widths. Widths that are not above the error of the
+    fit are grey, and have no share. width: of the figure, in inches.
     """
     from matplotlib.figure import Figure
 
@@ -202,7 +216,7 @@ def _mark_largest(
 
 
 def without_formulas(figure: Any) -> None:
-    """Have a figure show names as they are, those with dollars in them too."""
+    """Have a figure show its texts as they are, also with dollar signs in them."""
     from matplotlib.text import Text
 
     for text in figure.findobj(Text):
@@ -210,9 +224,9 @@ def without_formulas(figure: Any) -> None:
 
 
 def save(figure: Any, path: Path, **options: Any) -> None:
-    """Save as PNG, PDF and SVG, without dates, so that the same data give the same files.
+    """Save a figure as PNG, PDF and SVG without dates, so that equal data give equal files.
 
-    `options` are those of matplotlib's `savefig`.
+    path: of the files, without suffix; options: of matplotlib's `savefig`.
     """
     from matplotlib import rc_context
 

@@ -1,5 +1,5 @@
-"""What a review sheet needs to know of the mechanism beside the facts of its results: how far its
-openings go, what its margins are by, its latches and stops, and what its motion exchanges."""
+"""Facts of a mechanism for its review sheet: travels of openings, torque margins with their
+budgets, latches and stops, and the energies that the motion exchanges."""
 
 from __future__ import annotations
 
@@ -26,8 +26,11 @@ OPENING_TOLERANCE = 1e-6
 
 
 def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
-    """Margins by the names of their quantities, latches, and `motion`; quantities: rows
-    of the facts."""
+    """Margins by the names of their quantities, names of the latches, and `motion` (`motion_of`),
+    as the review sheet needs them beside the facts.
+
+    quantities: rows of the facts.
+    """
     plan = read_plan(folder.plan)
     experiment, scene = plan.experiment, plan.experiment.nominal_scene
     rows = {row["name"]: row for row in quantities}
@@ -47,8 +50,8 @@ def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dic
 
 
 def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
-    """Of the nominal run the largest change of an energy, `exchanged` (J), the largest energy, and
-    by how much its balance is off; None where energies were not kept."""
+    """Energies (J) of the nominal run: the largest change of one, `exchanged`, the `largest`, and
+    by how much the energy balance is `off`; None where the trajectory was not kept."""
     path = folder.runs("trajectories") / f"{plan.runs[0].id}.nc"
     if not path.exists():
         return None
@@ -64,8 +67,13 @@ def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
 def margin_of(
     experiment: Any, scenes: Sequence[Any], response: Any, row: Mapping[str, Any], sweep: Callable
 ) -> dict[str, Any]:
-    """What a margin is by, over which part of the travel, and its budget at the worst place; sweep:
-    curves of the work of all parts, by values of the interval parameters and a response."""
+    """Facts of a torque margin: standard, factors, stretch of the travel, and the budget at its
+    worst position.
+
+    experiment: of the campaign; scenes: at the corners of the box; response: the margin's; row: its
+    quantity's facts; sweep: function of parameter values (k,) and a response that returns curves of
+    the work of all components along the travel.
+    """
     definition, standard = experiment.responses[response.name], standard_of(response)
     nominal, positions = scenes[0], response.along
     openings = response.subjects[: response.subjects.index(standard)]
@@ -136,26 +144,31 @@ def _travel_sweep(experiment: Any) -> Callable:
 
 
 def standard_of(margin: Any) -> str:
-    """The name of the standard of a margin (`fpm.reading.margins`)."""
+    """Name of the standard of a margin, a response of `fpm.reading.margins`: a key of
+    `STANDARDS`."""
     return next(word for word in margin.subjects if word in STANDARDS)
 
 
 def evidence_of(margin: Any) -> str:
-    """What the factors of a margin rest on."""
+    """What the uncertainty factors of a margin rest on, such as theory or measurement."""
     return margin.subjects[margin.subjects.index(standard_of(margin)) + 1]
 
 
 def left_out(margin: Any) -> list[str]:
-    """The parts that a margin is without."""
+    """Names of the components that a margin leaves out."""
     return list(margin.subjects[margin.subjects.index(standard_of(margin)) + 2 :])
 
 
 def travel_of(
     scenes: Iterable[Any], openings: Sequence[str], positions: Any, stowed: bool
 ) -> list[float] | None:
-    """The first and last opening of the whole travel of what is led: from the start to the farthest
-    latch, or without one the nearest stop, in any of some scenes; None where there is neither.
-    stowed: whether each scene is led from its own start."""
+    """First and last opening of the whole travel of a margin's coordinate, in rad or m; None where
+    no latch and no stop ends it.
+
+    It reaches from the start to the farthest latch, without one to the nearest stop, in any of the
+    scenes. openings: names, the first that of the coordinate; along: first and last opening of the
+    margin; stowed: whether each scene begins at its own start.
+    """
     sign = 1.0 if positions.last > positions.first else -1.0
     starts, ends = [], []
     for scene in scenes:
@@ -179,7 +192,8 @@ def travel_of(
 
 
 def own_settings(scene: Any, definition: Mapping[str, Any], response: Any) -> list[str]:
-    """Factors and classes of a margin that are not the standard's or the structure's, in words."""
+    """Factors and classes of a margin that differ from those of the standard or the structure, in
+    words."""
     standard = STANDARDS[standard_of(response)]
     resists, parts = standard.resists[evidence_of(response)], parts_of(scene)
     return [
@@ -193,8 +207,8 @@ def own_settings(scene: Any, definition: Mapping[str, Any], response: Any) -> li
 
 
 def weaker_classes(scene: Any, response: Any) -> list[str]:
-    """Parts that the structure's file counts as of a class with weaker factors than that of what
-    they are, in words."""
+    """Components that the structure's file assigns to a class with weaker factors than that of
+    their type, in words."""
     standard, parts = STANDARDS[standard_of(response)], parts_of(scene)
     drives, resists = standard.drives, standard.resists[evidence_of(response)]
     return [

@@ -1,5 +1,5 @@
-"""A picture of every quantity: over the box where it has one or two parameters, else what each
-parameter contributes."""
+"""Figures of quantities: over the box where it has one or two parameters, else the width of the
+interval by parameter."""
 
 from __future__ import annotations
 
@@ -24,14 +24,19 @@ _GREY = "0.75"
 
 
 def draw_ranges(folder: Folder, place: str | Path) -> None:
-    """Draw `ranges.png`, `.pdf` and `.svg` into `place`."""
+    """Draw all quantities over the box as `ranges.png`, `.pdf` and `.svg` into the folder
+    `place`."""
     with open_netcdf(folder.quantities) as data:
         figure = ranges(data, runs_of(folder))
     save(figure, Path(place) / "ranges")
 
 
 def ranges(data: Any, runs: FittedRuns, width: float = 7.0) -> Any:
-    """A figure of the open `quantities.nc`, with the runs; width in inches."""
+    """A figure with a plot of each quantity over the box, or of the widths by parameter where there
+    are more than two parameters.
+
+    data: the open `quantities.nc`; runs: those fitted; width: of the figure, in inches.
+    """
     from matplotlib.figure import Figure
 
     free = np.flatnonzero(data["box_upper"][:] > data["box_lower"][:])
@@ -54,15 +59,20 @@ def ranges(data: Any, runs: FittedRuns, width: float = 7.0) -> Any:
 
 
 class FittedRuns(NamedTuple):
-    """Unit points (R, k) of runs, their numbers (R, q) and by how much they have these (R, q)."""
+    """Runs that surrogates of quantities are fitted to: normalized points (R, k), quantities (R, q)
+    and event margins (R, q).
+
+    A margin is above 0 where the run has the quantity; NaN in quantities and margins stands for
+    none.
+    """
 
     unit: np.ndarray
     numbers: np.ndarray
     margins: np.ndarray
 
     def surrogate(self, data: Any, q: int) -> Any:
-        """What `quantities.nc` was made with: the surrogate of the same runs, no lower than what is
-        possible."""
+        """The surrogate of quantity `q`, fitted to the runs as it was for the open `quantities.nc`,
+        `data`."""
         from deployable.intervals.scalars import fit_scalar
 
         end = json.loads(data.config)["solver"]["duration"]
@@ -73,7 +83,7 @@ class FittedRuns(NamedTuple):
 
 
 def runs_of(folder: Folder) -> FittedRuns:
-    """The runs fitted to, the further ones too."""
+    """The runs of a campaign that surrogates are fitted to, refinement runs included."""
     with open_netcdf(folder.samples) as file:
         numbers = file["quantities"][:]
         rows = fitted_rows(numbers)

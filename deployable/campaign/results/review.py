@@ -29,7 +29,7 @@ STATES = (UNMET, OPEN, PARTLY, NOT_ANALYSED, MET, REPORTED)
 
 
 class Verdict(NamedTuple):
-    """state: one of STATES; text: the verdict in words."""
+    """The verdict of a row of the review sheet: a state, one of STATES, and a text in words."""
 
     state: str
     text: str
@@ -39,8 +39,11 @@ NOTHING = Verdict(NOT_ANALYSED, NOT_ANALYSED)
 
 
 class Clause(NamedTuple):
-    """number; asks: in one's own words; topic: what analyses it, a topic of quantities or a name
-    of ANALYSES."""
+    """A clause of a standard: its number, what it asks in our own words, and the topic that answers
+    it.
+
+    topic: one of quantities, or a key of ANALYSES; empty where nothing analyses the clause.
+    """
 
     number: str
     asks: str
@@ -93,8 +96,11 @@ that the balance shows something: its error is at most 5 % of them then."""
 
 
 def rows_of(facts: Mapping[str, Any], experiment: Any, standard: str) -> list[dict[str, str]]:
-    """The rows of a standard's sheet from the facts of a campaign (`facts.facts_of`), with its
-    `mechanism` (`mechanism.mechanism_of`)."""
+    """Rows of the review sheet of a standard, with the keys `COLUMNS`.
+
+    facts: of `facts_of`, with `mechanism` (`mechanism_of`); experiment: of the campaign; standard:
+    a key of `CLAUSES`.
+    """
     sheet = _Sheet(facts, experiment, standard)
     return [row for clause in CLAUSES[standard] for row in sheet.rows(clause)] + sheet.other_rows()
 
@@ -102,7 +108,8 @@ def rows_of(facts: Mapping[str, Any], experiment: Any, standard: str) -> list[di
 def head_of(
     facts: Mapping[str, Any], rows: Sequence[Mapping[str, str]], standard: str
 ) -> list[str]:
-    """What stands above the rows: how many end how, over which box, and how to read the numbers."""
+    """Paragraphs above the rows of a review sheet: number of rows by state, the box, and how to
+    read the numbers."""
     ends = []
     for state in STATES:
         own = [row for row in rows if row["state"] == state]
@@ -125,12 +132,12 @@ def head_of(
 
 
 def edition_of(standard: str) -> str:
-    """A standard with the edition of which its numbers are."""
+    """Title of a standard with the edition that its numbers are taken from."""
     return f"{STANDARDS[standard].title} ({STANDARDS[standard].edition})"
 
 
 def as_csv(rows: Iterable[Mapping[str, str]], standard: str) -> str:
-    """The sheet as CSV, with heads."""
+    """The rows of a review sheet as CSV text, headings first."""
     heads = {**HEADS, "standard": "standard", "state": "state"}
     titled = ({**row, "standard": edition_of(standard)} for row in rows)
     return csv_text([row[name] for name in COLUMNS] for row in (heads, *titled))
@@ -140,7 +147,8 @@ BUDGET_HEADS = ("part", "class", "acts", "moment", "factor", "weighted")
 
 
 def budgets_of(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Of each margin the parts at its worst place, which add up to it: heads, rows and the sum."""
+    """Tables of the components of each margin at its worst position: title, heads, rows, and the
+    sum in words."""
     budgets = []
     for name, margin in facts["mechanism"]["margins"].items():
         budget = margin["budget"]

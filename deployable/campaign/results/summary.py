@@ -1,4 +1,4 @@
-"""What is said of a campaign: `summary.json` for programs and `summary.md` for people."""
+"""Summary of a campaign: `summary.json` for programs and `summary.md` for people."""
 
 from __future__ import annotations
 
@@ -25,10 +25,19 @@ def summarise(
     folder: Folder, published: Mapping[str, float], requirements: bool = False,
     choice: bool = False, review: str | None = None,
 ) -> str:  # fmt: skip
-    """Write both and return the text; `published` are largest differences by response.
+    """Write `summary.json` and `summary.md` of a campaign, and return the text of the latter.
 
-    requirements, choice: whether the campaign has them; review: the standard of its review sheet,
-    which is written as `review.csv` and `review.md` besides.
+    Parameters
+    ----------
+    folder
+        The campaign's results.
+    published
+        Largest differences of bounds from the literature, by response.
+    requirements, choice
+        Whether the campaign has them.
+    review
+        Standard of the review sheet, which is then written as `review.csv` and `review.md`;
+        None: no sheet.
     """
     facts = facts_of(folder, published, requirements, choice)
     if review:

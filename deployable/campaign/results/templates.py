@@ -1,4 +1,4 @@
-"""What is said of a campaign, as templates over the facts of `facts`."""
+"""Templates over the facts of a campaign (`facts`), for the summary and the page."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ _FOLDER = Path(__file__).parent
 
 
 def environment(units: Iterable[str] = (), html: bool = False) -> Any:
-    """A jinja2 environment for the templates of this folder and, of pages, of `report/`.
+    """A jinja2 environment for the templates of this folder and of `report/`.
 
-    units: as they are written in numbers between which and their unit no line of a page ends.
+    units: spellings of units that are kept on one line with their number; html: escape for HTML.
     """
     import jinja2
 
@@ -51,8 +51,10 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
 
 
 def summary_text(facts: Mapping[str, Any], template: str = "summary.md.jinja") -> str:
-    """The summary as Markdown, or what another template makes of the facts, which may say anything:
-    nothing in them is Markdown but the keys between backticks in a `doubt`."""
+    """Text that a template makes of the facts, by default the summary as Markdown.
+
+    Texts in the facts are escaped; only keys between backticks in a `doubt` stay Markdown.
+    """
     text = environment().get_template(template).render(facts=_escaped(facts))
     return text.rstrip() + "\n"
 
@@ -70,7 +72,8 @@ def _escaped(facts: Any, code: str = "") -> Any:
 
 
 def met_text(row: Mapping[str, Any]) -> str:
-    """By how much of the box a requirement is met: `All`, `None`, a share, or that none fails."""
+    """Volume fraction of the box in which a requirement is met, in words: `All`, `None`, a
+    percentage, or that no run fails."""
     if row["met"] == "open":
         return f"No failure found in {row['runs']} run{'s' * (row['runs'] != 1)}"
     sure = row["met"] != "some" and 100 * row["open"] < numbers.OPEN
@@ -79,13 +82,14 @@ def met_text(row: Mapping[str, Any]) -> str:
 
 
 def doubts(facts: Mapping[str, Any]) -> list[str]:
-    """Sentences that say which responses and quantities the model does not determine, and why."""
+    """Sentences on the responses and quantities that the model does not determine, with the
+    reasons."""
     rows = (*facts["responses"], *facts["quantities"])
     return doubt_texts({row["name"]: row["doubt"] for row in rows if "doubt" in row})
 
 
 def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
-    """The same from the reasons by name."""
+    """Sentences on what the model does not determine, from the reasons by name."""
     names: dict[str, list[str]] = {}
     for name, text in doubts.items():
         names.setdefault(text, []).append(name)
@@ -93,6 +97,7 @@ def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
 
 
 def sentence(name: str, *facts: Any) -> str:
-    """One of the sentences of `sentences.jinja`, as in the summary."""
+    """One of the macros of `sentences.jinja` as text; facts: its arguments, whose texts are
+    escaped."""
     module = environment().get_template("sentences.jinja").module
     return getattr(module, name)(*map(_escaped, facts))

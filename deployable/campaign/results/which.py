@@ -1,5 +1,5 @@
-"""Which runs an open `samples.nc` has (`netCDF4.Dataset` or `xarray.Dataset`), whatever was kept of
-them: their roles, their number and their names."""
+"""Roles, number and names of the runs of an open `samples.nc` (`netCDF4.Dataset` or
+`xarray.Dataset`), with any `jobs.keep`."""
 
 from __future__ import annotations
 
@@ -16,8 +16,11 @@ from deployable.campaign.plan.runs import namer
 
 @dataclass(frozen=True)
 class Counts:
-    """How many different runs there are, those in two roles counted once: in all, fitted (nodes)
-    and held out; and whether the nominal run is one of the latter two."""
+    """Numbers of different runs: all, nodes that were fitted, held-out runs; a run in two roles is
+    counted once.
+
+    nominal_among_them: whether the nominal run is a node or held out.
+    """
 
     runs: int
     nodes: int
@@ -26,12 +29,12 @@ class Counts:
 
 
 def keeps_extremes(samples: Any) -> bool:
-    """Whether there are extremes in the place of every run's curves."""
+    """Whether an open `samples.nc` has running extremes instead of the curves of each run."""
     return "lower_run" in samples.variables
 
 
 def nominal_row(samples: Any) -> int | None:
-    """The place of the nominal run among the samples."""
+    """Row of the nominal run among the samples; None if there is none."""
     if keeps_extremes(samples):
         return 0
     rows = np.flatnonzero(np.asarray(samples.variables["role"][:]) == ROLES[0])
@@ -45,9 +48,12 @@ _FITTED = 4_000  # of more runs
 
 
 def fitted_rows(numbers: np.ndarray) -> np.ndarray:
-    """Places of the runs that surrogates of quantities are fitted to, by their numbers (R, q): all,
-    or of a large scan its beginning, which fills the box too, and whatever may decide: of each
-    quantity the ends, and the first run that has none."""
+    """Rows of the runs that surrogates of quantities are fitted to, in increasing order.
+
+    numbers (R, q): quantities of all runs, NaN for none. Up to `MOST_FITTED` runs all are fitted;
+    of more the first 4000, which fill the box, and of each quantity the runs with its least and
+    largest value and the first run without it.
+    """
     if len(numbers) <= MOST_FITTED:
         return np.arange(len(numbers))
     rows = set(range(_FITTED))
@@ -61,14 +67,14 @@ def fitted_rows(numbers: np.ndarray) -> np.ndarray:
 
 
 def roles(samples: Any) -> list[str]:
-    """What each run is for."""
+    """Role of each run of an open `samples.nc`: nominal, node or held_out."""
     if keeps_extremes(samples):
         return ["nominal"] + ["node"] * (samples.variables["value"].shape[0] - 1)
     return np.asarray(samples.variables["role"][:]).tolist()
 
 
 def ids(samples: Any, rows: Sequence[int] | slice) -> list[str]:
-    """Names of the runs at some places."""
+    """Names of the runs in some rows of an open `samples.nc`."""
     rows = rows if isinstance(rows, slice) else list(rows)
     if "run_id" in samples.variables:
         return np.asarray(samples.variables["run_id"][:])[rows].tolist()
@@ -78,7 +84,7 @@ def ids(samples: Any, rows: Sequence[int] | slice) -> list[str]:
 
 
 def counts(samples: Any) -> Counts:
-    """How many runs there are of each role."""
+    """Numbers of the runs of an open `samples.nc` by role."""
     if keeps_extremes(samples):
         runs = samples.variables["value"].shape[0]
         return Counts(runs, runs - 1, 0, False)

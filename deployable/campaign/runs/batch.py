@@ -60,11 +60,31 @@ def run_batch(
     threads: int = 1,
     processes: int = 1,
 ) -> None:
-    """Simulate batch `batch` of `batches` into the store in `folder`, then write the manifest.
+    """Simulate a batch of a plan's runs into a store, then write the batch's manifest.
 
-    Groups are shared among `processes`, and each among `threads`, which changes no number.
-    Raises `CampaignError` that lists the runs that failed, after all others were written; then
-    there is no manifest.
+    The number of processes and threads changes no result. Runs that the store has are skipped.
+
+    Parameters
+    ----------
+    plan
+        The runs, and their time step.
+    batch, batches
+        Number of the batch, from 0, and of all batches.
+    jobs
+        Section of the config: what is kept, and how many runs are integrated together.
+    folder
+        Folder of the store.
+    manifest
+        Path of the JSON file with numbers of runs and seconds.
+    tell
+        Called with each message.
+    threads, processes
+        Threads that share a group of runs, and processes that share the groups.
+
+    Raises
+    ------
+    CampaignError
+        With the runs that failed, after all others were written; then there is no manifest.
     """
     start_clocks = clocks()
     store = open_store(jobs.keep, folder, plan.experiment)
@@ -105,10 +125,10 @@ def run_batch(
 
 
 def spread(function: Callable, work: Sequence[tuple], processes: int) -> Iterator[Any]:
-    """`function(*arguments)` for all arguments in `work`, as they end, by so many processes.
+    """Results of `function(*arguments)` for all arguments in `work`, in order of completion,
+    computed by forked processes.
 
-    They are copies of this one, so that what it has loaded is there once. Raises what a function
-    raises, and `CampaignError` if a process was ended from outside.
+    Raises what a function raises, and `CampaignError` if a process was ended from outside.
     """
     processes = min(processes, len(work))
     if processes < 2:
@@ -151,17 +171,15 @@ def _simulate_groups(
 
 
 def check_structure(plan: Plan) -> None:
-    """Raise `CampaignError` if the structure or the mechanics are no longer those of the plan.
-
-    The runs would be others under the names of the planned ones.
-    """
+    """Raise `CampaignError` if structure or mechanics changed since the plan was made, whose run
+    names would then be those of other runs."""
     if plan.experiment.mechanics != plan.mechanics:
         source = plan.experiment.scene.file or f"the structure {plan.experiment.scene.name}"
         raise CampaignError(f"{source} has changed since the runs were planned; start again")
 
 
 def tell_again(store: Any, tell: Tell) -> None:
-    """Tell which files of a store can not be used, and will be made again; each once."""
+    """Report each file of a store that is damaged or lacks variables, once, and forget them."""
     for error in store.damage.values():
         tell(f"{error}; its runs are made again")
     store.damage.clear()
@@ -173,9 +191,10 @@ def tell_again(store: Any, tell: Tell) -> None:
 
 
 def make_again(plan: Plan, store: Any, group: Runs, size: int, tell: Tell) -> None:
-    """Simulate the runs of a group that were there and are no longer, or are damaged.
+    """Simulate the runs of a group that a store lacks, and write them.
 
-    Raises `CampaignError` that lists those that failed.
+    size: number of runs integrated together. Raises `CampaignError` with the runs that failed, or
+    if structure or mechanics changed.
     """
     missing = store.missing(group)
     tell_again(store, tell)
@@ -189,11 +208,11 @@ def make_again(plan: Plan, store: Any, group: Runs, size: int, tell: Tell) -> No
 
 
 class Simulation:
-    """Simulates runs of a plan, `size` side by side, on so many threads.
+    """Simulates runs of a plan, `size` side by side, on some threads, and counts them.
 
-    Attributes: `count` of the runs that went well, `failures`, and the `seconds` that it took to
-    integrate: of the clock, as the mean of the threads, and of cpu time, of all of them;
-    `after_group` is called after each group.
+    Attributes: `count` of runs that succeeded; `failures`, pairs of run and reason; `seconds` (2,)
+    of integration: wall-clock time, as the mean of the threads, and processor time, of all threads;
+    `after_group`, called after each group.
     """
 
     def __init__(self, plan: Plan, size: int, threads: int = 1):
@@ -203,21 +222,23 @@ class Simulation:
         self.after_group: Callable[[], None] = lambda: None
 
     def take(self, totals: tuple[int, list[Failure], np.ndarray]) -> None:
-        """Add what another one has done: its count, failures and seconds."""
+        """Add count, failures and seconds of another simulation."""
         count, failures, seconds = totals
         self.count += count
         self.failures += failures
         self.seconds += seconds
 
     def results(self, runs: Runs, columns: Iterable[Column] = ()) -> Iterator[Result]:
-        """The results of those runs that go well, in order; columns: as for `simulate`."""
+        """Results of the runs that succeed, in order; columns: recorded besides what responses
+        need."""
         for results in self.run_lots([(runs, columns)]):
             yield from results
 
     def run_lots(self, lots: Sequence[tuple[Runs, Iterable[Column]]]) -> Iterator[Iterator[Result]]:
-        """The results of several lots of runs, which are to be taken one by one.
+        """Results of several lots of runs, an iterator for each lot, to be consumed in order.
 
-        While those of a group of runs are taken, the threads make those of the next.
+        While results of a group of runs are consumed, the threads integrate the next. lots: runs,
+        and columns to be recorded besides what responses need.
         """
         with ThreadPoolExecutor(self.threads) as pool:
 
@@ -244,7 +265,7 @@ class Simulation:
             self.after_group()
 
     def check(self) -> None:
-        """Raise `CampaignError` that lists the runs that failed, if any did."""
+        """Raise `CampaignError` with the runs that failed, if there are any."""
         if self.failures:
             raise CampaignError(failure_text(self.plan, self.failures))
 
@@ -262,10 +283,10 @@ def _one_ahead(start: Callable, items: Iterable[tuple]) -> Iterator[Any]:
 def simulate(
     plan: Plan, runs: Sequence[PlannedRun], columns: Iterable[Column] = ()
 ) -> tuple[list[Result], list[Failure], np.ndarray]:
-    """Simulate runs side by side: those that went well, those that failed with the reason, and the
-    seconds, of the clock and of this thread's cpu time, that it took to integrate them.
+    """Simulate runs side by side: results of those that succeed, the others with the reasons, and
+    the seconds (2,) of integration, wall-clock and processor time of this thread.
 
-    columns: what is recorded beside what the responses need.
+    columns: recorded besides what responses need.
     """
     experiment, solver = plan.experiment, plan.experiment.solver
     parameters = [experiment.parameters(plan.named(run)) for run in runs]
@@ -303,7 +324,7 @@ def simulate(
 
 
 def failure_text(plan: Plan, failures: Sequence[Failure]) -> str:
-    """Which runs of a plan failed, with their parameters and the reason."""
+    """A message with the runs of a plan that failed, their parameters and the reasons."""
     lines = [f"{len(failures)} of the runs failed; all others were written:"]
     for run, reason in failures[:_MOST]:
         values = ", ".join(f"{name} = {value:.9g}" for name, value in plan.named(run).items())
@@ -314,5 +335,6 @@ def failure_text(plan: Plan, failures: Sequence[Failure]) -> str:
 
 
 def clocks(cpu: Callable[[], float] = time.process_time) -> np.ndarray:
-    """Seconds of the clock, and of cpu time, this process's or another, since some moment."""
+    """Seconds (2,) of wall-clock time and of processor time since some fixed moment; cpu: the clock
+    of the latter."""
     return np.array([time.perf_counter(), cpu()])

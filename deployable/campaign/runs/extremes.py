@@ -51,7 +51,10 @@ EVENTS = {"event_time": ("f4", np.nan), "event_contact": ("i2", -1), "event_clos
 
 
 class ScanChunk:
-    """What is kept of `count` runs, of which `mask` (count) tells those that are in."""
+    """What is kept of a chunk of `count` runs: running extremes of responses, quantities, impacts.
+
+    `mask` (count,): which runs are included already.
+    """
 
     def __init__(self, count: int, responses: Sequence[Any], quantities: Sequence[Any]):
         self.responses, self.quantities = responses, quantities
@@ -64,9 +67,9 @@ class ScanChunk:
         self.contacts: list[str] = []
 
     def take(self, rows: Sequence[int], results: Sequence[common.Result]) -> None:
-        """Take in results; rows: their places in the chunk, which increase.
+        """Include results of runs; rows: their indices in the chunk, increasing.
 
-        ValueError if a number is not finite.
+        Raises ValueError if a response is not finite.
         """
         outcomes = [result.outcome for result in results]
         values = common.values_of(self.responses, outcomes)
@@ -92,7 +95,7 @@ class ScanChunk:
             self.events[name][row, : len(events)] = events[:, column]
 
     def write(self, path: Path) -> None:
-        """Write the netCDF file."""
+        """Write the chunk as a netCDF file."""
         packed = {"zlib": True, "complevel": 1, "shuffle": True}
         events, curves = ("run", "event"), ("response", "time")
         variables = {
@@ -113,7 +116,7 @@ class ScanChunk:
 
     @classmethod
     def read(cls, path: Path, responses: Sequence[Any], quantities: Sequence[Any]) -> ScanChunk:
-        """The chunk in a netCDF file."""
+        """The chunk that a netCDF file holds."""
         import netCDF4
 
         with reading(path), netCDF4.Dataset(path) as file:
@@ -131,10 +134,10 @@ class ScanChunk:
 
 
 class ScanExtremes(common.Store):
-    """One netCDF file per chunk of a scan."""
+    """The store of `keep: extremes`: one netCDF file for each chunk of a scan."""
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
-        """The chunks of a scan; they do not depend on the size of groups."""
+        """The chunks of a scan, whatever the size of groups."""
         count = FEWEST
         while count < MOST and len(runs) > count * LARGE:
             count *= 2
@@ -155,15 +158,15 @@ class ScanExtremes(common.Store):
         return count
 
     def missing(self, group: Runs) -> Runs:
-        """The runs of the chunk that are still to be simulated."""
+        """The runs of a chunk that are not simulated yet."""
         chunk = self.read(group)
         return group if chunk is None else group[np.flatnonzero(~chunk.mask)]
 
     def write(self, group: Runs, results: Iterable[common.Result]) -> None:
-        """Take in the results of runs of a chunk as they come, in the order of its runs.
+        """Include the results of runs of a chunk as they come, in the order of its runs.
 
-        It is written whenever `PAUSE` has passed, and at the end; ValueError if a number is not
-        finite.
+        The file is written whenever `PAUSE` has passed, and at the end. Raises ValueError if a
+        response is not finite.
         """
         chunk = self.read(group) or ScanChunk(len(group), self.responses, self.quantities)
         rows = {values: row for row, values in enumerate(map(tuple, group.values.tolist()))}
@@ -177,7 +180,11 @@ class ScanExtremes(common.Store):
             self._save(group, chunk)
 
     def read(self, group: Runs) -> ScanChunk | None:
-        """What is there of a chunk: of several files the one with most runs that is whole."""
+        """The stored part of a chunk, from the undamaged file with most runs; None if there is
+        none.
+
+        Raises DamagedError for a file of other runs, responses or instants.
+        """
         paths = sorted(self._files(group), key=_runs_in, reverse=True)
         path = next(filter(self.is_whole, paths), None)  # a file may be replaced meanwhile
         chunk = path and ScanChunk.read(path, self.responses, self.quantities)

@@ -1,4 +1,4 @@
-"""What a batch tells while it runs."""
+"""Messages of a batch while it runs."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ Tell = Callable[[str], None]
 
 
 class Teller:
-    """Prints messages to files; `move` is one line that changes, on files that are terminals.
+    """Prints messages to files; `move` rewrites one line on files that are terminals.
 
-    Elsewhere every state of the line is a line of its own, once.
+    On other files each text of that line is a line of its own, once.
     """
 
     def __init__(self, *files: TextIO):
@@ -37,7 +37,7 @@ class Teller:
         self.is_open = False
 
     def move(self, text: str, last: bool = False) -> None:
-        """Say how things stand; `last`: and go on to the next line."""
+        """Replace the text of the moving line; last: end the line after it."""
         end = "\n" if last else ""
         for file in self.files:
             if file.isatty():
@@ -54,8 +54,11 @@ class Teller:
 
 
 class Progress:
-    """Tells how many runs of the campaign are done and how long the rest will take, from those that
-    all jobs have done since this one began."""
+    """Reports how many runs of a campaign are done and how long the rest takes, estimated from
+    those that all jobs finished since this one began.
+
+    total: number of runs; count: function that returns how many are done.
+    """
 
     def __init__(self, campaign: str, total: int, count: Callable[[], int], tell: Tell):
         self.campaign, self.total, self.count, self.tell = campaign, total, count, tell
@@ -63,7 +66,7 @@ class Progress:
         self.reported = -math.inf
 
     def report(self, last: bool = True) -> None:
-        """Tell; not more than once a second unless it is the last time."""
+        """Report, at most once a second unless it is the last time."""
         time_now = time.monotonic()
         if not last and time_now < self.reported + 1.0:
             return
@@ -80,9 +83,10 @@ class Progress:
 
 
 def warm_up(scene: Any, tell: Tell, record: Sequence = ()) -> None:
-    """Compile the kernels for a scene, or load them, and tell how long that takes, if it does.
+    """Compile the kernels for a scene, or load them from the cache, with messages while that takes
+    long.
 
-    record: as for `fpm.simulate`.
+    record: variables to be recorded, as for `fpm.simulate`.
     """
     start, end, total = time.monotonic(), threading.Event(), compile_seconds(scene)
     move = tell.move if isinstance(tell, Teller) else tell

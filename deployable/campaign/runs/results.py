@@ -1,4 +1,5 @@
-"""What stores of runs share: results as they come, what is read of them, files and their names."""
+"""Base of the stores of runs: results that are written, records that are read, files and their
+names."""
 
 from __future__ import annotations
 
@@ -25,8 +26,8 @@ EVENT_VARIABLES = ("event_time", "event_contact", "event_closing")
 
 @dataclass(frozen=True)
 class Result:
-    """A run that went well: its `fpm.Outcome`, the values of its parameters, and what its file
-    tells beside these, the same of all runs of a plan."""
+    """A run that succeeded: its `fpm.Outcome`, parameter values by name, and attributes that the
+    files of all runs of the plan have in common."""
 
     run: PlannedRun
     outcome: Any
@@ -40,17 +41,19 @@ class Result:
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """Of the run's file."""
+        """Attributes of the run's file by name."""
         own = {f"parameter_{name}": v for name, v in self.parameters.items() if v is not None}
         return {"run_id": self.id, **self.common, **own}
 
 
 @dataclass(frozen=True)
 class RunRecord:
-    """What the interval side needs of a run: time (t,) s, the values (n, t) of its n responses,
-    contact events (e, 3): time (s), contact index, 1 if it closes, names of contacts, numbers (q,)
-    of its quantities, NaN where what is asked for does not happen, and by how much (rad) the faces
-    of a contact overlap at most, at the instants."""
+    """A run as `samples.nc` needs it.
+
+    time (t,): s; values (n, t): responses; events (e, 3): time (s), contact index, 1 if it closes;
+    contacts: their names; numbers (q,): quantities, NaN for one that does not occur; overlap:
+    largest overlap of the faces of a contact at the instants, rad.
+    """
 
     time: np.ndarray
     values: np.ndarray
@@ -61,12 +64,12 @@ class RunRecord:
 
 
 class Store:
-    """Where the results of runs are kept, in `folder`, under names that follow from their content.
+    """A folder of results of runs under names that follow from their content.
 
-    A finished run is found again by a campaign that was killed. A file that is not as it was
-    written, or is another run's, counts as absent, and is noted in `damage` until it is written
-    again; `lacking` tells by run which columns its file lacks. A store says which runs of a group
-    are `missing`, and can `write` the group's results and `read` them.
+    A finished run is found again by a campaign that was killed. A file that is damaged or another
+    run's counts as absent, and is kept in `damage` until written again; `lacking` has, by run, the
+    columns that its file lacks. A store knows which runs of a group are `missing`, and can `write`
+    the results of a group and `read` its records.
     """
 
     def __init__(self, folder: Path, experiment: Experiment):
@@ -76,16 +79,17 @@ class Store:
         self.lacking: dict[str, set[Column]] = {}
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
-        """Runs that are written together."""
+        """Groups of runs that are written together."""
         return groups_of(runs, size)
 
     def previous_columns(self, runs: Runs) -> set[Column]:
-        """What must be recorded of runs beside what is asked now, as their files had it."""
+        """Columns to be recorded of runs besides what responses need, since their files had
+        them."""
         return set()
 
     def file_of(self, group: Runs) -> str:
-        """The name of a group's file, without its ending: a digest of its runs and of what it
-        holds."""
+        """Name without suffix of a group's file: a digest of its runs and of the definitions of its
+        contents."""
         values = hashlib.sha256(group.values.tobytes()).hexdigest()
         return digest([self._contents, list(self.experiment.intervals), group[0].id, values])
 
@@ -97,12 +101,12 @@ class Store:
         return [type(self).__name__, sources.reading(), *definitions]
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
-        """A function that tells how many runs of groups are there, by the names of files alone."""
+        """A function that returns how many runs of the groups are stored, by file names alone."""
         sizes = {f"{self.file_of(group)}.nc": len(group) for group in groups}
         return lambda: sum(sizes.get(path.name, 0) for path in self.folder.glob("*.nc"))
 
     def checked(self, record: RunRecord) -> RunRecord:
-        """A record that was read; ValueError unless it is of what the campaign asks for."""
+        """The record, if shapes and values are those of the campaign; else ValueError."""
         shapes = [np.shape(array) for array in (record.time, record.values, record.numbers)]
         count, instants = len(self.responses), self.experiment.solver.instants
         if shapes != [(instants,), (count, instants), (len(self.quantities),)]:
@@ -115,7 +119,7 @@ class Store:
         return record
 
     def is_whole(self, path: Path) -> bool:
-        """Whether a file of a group is there as it was written; else damage is noted."""
+        """Whether a file is there undamaged; damage is kept in `damage`."""
         try:
             check(path, title(path))
             refuse_outside(path)
@@ -129,7 +133,7 @@ class Store:
 
 
 def title(path: Path) -> str:
-    """What the file of a group is called in its seal."""
+    """Name of a group's file in its seal."""
     return f"runs {path.stem}"
 
 
@@ -139,7 +143,7 @@ def groups_of(runs: Runs, size: int) -> list[Runs]:
 
 
 def values_of(responses: Sequence[Any], outcomes: Sequence[Any]) -> np.ndarray:
-    """Values (r, n, t) of responses of runs; ValueError for one that is not finite."""
+    """Values (r, n, t) of n responses of r runs; ValueError if one is not finite."""
     values = np.array([[r.evaluate(outcome) for r in responses] for outcome in outcomes])
     for i, response in enumerate(responses):
         if not np.isfinite(values[:, i]).all():
@@ -148,7 +152,8 @@ def values_of(responses: Sequence[Any], outcomes: Sequence[Any]) -> np.ndarray:
 
 
 def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
-    """Numbers (q,) of one run; raises `CampaignError` where they cannot be told."""
+    """Quantities (q,) of one run, NaN for one that does not occur; raises `CampaignError` where one
+    cannot be evaluated."""
     try:
         return np.array([quantity.evaluate(curves) for quantity in quantities], dtype=float)
     except ValueError as error:
@@ -156,7 +161,8 @@ def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
 
 
 def padded(events: Sequence[np.ndarray], least: int = 0) -> np.ndarray:
-    """Tables (e, 3) of events of several runs as one (r, most, 3), filled with NaN."""
+    """Events of r runs, tables (e, 3), as one array (r, most, 3) filled with NaN; `most` is at
+    least `least`."""
     most = max(least, *map(len, events))
     tables = np.full((len(events), most, len(EVENT_VARIABLES)), np.nan)
     for row, table in zip(tables, events, strict=True):
@@ -170,7 +176,7 @@ def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str])
 
 
 def write_dimension(file: Any, dimension: str, names: Iterable[str], long_name: str) -> None:
-    """Define a dimension whose coordinate are names."""
+    """Define a dimension in an open netCDF file, with names as its coordinate."""
     names = np.array([str(name) for name in names], dtype=object)
     file.createDimension(dimension, len(names))
     variable = file.createVariable(dimension, str, (dimension,))
@@ -180,9 +186,10 @@ def write_dimension(file: Any, dimension: str, names: Iterable[str], long_name: 
 
 
 def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapping) -> None:
-    """Write a netCDF file: dimensions with their names, and variables.
+    """Write a netCDF file of dimensions with names, and variables.
 
-    variables: name -> (kind, dimensions, values, options of netCDF4's createVariable).
+    names: of each dimension; variables: by name the type, dimensions, values and options of
+    netCDF4's `createVariable`.
     """
     import netCDF4
 
@@ -197,7 +204,7 @@ def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapp
 
 
 def names_of(holder: Any) -> dict[str, list[str]]:
-    """The dimensions of a store's, or a chunk's, responses and quantities."""
+    """Names of responses and quantities of a store or of a chunk, by dimension."""
     return {
         "response": [response.name for response in holder.responses],
         "quantity": [quantity.name for quantity in holder.quantities],

@@ -37,7 +37,10 @@ from fpm.reading.variables import VARIABLES
 
 
 class Trajectories(Store):
-    """One netCDF file per run. It depends on the responses only by what they ask to be recorded."""
+    """The store of `keep: trajectories`: one netCDF file for each run, with everything recorded.
+
+    A file depends on the responses only by the variables that they need recorded.
+    """
 
     def __init__(self, folder: Path, experiment: Experiment):
         super().__init__(folder, experiment)
@@ -50,11 +53,12 @@ class Trajectories(Store):
         return self.folder / f"{run.id}.nc"
 
     def missing(self, group: Runs) -> Runs:
-        """The runs of the group that are still to be simulated."""
+        """The runs of a group that are not simulated yet, or lack a variable that responses
+        need."""
         return group[[i for i, run in enumerate(group) if self._curves(run) is None]]
 
     def previous_columns(self, runs: Runs) -> set[Column]:
-        """Columns that some of these runs have in files that lack others."""
+        """Columns that files of these runs have which lack other columns."""
         return set().union(*(self._columns.get(run.id, ()) for run in runs))
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
@@ -69,7 +73,7 @@ class Trajectories(Store):
             trajectory.write(contents, self.path(result.run))
 
     def read(self, group: Runs) -> dict[str, RunRecord]:
-        """Those runs of a group that are there, by id."""
+        """Records of the runs of a group that are stored, by run id."""
         records = {}
         for run in group:
             if (curves := self._curves(run)) is None:
@@ -104,16 +108,18 @@ class Trajectories(Store):
 
 
 class Responses(Store):
-    """One netCDF file per group, with the responses only, in single precision."""
+    """The store of `keep: responses`: one netCDF file for each group, with responses in single
+    precision, events and quantities."""
 
     def path(self, group: Runs) -> Path:
-        """Other runs or responses, or another way to read responses, have another file."""
+        """The file of a group, named after its runs, its responses and the code that evaluates
+        them."""
         return self.folder / f"{self.file_of(group)}.nc"
 
     def missing(self, group: Runs) -> Runs:
-        """The runs of the group that are still to be simulated: all of them, or none.
+        """The runs of a group that are not simulated yet: all of them, or none.
 
-        A group in which a run had failed is simulated again as a whole.
+        A group in which a run failed is simulated again as a whole.
         """
         import netCDF4
 
@@ -125,7 +131,8 @@ class Responses(Store):
         return group[:0] if ids == [run.id for run in group] else group
 
     def write(self, group: Runs, results: Iterable[Result]) -> None:
-        """Write the results of runs of a group; ValueError if a number is not finite."""
+        """Write the results of runs of a group, none where no run succeeded; ValueError if a number
+        is not finite."""
         if not (results := list(results)):
             return
         outcomes = [result.outcome for result in results]
@@ -154,7 +161,7 @@ class Responses(Store):
             common.write_netcdf(temporary, names, variables)
 
     def read(self, group: Runs) -> dict[str, RunRecord]:
-        """Those runs of a group that are there, by id."""
+        """Records of the runs of a group that are stored, by run id."""
         import netCDF4
 
         if self.missing(group):
@@ -179,8 +186,8 @@ STORES = {"trajectories": Trajectories, "responses": Responses, "extremes": Scan
 
 
 def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Any:
-    """The store for a config's `jobs.keep` in `folder`; the experiment says which responses
-    and quantities."""
+    """The store of a config's `jobs.keep` in a folder; experiment: has the responses and
+    quantities."""
     return STORES[keep](Path(folder), experiment)
 
 
@@ -188,16 +195,17 @@ def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Any:
 
 
 def pack(store: str | Path, bundle: str | Path) -> None:
-    """Put all runs that are in a store into a tar file."""
+    """Write all runs of a store into a tar file."""
     with whole_file(bundle) as temporary, tarfile.open(temporary, "w") as file:
         for path in sorted(Path(store).glob("*.nc")):
             file.add(path, path.name)
 
 
 def unpack(bundles: Iterable[str | Path], store: str | Path) -> None:
-    """Put the runs of bundles into a store, but those that are there already.
+    """Extract the runs of tar files into a store, except those that it has already.
 
-    Raises `CampaignError` for what is no bundle. A damaged run is told by its seal.
+    Raises `CampaignError` for a file that is no tar file of runs. A damaged run is detected later
+    by its seal.
     """
     for bundle in bundles:
         try:

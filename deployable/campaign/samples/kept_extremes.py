@@ -46,10 +46,10 @@ _LONG_NAMES = {
 def gather(
     plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, tell: Tell = lambda text: None
 ) -> None:
-    """Write `samples.nc` at `path` from the chunks in `folder`; memory is that of the plan.
+    """Write `samples.nc` at `path` from the chunks of a scan that are stored in a folder.
 
-    Chunks that were lost since they were simulated, or damaged, are made again. Raises
-    `CampaignError` when runs fail.
+    Memory stays bounded by one chunk and the plan. Chunks whose files are missing or damaged are
+    simulated again. tell: called with each message. Raises `CampaignError` if runs fail.
     """
     import netCDF4
 

@@ -60,10 +60,10 @@ ATTRIBUTES = {
 def gather(
     plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, tell: Tell = lambda text: None
 ) -> None:
-    """Write `samples.nc` at `path` from the runs in `folder`.
+    """Write `samples.nc` at `path` from the runs that are stored in a folder.
 
-    Memory stays bounded by one group of runs. Runs that were lost since they were simulated, or
-    whose files were damaged, are made again. Raises `CampaignError` when they fail.
+    Memory stays bounded by one group of runs. Runs whose files are missing or damaged are simulated
+    again. tell: called with each message. Raises `CampaignError` if runs fail.
     """
     import netCDF4
 
@@ -107,7 +107,10 @@ def _write_runs(file: Any, plan: Plan) -> None:
 
 
 def write_places(file: Any, runs: Runs, **packing: Any) -> None:
-    """Write where in the box the runs are."""
+    """Write the points of the runs: normalized coordinates and parameter values.
+
+    packing: options of netCDF4's `createVariable`.
+    """
     dims = ("run", "parameter")
     text = "coordinates in the box, -1 to 1"
     _numbers(file, "unit", dims, runs.unit, text, packing, units="1")
@@ -115,7 +118,7 @@ def write_places(file: Any, runs: Runs, **packing: Any) -> None:
 
 
 def write_box(file: Any, plan: Plan) -> list[str]:
-    """Write the box, and as attributes what the samples are of; units of the parameters."""
+    """Write the box and the attributes of the samples; returns the units of the parameters."""
     experiment = plan.experiment
     names, parameters = list(experiment.intervals), experiment.scene_type.parameters
     units = [parameters[name].unit for name in names]
@@ -162,7 +165,7 @@ def _define_curves(file: Any, record: RunRecord, parameters: Iterable[str]) -> N
 
 
 def write_time(file: Any, instants: np.ndarray, contacts: Sequence[str]) -> None:
-    """Write the instants, and what closes and opens."""
+    """Write the instants (t,), s, and the names of contacts, stops and latches."""
     file.createDimension("time", len(instants))
     time = file.createVariable("time", "f8", ("time",))
     time[:] = instants
@@ -172,7 +175,10 @@ def write_time(file: Any, instants: np.ndarray, contacts: Sequence[str]) -> None
 
 
 def write_names(file: Any, dimension: str, items: Sequence[Any]) -> None:
-    """Write which responses, or quantities, there are."""
+    """Write names, units and long names of responses or quantities.
+
+    dimension: `response` or `quantity`; items: their definitions.
+    """
     write_dimension(file, dimension, [item.name for item in items], f"name of the {dimension}")
     for key, values in (
         ("units", [item.unit for item in items]),

@@ -165,14 +165,35 @@ def run(
     figures: bool = True,
     tell: Tell | None = None,
 ) -> Any:
-    """Run a campaign into `results`/<campaign> and return its bounds, an `xarray.Dataset`.
+    """Run a campaign and return the bounds of its responses over the parameter box.
 
-    `config` is the name of a YAML file, or what one holds. Runs that are there already are not
-    simulated again, and a stage whose results are there, made from the same, is left out; what was
-    damaged is named, and made again. `tell` gets messages of progress, which are printed if nothing
-    is said. Bounds are the workflow's to the last bit: linear algebra has one thread meanwhile.
-    Raises `ConfigError` before anything is written, `CampaignError` when runs fail, or the program
-    or the structure is not what this session has in memory.
+    Results are written into `results`/<campaign>. Runs that are there already are not simulated
+    again, and a stage is left out whose results are there and were made of the present config and
+    program; damaged results are named in a message and made again. Linear algebra has one thread
+    meanwhile, so that the bounds equal those of the Snakemake workflow to the last bit.
+
+    Parameters
+    ----------
+    config
+        Path of a YAML file, its content as a mapping, or a checked `Campaign`.
+    results
+        Folder of all campaigns' results; made where it is missing.
+    figures
+        False: neither figures nor motions nor the page are made.
+    tell
+        Called with each message of progress, a text; None: messages go to standard error.
+
+    Returns
+    -------
+    xarray.Dataset
+        The content of `bounds.nc` in memory, as `intervals.bounds_dataset` describes it.
+
+    Raises
+    ------
+    ConfigError
+        Before anything is written, with everything that is wrong in the config.
+    CampaignError
+        If runs fail, or the program or the structure was edited since this session loaded it.
     """
     with one_thread():
         campaign = _campaign(config)

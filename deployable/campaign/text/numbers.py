@@ -14,7 +14,7 @@ _ANGLES = {"degree": "°", "rad": " rad"}
 
 
 def pretty(units: str) -> str:
-    """`m s-1` as `m/s`, `kg m2 s-2` as `kg m²/s²`; a unit of 1 as 1."""
+    """Units as people write them: `m s-1` as `m/s`, `kg m2 s-2` as `kg m²/s²`; no unit as `1`."""
     numerator, denominator = [], []
     for name, power in re.findall(r"([A-Za-z%]+)(-?\d+)?", units):
         exponent = abs(int(power or 1))
@@ -24,7 +24,7 @@ def pretty(units: str) -> str:
 
 
 def number(value: float, digits: int = 3) -> str:
-    """`0.0618`, `−2.5`, `1.2e+09` as `1.2 × 10⁹`."""
+    """A number as text with at most so many significant digits: `0.0618`, `−2.5`, `1.2 × 10⁹`."""
     text = f"{value + 0.0:.{digits}g}"  # no -0
     if "e" not in text:
         return text.replace("-", "−")
@@ -34,13 +34,15 @@ def number(value: float, digits: int = 3) -> str:
 
 
 def quantity(value: float | None, units: str, digits: int = 3, missing: str = "unknown") -> str:
-    """A number with its unit, or `missing` where there is none."""
+    """A number with its unit as text, or `missing` where it is None; digits: significant ones."""
     return missing if value is None else with_unit(number(value, digits), units)
 
 
 def measured(value: float, error: float | None, units: str) -> str:
-    """A number with its error, to the place of the error's first digit: `0.062 ± 0.005 m`; three
-    digits where the error is below these, or not known."""
+    """A number with its error, rounded to the first digit of the error: `0.062 ± 0.005 m`.
+
+    With three digits and no error where the error is None or below a thousandth of the number.
+    """
     if not error or error < 1e-3 * abs(value):
         return quantity(value, units)
     places = -_power(error)
@@ -49,23 +51,27 @@ def measured(value: float, error: float | None, units: str) -> str:
 
 
 def earliest(row: Mapping[str, Any]) -> str:
-    """The lower end of an interval, with the digits that `interval` leaves it."""
+    """The lower bound of a quantity with its unit, rounded as in `interval`; row: of the facts."""
     return with_unit(_ends(row)[0], row["units"])
 
 
 def with_unit(text: str, units: str) -> str:
-    """A number that is written already, with its unit."""
+    """A text of a number with its unit."""
     return text if pretty(units) == "1" else f"{text} {pretty(units)}"
 
 
 def percent(share: float) -> str:
-    """`0.0749` as `7 %`, `0.000002` as `0.0002 %`: two digits below one per cent."""
+    """A fraction in per cent, with two digits below one per cent: `0.0749` as `7 %`, `0.000002` as
+    `0.0002 %`."""
     return f"{number(100 * share, 2) if abs(share) < 0.01 else round(100 * share)} %"
 
 
 def share(share: float, open_: float = 0.0) -> str:
-    """A share in per cent, never rounded to all or nothing, with by how much it may be more or less
-    (rounded up to one digit), and as many digits as that leaves: `81 ± 2 %`, `at least 98 %`."""
+    """A volume fraction in per cent with its uncertainty, never rounded to all or nothing: `81 ± 2
+    %`, `at least 98 %`.
+
+    share: from 0 to 1; open_: half-width of its uncertainty, rounded up to one digit.
+    """
     percent, half_width = 100 * share, 100 * open_
     if half_width < OPEN:
         if 0 < percent < 0.01 or 99.99 < percent < 100:
@@ -88,8 +94,12 @@ OPEN = 0.05
 
 
 def interval(row: Mapping[str, Any]) -> str:
-    """`0.31 to 0.34 s`: both ends to the same place, that of the first digit of their error, or
-    two places below that of their difference where the error is less, or not known."""
+    """The interval of a quantity with its unit, `0.31 to 0.34 s`; empty where there is none; row:
+    of the facts.
+
+    Both bounds have the decimal place of the first digit of their error, or two places below that
+    of their difference where the error is less or unknown.
+    """
     if row["lower"] is None:
         return ""
     ends = _ends(row)
@@ -113,7 +123,7 @@ def _ends(row: Mapping[str, Any]) -> list[str]:
 
 
 def capitalised(text: str) -> str:
-    """A sentence that begins with a capital letter, all else as it is."""
+    """A sentence with its first letter as a capital, all else as it is."""
     return text[:1].upper() + text[1:]
 
 
@@ -123,14 +133,15 @@ def _power(value: float) -> int:
 
 
 def place(values: Mapping[str, float | None], parameters: Iterable[Mapping[str, Any]]) -> str:
-    """Parameter values by name, each with the unit that `parameters` have."""
+    """Parameter values by name with their units, as text; parameters: rows of the facts."""
     units = {parameter["name"]: parameter["units"] for parameter in parameters}
     values = {name: value for name, value in values.items() if value is not None}
     return ", ".join(f"{name} = {quantity(values[name], units[name], 4)}" for name in values)
 
 
 def spread(parameter: Mapping[str, Any]) -> str:
-    """How far a parameter is known: `± 1 %`, else its ends."""
+    """The interval of a parameter as text: `± 1 %` of its nominal value, else both bounds;
+    parameter: row of the facts."""
     nominal, units = parameter["nominal"], parameter["units"]
     minus, plus = nominal - parameter["lower"], parameter["upper"] - nominal
     if abs(plus - minus) < 1e-6 * abs(nominal):
@@ -141,16 +152,18 @@ def spread(parameter: Mapping[str, Any]) -> str:
 
 
 def escaped(text: str, code: str = "") -> str:
-    """A text from outside as one line of Markdown, and of a terminal, that says just that; code:
-    characters that are left as they are."""
+    """A text from outside as one line that Markdown and terminals show unchanged.
+
+    code: characters that are not escaped.
+    """
     line = "".join(sign for sign in " ".join(text.split()) if sign.isprintable())
     return line.translate({ord(sign): f"\\{sign}" for sign in "|<>`*[]\\&~$" if sign not in code})
 
 
 def unbroken(text: str, units: Iterable[str]) -> str:
-    """A text in which no line ends between a number and its unit, sign, power of ten or name.
+    """A text with no-break spaces between numbers and their units, signs, powers of ten or names.
 
-    units: as they are written, such as `m/s`; seconds and shares need not be among them.
+    units: spellings such as `m/s`; seconds, radians and per cent are included.
     """
     pattern = "|".join(sorted(map(re.escape, {*units, "s", "rad", "%"}), key=len, reverse=True))
     text = re.sub(rf"(?<=[\d⁰-⁹]) (?=(?:{pattern})(?!\w))", _NO_BREAK, text)
@@ -162,14 +175,15 @@ def unbroken(text: str, units: Iterable[str]) -> str:
 
 
 def coded(text: str, units: Iterable[str] = ()) -> Any:
-    """A sentence as HTML, with keys of a config, between backticks, as code."""
+    """A sentence as HTML in which keys of a config, between backticks, are code."""
     from markupsafe import Markup, escape
 
     return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", unbroken(str(escape(text)), units)))
 
 
 def position(row: Mapping[str, Any], time: float) -> str:
-    """A time (s), or the place that it stands for where a response does not lie over time."""
+    """A time (s) as text, or the position along the abscissa of a response that does not lie over
+    time; row: of the response."""
     if axis := row.get("along"):
         length = axis["last"] - axis["first"]
         return quantity(axis["first"] + length * time / axis["duration"], axis["unit"], 4)
@@ -177,7 +191,7 @@ def position(row: Mapping[str, Any], time: float) -> str:
 
 
 def duration_text(seconds: float) -> str:
-    """`95` s as `1 min 35 s`."""
+    """Seconds as text in hours, minutes and seconds: `95` as `1 min 35 s`."""
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     if hours:
@@ -186,7 +200,7 @@ def duration_text(seconds: float) -> str:
 
 
 def size_text(size: float) -> str:
-    """A number of bytes as people write it: `5.5 MB`."""
+    """A number of bytes as text: `5.5 MB`."""
     for unit in ("kB", "MB"):
         size /= 1000
         if size < 1000:

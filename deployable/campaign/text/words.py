@@ -11,8 +11,11 @@ if TYPE_CHECKING:
 
 
 def words_of(quantity: Quantity) -> dict[str, str]:
-    """What has to happen for there to be a quantity (`event`, a sentence), and what it is
-    (`words`): `L latches`, `speed of the tip when L latches`."""
+    """A quantity in words: `event`, a sentence of what must happen for it to exist, and `words`,
+    what it is.
+
+    For example `L latches` and `speed of the tip when L latches`.
+    """
     from fpm.reading.quantities import Quantity
 
     name = quantity.response.long_name if quantity.response else ""

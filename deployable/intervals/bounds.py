@@ -225,7 +225,16 @@ def compare_bounds(
     reference_lower: np.ndarray,
     reference_upper: np.ndarray,
 ) -> dict[str, float]:
-    """Compare bounds (T) with reference bounds (T) over the instants `time` (T).
+    """Compare bounds with reference bounds over time.
+
+    Parameters
+    ----------
+    time
+        Instants (T), s.
+    lower, upper
+        Bounds (T).
+    reference_lower, reference_upper
+        Bounds (T) that are taken as true.
 
     Returns
     -------
@@ -253,10 +262,20 @@ def compare_bounds(
 
 
 def compare_runs(lower: np.ndarray, upper: np.ndarray, values: np.ndarray) -> dict[str, float]:
-    """How runs (H, T) lie in bounds (T).
+    """Coverage of runs by bounds over time.
 
-    Returns `coverage`, the share of the points (run, instant) within the bounds, and
-    `worst_violation`, the largest distance of a point outside them; NaN and 0 without runs.
+    Parameters
+    ----------
+    lower, upper
+        Bounds (T).
+    values
+        Runs (H, T).
+
+    Returns
+    -------
+    dict
+        `coverage`, the fraction of the points (run, instant) within the bounds, and
+        `worst_violation`, the largest distance of a point outside them; NaN and 0 without runs.
     """
     distances = np.maximum(lower - values, values - upper)
     if not distances.size:

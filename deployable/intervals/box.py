@@ -16,8 +16,17 @@ MAX_DIMENSION = 8
 
 @dataclass(frozen=True)
 class Box:
-    """Interval parameters: names (k), lower (k) and upper (k) in the units of the parameters.
+    """Interval parameters, whose combinations are the box.
 
+    Attributes
+    ----------
+    names
+        Of the k parameters, each once.
+    lower, upper
+        Bounds (k) in the units of the parameters, lower <= upper.
+
+    Notes
+    -----
     An interval may have zero width: its parameter then keeps its one value, and its unit
     coordinate is 0 everywhere.
     """

@@ -82,11 +82,25 @@ def seek_points(
     candidates: int = 16384,
     seed: int = 0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Next points (at most `count`, k) of a scan, and the growth that they promise (n).
+    """Next sample points of an adaptive design, where the spline exceeds the bounds of the runs.
 
-    `unit` (R, k) and `values` (R, n, T) are the runs so far. Responses count relative to the mean
-    width of their bounds, as does the growth: Hausdorff distance, mean over time. Fewer points come
-    where no more promise anything. `seed` should differ from round to round.
+    Parameters
+    ----------
+    unit, values
+        Normalized points (R, k) and responses (R, n, T) of the runs so far.
+    count
+        Most points.
+    candidates
+        Number of points at which the spline is evaluated.
+    seed
+        Of the candidates; should differ from iteration to iteration.
+
+    Returns
+    -------
+    tuple of numpy.ndarray
+        Points (at most `count`, k), fewer where no more exceed the bounds; and by how much the
+        bounds of each response (n) would grow: Hausdorff distance, mean over time, relative to the
+        mean width of its bounds.
     """
     instants = np.linspace(0, values.shape[2] - 1, min(values.shape[2], _SEEK_INSTANTS)).astype(int)
     values = values[:, :, np.unique(instants)]

@@ -73,12 +73,26 @@ def sensitivity_dataset(
 ) -> xr.Dataset:
     """Influence of each parameter on each response, per instant and overall.
 
-    Variables over (response, parameter, time): ``width`` in the response's units, ``first``,
-    ``total`` (shares). Over (response, time): ``error``, what the polynomial misses runs by that it
-    was not fitted to, at most, within a short time (without such runs, what its coefficients
-    foretell): a width that is not above it may be the fit's noise. Over (response, parameter):
-    ``width_overall``, the width where it is above ``error``, integrated over time, as a share of
-    the sum over all parameters, and ``total_overall``, the variance-weighted mean of the shares.
+    Parameters
+    ----------
+    samples
+        Runs as in `samples.nc`: ``values`` (run, response, time) and ``normalized`` (run,
+        parameter).
+    design
+        At whose points the first runs are, and whose polynomials are fitted.
+    responses
+        Names of those that are wanted; None: all.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (response, parameter, time): ``width`` in the response's units, ``first`` and ``total``
+        Sobol indices. Over (response, time): ``error``, the largest error of the polynomial at runs
+        that it was not fitted to, within a short time (without such runs, by the decay of its
+        coefficients): a width that is not above it may be the fit's noise. Over (response,
+        parameter): ``width_overall``, the width where it is above ``error``, integrated over time,
+        as a fraction of the sum over all parameters, and ``total_overall``, the variance-weighted
+        mean of the total indices.
     """
     import xarray as xr
 
@@ -126,8 +140,21 @@ def surrogate_dataset(
 ) -> xr.Dataset:
     """The Chebyshev coefficients of every response at every instant.
 
-    ``coefficient`` (response, term, time) in the response's units, ``multi_index`` (term,
-    parameter). A scan without order has no terms and no coefficients.
+    Parameters
+    ----------
+    samples
+        Runs as in `samples.nc`: ``values`` (run, response, time) and ``normalized`` (run,
+        parameter).
+    design
+        At whose points the first runs are, and whose polynomials are fitted.
+    responses
+        Names of those that are wanted; None: all.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``coefficient`` (response, term, time) in the response's units, ``multi_index`` (term,
+        parameter). A design without order has no terms and no coefficients.
     """
     import xarray as xr
 

@@ -45,12 +45,27 @@ def eventful(
 class Outcome(Curves):
     """Result of one run: curves and events (`Curves`), final motion, and failure.
 
-    energy_kinds: energies in the order of `energies`; recorded: further series by variable of a
-    trajectory file; steps: number of steps; limit: the stable step, None if the step was given;
-    largest: largest values of what is watched (`bend`, the largest sine of the angle between an
-    element's chord and its ends, or of its twist; `strain` at the surface of an element; ...);
-    final: motion of all particles at the end; failure: None, the InstabilityError of a run whose
-    numbers mean nothing, or the SceneError of a travel that cannot be made.
+    Attributes
+    ----------
+    scene
+        The simulated scene.
+    energy_kinds
+        Energies in the order of `energies`.
+    recorded
+        Further series by variable of a trajectory file.
+    steps
+        Number of steps.
+    limit
+        The stable step; None if the step was given.
+    failure
+        None, the InstabilityError of a run whose numbers mean nothing, or the SceneError of a
+        travel that cannot be made.
+    largest
+        Largest values of the failure criteria by name (`bend`, the largest sine of the angle
+        between an element's chord and its ends, or of its twist; `strain` at the surface of an
+        element; ...).
+    final
+        Motion of all particles at the end.
     """
 
     scene: Scene

@@ -276,7 +276,7 @@ def _name(run: str | None) -> str:
 
 
 def read(path: str | os.PathLike) -> "xarray.Dataset":
-    """Read a trajectory file into memory, as an xarray.Dataset.
+    """Read the trajectory file at `path` into memory, as an xarray.Dataset.
 
     Raises DamagedError if the file is not as it was written.
     """

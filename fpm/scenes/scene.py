@@ -368,10 +368,16 @@ class Scene:
         return self.add(Joint.holding(self, name, int(particle), point, axes))
 
     def add_torsion_spring(self, hinge: int, stiffness: float, rest: float = 0.0) -> None:
-        """Add a spring, of `stiffness` (N m/rad), that turns a hinge (index) towards the opening
-        `rest` (rad).
+        """Add a linear spring that turns a hinge towards an opening.
 
-        On a slide: N/m, and m.
+        Parameters
+        ----------
+        hinge
+            Index of the hinge or slide.
+        stiffness
+            N m/rad, above 0; on a slide N/m.
+        rest
+            Opening (rad) without moment; on a slide m.
         """
         self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
 
@@ -424,10 +430,11 @@ class Scene:
         self.add(Support(tuple(np.atleast_1d(particles)), translations, rotations))
 
     def add_curve(self, times: Sequence[float], values: Sequence[float]) -> int:
-        """Add a piecewise linear curve of time (s), constant before and after its points; returns
-        its index.
+        """Add a piecewise linear curve of time; returns its index.
 
-        Raises SceneError unless there is a value for each of the increasing times.
+        times: of its points (s), increasing; values: at them, in the unit of what refers to the
+        curve, and constant before the first and after the last. Raises SceneError unless there is a
+        value for each of the increasing times.
         """
         times, values = np.asarray(times, float), np.asarray(values, float)
         if times.shape != values.shape or times.ndim != 1 or np.any(np.diff(times) <= 0):
@@ -472,10 +479,16 @@ class Scene:
         self.add(Drive(int(particle), velocity, spin, int(curve)))
 
     def add_point(self, name: str, particle: int, position=None) -> None:
-        """Name a point that is fixed to a particle (index), at `position` (3,) m; None: the
-        particle itself.
+        """Name a point that is fixed to a particle, for responses.
 
-        Raises SceneError if the name is in use.
+        Parameters
+        ----------
+        name
+            Not yet in use, else SceneError is raised.
+        particle
+            Index of the particle, whose rotation the point follows.
+        position
+            Where the point is at the start, (3,) m; None: at the particle.
         """
         if name in self.points:
             raise SceneError("point", name, f"a name not yet used ({', '.join(self.points)})")

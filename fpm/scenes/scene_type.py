@@ -19,11 +19,20 @@ def one_line(text: str) -> str:
 
 @dataclass(frozen=True)
 class Parameter:
-    """Definition of a parameter of a structure: default, unit, description, and closed range of
-    values.
+    """Definition of a parameter of a structure.
 
-    kind: "real" or "integer"; only real ones may be intervals. A default of None follows from other
-    parameters.
+    Attributes
+    ----------
+    default
+        Value in `unit`; None: it follows from other parameters.
+    unit
+        UDUNITS, "1" for pure numbers.
+    description
+        One line for people.
+    lower, upper
+        Allowed values, both included.
+    kind
+        "real" or "integer"; only real ones may be intervals.
     """
 
     default: float | int | None
@@ -63,8 +72,22 @@ class Parameter:
 class SceneType:
     """A structure, whose scenes are built from named parameters.
 
-    mesh: name of the parameter that sets the mesh, or None; content: digest of the structure's own
-    files; values: parameters of its `sample`.
+    Attributes
+    ----------
+    name, description
+        Its name in configs, and one line for people.
+    parameters
+        Definitions by name, in the order of messages.
+    points, hinges, cables
+        Names that responses may refer to.
+    function
+        Builds the scene from all parameters by keyword.
+    values
+        Parameters of its `sample`.
+    mesh
+        Name of the parameter that sets the mesh, or None.
+    content
+        Digest of the structure's own files.
     """
 
     name: str

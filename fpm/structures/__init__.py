@@ -15,7 +15,7 @@ __all__ = ["StructureError", "load", "loads"]
 
 
 def load(path: str | Path) -> SceneType:
-    """Load a structure from a file, `.yaml` or `.py`; returns its SceneType.
+    """Load a structure from the file at `path`, `.yaml` or `.py`; returns its SceneType.
 
     Raises StructureError, which lists all that is wrong with the file. A `.py` file is run.
     """

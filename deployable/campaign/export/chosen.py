@@ -27,10 +27,24 @@ INSTANTS = 2001
 class SelectedRun:
     """A run that can be simulated, or simulated again: its scene, times and responses.
 
-    name: of its files; duration, step: in s; instants: number of recorded instants;
-    energy_tolerance: largest error of the energy balance, relative to the largest energy;
-    responses: those of its campaign; attributes: texts that its files carry; folder: of the
-    campaign's results, None for a run of a config or a structure.
+    Attributes
+    ----------
+    name
+        Stem of its files.
+    scene
+        `fpm.Scene` with the parameter values of the run.
+    duration, step
+        In s.
+    instants
+        Number of recorded instants.
+    energy_tolerance
+        Largest error of the energy balance, relative to the largest energy.
+    responses
+        Responses of its campaign.
+    attributes
+        Texts that its files carry.
+    folder
+        Results of the campaign; None for a run of a config or a structure.
     """
 
     name: str

@@ -34,8 +34,11 @@ _WIDE = 300  # units of the drawing, of each moment
 
 
 def write_page(data: PageData, path: str | Path) -> None:
-    """Write the page of a campaign as one HTML file, which loads nothing from the network; the file
-    is written whole or not at all."""
+    """Write the page of a campaign as one HTML file, which loads nothing from the network.
+
+    data: what `from_results` reads of the campaign; path: of the file, which is written whole or
+    not at all.
+    """
     write_result(path, render(data))
 
 

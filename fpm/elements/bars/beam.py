@@ -28,8 +28,17 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class Material:
-    """Linear elastic material: Young's modulus `E` (Pa), Poisson's ratio `nu`, -1 < nu <= 0.5, and
-    density `rho` (kg/m³)."""
+    """Linear elastic isotropic material.
+
+    Attributes
+    ----------
+    E
+        Young's modulus (Pa), above 0.
+    nu
+        Poisson's ratio, -1 < nu <= 0.5.
+    rho
+        Density (kg/m³), above 0.
+    """
 
     E: float
     nu: float
@@ -51,11 +60,20 @@ class Material:
 
 @dataclass(frozen=True)
 class Section:
-    """Cross-section of a bar: area `A` (m²), second moments of area `Iy` = ∫z² dA and `Iz` = ∫y² dA
-    (m⁴), and torsion constant `J` (m⁴).
+    """Cross-section of a bar.
 
-    outline: contour, for stresses (fpm/reading/stress.py): "rectangle", "round", or "" if unknown;
-    width and height (m) of the contour along the local y and z axes.
+    Attributes
+    ----------
+    A
+        Area (m²).
+    Iy, Iz
+        Second moments of area ∫z² dA and ∫y² dA (m⁴).
+    J
+        Torsion constant (m⁴).
+    outline
+        Contour, for stresses (fpm/reading/stress.py): "rectangle", "round", or "" if unknown.
+    width, height
+        Of the contour along the local y and z axes (m).
     """
 
     A: float
@@ -85,7 +103,7 @@ class Section:
 
     @staticmethod
     def square(side: float) -> "Section":
-        """Solid square with sides of the given length (m)."""
+        """Solid square; side: its length (m), above 0."""
         return Section.rectangle(side, side)
 
     @staticmethod

@@ -120,6 +120,7 @@ RENAMED = {
     "tape spring": "tabulated spring", "bend": "bristle_deflection", "by its bend": "bristle",
     "fastest": "max_capture_rate", "tolerance": "capture_range", "least": "lower", "most": "upper",
     "motions": "initial_velocities",
+    "stand": "locked", "factors": "uncertainty_factors", "drives": "actuation_factors",
 }  # fmt: skip
 """Keys and words of configs and structures that were called otherwise, and their names of today."""
 

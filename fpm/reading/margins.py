@@ -38,8 +38,8 @@ DRIVES = 1e-6
 STOW = "stow"
 """The opening at the start of a run, whichever that is."""
 
-OPTIONAL = ("from", "evidence", "with", "stand", "without", "classes", "factors", "drives",
-            "accelerate", "deliver")  # fmt: skip
+OPTIONAL = ("from", "evidence", "with", "locked", "without", "classes", "uncertainty_factors",
+            "actuation_factors", "accelerate", "deliver")  # fmt: skip
 UNITS = {"rad": 1.0, "deg": np.pi / 180, "m": 1.0, "mm": 1e-3}
 
 
@@ -120,10 +120,10 @@ def read(it: Any) -> Any:
         it.one_of(hinges, value=name)
     if len(set(openings)) < len(openings):
         raise _refused(it, "with", [*openings], "each opening once")
-    stand = tuple(it.one_of(hinges, "stand", name) for name in _names(it, "stand"))
+    stand = tuple(it.one_of(hinges, "locked", name) for name in _names(it, "locked"))
     for name in stand:
         if name in openings:
-            raise _refused(it, "stand", name, "openings that are not led")
+            raise _refused(it, "locked", name, "openings that are not led")
     hinge = hinges[openings[0]]
     unit = "m" if hinge.slides else "rad"
     ends = [_opening(it, key, hinge, unit) for key in ("from", "to")]
@@ -134,8 +134,8 @@ def read(it: Any) -> Any:
     standard = STANDARDS[it.one_of(STANDARDS, "standard")]
     evidence = it.data.get("evidence", next(iter(standard.resists)))
     resists = standard.resists[it.one_of(standard.resists, "evidence", evidence)]
-    resists = resists | _numbers(it, "factors")
-    drives = standard.drives | _numbers(it, "drives")
+    resists = resists | _numbers(it, "uncertainty_factors")
+    drives = standard.drives | _numbers(it, "actuation_factors")
     parts = parts_of(it.scene)
     left = [it.one_of(parts, "without", name) for name in _names(it, "without")]
     classes = parts | {

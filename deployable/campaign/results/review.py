@@ -426,9 +426,9 @@ class _Sheet:
             reasons.append(f"the travel is {_stretch(*margin['travel'], unit)}")
         led = {name for other in self._margins.values() if other["standard"] == margin["standard"]
                for name in other["openings"]}  # fmt: skip
-        if stand := [name for name in margin["stand"] if name not in led]:
-            is_not = "stands, is not" if len(stand) == 1 else "stand, are not"
-            reasons.append(f"{', '.join(stand)}, which {is_not} led")
+        if locked := [name for name in margin["locked"] if name not in led]:
+            is_not = "stands, is not" if len(locked) == 1 else "stand, are not"
+            reasons.append(f"{', '.join(locked)}, which {is_not} led")
         if margin["weaker"]:
             reasons.append(f"the structure's file counts {', '.join(margin['weaker'])}")
         return reasons
@@ -445,7 +445,7 @@ class _Sheet:
         words += [f"without {', '.join(margin['without'])}"] if margin["without"] else []
         words += [f"own factors: {', '.join(margin['own'])}"] if margin["own"] else []
         words += [f"with {', '.join(margin['added'])}"] if margin["added"] else []
-        words += [f"{', '.join(margin['stand'])} standing"] if margin["stand"] else []
+        words += [f"{', '.join(margin['locked'])} standing"] if margin["locked"] else []
         for key, text in (("latches", "the latch {}, which catches on the way, has no part in it"),
                           ("motors", "the motor of {}, elastic, has no part in it")):  # fmt: skip
             words += [text.format(name) for name in margin[key]]

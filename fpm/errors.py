@@ -114,7 +114,7 @@ def likely(name: str, names: Iterable[str]) -> str:
 
 
 RENAMED = {
-    "nodes_per_job": "runs_per_job", "scan": "sobol", "sought": "adaptive",
+    "nodes_per_job": "runs_per_job", "scan": "sobol",
     "share": "tolerance", "of": "tolerance_by_name", "runs": "max_runs",
     "minutes": "max_core_minutes", "rounds": "max_iterations", "finer": "discretization",
     "tape spring": "tabulated spring", "bend": "bristle_deflection", "by its bend": "bristle",

@@ -151,7 +151,7 @@ def _surrogate(experiment: Experiment, samples: Any, i: int) -> Any:
     quantity = experiment.numbers[i]
     end = experiment.solver.duration if quantity.is_time else None
     values = samples["quantities"].values[:, i]
-    return fit_scalar(samples["unit"].values, values, end, quantity.least)
+    return fit_scalar(samples["normalized"].values, values, end, quantity.least)
 
 
 def _standing(plan: Plan, shares: Mapping, step_is_free: bool = True) -> Standing:
@@ -197,7 +197,7 @@ def _places(
 ) -> np.ndarray:
     """Unit points (n, k) of the next `count` runs: where unmet quantities have their ends and
     where the spline promises wider bounds of unmet responses; the rest is spread."""
-    unit, free = samples["unit"].values, experiment.box.free
+    unit, free = samples["normalized"].values, experiment.box.free
     points: list[np.ndarray] = []
 
     def take(candidates: Any, least: float) -> None:

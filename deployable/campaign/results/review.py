@@ -299,7 +299,7 @@ class _Sheet:
         if limit is not None:
             analysed += f"; {_asked(limit, units)}"
             happens = limit["kind"] == "happens"
-            if not (happens and limit["met"] in ("all", "open")):
+            if not (happens and limit["met"] in ("all", "undecided")):
                 nearest = numbers.place(limit["at"], parameters)
                 if limit["simulated"] is not None:
                     least = numbers.quantity(limit["simulated"], units, 4)
@@ -330,9 +330,9 @@ class _Sheet:
         if limit["met"] == "none":
             return Verdict(FAILED, "not met anywhere in the box")
         if limit["met"] == "some":
-            share = numbers.share(limit["share"], limit["open"])
+            share = numbers.share(limit["share"], limit["share_uncertainty"])
             return Verdict(FAILED, f"not met in a part of the box; {share} of the box meets it")
-        if limit["met"] == "open":
+        if limit["met"] == "undecided":
             runs = f"no failure found in {limit['runs']} runs"
             return Verdict(OPEN, f"undecided: {runs}, which proves nothing of the rest")
         if limit["kind"] != "happens" and not _keeps(row, limit["kind"], limit["level"]):
@@ -559,14 +559,14 @@ class _Sheet:
         elif failing:
             verdict = Verdict(FAILED, "not met in at least a part of the box")
         elif whole["met"] != "all" or OPEN in each:
-            verdict = self._judged({}, {**whole, "met": "open"})
+            verdict = self._judged({}, {**whole, "met": "undecided"})
         elif open_:
             text = f"what the campaign requires is met; see the rows of {', '.join(open_)}"
             verdict = Verdict(PARTLY, f"partly analysed: {text}")
         else:
             verdict = Verdict(MET, "met in all of the box, by analysis")
         if failing and whole["met"] == "some":
-            share = numbers.share(whole["share"], whole["open"])
+            share = numbers.share(whole["share"], whole["share_uncertainty"])
             verdict = Verdict(FAILED, f"not met in a part of the box; {share} of the box meets all")
         value = f"not met: {', '.join(dict.fromkeys(failing))}" if failing else ""
         return _row(analysed, verdict, value)

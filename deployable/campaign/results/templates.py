@@ -71,10 +71,10 @@ def _escaped(facts: Any, code: str = "") -> Any:
 
 def met_text(row: Mapping[str, Any]) -> str:
     """By how much of the box a requirement is met: `All`, `None`, a share, or that none fails."""
-    if row["met"] == "open":
+    if row["met"] == "undecided":
         return f"No failure found in {row['runs']} run{'s' * (row['runs'] != 1)}"
-    sure = row["met"] != "some" and 100 * row["open"] < numbers.OPEN
-    text = row["met"] if sure else numbers.share(row["share"], row["open"])
+    sure = row["met"] != "some" and 100 * row["share_uncertainty"] < numbers.OPEN
+    text = row["met"] if sure else numbers.share(row["share"], row["share_uncertainty"])
     return text[0].upper() + text[1:]
 
 

@@ -117,12 +117,13 @@ def likely(name: str, names: Iterable[str]) -> str:
 
 
 RENAMED = {
-    "nodes_per_job": "runs_per_job", "scan": "sobol", "sought": "adaptive",
+    "nodes_per_job": "runs_per_job", "scan": "sobol",
     "share": "tolerance", "of": "tolerance_by_name", "runs": "max_runs",
     "minutes": "max_core_minutes", "rounds": "max_iterations", "finer": "discretization",
     "tape spring": "tabulated spring", "bend": "bristle_deflection", "by its bend": "bristle",
     "fastest": "max_capture_rate", "tolerance": "capture_range", "least": "lower", "most": "upper",
     "motions": "initial_velocities",
+    "stand": "locked", "factors": "uncertainty_factors", "drives": "actuation_factors",
 }  # fmt: skip
 """Keys and words of configs and structures that were called otherwise, and their names of today."""
 

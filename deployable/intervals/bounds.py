@@ -35,7 +35,7 @@ def bounds_dataset(
     ----------
     samples
         Dimensions run, response, time, parameter; variables ``values`` (run, response, time),
-        ``unit`` and ``value`` (run, parameter), ``role`` (run); coordinates ``time`` (s) and
+        ``normalized`` and ``value`` (run, parameter), ``role`` (run); coordinates ``time`` (s) and
         ``response`` (names), and ``response_units``, ``response_long_name`` (response) to be
         taken over. Running bounds may stand in the place of values, for the model "scan"
         (see `read_samples`).

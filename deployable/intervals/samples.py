@@ -175,14 +175,14 @@ class Samples:
 def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) -> Samples:
     """Check a samples dataset and take out what is small; by default all responses are taken.
 
-    Variables ``values`` (run, response, time), ``unit`` and ``value`` (run, parameter), perhaps
-    ``role`` (run); coordinates ``time`` and ``response``. A scan may have, in the place of
+    Variables ``values`` (run, response, time), ``normalized`` and ``value`` (run, parameter),
+    perhaps ``role`` (run); coordinates ``time`` and ``response``. A scan may have, in the place of
     ``values`` and ``role``, the running bounds ``lower``, ``upper``, ``lower_run``, ``upper_run``
     (quarter, response, time) of each quarter of its runs, and perhaps ``nominal`` (response, time),
     which the first of its runs then is.
     """
     arrays = ("values",) if "lower_run" not in samples else _RUNNING
-    for name in ("time", "response", *arrays, "unit", "value"):
+    for name in ("time", "response", *arrays, "normalized", "value"):
         if name not in samples:
             raise IntervalError("samples", list(samples.variables), f"a dataset with {name}")
     responses_all = [str(name) for name in samples["response"].values]
@@ -202,7 +202,7 @@ def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) ->
         names,
         [responses_all.index(name) for name in names],
         np.asarray(samples["time"].values, dtype=float),
-        np.asarray(samples["unit"].values, dtype=float),
+        np.asarray(samples["normalized"].values, dtype=float),
         nominal,
         samples,
     )

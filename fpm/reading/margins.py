@@ -38,8 +38,8 @@ DRIVES = 1e-6
 STOW = "stow"
 """The opening at the start of a run, whichever that is."""
 
-OPTIONAL = ("from", "evidence", "with", "stand", "without", "classes", "factors", "drives",
-            "accelerate", "deliver")  # fmt: skip
+OPTIONAL = ("from", "evidence", "with", "locked", "without", "classes", "uncertainty_factors",
+            "actuation_factors", "accelerate", "deliver")  # fmt: skip
 UNITS = {"rad": 1.0, "deg": np.pi / 180, "m": 1.0, "mm": 1e-3}
 
 
@@ -120,10 +120,10 @@ def read(spec: Any) -> Any:
         spec.one_of(hinges, value=name)
     if len(set(openings)) < len(openings):
         raise _error(spec, "with", [*openings], "each opening once")
-    stand = tuple(spec.one_of(hinges, "stand", name) for name in _names(spec, "stand"))
+    stand = tuple(spec.one_of(hinges, "locked", name) for name in _names(spec, "locked"))
     for name in stand:
         if name in openings:
-            raise _error(spec, "stand", name, "openings that are not led")
+            raise _error(spec, "locked", name, "openings that are not led")
     hinge = hinges[openings[0]]
     unit = "m" if hinge.slides else "rad"
     ends = [_opening(spec, key, hinge, unit) for key in ("from", "to")]
@@ -134,8 +134,8 @@ def read(spec: Any) -> Any:
     standard = STANDARDS[spec.one_of(STANDARDS, "standard")]
     evidence = spec.data.get("evidence", next(iter(standard.resists)))
     resists = standard.resists[spec.one_of(standard.resists, "evidence", evidence)]
-    resists = resists | _numbers(spec, "factors")
-    drives = standard.drives | _numbers(spec, "drives")
+    resists = resists | _numbers(spec, "uncertainty_factors")
+    drives = standard.drives | _numbers(spec, "actuation_factors")
     parts = parts_of(spec.scene)
     inactive = [spec.one_of(parts, "without", name) for name in _names(spec, "without")]
     classes = parts | {

@@ -154,7 +154,7 @@ class Path:
                 return
         raise MisfitError(
             f"opening {self.name}", f"{value:.6g}", "openings to which it can be led, the joints "
-            "closed and all else in balance; other openings that nothing decides may `stand`"
+            "closed and all else in balance; other openings that nothing decides may be `locked`"
         )  # fmt: skip
 
     def state(self) -> tuple:
@@ -238,7 +238,7 @@ class Path:
         if np.abs(np.diff(rates)).max() > FREEDOM_TOLERANCE * np.abs(rates).max():
             raise SceneError(
                 f"opening {self.name}", "(not the only freedom)", "an opening that decides the "
-                "motion of all others, by joints, springs or loops; let others `stand`"
+                "motion of all others, by joints, springs or loops; let others be `locked`"
             )  # fmt: skip
 
     def _moving(self, poses: ParticlePoses) -> np.ndarray:

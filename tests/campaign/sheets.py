@@ -21,15 +21,17 @@ def quantity(name, lower, upper, units="1", error=0.01, **more):
 def limit(of, kind="at_least", level=0.0, met="all", share=1.0):
     """A limit with its own verdict."""
     return {"quantity": of, "units": "1", "kind": kind, "level": level, "simulated": 0.25,
-            "at": {"k": 0.1, "f": None}, "met": met, "share": share, "open": 0.0,
+            "at": {"k": 0.1, "f": None}, "met": met, "share": share, "share_uncertainty": 0.0,
             "runs": 9}  # fmt: skip
 
 
 def required(name, *limits, met=None):
     """A requirement of limits; met as the worst of them if nothing is said."""
-    worst = next((m for m in ("none", "some", "open") if m in [x["met"] for x in limits]), "all")
+    worst = next(
+        (m for m in ("none", "some", "undecided") if m in [x["met"] for x in limits]), "all"
+    )
     share = min(x["share"] for x in limits)
-    return {"name": name, "met": met or worst, "share": share, "open": 0.0, "runs": 9,
+    return {"name": name, "met": met or worst, "share": share, "share_uncertainty": 0.0, "runs": 9,
             "limits": list(limits)}  # fmt: skip
 
 
@@ -54,7 +56,7 @@ def margin(name="m", **more):
         {"part": "friction h", "class_": "FR", "moment": -0.1, "factor": 6.0, "weighted": -0.6},
     ]}  # fmt: skip
     return {"name": name, "standard": ECSS, "evidence": "theory", "openings": ["h"], "without": [],
-            "stand": [], "starts_vary": False, "first": 0.0, "last": 1.5, "unit": "rad",
+            "locked": [], "starts_vary": False, "first": 0.0, "last": 1.5, "unit": "rad",
             "travel": [0.0, 1.5], "latches": [], "motors": [], "own": [], "weaker": [], "added": [],
             "springs": ["torsion spring h"], "drives": ["torsion spring h"],
             "at": {"k": 0.09, "f": 2.0}, "budget": budget} | more  # fmt: skip

@@ -44,7 +44,7 @@ def test_the_interval_of_a_time_is_the_exact_one(opened):
             exact = exact_time(k)
             for kind in ("", "simulated_", "surrogate_"):
                 assert float(one[f"{kind}{side}"]) == pytest.approx(exact, rel=1e-6)
-            assert float(one[f"moving_{side}"]) == 0
+            assert float(one[f"unconverged_{side}"]) == 0
         assert float(one["argmin"].sel(parameter="k")) == pytest.approx(0.105)
         assert float(one["argmax"].sel(parameter="k")) == pytest.approx(0.095)
         assert float(one["nominal"]) == pytest.approx(exact_time(0.1), rel=1e-6)
@@ -61,7 +61,7 @@ def test_the_share_of_the_box_in_which_it_happens_is_the_exact_one(opened):
         assert 0 < int(late["runs_without"]) < found.attrs["runs"]
         assert float(late["lower"]) == pytest.approx(exact_time(0.105, opening=0.52 * np.pi))
         assert float(late["upper"]) == pytest.approx(2.0, abs=1e-3)
-        assert float(late["open"]) < 1e-2
+        assert float(late["happens_uncertainty"]) < 1e-2
 
 
 def test_the_ends_are_simulated_and_found_again(tmp_path):
@@ -111,7 +111,7 @@ def test_the_summary_tells_the_intervals(opened):
     summary = json.loads((opened / "summary.json").read_text())
     rows = {row["name"]: row for row in summary["quantities"]}
     assert rows["t_open"]["argmax"]["k"] == pytest.approx(0.095)
-    assert rows["t_open"]["foretold_ends"] == []
+    assert rows["t_open"]["predicted_ends"] == []
     text = (opened / "summary.md").read_text()
     assert "1.8682 to 1.9640 s" in text
     assert "t_late happens in " in text
@@ -194,7 +194,7 @@ def test_what_vanishes_inside_the_box_is_bordered_by_further_runs(tmp_path):
     )  # fmt: skip
     with xr.open_dataset(folder.quantities) as found:
         t, top = (found.sel(quantity=name) for name in ("t", "top"))
-        assert float(t["open"]) < 1e-4
+        assert float(t["happens_uncertainty"]) < 1e-4
         assert float(t["happens"]) == pytest.approx((65 - level / 2) / 10, abs=1e-4)
         assert float(top["upper"]) == pytest.approx(np.radians(130), rel=1e-3)
         # cos(t sqrt(k / J)) = 1 - level / rest, at the largest angle of rest.

@@ -205,7 +205,7 @@ def test_runs_are_sought_where_what_is_unmet_decides(asked):
     def sought(change):
         values = curves.copy()
         values[:, change] **= 3
-        samples = xr.Dataset({"unit": (("run", "parameter"), unit),
+        samples = xr.Dataset({"normalized": (("run", "parameter"), unit),
                               "values": (("run", "response", "time"), values)})  # fmt: skip
         return _places(experiment, samples, ["BD"], count=8, seed=3)
 

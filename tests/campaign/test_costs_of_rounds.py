@@ -78,11 +78,11 @@ def decided(experiment, tmp_path, monkeypatch):
     def plan_after(check=("mesh",), **shares):
         plan = first_plan(experiment)
         plan = replace(plan, adaptive=replace(plan.adaptive, check=check))
-        rng, unit = np.random.default_rng(2), plan.runs.unit
+        rng, unit = np.random.default_rng(2), plan.runs.normalized
         time = np.linspace(0.0, 1.0, 9)
         curves = np.sin(3 * unit[:, :1, None] + time) * rng.uniform(0.5, 1, (1, 2, 1))
         samples = xr.Dataset({
-            "unit": (("run", "parameter"), unit),
+            "normalized": (("run", "parameter"), unit),
             "values": (("run", "response", "time"), curves),
             "quantities": (("run", "quantity"), 2 + unit[:, :1]),
         })  # fmt: skip
@@ -106,7 +106,7 @@ def decided(experiment, tmp_path, monkeypatch):
 def test_more_runs_keep_those_that_are_there(decided):
     plan, after = decided(surrogate=0.5, mesh=0.01)
     assert after.adaptive.rounds[-1].action == "runs"
-    before, now = (set(map(tuple, p.runs.unit.tolist())) for p in (plan, after))
+    before, now = (set(map(tuple, p.runs.normalized.tolist())) for p in (plan, after))
     assert before < now
     assert f"; {len(now) - len(before)} runs are added" in after.adaptive.rounds[-1].reason
     assert after.time == plan.time
@@ -117,7 +117,7 @@ def test_a_finer_mesh_has_twice_the_elements_and_the_same_runs(decided):
     assert after.adaptive.rounds[-1].action == "mesh"
     meshes = [p.experiment.scene.parameters["elements"] for p in (plan, after)]
     assert meshes[1] == 2 * meshes[0]
-    np.testing.assert_array_equal(after.runs.unit, plan.runs.unit)
+    np.testing.assert_array_equal(after.runs.normalized, plan.runs.normalized)
     assert after.adaptive.check == ("mesh",)
     assert after.time.step < 0.6 * plan.time.step
 
@@ -127,7 +127,7 @@ def test_half_a_step_has_the_same_mesh_and_runs(decided):
     assert after.adaptive.rounds[-1].action == "step"
     assert after.experiment.scene == plan.experiment.scene
     assert after.experiment.solver.safety == plan.experiment.solver.safety / 2
-    np.testing.assert_array_equal(after.runs.unit, plan.runs.unit)
+    np.testing.assert_array_equal(after.runs.normalized, plan.runs.normalized)
     assert after.time.step <= 0.5 * plan.time.step * 1.1
 
 

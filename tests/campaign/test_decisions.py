@@ -76,7 +76,9 @@ def test_the_largest_box_and_the_nearest_failure_are_the_exact_ones(tmp_path, ju
     assert together["largest_share"] == pytest.approx(share, abs=1e-4)
     fails = together["fails"]
     half = (0.1025 - border(LATEST)) / 0.005
-    assert together["halved"] == {"k": {"share": pytest.approx(half, abs=1e-3), "open": ANY}}
+    assert together["halved"] == {
+        "k": {"share": pytest.approx(half, abs=1e-3), "share_uncertainty": ANY}
+    }
     assert fails["requirement"] == "in_time"
     # A thousandth beyond the border, where the run does fail.
     assert fails["at"]["k"] == pytest.approx(0.1 - 1.001 * share * 0.005, rel=1e-5)

@@ -27,7 +27,7 @@ EVIL = (
     "&lt;script&gt; &#60;b&#62; \\<b\\> \x1b[31m\u202e~~s~~ **b** $x$",
     "--> <!-- </style></svg></pre><iframe>",
 )
-WORDS = {"met", "grade", "kind", "end", "sense", "bounds", "foretold_ends", "config_hash", "state"}
+WORDS = {"met", "grade", "kind", "end", "sense", "bounds", "predicted_ends", "config_hash", "state"}
 """Keys of texts by which templates decide; others are no results (`contents.py`)."""
 
 

@@ -51,7 +51,7 @@ def test_the_surrogate_goes_through_its_nodes(finished):
             values = samples["values"].sel(response=name).values[nodes]
             coefficients = np.zeros((3, values.shape[1]))
             coefficients[degrees] = surrogate["coefficient"].sel(response=name).values
-            fitted = chebyshev.chebval(samples["unit"].values[nodes, 0], coefficients)
+            fitted = chebyshev.chebval(samples["normalized"].values[nodes, 0], coefficients)
             np.testing.assert_allclose(fitted.T, values, atol=1e-12 * np.abs(values).max())
 
 
@@ -242,7 +242,7 @@ def test_an_error_that_no_run_shows_is_told_to_be_foretold(tmp_path):
     )
     data.to_netcdf(tmp_path / "bounds.nc")
     with netCDF4.Dataset(tmp_path / "bounds.nc") as bounds:
-        row = {"units": "m", "foretold": _extrapolated_error(bounds, 0, 0)}
+        row = {"units": "m", "extrapolated_error": _extrapolated_error(bounds, 0, 0)}
         assert "misses the 3 runs that were not fitted by at most 0.01 m" in sentence(
             "foretold", row
         )

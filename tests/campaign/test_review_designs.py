@@ -41,17 +41,20 @@ def of(response, **changes):
 
 
 def test_beside_a_margin_by_own_factors_is_that_of_the_standard(tmp_path):
-    own = {"both": MARGIN | {"factors": {"FR": 1.5}}, "plain": MARGIN}
+    own = {"both": MARGIN | {"uncertainty_factors": {"FR": 1.5}}, "plain": MARGIN}
     known = load_config(config(tmp_path, margins=own))
     assert list(known.experiment.responses) == ["open", "both", "plain", "both_by_standard"]
-    assert "factors" not in known.experiment.responses["both_by_standard"]
+    assert "uncertainty_factors" not in known.experiment.responses["both_by_standard"]
     assert list(known.requirements) == ["both", "plain"]
     columns = {curve.name: curve.columns for curve in known.experiment.curves}
     assert columns["both"] == columns["both_by_standard"], "another factor takes no run"
 
 
 def test_no_margin_takes_the_name_of_that_by_the_standard(tmp_path):
-    own = {"m": MARGIN | {"factors": {"FR": 1}}, "m_by_standard": MARGIN | {"to": "20 deg"}}
+    own = {
+        "m": MARGIN | {"uncertainty_factors": {"FR": 1}},
+        "m_by_standard": MARGIN | {"to": "20 deg"},
+    }
     with pytest.raises(ConfigError, match=r"margins\.m: .*m_by_standard, which is taken"):
         load_config(config(tmp_path, margins=own))
 
@@ -247,7 +250,11 @@ def test_each_least_margin_is_known_and_nothing_else(monkeypatch, tmp_path):
 
 
 def test_settings_of_ones_own_are_told_with_those_of_the_standard():
-    own = {"factors": {"FR": 0.1}, "drives": {"S": 1}, "classes": {"rub": "TL"}}
+    own = {
+        "uncertainty_factors": {"FR": 0.1},
+        "actuation_factors": {"S": 1},
+        "classes": {"rub": "TL"},
+    }
     scene, definition, response = of(own)
     assert mechanism.own_settings(scene, definition, response) == [
         "FR 0.1 for 6", "driving S 1 for 0.8", "rub as TL for FR",

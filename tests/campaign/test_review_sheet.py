@@ -108,10 +108,10 @@ ROWS = {
     "just all of it": (
         least(first=0.0, last=1.5, travel=[1.5e-6, 1.5 + 1.5e-6]), "4.7.5.3", EVERY, "met in all"),
     "another stands": (
-        least(stand=["g"]), "4.7.5.3", EVERY,
+        least(locked=["g"]), "4.7.5.3", EVERY,
         "partly analysed: met from 0 to 1.5 rad; g, which stands, is not led"),
     "two others stand": (
-        least(stand=["f", "g"]), "4.7.5.3", EVERY,
+        least(locked=["f", "g"]), "4.7.5.3", EVERY,
         "partly analysed: met from 0 to 1.5 rad; f, g, which stand, are not led"),
     "all of a travel below 0": (
         least(first=-1.5, last=0.0, travel=[-1.5, 0.0]), "4.7.5.3", EVERY,
@@ -314,7 +314,11 @@ def test_a_balance_of_energy_takes_a_run_that_moves(exchanged, off, verdict):
         ("all", 1.0, "met in all of the box, by analysis"),
         ("none", 0.0, "not met anywhere in the box"),
         ("some", 0.6, "not met in a part of the box; 60 % of the box meets it"),
-        ("open", 1.0, "undecided: no failure found in 9 runs, which proves nothing of the rest"),
+        (
+            "undecided",
+            1.0,
+            "undecided: no failure found in 9 runs, which proves nothing of the rest",
+        ),
     ],
 )
 def test_a_requirement_of_two_quantities_gives_each_its_own_verdict(met, share, verdict):
@@ -354,7 +358,7 @@ def test_a_margin_by_own_factors_stands_beside_that_of_the_standard():
 
 
 def test_latches_and_motors_that_have_no_part_are_said():
-    stated = least(latches=["lock"], motors=["g"], added=["deliver 0.1"], stand=["f"])
+    stated = least(latches=["lock"], motors=["g"], added=["deliver 0.1"], locked=["f"])
     (row,) = of(sheet(*stated), "4.7.5.3", EVERY)
     for words in (
         "the latch lock, which catches on the way, has no part", "the motor of g, elastic",
@@ -403,7 +407,7 @@ def test_the_impulse_of_a_latch_is_bounded_by_its_last_value(kind, states):
     ],
 )
 def test_an_opening_that_stands_is_led_by_another_margin_of_the_standard(other, state):
-    stated, limits, numbers, margins = least(limits=[ZERO], stand=["g"])
+    stated, limits, numbers, margins = least(limits=[ZERO], locked=["g"])
     stated, numbers = [*stated, quantity("n_least", 0.2, 0.4)], [*numbers, of_margin("n_least")]
     rows = sheet(stated, limits, numbers, margins | {"n_least": margin("n", **other)})
     row = next(row for row in of(rows, "4.7.5.3", EVERY) if "m_least" in row["analysed"])
@@ -573,7 +577,7 @@ def drawn(rng):
             last=some(1.5, 1.5, 0.4), travel=some([0.0, 1.5], [0.0, 1.5], None),
             own=some([], [], ["FR 0.1 for 6"]), weaker=some([], [], ["friction h as TL for FR"]),
             without=some([], [], ["s1"], ["s2"], ["friction h"]), drives=["s1", "s2"],
-            springs=some(["s1"], ["s1", "s2"]), stand=some([], [], ["g"]),
+            springs=some(["s1"], ["s1", "s2"]), locked=some([], [], ["g"]),
         )  # fmt: skip
         numbers_.append(of_margin(name))
     for i in range(int(rng.integers(0, 5))):
@@ -594,7 +598,7 @@ def drawn(rng):
                 met = "all" if level == there else "none"
             elif there:
                 slack = low - level if kind == "at_least" else level - low - width
-                met = "all" if slack >= 0 and rng.random() < 0.9 else some("open", "some")
+                met = "all" if slack >= 0 and rng.random() < 0.9 else some("undecided", "some")
             limits.append(required(f"r{each.name}{j}", limit(each.name, kind, level, met)))
     motion = {"exchanged": float(some(1.0, 0.01)), "largest": 2.0, "off": 1e-4}
     return quantities, limits, numbers_, margins, motion

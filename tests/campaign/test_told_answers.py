@@ -79,7 +79,7 @@ def test_an_interval_has_the_digits_that_its_error_leaves(changes, text):
     ],
 )
 def test_ends_are_simulated_or_foretold(foretold, text, named):
-    row = {"simulated_lower": 1.2, "simulated_upper": 1.5, "foretold_ends": foretold}
+    row = {"simulated_lower": 1.2, "simulated_upper": 1.5, "predicted_ends": foretold}
     row |= {"name": "t", "long_name": "time", "lower": 1.0, "upper": 2.0, "units": "s"}
     assert sentence("ends", row) == text
     row |= {"beyond": None, "runs_without": 0, "error": None}
@@ -116,9 +116,9 @@ OF = "of the tolerated combinations"
         ("none", 0.0, 1e-4, "No: no tolerated combination meets all requirements."),
         ("none", 0.0, 0.28, f"All requirements are met in at most 28 % {OF}."),
         ("some", 0.5, 0.02, f"Not always: all requirements are met in 50 ± 2 % {OF}."),
-        ("open", 1.0, 0.03, f"{FOUND}: all requirements are met in at least 97 % {OF}."),
+        ("undecided", 1.0, 0.03, f"{FOUND}: all requirements are met in at least 97 % {OF}."),
         (
-            "open",
+            "undecided",
             1.0,
             0.0,
             f"{FOUND}, which do not prove that all requirements are met in every "
@@ -127,7 +127,7 @@ OF = "of the tolerated combinations"
     ],
 )
 def test_a_verdict_tells_what_is_open(kept, part, open_, text):
-    facts = {"together": {"met": kept, "share": part, "open": open_, "runs": 9}}
+    facts = {"together": {"met": kept, "share": part, "share_uncertainty": open_, "runs": 9}}
     assert sentence("headline", facts) == text
 
 
@@ -285,7 +285,7 @@ def facts_of_two(**changed):
     response |= {"grade": "small", "shares": {"k1": 1.0, "k2": 0.0}}
     quantity = {"name": "q", "long_name": "largest opening", "units": "rad", "error": 0.0}
     quantity |= {"lower": 1.0, "upper": 1.1, "surrogate_lower": 1.0, "surrogate_upper": 1.1}
-    quantity |= {"beyond": None, "runs_with": 9, "runs_without": 0, "foretold_ends": []}
+    quantity |= {"beyond": None, "runs_with": 9, "runs_without": 0, "predicted_ends": []}
     quantity |= {"influence": {"k1": wide, "k2": idle}}
     known = {"description": "", "nominal": 1.0, "lower": 0.9, "upper": 1.1, "units": "1"}
     parameters = [{"name": name, **known} for name in ("k1", "k2")]

@@ -200,22 +200,25 @@ def test_all_is_said_where_nothing_is_open_and_no_margin_is_below_its_error():
     at_most = Asked("low", 0, "at_most", 2.0)
     assert verdict("limit", X, asked=at_most) == "all"
     assert verdict("limit", X, asked=at_most, beyond=(0.9, 0.0)) == "all"
-    assert verdict("limit", X, asked=at_most, beyond=(1.1, 0.0)) == "open"
+    assert verdict("limit", X, asked=at_most, beyond=(1.1, 0.0)) == "undecided"
     assert verdict("limit", X + 1.5, asked=at_most) == "some"
-    assert verdict("limit", np.abs(np.sin(9 * X)), asked=Asked("low", 0, "at_most", 1.05)) == "open"
+    assert (
+        verdict("limit", np.abs(np.sin(9 * X)), asked=Asked("low", 0, "at_most", 1.05))
+        == "undecided"
+    )
 
 
 def test_what_happened_in_all_runs_is_no_proof_without_a_margin():
     """A latch that catches in nine runs may miss between them; a crossing that goes far beyond its
     level may not, unless by less than step and mesh change."""
-    assert verdict("latch", 0 * X + 1) == "open"
+    assert verdict("latch", 0 * X + 1) == "undecided"
     assert verdict("latch", [1.0], free=0.0) == "all"
     assert verdict("margin", 0 * X + 1, 2 + X) == "all"
-    assert verdict("margin", 0 * X + 1, 2 + X, beyond=(0.0, 1.1)) == "open"
+    assert verdict("margin", 0 * X + 1, 2 + X, beyond=(0.0, 1.1)) == "undecided"
     never = Asked("never", 0, "happens", 0.0)
-    assert verdict("latch", np.nan * X, asked=never) == "open"
+    assert verdict("latch", np.nan * X, asked=never) == "undecided"
     assert verdict("margin", np.nan * X, X - 2, asked=never) == "all"
-    assert verdict("margin", np.nan * X, X - 2, asked=never, beyond=(0.0, 1.1)) == "open"
+    assert verdict("margin", np.nan * X, X - 2, asked=never, beyond=(0.0, 1.1)) == "undecided"
     assert verdict("latch", np.where(X > 0, 1, np.nan)) == "some"
 
 

@@ -12,7 +12,7 @@ from deployable.campaign.cli import main
 from deployable.campaign.text.numbers import share
 
 ROOT = Path(__file__).parents[2]
-_NONE = {"share": 0.0, "open": 0.0}
+_NONE = {"share": 0.0, "share_uncertainty": 0.0}
 
 
 def answers(folder: Path) -> SimpleNamespace:
@@ -26,7 +26,7 @@ def answers(folder: Path) -> SimpleNamespace:
             ends = {"last_lower": last["lower"].item(), "last_upper": last["upper"].item()}
             found[one["name"]] = SimpleNamespace(**one, **ends)
     found["meet"] = {
-        one["name"]: share(one["share"], one["open"])
+        one["name"]: share(one["share"], one["share_uncertainty"])
         for one in [*told.get("requirements", []), {"name": "all", **told.get("together", _NONE)}]
     }
     found["choice"] = told.get("choice")

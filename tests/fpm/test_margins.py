@@ -47,7 +47,8 @@ def found(scene, definition):
         # (0.1 pi/2)/(3 (0.01 + 0.005 pi/2)) - 1, and with a factor of one's own
         ({"standard": "nasa-std-5017b", **HARNESS}, 1.932672),
         ({"standard": "nasa-std-5017b", "evidence": "spring out", **HARNESS}, 7.798016),
-        ({"standard": "nasa-std-5017b", **HARNESS, "factors": {"FR": 1, "HA": 1}}, 7.798016),
+        ({"standard": "nasa-std-5017b", **HARNESS, "uncertainty_factors": {"FR": 1, "HA": 1}},
+         7.798016),
         ({"standard": "aiaa-s-114", **HARNESS}, 3.399008),
         ({"standard": "aiaa-s-114", **HARNESS, "without": ["torsion spring h1"]}, -1.0),
         # 0.157080 against what is there and 1.25 x 0.6 kg m² x 0.1 rad/s² and 0.02 N m
@@ -165,13 +166,13 @@ def test_more_random_designs(seed):
         ({"to": 0.0}, "to", "another opening than"),
         ({"standard": "ecss"}, "standard", "ecss-e-st-33-01c"),
         ({"evidence": "hope"}, "evidence", "theory, measurement"),
-        ({"stand": "h1"}, "stand", "a list of names"),
-        ({"stand": ["h1"]}, "stand", "openings that are not led"),
+        ({"locked": "h1"}, "locked", "a list of names"),
+        ({"locked": ["h1"]}, "locked", "openings that are not led"),
         ({"with": ["h1"]}, "with", "each opening once"),
         ({"without": ["spring h9"]}, "without", "torsion spring h1"),
         ({"classes": {"friction h1": "XX"}}, "classes.friction h1", "FR"),
         ({"classes": ["FR"]}, "classes", "a mapping"),
-        ({"factors": {"FR": -1}}, "factors.FR", "at least 0"),
+        ({"uncertainty_factors": {"FR": -1}}, "uncertainty_factors.FR", "at least 0"),
         ({"deliver": "much"}, "deliver", "a number"),
     ],
 )

@@ -205,7 +205,7 @@ def test_rigid_holds_cost_no_step_and_make_joints_of_their_hinges():
     ("element", "message"),
     [
         (RigidLatch(7, 1.0), "hinge of latch = 7"),
-        (RigidLatch(0, 1.0, capture_range=-1.0), "capture_range of latch"),
+        (RigidLatch(0, 1.0, capture_range=-1.0), "capture range of latch"),
         (RigidLatch(0, 1.0, max_capture_rate=0.0), "largest capture rate of latch"),
         (RigidLatch(0, np.nan), "angle of latch"),
         (RigidLatch(1, 1.0), "no other latch"),

@@ -100,7 +100,7 @@ def splines() -> Iterator:
         places = intervals.deciding_places(*at, width, 6)
         yield places.unit.shape, places.errors(RNG.normal(size=(len(places.unit), *width.shape)))
         chosen, growth = intervals.seek_points(
-            runs["unit"].values, runs["values"].values, 5, candidates=512, seed=2
+            runs["normalized"].values, runs["values"].values, 5, candidates=512, seed=2
         )
         yield chosen, growth
 

@@ -17,7 +17,7 @@ def samples_of(function, box, design, time, held_out=4, names=("response",)):
     table = np.array([np.reshape(function(v), (len(names), -1)) for v in value])
     role = ["node"] * design.runs + ["nominal"] + ["held_out"] * len(extra)
     axes = ("run", "parameter")
-    data = {"unit": (axes, unit), "value": (axes, value), "role": ("run", role)}
+    data = {"normalized": (axes, unit), "value": (axes, value), "role": ("run", role)}
     data["values"] = (("run", "response", "time"), table)
     coords = {
         "time": time,

@@ -44,7 +44,7 @@ def samples(runs: int) -> tuple[xr.Dataset, xr.Dataset]:
     unit = np.concatenate([np.zeros((1, 2)), make_design("sobol", box, samples=runs - 1).points])
     values, place = curves(unit), ("run", "parameter")
     common = {
-        "unit": (place, unit),
+        "normalized": (place, unit),
         "value": (place, box.from_unit(unit)),
     }
     coords = {"time": np.linspace(0, 1, 21), "response": ["y"], "parameter": ["p", "q"]}

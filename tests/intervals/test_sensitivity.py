@@ -59,8 +59,8 @@ def test_the_noise_of_the_fit_is_no_share():
     late = np.where(time > 0.5, 1.0, 0.0)
     values = (points[:, :1] + late * points[:, 1:] + noise)[:, None]
     samples = xr.Dataset(
-        {"values": (("run", "response", "time"), values), "unit": (("run", "parameter"), points),
-         "value": (("run", "parameter"), points)},
+        {"values": (("run", "response", "time"), values),
+         "normalized": (("run", "parameter"), points), "value": (("run", "parameter"), points)},
         coords={"time": time, "response": ["y"]},
     )  # fmt: skip
     found = sensitivity_dataset(samples, design)

@@ -319,7 +319,7 @@ def test_bounds_contain_all_runs_and_the_error_covers():
     assert true.mean() < 0.2 * missing.mean()
     alone = bounds_dataset(samples, None, model="spline")
     assert (alone["upper"][0] == bounds["upper"][0]).all()
-    assert bounds.attrs["design_runs"] == len(np.unique(samples["unit"].values, axis=0))
+    assert bounds.attrs["design_runs"] == len(np.unique(samples["normalized"].values, axis=0))
 
 
 def test_an_unknown_model_is_refused():

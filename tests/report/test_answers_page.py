@@ -71,7 +71,7 @@ def test_an_end_that_no_run_reached_is_not_told_as_one_that_did(opened):
     """Not in bold, and said in the headline: without rounds, say, it may be below all runs."""
     (row,) = (row for row in opened.facts["quantities"] if row["name"] == "t_open")
     assert "foretold" not in render(opened).split("</style>")[1]
-    row = row | {"foretold_ends": ["lower"], "lower": row["lower"] - 0.01}
+    row = row | {"predicted_ends": ["lower"], "lower": row["lower"] - 0.01}
     data = replace(opened, facts=opened.facts | {"quantities": [row]})
     assert "is 1.858 to 1.964 s, lower end foretold." in sentence("ranges", data.facts)
     page = render(data).replace("\N{NO-BREAK SPACE}", " ")
@@ -164,7 +164,7 @@ def test_a_page_without_requirements_has_the_intervals_only(opened, tmp_path):
 
 
 EVIL = " <script>x</script> <img src=x onerror=y> [a](javascript:z) `|*\n\n# b \x1b[31m &lt;"
-OF_THE_PROGRAM = {"kind", "met", "grade", "end", "sense", "foretold_ends", "bounds", "units"}
+OF_THE_PROGRAM = {"kind", "met", "grade", "end", "sense", "predicted_ends", "bounds", "units"}
 """Keys of facts that no user names, and templates look at."""
 
 

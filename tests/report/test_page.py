@@ -202,7 +202,7 @@ def test_a_warning_is_said_once(data, quantities):
     """Where it is said what may be said, whatever else there is."""
     data = altered(data, grade="large", error_at_largest_difference=0.2)
     row = {"name": "q", "long_name": "", "lower": None, "upper": None, "runs_with": 0,
-           "runs_without": 1, "foretold_ends": []}  # fmt: skip
+           "runs_without": 1, "predicted_ends": []}  # fmt: skip
     facts = data.facts | {"quantities": [row] * quantities}
     page = render(replace(data, facts=facts, what_if=None))
     text = page.split("</style>")[1].replace("\N{NO-BREAK SPACE}", " ")

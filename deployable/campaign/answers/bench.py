@@ -57,7 +57,7 @@ class Bench:
         """The runs of a campaign that was sampled, perhaps with the further ones of quantities."""
         bench = cls(read_plan(folder.plan), jobs, folder, tell, threads)
         with open_netcdf(folder.samples) as samples:
-            unit = samples["unit"][:]
+            unit = samples["normalized"][:]
             numbers = np.zeros((len(unit), 0))
             if bench.experiment.quantities:
                 numbers = samples["quantities"][:]
@@ -68,7 +68,7 @@ class Bench:
         bench.others = np.isfinite(np.delete(numbers, rows, axis=0)).sum(axis=0)
         if further:
             with open_netcdf(folder.further) as file:
-                if len(points := file["unit"][:]):
+                if len(points := file["normalized"][:]):
                     bench.unit = np.concatenate([bench.unit, points])
                     bench.numbers = np.concatenate([bench.numbers, file["quantities"][:]])
                     bench.margins = np.concatenate([bench.margins, file["margin"][:]])

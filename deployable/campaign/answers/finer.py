@@ -173,7 +173,7 @@ def _curve_errors(bench: Bench, bounds: Any, parts: tuple) -> dict[str, np.ndarr
     attained = [box.to_unit(bounds[name].values) for name in ("argmin", "argmax")]
     width = (bounds["upper"] - bounds["lower"]).values
     places = intervals.deciding_places(*attained, width, PLACES)
-    known = bench.plan.runs.unit
+    known = bench.plan.runs.normalized
     apart = np.abs(known - places.unit[:, None]).max(axis=2)
     nearest = apart.argmin(axis=1)
     points = np.where(apart.min(axis=1)[:, None] <= BESIDE, known[nearest], places.unit)

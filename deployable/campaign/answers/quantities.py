@@ -5,11 +5,11 @@ their ends take, `further.nc`.
     lower, upper (quantity)         the interval: of the simulated ends and of the surrogate's
     simulated_lower, simulated_upper, argmin, argmax    the extreme runs, and where they are
     surrogate_lower, surrogate_upper                    what the surrogate says
-    moving_lower, moving_upper      1 where the surrogate promises more than was simulated
+    unconverged_lower, unconverged_upper    1 where the surrogate promises more than was simulated
     error                           estimated error of the surrogate
     error_step, error_mesh, error_whole     those of step and mesh, if verified, and the sum
     runs_with, runs_without         in how many runs there is such a number, and in how many not
-    happens, open                   share of the box in which there is, and what of it is open
+    happens, happens_uncertainty    share of the box in which there is, and what of it is open
     error_limit, error_border       errors by step and mesh, if verified, for shares of the box: of
                                     the number, and of the certainty that there is one
     is_time, fit                    1 for times of the run; what was fitted
@@ -119,7 +119,7 @@ def _put_ends(variables: _Variables, bench: Bench, ends: list[Ends]) -> None:
         variables.put(f"surrogate_{side}", _OF, predicted, f"{side} end by the surrogate")
         moving = [int(e.unconverged[i]) for e in ends]
         text = f"1 where the surrogate goes beyond the {side} end"
-        variables.put(f"moving_{side}", _OF, moving, text, "1")
+        variables.put(f"unconverged_{side}", _OF, moving, text, "1")
         which = ("argmin", "argmax")[i]
         places = to_value(np.array([getattr(e, which) for e in ends]))
         variables.put(which, _BY, places, f"parameters of the run at the {side} end")
@@ -145,7 +145,7 @@ def _put_occurrence(
     shares = np.array([share_of_box([limit], free) for limit in limits])
     variables.put("happens", _OF, shares[:, 0], "share of the box in which it happens", "1")
     text = "by how much that share may be more or less"
-    variables.put("open", _OF, shares[:, 1], text, "1")
+    variables.put("happens_uncertainty", _OF, shares[:, 1], text, "1")
 
 
 def _put_shares(variables: _Variables, bench: Bench, ends: list[Ends]) -> None:
@@ -175,11 +175,11 @@ def further_dataset(bench: Bench) -> Any:
     numbers, margins = (each[len(each) - len(runs) :] for each in (bench.numbers, bench.margins))
     along = ("run", "parameter")
     values = np.array([run.values for run in runs]).reshape(-1, k)
-    unit = np.array([run.unit for run in runs]).reshape(-1, k)
+    unit = np.array([run.normalized for run in runs]).reshape(-1, k)
     ids = np.array([run.id for run in runs], dtype=object)
     variables = {
         "run_id": ("run", ids, {"long_name": "name of the trajectory"}),
-        "unit": (along, unit, {"units": "1", "long_name": "coordinates in the box, -1 to 1"}),
+        "normalized": (along, unit, {"units": "1", "long_name": "coordinates in the box, -1 to 1"}),
         "value": (along, values, {"long_name": "parameter values in their units"}),
         "quantities": (("run", "quantity"), numbers, {"long_name": "value of the quantity"}),
         "margin": (("run", "quantity"), margins, {"long_name": "by how much the run has it"}),

@@ -1,17 +1,18 @@
 """From the runs of a campaign to what of the box meets its requirements, `requirements.json`.
 
-    requirements   [{name, met, share, open, runs, limits}], met is all, some or none of the box;
-                   "open" where nothing fails, in so many runs or by what was fitted, and errors or
-                   what only happens or does not leave open whether all does; open: by how much the
-                   share may be more or less, by all runs and estimated errors
-    limits         [{quantity, units, kind, level, margin, error, at, simulated, met, share, open,
-                   runs}]: margin at the worst place, and the estimated error, of mesh and step too
-                   if known; met, share, open of this limit alone
-    together       {met, share, open, runs, largest_share, fails, whole}: of all; `fails` is the
-                   nearest place at which one fails: {requirement, quantity, kind, level, units, at,
-                   simulated}; whole: whether errors have those of step and mesh
-    halved         (in together) {name: {share, open}}: if the interval of one parameter were half
-                   as wide about its nominal value
+    requirements   [{name, met, share, share_uncertainty, runs, limits}], met is all, some or none
+                   of the box; "undecided" where nothing fails, in so many runs or by what was
+                   fitted, and errors or what only happens or does not leave open whether all does;
+                   share_uncertainty: by how much the share may be more or less, by all runs and
+                   estimated errors
+    limits         [{quantity, units, kind, level, margin, error, at, simulated, met, share,
+                   share_uncertainty, runs}]: margin at the worst place, and the estimated error,
+                   of mesh and step too if known; met and what follows of this limit alone
+    together       {met, share, share_uncertainty, runs, largest_share, fails, whole}: of all;
+                   `fails` is the nearest place at which one fails: {requirement, quantity, kind,
+                   level, units, at, simulated}; whole: whether errors have those of step and mesh
+    halved         (in together) {name: {share, share_uncertainty}}: if the interval of one
+                   parameter were half as wide about its nominal value
     runs, further_runs
 
 The runs that decide were made with those of the quantities' ends. Margins are below 0 where a limit
@@ -67,10 +68,14 @@ def _met(bench: Bench, found: Judged, chosen: list[int]) -> dict:
 
     share, open_ = share_of_box([found.limits[i] for i in chosen], bench.experiment.box.free)
     kept = found.slack[chosen].min(axis=0) >= 0
-    told = {"share": share, "open": open_, "runs": len(bench.different) + bench.left_out}
+    told = {
+        "share": share,
+        "share_uncertainty": open_,
+        "runs": len(bench.different) + bench.left_out,
+    }
     if min(found.worst[i][0] for i in chosen) >= 0 and kept.all():
         sure = not open_ and all(is_sure(bench, found, i) for i in chosen)
-        return {"met": "all" if sure else "open", **told, "share": 1.0}
+        return {"met": "all" if sure else "undecided", **told, "share": 1.0}
     return {"met": "none" if share == 0 and not kept.any() else "some", **told}
 
 
@@ -115,5 +120,5 @@ def _halved(bench: Bench, found: Judged) -> dict[str, dict[str, float]]:
         lower, upper = -np.ones(box.dimension), np.ones(box.dimension)
         lower[j], upper[j] = (0.5 * (bench.nominal[j] + end) for end in (-1.0, 1.0))
         share, open_ = share_of_box(found.limits, box.free, lower, upper)
-        rows[box.names[j]] = {"share": share, "open": open_}
+        rows[box.names[j]] = {"share": share, "share_uncertainty": open_}
     return rows

@@ -30,7 +30,7 @@ from deployable.campaign.config.sections import (
 from fpm import SceneError
 from fpm.errors import did_you_mean
 
-OWN_FACTORS = ("factors", "drives", "classes")
+OWN_FACTORS = ("uncertainty_factors", "actuation_factors", "classes")
 """Keys of a margin by which it is no longer that of its standard."""
 
 

@@ -36,7 +36,7 @@ text response: response response_units response_long_name response_along?
 number response: response_least? response_ratio?
 known time: time"""
 _SAMPLES = f"""{_CURVES}
-known run parameter: unit value
+known run parameter: normalized value
 number run event: event_time event_contact event_closing
 text contact: contact
 text quantity: quantity? quantity_units? quantity_long_name?
@@ -72,11 +72,12 @@ number response time: error""",
 text quantity: fit
 number quantity: lower upper simulated_lower simulated_upper surrogate_lower surrogate_upper nominal
 number quantity: error error_step? error_mesh? error_whole? error_limit? error_border? least
-known quantity: moving_lower moving_upper runs_with runs_without happens open is_time
+known quantity: unconverged_lower unconverged_upper runs_with runs_without
+known quantity: happens happens_uncertainty is_time
 number quantity parameter: argmin argmax share alone fixed halved""",
     "further.nc": f"""{_QUANTITIES}
 text run: run_id
-known run parameter: unit value
+known run parameter: normalized value
 number run quantity: quantities margin""",
 }  # fmt: skip
 """Of a file of this name: variables of text, of numbers, and of numbers none of which is infinite
@@ -210,8 +211,8 @@ def _belongs(file: Any, experiment: Experiment) -> Experiment:
     for key in ("lower", "upper", "nominal"):
         ends = [getattr(interval, key) for interval in intervals]
         of_config[f"box_{key}"] = file[f"box_{key}"][:].tolist() == ends
-    if "unit" in variables and len(unit := file["unit"][:]):
-        of_config["unit"] = np.abs(unit).max(initial=0.0) < 1.0 + 1e-6
+    if "normalized" in variables and len(unit := file["normalized"][:]):
+        of_config["normalized"] = np.abs(unit).max(initial=0.0) < 1.0 + 1e-6
     if "role" in variables:
         of_config["role"] = set(file["role"][:].tolist()) <= set(ROLES)
     if "time" in variables:

@@ -163,7 +163,7 @@ def _bounds(
     """The surrogate of quantity `i` and estimates of its bounds, none where no run has it."""
     quantity = experiment.numbers[i]
     end = experiment.solver.duration if quantity.is_time else None
-    unit, values = samples["unit"].values, samples["quantities"].values[:, i]
+    unit, values = samples["normalized"].values, samples["quantities"].values[:, i]
     margins = margins_of_samples(experiment, samples, np.arange(len(unit)))[:, i]
     surrogate = fit_scalar(unit, values, end, quantity.least, margins)
     return surrogate, estimate_bounds(surrogate, unit, values)
@@ -212,7 +212,7 @@ def _places(
 ) -> np.ndarray:
     """Unit points (n, k) of the next `count` runs: where unmet quantities have their ends and
     where the spline promises wider bounds of unmet responses; the rest is spread."""
-    unit, free = samples["unit"].values, experiment.box.free
+    unit, free = samples["normalized"].values, experiment.box.free
     points: list[np.ndarray] = []
 
     def take(candidates: Any, least: float) -> None:

@@ -4,10 +4,10 @@
 
     campaign, config_hash, config   the sections of the config that decide the runs, resolved
     step, step_limit (s), limiting_element, steps_per_instant, assembly_energy (J), mechanics
-    runs      [{id, role, unit (k), values (k)}], one a line; role is node, nominal or held_out
-    packed    in the place of these, where they are many: {count, role, unit}, the arrays (count) of
-              indices into `ROLES`, one byte each, and (count, k) of little-endian doubles, in
-              base64; the values follow from the box
+    runs      [{id, role, normalized (k), values (k)}], one a line; role: node, nominal or held_out
+    packed    in the place of these, where they are many: {count, role, normalized}, the arrays
+              (count) of indices into `ROLES`, one byte each, and (count, k) of little-endian
+              doubles, in base64; the values follow from the box
     adaptive  of a round: the `rounds` before it, all `points` so far, and whether the tolerance is
               `met`: null unless this is the plan after the last round, which has no new runs; and
               what its bounds are to `check`
@@ -223,12 +223,12 @@ def _plan(path: str | Path, data: Mapping) -> Plan:
             if not RUN_ID.fullmatch(run["id"]):
                 raise DamagedError(path, f"{run['id']!r} is no name of a run")
         runs = Runs.of([
-            PlannedRun(r["id"], r["role"], tuple(r["unit"]), tuple(r["values"]))
+            PlannedRun(r["id"], r["role"], tuple(r["normalized"]), tuple(r["values"]))
             for r in data["runs"]
         ])  # fmt: skip
     shape = len(runs), len(experiment.intervals)
     if (
-        runs.unit.shape != shape
+        runs.normalized.shape != shape
         or runs.values.shape != shape
         or max(runs.role, default=0) >= len(ROLES)
     ):
@@ -249,13 +249,13 @@ def _time(data: Mapping) -> TimeStep:
 
 
 def _packed(runs: Runs) -> dict:
-    arrays = {"role": runs.role.astype("i1"), "unit": runs.unit.astype("<f8")}
+    arrays = {"role": runs.role.astype("i1"), "normalized": runs.normalized.astype("<f8")}
     packed = {name: b64encode(values.tobytes()).decode() for name, values in arrays.items()}
     return {"count": len(runs), **packed}
 
 
 def _unpacked(packed: Mapping) -> tuple[np.ndarray, np.ndarray]:
     """Roles (N) and unit coordinates (N, k)."""
-    unit = np.frombuffer(b64decode(packed["unit"]), "<f8").astype(float)
+    unit = np.frombuffer(b64decode(packed["normalized"]), "<f8").astype(float)
     role = np.frombuffer(b64decode(packed["role"]), "i1").astype(np.int8)
     return role, unit.reshape(packed["count"], -1)

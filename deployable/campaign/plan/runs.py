@@ -18,19 +18,19 @@ _REMEMBERED = 1 << 17  # names
 
 @dataclass(frozen=True)
 class PlannedRun:
-    """One run: unit coordinates (k) in the box, and values (k) of the interval parameters."""
+    """One run: normalized coordinates (k) in the box, and values (k) of the interval parameters."""
 
     id: str
     role: str
-    unit: tuple[float, ...]
+    normalized: tuple[float, ...]
     values: tuple[float, ...]
 
 
 class Runs(Sequence[PlannedRun]):
     """N runs in order; a `PlannedRun`, with its name, is made when it is asked for.
 
-    role: indices (N) into `ROLES`; unit, values (N, k): coordinates in the box, and values of the
-    interval parameters; name: what a run with values (k) is called.
+    role: indices (N) into `ROLES`; normalized, values (N, k): coordinates in the box, and
+    values of the interval parameters; name: what a run with values (k) is called.
     """
 
     def __init__(
@@ -40,14 +40,16 @@ class Runs(Sequence[PlannedRun]):
         values: np.ndarray,
         name: Callable[[tuple[float, ...]], str],
     ):
-        self.role, self.unit, self.values, self.name = role, unit, values, name
+        self.role, self.normalized, self.values, self.name = role, unit, values, name
 
     @classmethod
     def of(cls, runs: Sequence[PlannedRun]) -> Runs:
         """The runs of a list, with the names that they have."""
         role = np.array([ROLES.index(run.role) for run in runs], np.int8)
         names = {run.values: run.id for run in runs}
-        arrays = (np.array([getattr(r, key) for r in runs], float) for key in ("unit", "values"))
+        arrays = (
+            np.array([getattr(r, key) for r in runs], float) for key in ("normalized", "values")
+        )
         return cls(role, *arrays, names.__getitem__)
 
     def __len__(self) -> int:
@@ -57,7 +59,7 @@ class Runs(Sequence[PlannedRun]):
         """A `PlannedRun` for a number; for a slice, or a list of numbers, the `Runs` there."""
         if isinstance(index, list):
             index = np.array(index, int)
-        role, unit, values = self.role[index], self.unit[index], self.values[index]
+        role, unit, values = self.role[index], self.normalized[index], self.values[index]
         if np.ndim(role):
             return Runs(role, unit, values, self.name)
         own = tuple(values.tolist())
@@ -72,7 +74,7 @@ class Runs(Sequence[PlannedRun]):
     def digest(self) -> str:
         """Digest of roles, coordinates and values, to their last bit."""
         sha = hashlib.sha256(self.role.tobytes())
-        sha.update(self.unit.tobytes())
+        sha.update(self.normalized.tobytes())
         sha.update(self.values.tobytes())
         return sha.hexdigest()[:16]
 

@@ -59,7 +59,7 @@ def _scanned(samples: Any) -> Any:
     from deployable import intervals
 
     nodes = slice(1, None) if keeps_extremes(samples) else samples["role"].values == "node"
-    points = samples["unit"].values[nodes]
+    points = samples["normalized"].values[nodes]
     orders = (0,) * points.shape[1]
     return intervals.Design(points, np.zeros((0, len(orders)), dtype=int), "sobol", orders)
 

@@ -43,7 +43,8 @@ _SCAN = ("drawn_runs", "share_outside", "share_outside_95")
 _ERRORS = ("error_step", "error_mesh", "error_whole")
 _INFLUENCE = ("share", "alone", "fixed", "halved")
 _NUMBERS = ("lower", "upper", "simulated_lower", "simulated_upper", "surrogate_lower",
-            "surrogate_upper", "nominal", "error", "happens", "open")  # fmt: skip
+            "surrogate_upper", "nominal", "error", "happens",
+            "happens_uncertainty")  # fmt: skip
 
 
 def facts_of(
@@ -253,7 +254,7 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict[s
         row["time_of_largest_error"] = float(time[worst])
         row["error_at_largest_difference"] = known_error(bounds.bounds_kind, float(error[instant]))
         if extrapolation := _extrapolated_error(bounds, i, instant):
-            row["foretold"] = extrapolation
+            row["extrapolated_error"] = extrapolation
     row["grade"] = grade(row["error_at_largest_difference"], row["largest_difference"])
     if "growth_quarter" in bounds.variables:
         row["largest_growth_quarter"] = float(bounds["growth_quarter"][i].max())
@@ -386,7 +387,9 @@ def quantity_rows(data: Any, duration: float = np.inf) -> list[dict[str, Any]]:
         if errors := quantity_errors(row):
             row["errors"] = errors
         row |= {key: int(data[key][i]) for key in ("runs_with", "runs_without")}
-        row["foretold_ends"] = [side for side in ("lower", "upper") if data[f"moving_{side}"][i]]
+        row["predicted_ends"] = [
+            side for side in ("lower", "upper") if data[f"unconverged_{side}"][i]
+        ]
         ends = row["units"] == "s" and row["runs_without"] and (row["upper"] or 0.0) >= duration
         row["beyond"] = duration if ends else None
         for key in ("argmin", "argmax"):

@@ -98,7 +98,7 @@ def margin_of(
         "evidence": evidence_of(response),
         "openings": list(openings),
         "without": left_out(response),
-        "stand": list(definition.get("stand", ())),
+        "locked": list(definition.get("locked", ())),
         "starts_vary": bool(stowed and np.ptp(starts) > OPENING_TOLERANCE),
         "first": positions.first,
         "last": positions.last,
@@ -198,9 +198,9 @@ def own_settings(scene: Any, definition: Mapping[str, Any], response: Any) -> li
     resists, parts = standard.resists[evidence_of(response)], parts_of(scene)
     return [
         *(f"{name} {x:g} for {resists[name]:g}"
-          for name, x in definition.get("factors", {}).items()),
+          for name, x in definition.get("uncertainty_factors", {}).items()),
         *(f"driving {name} {x:g} for {standard.drives[name]:g}"
-          for name, x in definition.get("drives", {}).items()),
+          for name, x in definition.get("actuation_factors", {}).items()),
         *(f"{part} as {name} for {parts[part]}"
           for part, name in definition.get("classes", {}).items()),
     ]  # fmt: skip

@@ -89,9 +89,9 @@ def runs_of(folder: Folder) -> FittedRuns:
         rows = fitted_rows(numbers)
         experiment = Experiment.read(file.config)
         margins = margins_of_samples(experiment, file, rows)
-        parts = [(file["unit"][:][rows], numbers[rows], margins)]
+        parts = [(file["normalized"][:][rows], numbers[rows], margins)]
     with open_netcdf(folder.further) as file:
-        parts.append(tuple(file[name][:] for name in ("unit", "quantities", "margin")))
+        parts.append(tuple(file[name][:] for name in ("normalized", "quantities", "margin")))
     return FittedRuns(*map(np.concatenate, zip(*parts, strict=True)))
 
 

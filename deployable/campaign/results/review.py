@@ -308,7 +308,7 @@ class _Sheet:
         if limit is not None:
             analysed += f"; {_describe_limit(limit, units)}"
             happens = limit["kind"] == "happens"
-            if not (happens and limit["met"] in ("all", "open")):
+            if not (happens and limit["met"] in ("all", "undecided")):
                 nearest = numbers.place(limit["at"], parameters)
                 if limit["simulated"] is not None:
                     least = numbers.quantity(limit["simulated"], units, 4)
@@ -339,9 +339,9 @@ class _Sheet:
         if limit["met"] == "none":
             return Verdict(UNMET, "not met anywhere in the box")
         if limit["met"] == "some":
-            share = numbers.share(limit["share"], limit["open"])
+            share = numbers.share(limit["share"], limit["share_uncertainty"])
             return Verdict(UNMET, f"not met in a part of the box; {share} of the box meets it")
-        if limit["met"] == "open":
+        if limit["met"] == "undecided":
             runs = f"no failure found in {limit['runs']} runs"
             return Verdict(OPEN, f"undecided: {runs}, which proves nothing of the rest")
         if limit["kind"] != "happens" and not _keeps(row, limit["kind"], limit["level"]):
@@ -436,7 +436,7 @@ class _Sheet:
             name for peer in self._margins.values() if peer["standard"] == margin["standard"]
             for name in peer["openings"]
         }  # fmt: skip
-        if stand := [name for name in margin["stand"] if name not in openings]:
+        if stand := [name for name in margin["locked"] if name not in openings]:
             is_not = "stands, is not" if len(stand) == 1 else "stand, are not"
             reasons.append(f"{', '.join(stand)}, which {is_not} led")
         if margin["weaker"]:
@@ -455,7 +455,7 @@ class _Sheet:
         words += [f"without {', '.join(margin['without'])}"] if margin["without"] else []
         words += [f"own factors: {', '.join(margin['own'])}"] if margin["own"] else []
         words += [f"with {', '.join(margin['added'])}"] if margin["added"] else []
-        words += [f"{', '.join(margin['stand'])} standing"] if margin["stand"] else []
+        words += [f"{', '.join(margin['locked'])} standing"] if margin["locked"] else []
         for key, text in (("latches", "the latch {}, which catches on the way, has no part in it"),
                           ("motors", "the motor of {}, elastic, has no part in it")):  # fmt: skip
             words += [text.format(name) for name in margin[key]]
@@ -571,14 +571,14 @@ class _Sheet:
         elif failing:
             verdict = Verdict(UNMET, "not met in at least a part of the box")
         elif whole["met"] != "all" or OPEN in outcomes:
-            verdict = self._judge({}, {**whole, "met": "open"})
+            verdict = self._judge({}, {**whole, "met": "undecided"})
         elif open_:
             text = f"what the campaign requires is met; see the rows of {', '.join(open_)}"
             verdict = Verdict(PARTLY, f"partly analysed: {text}")
         else:
             verdict = Verdict(MET, "met in all of the box, by analysis")
         if failing and whole["met"] == "some":
-            share = numbers.share(whole["share"], whole["open"])
+            share = numbers.share(whole["share"], whole["share_uncertainty"])
             verdict = Verdict(UNMET, f"not met in a part of the box; {share} of the box meets all")
         value = f"not met: {', '.join(dict.fromkeys(failing))}" if failing else ""
         return _row(analysed, verdict, value)

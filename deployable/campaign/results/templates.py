@@ -74,10 +74,10 @@ def _escaped(facts: Any, code: str = "") -> Any:
 def met_text(row: Mapping[str, Any]) -> str:
     """Volume fraction of the box in which a requirement is met, in words: `All`, `None`, a
     percentage, or that no run fails."""
-    if row["met"] == "open":
+    if row["met"] == "undecided":
         return f"No failure found in {row['runs']} run{'s' * (row['runs'] != 1)}"
-    sure = row["met"] != "some" and 100 * row["open"] < numbers.OPEN
-    text = row["met"] if sure else numbers.share(row["share"], row["open"])
+    sure = row["met"] != "some" and 100 * row["share_uncertainty"] < numbers.OPEN
+    text = row["met"] if sure else numbers.share(row["share"], row["share_uncertainty"])
     return text[0].upper() + text[1:]
 
 

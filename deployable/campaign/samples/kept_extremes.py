@@ -7,7 +7,7 @@ It has the variables of `campaign.samples.samples`, but for those of every run's
     lower_run, upper_run (quarter, response, time)  which run that is, the first of several; -1 in a
                                                     quarter without runs
     nominal(response, time)                         the nominal run, the first of the runs
-    unit, value (run, parameter), quantities (run, quantity), as there
+    normalized, value (run, parameter), quantities (run, quantity), as there
     event_time, event_contact, event_closing (run, event)   the times in single precision; padded
                                                     with NaN, -1, -1
     overlap                                         largest of all runs, rad

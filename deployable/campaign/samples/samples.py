@@ -5,7 +5,7 @@
     response, response_units, response_long_name (response)
     response_along(response)      over what it lies instead of time; only where some do
     response_least(response)      the least value that it can have, NaN where there is none
-    unit(run, parameter)          coordinates in the box, -1 to 1
+    normalized(run, parameter)    coordinates in the box, -1 to 1
     value(run, parameter)         parameter values, in the units box_units(parameter)
     parameter_<name>(run)         the same by name, with units
     box_lower, box_upper, box_nominal (parameter)
@@ -113,7 +113,7 @@ def write_places(file: Any, runs: Runs, **packing: Any) -> None:
     """
     dims = ("run", "parameter")
     text = "coordinates in the box, -1 to 1"
-    _numbers(file, "unit", dims, runs.unit, text, packing, units="1")
+    _numbers(file, "normalized", dims, runs.normalized, text, packing, units="1")
     _numbers(file, "value", dims, runs.values, "parameter values in their units", packing)
 
 

@@ -62,7 +62,7 @@ class Runs:
         rows = intervals.match_points(points, self.unit)
         unit = self.unit[rows]
         data = {
-            "unit": (("run", "parameter"), unit),
+            "normalized": (("run", "parameter"), unit),
             "value": (("run", "parameter"), box_of(self.case).from_unit(unit)),
             "values": (("run", "response", "time"), self.values[rows]),
         }

@@ -70,7 +70,7 @@ class Joint(JointBase):
     type: one of TYPES. axes (2, 3): the axis in each particle's own frame, one and the same but for
     universal joints, where they are normal to each other; references (2, 3): a direction normal to
     the axis in each frame, one and the same at the start. A type of "held" has one virtual beam,
-    whose end is held along the global axes `held`.
+    whose end is held along the global axes `support_axes`.
     """
 
     name: str

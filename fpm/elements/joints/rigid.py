@@ -137,7 +137,10 @@ class RigidRelease(AnyRelease, Rigid):
 
 @dataclass(frozen=True)
 class RigidLatch(AnyLatch, Rigid):
-    """A latch that holds exactly; its name is that of the hinge if "" is given."""
+    """A latch that holds exactly; its name is that of the hinge if "" is given.
+
+    side: of the opening before it is caught, "below", "above" or "either".
+    """
 
     hinge: int = on_hinge()
     angle: float = number("rad")

@@ -69,8 +69,12 @@ def _unbalanced(element: str) -> str:
 
 @dataclass(frozen=True)
 class Friction(OnHinge):
-    """Friction in a hinge by a bristle: a spring that slips at a moment. damping None: as DAMPED
-    says."""
+    """Friction in a hinge by a bristle: a spring that slips at a moment.
+
+    damping None: as DAMPED says. angles, shares: openings (rad, on slides m) and factors of the
+    moment there, linear between them; none: 1. load: force of the joint (N) at which the moment is
+    that, and in proportion to which it grows; None: it is constant.
+    """
 
     hinge: int = on_hinge()
     moment: float = number("N m", 0.0, text="at which it slips; below, it sticks for ever")

@@ -71,7 +71,10 @@ class AnyLatch(OnHinge):
 
 @dataclass(frozen=True)
 class Latch(AnyLatch):
-    """A latch with a spring and a damper; its name is that of the hinge if "" is given."""
+    """A latch with a spring and a damper; its name is that of the hinge if "" is given.
+
+    one_sided: whether it lets the opening go on, as a ratchet.
+    """
 
     hinge: int = on_hinge()
     angle: float = number("rad", text="opening at which it catches")

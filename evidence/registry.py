@@ -97,7 +97,7 @@ STUDIES = {
                 "deployable/intervals",
                 "deployable/campaign/config",
                 "deployable/campaign/plan",
-                "deployable/campaign/answers/finer.py",
+                "deployable/campaign/answers/discretization.py",
                 "evidence/tradeoff/measure",
             ),
             plots=tuple(f"pareto_{case.name}" for case in CASES),

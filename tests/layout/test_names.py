@@ -6,31 +6,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-CLEAN = (
-    "deployable/__init__.py",
-    "deployable/__main__.py",
-    "deployable/campaign/__init__.py",
-    "deployable/campaign/cli",
-    "deployable/campaign/config",
-    "deployable/campaign/errors.py",
-    "deployable/campaign/export",
-    "deployable/campaign/files",
-    "deployable/campaign/folder.py",
-    "deployable/campaign/pictures",
-    "deployable/campaign/plan",
-    "deployable/campaign/provenance.py",
-    "deployable/campaign/report",
-    "deployable/campaign/results",
-    "deployable/campaign/runs",
-    "deployable/campaign/samples",
-    "deployable/campaign/shipped",
-    "deployable/campaign/stages",
-    "deployable/campaign/stopping.py",
-    "deployable/campaign/text",
-    "deployable/intervals",
-    "deployable/one_thread.py",
-    "fpm",
-)
+CLEAN = ("deployable", "fpm")
 """Folders and files that are held to it."""
 
 WORDS = """

@@ -179,7 +179,7 @@ def test_the_description_of_the_linkage_fits_together():
 
 @pytest.mark.slow
 def test_memory_of_a_run_is_read_from_another_process():
-    grown, before = kernel._grown(11, 20, kernel.stable(linkages(1)))
+    grown, before = kernel._measure_growth(11, 20, kernel.stable(linkages(1)))
     assert before > 1000 and grown >= 0
 
 

@@ -33,9 +33,9 @@ def panels(
 
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False, **options)
-    for each in axes.flat:
-        each.grid(color="0.9", linewidth=0.5)
-        each.set_axisbelow(True)
+    for panel in axes.flat:
+        panel.grid(color="0.9", linewidth=0.5)
+        panel.set_axisbelow(True)
     return figure, list(axes.flat)
 
 
@@ -72,7 +72,7 @@ class Chart:
         return "-".join(re.findall(r"\w+", self.title.lower().replace("°", " degree")))
 
 
-def draw_used(axes: Axes, rows: Sequence[Row], labels: Sequence[str]) -> None:
+def draw_utilization(axes: Axes, rows: Sequence[Row], labels: Sequence[str]) -> None:
     """How much of its allowance each row takes, at the height of its label.
 
     Dots passed, large crosses failed; small crosses at the left are clear refusals.
@@ -81,13 +81,13 @@ def draw_used(axes: Axes, rows: Sequence[Row], labels: Sequence[str]) -> None:
     for row, label in zip(rows, labels, strict=True):
         if isinstance(row.value, str):
             x, style = LEAST, {"marker": "x", "color": ORANGE, "markersize": 4}
-        elif row.failed:
-            x = max(row.used, LEAST) if row.used > 0 else 10.0
+        elif row.is_failed:
+            x = max(row.utilization, LEAST) if row.utilization > 0 else 10.0
             style = {"marker": "X", "color": VERMILION, "markersize": 9}
-        elif math.isnan(row.used):
+        elif math.isnan(row.utilization):
             continue
         else:
-            x, style = max(row.used, LEAST), {"marker": "o", "color": BLUE, "markersize": 4}
+            x, style = max(row.utilization, LEAST), {"marker": "o", "color": BLUE, "markersize": 4}
         axes.plot(x, places[label], alpha=0.6, linestyle="", **style)
     axes.axvline(1.0, color="#444444", linestyle="--", linewidth=1)
     axes.set(xscale="log", xlabel="error / what is allowed (x: refused)")

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from evidence.tradeoff.measure.asked_cases import ASKED
+from evidence.tradeoff.measure.asked_cases import ACCURACY_CASES
 from evidence.tradeoff.measure.cases import CASES
 from fpm.kernels.sources import syntax_digest
 
@@ -22,7 +22,7 @@ class Study:
 
     about: a line for those who wait; uses: folders and files, beside the solver, whose code decides
     what is measured; plots: figures that it always leaves; parts: measured by a process of their
-    own each, side by side (without them, one process does all); alone: it times things, so that
+    own each, side by side (without them, one process does all); exclusive: it times things, so that
     nothing should run beside it; quick: it has a quick form.
     """
 
@@ -31,7 +31,7 @@ class Study:
     uses: tuple[str, ...]
     plots: tuple[str, ...] = ()
     parts: tuple[str, ...] = ()
-    alone: bool = False
+    exclusive: bool = False
     quick: bool = False
 
     @property
@@ -97,14 +97,14 @@ STUDIES = {
                 "deployable/intervals",
                 "deployable/campaign/config",
                 "deployable/campaign/plan",
-                "deployable/campaign/answers/finer.py",
+                "deployable/campaign/answers/discretization.py",
                 "evidence/tradeoff/measure",
             ),
             plots=tuple(f"pareto_{case.name}" for case in CASES),
             parts=(
                 *(case.name for case in CASES),
                 "peers",
-                *(f"asked-{case.name}" for case in ASKED),
+                *(f"asked-{case.name}" for case in ACCURACY_CASES),
             ),
         ),
         Study(
@@ -112,7 +112,7 @@ STUDIES = {
             "Timing scissor masts of 1 to 100 units, and joints alone and coupled",
             uses=("evidence/scaling", "evidence/benchmark"),
             plots=("cost",),
-            alone=True,
+            exclusive=True,
             quick=True,
         ),
         Study(
@@ -127,7 +127,7 @@ STUDIES = {
             "Measuring the solver, the workflow and, where they are installed, peers",
             uses=("evidence/benchmark",),
             plots=("benchmark",),
-            alone=True,
+            exclusive=True,
             quick=True,
         ),
     )

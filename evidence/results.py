@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 class Report:
     """What follows from what a study measured.
 
-    more: further entries of summary.json; text: further Markdown below the rows; figures: by the
+    extra: further entries of summary.json; text: further Markdown below the rows; figures: by the
     names of their files.
     """
 
     rows: list[Row]
-    more: Mapping[str, Any] = field(default_factory=dict)
+    extra: Mapping[str, Any] = field(default_factory=dict)
     text: str = ""
     figures: Mapping[str, Figure] = field(default_factory=dict)
 
@@ -58,11 +58,11 @@ def expected(row: Row) -> str:
 
 def rows_text(rows: Sequence[Row]) -> str:
     """Rows as Markdown: how many, which failed, then a table for each group."""
-    failed = [row for row in rows if row.failed]
+    failures = [row for row in rows if row.is_failed]
     left_out = sum(bool(row.skipped) for row in rows)
-    told = f", {left_out} skipped" if left_out else ""
-    parts = [f"{len(rows)} rows, {len(failed)} failed{told}.\n"]
-    parts += [f"- **failed**: {row.name}: {cell(row.value)}, {expected(row)}\n" for row in failed]
+    suffix = f", {left_out} skipped" if left_out else ""
+    parts = [f"{len(rows)} rows, {len(failures)} failed{suffix}.\n"]
+    parts += [f"- **failed**: {row.name}: {cell(row.value)}, {expected(row)}\n" for row in failures]
     for group in dict.fromkeys(row.group for row in rows):
         parts.append(f"## {group or 'Rows'}\n")
         parts.append(_group_table(group, [row for row in rows if row.group == group]))
@@ -92,7 +92,7 @@ def write(folder: str | os.PathLike, study: str, report: Report) -> None:
     text = f"# {study.capitalize()}\n\n" + rows_text(report.rows) + report.text
     text += "".join(f"\n![{name}]({name}.png)\n" for name in report.figures)
     write_text(folder / "table.md", text)
-    summary = {"study": study, "rows": [row.plain() for row in report.rows], **report.more}
+    summary = {"study": study, "rows": [row.plain() for row in report.rows], **report.extra}
     write_text(folder / "summary.json", as_json(summary))
 
 

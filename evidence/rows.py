@@ -30,12 +30,12 @@ class Row:
     skipped: str = ""
 
     @property
-    def failed(self) -> bool:
+    def is_failed(self) -> bool:
         """Whether the row was judged and found wanting."""
         return self.passed is False
 
     @property
-    def used(self) -> float:
+    def utilization(self) -> float:
         """How much of what is allowed the value takes, 1 at the limit; NaN where that is no number.
 
         Rows of "at least" have none: there is no end to what is better.
@@ -56,7 +56,7 @@ class Row:
         }
 
 
-def told(name: str, value: float | str, unit: str = "", note: str = "") -> Row:
+def info(name: str, value: float | str, unit: str = "", note: str = "") -> Row:
     """A finding that nothing is asked of."""
     return Row(name, value, unit, note=note)
 
@@ -88,15 +88,15 @@ def at_least(
     return Row(name, float(value), unit, "at least", float(limit), None, passed, source, note)
 
 
-def refused(name: str, error: object) -> Row:
+def refusal(name: str, error: object) -> Row:
     """A case that is refused by name, as it should be."""
     told_so = f"refused: {error}"
     return Row(name, told_so, "", "", "a clear refusal", None, True, "the error's message")
 
 
-def skipped(name: str, why: str, unit: str = "") -> Row:
-    """What cannot be measured here; `why` says what would make it possible."""
-    return Row(name, None, unit, skipped=why)
+def skipped(name: str, reason: str, unit: str = "") -> Row:
+    """What cannot be measured here; `reason` says what would make it possible."""
+    return Row(name, None, unit, skipped=reason)
 
 
 def grouped(group: str, rows: Iterable[Row]) -> list[Row]:

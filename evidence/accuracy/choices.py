@@ -60,13 +60,13 @@ def weights(kind: str, elements: int) -> np.ndarray:
 
     Second order with the end shift n / (12 (n - 1)), which keeps the link's inertia exact.
     """
-    out = end_weights(elements, 2 if kind == "gregory-3" else 0)
+    shares = end_weights(elements, 2 if kind == "gregory-3" else 0)
     if kind == "gregory-2":
-        moved = elements / (12 * (elements - 1))
-        out[[0, -1]] -= moved
-        out[1] += moved
-        out[-2] += moved
-    return out
+        shift = elements / (12 * (elements - 1))
+        shares[[0, -1]] -= shift
+        shares[1] += shift
+        shares[-2] += shift
+    return shares
 
 
 def scene_of(choice: Choice) -> fpm.Scene:
@@ -81,11 +81,11 @@ def scene_of(choice: Choice) -> fpm.Scene:
 def simulate(choice: Choice) -> tuple[fpm.Outcome, float]:
     """The outcome of one choice and its cpu time (s), for a full register of samples."""
     scene = scene_of(choice)
-    begun = time.process_time()
+    start = time.process_time()
     (outcome,) = fpm.simulate([scene], duration=DURATION, instants=INSTANTS, safety=choice.safety)
     if outcome.failure:
         raise outcome.failure
-    return outcome, time.process_time() - begun
+    return outcome, time.process_time() - start
 
 
 def phases_of(reference: fpm.Outcome) -> list[tuple[str, float, float]]:
@@ -104,12 +104,12 @@ def phases_of(reference: fpm.Outcome) -> list[tuple[str, float, float]]:
 
 def errors(outcome: fpm.Outcome, reference: fpm.Outcome) -> tuple[Phase, ...]:
     """Errors of one outcome by phase."""
-    found, expected = curves(outcome), curves(reference)
+    result, expected = curves(outcome), curves(reference)
     rows = []
     for name, first, last in phases_of(reference):
-        inside = (reference.time >= first) & (reference.time <= last)
-        bd = np.abs(found["BD"] - expected["BD"])[inside]
-        velocity = np.abs(found["vBz"] - expected["vBz"])[inside]
+        window = (reference.time >= first) & (reference.time <= last)
+        bd = np.abs(result["BD"] - expected["BD"])[window]
+        velocity = np.abs(result["vBz"] - expected["vBz"])[window]
         rms = [float(np.sqrt(np.mean(e**2))) for e in (bd, velocity)]
         rows.append(Phase(name, float(bd.max()), rms[0], float(velocity.max()), rms[1]))
     return tuple(rows)

@@ -28,7 +28,7 @@ class Measured:
     results: list[Result]
     reference: fpm.Outcome
     cpu: float
-    apart: Phase
+    difference: Phase
 
 
 def measure_all(quick: bool = False) -> Measured:
@@ -40,43 +40,43 @@ def measure_all(quick: bool = False) -> Measured:
 PARTS = {"choices": measure_all}
 
 
-def report(found: Mapping[str, Measured]) -> Report:
+def report(parts: Mapping[str, Measured]) -> Report:
     """What the study claims, and every choice as a table and in a plot."""
-    m = found["choices"]
-    more = {
+    m = parts["choices"]
+    extra = {
         "reference": {"elements": REFERENCE, "step": m.reference.step, "cpu": m.cpu},
         "results": [asdict(result) for result in m.results],
     }
     text = "\n## Choices\n\n" + choices_table(m.results)
-    return Report(claims(m), more, text, {"errors": draw(m.results)})
+    return Report(claims(m), extra, text, {"errors": draw(m.results)})
 
 
 def claims(m: Measured) -> list[Row]:
     """What the study claims, as rows."""
-    by = {result.choice: result for result in m.results}
+    by_choice = {result.choice: result for result in m.results}
     source = f"{REFERENCE} elements a link, step {m.reference.step:.2g} s"
 
-    def between(choice: Choice) -> float:
-        return by[choice].phases[1].bd
+    def error_between(choice: Choice) -> float:
+        return by_choice[choice].phases[1].bd
 
     rows = [
         at_most(
             f"12 elements: BD {phase.name} (m)", phase.bd, limit, source,
             f"velocity rms {phase.velocity_rms:.2g} m/s",
         )
-        for phase, limit in zip(by[Choice(12)].phases, (1e-4, 5e-4, 5e-3), strict=True)
+        for phase, limit in zip(by_choice[Choice(12)].phases, (1e-4, 5e-4, 5e-3), strict=True)
     ]  # fmt: skip
     for n in (8, 12):
         for kind in ("trapezium", "gregory-2"):
-            ratio = between(Choice(n)) / between(Choice(16, lumping=kind))
+            ratio = error_between(Choice(n)) / error_between(Choice(16, lumping=kind))
             name = f"{n} elements over 16 with {kind} masses: BD between"
             rows.append(at_most(name, ratio, 1.0, source))
-    ratio = between(Choice(12)) / between(Choice(12, safety=0.1))
+    ratio = error_between(Choice(12)) / error_between(Choice(12, safety=0.1))
     name = "step at 0.9 of the limit over 0.1: BD between"
     rows.append(at_most(name, ratio, 1.5, source, "the step costs nothing"))
     name = "two runs whose steps differ: BD after the second closure (m)"
-    note = f"velocity rms {m.apart.velocity_rms:.2g} m/s"
-    return [*rows, at_most(name, m.apart.bd, 1e-3, source, note)]
+    note = f"velocity rms {m.difference.velocity_rms:.2g} m/s"
+    return [*rows, at_most(name, m.difference.bd, 1e-3, source, note)]
 
 
 def choices_table(results: list[Result]) -> str:
@@ -110,9 +110,9 @@ def draw(results: list[Result]):
     figure, panels = plots.panels(1, 3, (11, 3.6), sharey=True)
     titles = ("before the first closure", "between the closures", "after the second")
     for k, (axes, title) in enumerate(zip(panels, titles, strict=True)):
-        for label, (chosen, style, colour) in SERIES.items():
-            some = sorted((r for r in results if chosen(r.choice)), key=lambda r: r.element_steps)
-            x, y = [r.element_steps for r in some], [r.phases[k].bd for r in some]
+        for label, (selects, style, colour) in SERIES.items():
+            group = sorted((r for r in results if selects(r.choice)), key=lambda r: r.element_steps)
+            x, y = [r.element_steps for r in group], [r.phases[k].bd for r in group]
             axes.loglog(x, y, style, color=colour, label=label, markersize=4)
         axes.set(title=title, xlabel="element-steps")
     panels[0].set(ylabel="largest error of BD (m)")

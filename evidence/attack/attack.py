@@ -35,7 +35,7 @@ def attack(
             end = time.monotonic() + 60.0 * minutes / len(kinds)
             while time.monotonic() < end:
                 _attack_once(kind, rng.choice(victims), place, ledger, hunt, rng)
-            print(f"{kind} done, {ledger.failed} bad so far", flush=True)
+            print(f"{kind} done, {ledger.bad_count} bad so far", flush=True)
             write_text(folder / "table.md", table(ledger, hunt))
     return ledger, hunt
 
@@ -43,27 +43,27 @@ def attack(
 def _attack_once(
     kind: str, victim: Victim, place: Path, ledger: Ledger, hunt: Hunt, rng: random.Random
 ) -> None:
-    here = place / "attacked"
-    shutil.rmtree(here, ignore_errors=True)
+    target = place / "attacked"
+    shutil.rmtree(target, ignore_errors=True)
     if kind == "files":
-        attack_files(victim, here, ledger, rng)
+        attack_files(victim, target, ledger, rng)
     elif kind == "kills":
-        attack_by_kill(victim, here, ledger, rng)
+        attack_by_kill(victim, target, ledger, rng)
     elif kind == "disks":
-        attack_by_full_disk(victim, here, ledger, rng)
+        attack_by_full_disk(victim, target, ledger, rng)
     elif kind == "configs":
         text = mutated(rng)
-        if found := attack_by_config(text, here, ledger, rng.random() < 0.05):
-            attack_by_running(found, text, here, ledger)
+        if checked := attack_by_config(text, target, ledger, rng.random() < 0.05):
+            attack_by_running(checked, text, target, ledger)
     elif kind == "pairs":
         attack_by_pairs(ledger, rng)
     else:
-        hunt.one(place / "mutant")
+        hunt.try_mutant(place / "mutant")
 
 
 def table(ledger: Ledger, hunt: Hunt) -> str:
     """What came out, as Markdown."""
-    return ledger.table() + ("\n" + hunt.table() if hunt.tried else "")
+    return ledger.table() + ("\n" + hunt.table() if hunt.count else "")
 
 
 def main(arguments: list[str]) -> int:
@@ -78,16 +78,16 @@ def main(arguments: list[str]) -> int:
     ledger, hunt = attack(
         tuple(options.only), options.minutes, options.seed, options.output, tuple(options.code)
     )
-    found = {
+    summary = {
         "minutes": options.minutes,
         "seed": options.seed,
         "counts": [[*key, count] for key, count in ledger.counts.items()],
         "bad": ledger.bad,
-        "mutants": hunt.found,
+        "mutants": hunt.mutants,
         "left_out": hunt.left_out,
     }
-    write_text(options.output / "attack.json", json.dumps(found, indent=1) + "\n")
+    write_text(options.output / "attack.json", json.dumps(summary, indent=1) + "\n")
     print(table(ledger, hunt))
-    for name, outcome, what in ledger.bad:
-        print(f"{name}: {outcome}: {what}\n", file=sys.stderr)
+    for name, outcome, detail in ledger.bad:
+        print(f"{name}: {outcome}: {detail}\n", file=sys.stderr)
     return 1 if ledger.bad else 0

@@ -55,16 +55,16 @@ def mutated(rng: random.Random) -> str:
     text = yaml.dump(data, Dumper=_DUMPER, allow_unicode=True)
     if rng.random() < 0.15:
         lines = text.split("\n")
-        at = rng.randrange(len(lines))
-        how = rng.randrange(4)
-        if how == 0:
-            lines[at] = lines[at] + rng.choice(LINES)
-        elif how == 1:
-            lines.insert(at, lines[rng.randrange(len(lines))])
-        elif how == 2:
-            lines[at] = "  " + lines[at]
+        row = rng.randrange(len(lines))
+        action = rng.randrange(4)
+        if action == 0:
+            lines[row] = lines[row] + rng.choice(LINES)
+        elif action == 1:
+            lines.insert(row, lines[rng.randrange(len(lines))])
+        elif action == 2:
+            lines[row] = "  " + lines[row]
         else:
-            lines[at] = lines[at][: len(lines[at]) // 2]
+            lines[row] = lines[row][: len(lines[row]) // 2]
         text = "\n".join(lines)
     return text
 
@@ -73,27 +73,27 @@ def _change(data: Any, rng: random.Random) -> None:
     """Change one place of nested mappings and lists: a value, a key, or whether it is there."""
     places = list(_places(data))
     holder, key = rng.choice(places)
-    how = rng.random()
-    if how < 0.6:
+    draw = rng.random()
+    if draw < 0.6:
         holder[key] = copy.deepcopy(rng.choice(NASTY))
-    elif how < 0.7 and type(holder[key]) in (int, float) and abs(holder[key]) < 1e12:
+    elif draw < 0.7 and type(holder[key]) in (int, float) and abs(holder[key]) < 1e12:
         holder[key] *= rng.choice([-1, 10, 1000, 1e-3, 1e6])
-    elif how < 0.8 and isinstance(holder, dict):
+    elif draw < 0.8 and isinstance(holder, dict):
         holder[rng.choice(KEYS)] = holder.pop(key)
-    elif how < 0.9:
+    elif draw < 0.9:
         del holder[key]
     else:
-        other, name = rng.choice(places)
-        holder[key] = copy.deepcopy(other[name])
+        source, name = rng.choice(places)
+        holder[key] = copy.deepcopy(source[name])
 
 
 def _places(data: Any) -> list[tuple[Any, Any]]:
     keys = list(data) if isinstance(data, dict) else range(len(data))
-    found = [(data, key) for key in keys]
+    places = [(data, key) for key in keys]
     for key in keys:
         if isinstance(data[key], dict | list):
-            found += _places(data[key])
-    return found
+            places += _places(data[key])
+    return places
 
 
 def attack_by_config(
@@ -118,22 +118,22 @@ def attack_by_config(
     return accepted[0] if accepted and simulate and _is_cheap(accepted[0]) else None
 
 
-def _is_cheap(found: Campaign) -> bool:
+def _is_cheap(checked: Campaign) -> bool:
     """Whether a campaign takes seconds: its steps, as long as its nominal run lets them be, times
     its runs."""
-    experiment = found.experiment
+    experiment = checked.experiment
     if experiment.scene.parameters.get("elements", 12) > 4:
         return False
     steps = experiment.solver.duration / fpm.stable_step(experiment.nominal_scene).step
     return steps * count_runs(experiment) < COSTLY and experiment.solver.instants <= 5000
 
 
-def attack_by_running(found: Campaign, text: str, place: Path, ledger: Ledger) -> None:
+def attack_by_running(checked: Campaign, text: str, place: Path, ledger: Ledger) -> None:
     """Simulate what was accepted: bounds, or a sentence."""
 
     def run() -> str:
         try:
-            bounds = campaign.run(found, place, figures=False, tell=silent)
+            bounds = campaign.run(checked, place, figures=False, tell=silent)
         except CampaignError:
             return "refused"
         return "right" if bool((bounds["lower"] <= bounds["upper"]).all()) else "wrong"

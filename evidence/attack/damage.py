@@ -38,7 +38,7 @@ def zero(path: Path, rng: random.Random) -> str:
     return f"{size} zeros at {start}"
 
 
-def cut(path: Path, rng: random.Random) -> str:
+def truncate(path: Path, rng: random.Random) -> str:
     """Cut a file off."""
     size = rng.randrange(path.stat().st_size)
     with open(path, "r+b") as file:
@@ -48,30 +48,30 @@ def cut(path: Path, rng: random.Random) -> str:
 
 def swap(path: Path, rng: random.Random) -> str:
     """Put another file of its kind in its place."""
-    others = [p for p in results_in(path.parent) if p.suffix == path.suffix and p != path]
-    if not others:
+    candidates = [p for p in results_in(path.parent) if p.suffix == path.suffix and p != path]
+    if not candidates:
         return "nothing to swap with"
-    other = rng.choice(others)
-    shutil.copy(other, path)
-    return f"{other.name} in its place"
+    source = rng.choice(candidates)
+    shutil.copy(source, path)
+    return f"{source.name} in its place"
 
 
 HARMS: dict[str, Callable[[Path, random.Random], str]] = {
     "bit flipped": flip,
     "page zeroed": zero,
-    "file cut off": cut,
+    "file cut off": truncate,
     "file swapped": swap,
 }
 
 
 def kinds_in(folder: Path) -> dict[str, list[Path]]:
     """The sealed files of a campaign by what they are: of those in its folder each is a kind."""
-    found: dict[str, list[Path]] = {}
+    files: dict[str, list[Path]] = {}
     for path in results_in(folder):
         name = path.relative_to(folder)
         kind = name.name if name.parent == Path() else f"{name.parts[0]}/*{name.suffix}"
-        found.setdefault(kind, []).append(path)
-    return found
+        files.setdefault(kind, []).append(path)
+    return files
 
 
 def attack_files(
@@ -87,13 +87,13 @@ def attack_files(
     kinds = kinds_in(folder)
     path = rng.choice(kinds[kind or rng.choice(list(kinds))])
     harm = harm or rng.choice(list(HARMS))
-    before = path.read_bytes()
-    done = HARMS[harm](path, rng)
-    if path.read_bytes() == before:
+    content = path.read_bytes()
+    change = HARMS[harm](path, rng)
+    if path.read_bytes() == content:
         return
     at_once = rng.random() < 0.5
-    what = f"{path.relative_to(folder)}, {done}, keep: {victim.keep}, at once: {at_once}"
-    ledger.attempt(harm, what, 60.0, lambda: _lead_on(victim, folder, path, at_once))
+    detail = f"{path.relative_to(folder)}, {change}, keep: {victim.keep}, at once: {at_once}"
+    ledger.attempt(harm, detail, 60.0, lambda: _lead_on(victim, folder, path, at_once))
 
 
 def _lead_on(victim: Victim, folder: Path, path: Path, at_once: bool) -> str:
@@ -101,7 +101,7 @@ def _lead_on(victim: Victim, folder: Path, path: Path, at_once: bool) -> str:
 
     Whoever reads the file first has to name it.
     """
-    stages, refused = Folder(folder), False
+    stages, is_refused = Folder(folder), False
     sections = check_config(victim.raw)
     workflow = Workflow(sections, folder.parent)
     workflow.stale()
@@ -111,15 +111,15 @@ def _lead_on(victim: Victim, folder: Path, path: Path, at_once: bool) -> str:
         try:
             STAGES[name].run(stages, silent, **STAGES[name].sections_of(sections))
         except CampaignError:
-            refused = True
+            is_refused = True
             break
         if name == "bounds" and not victim.is_true(read_bounds(folder)):
             return "wrong"
-    told: list[str] = []
-    if not victim.is_true(victim.run(folder.parent, told.append)):
+    messages: list[str] = []
+    if not victim.is_true(victim.run(folder.parent, messages.append)):
         return "wrong"
-    if at_once and not any(str(path) in text for text in told):
+    if at_once and not any(str(path) in text for text in messages):
         return "wrong"
     if broken_in(folder):
         return "stuck"
-    return "refused" if refused else "made again"
+    return "refused" if is_refused else "made again"

@@ -86,7 +86,7 @@ class Edits:
         (self.base,), calls = self._run("base", calls=True)
         if "failed" in self.base["numbers"]:
             raise RuntimeError(self.base["numbers"]["failed"])
-        self._called = {tuple(each) for each in compiled + calls}
+        self._called = {tuple(item) for item in compiled + calls}
 
     def close(self) -> None:
         """End the process that runs campaigns."""
@@ -94,21 +94,21 @@ class Edits:
         self._child.wait(60)
 
     def _run(
-        self, *folders: str, only: str = "", cache: str = "numba", **more: Any
+        self, *folders: str, prefix: str = "", cache: str = "numba", **options: Any
     ) -> tuple[list[dict[str, Any]], list]:
         """What the campaigns give in some folders, and the functions that were called or compiled.
 
-        cache: the folder for what is compiled; more: what else is asked of the process.
+        cache: the folder for what is compiled; options: what else is asked of the process.
         """
         scene = {"file": str(self.own / "linkage.py")}
         raws = [
             {**raw, "campaign": name, "scene": scene}
             for name, raw in CAMPAIGNS.items()
-            if name.startswith(only)
+            if name.startswith(prefix)
         ]
         places = [str(self.place / folder) for folder in folders]
-        asked = {"folders": places, "raws": raws, "cache": str(self.place / cache), **more}
-        self._child.stdin.write(json.dumps(asked) + "\n")
+        request = {"folders": places, "raws": raws, "cache": str(self.place / cache), **options}
+        self._child.stdin.write(json.dumps(request) + "\n")
         self._child.stdin.flush()
         answer = json.loads(self._child.stdout.readline())
         return answer["found"], answer["calls"]
@@ -117,7 +117,7 @@ class Edits:
     def places(self) -> dict[str, list[tuple[str, int]]]:
         """Places that can be changed, by room, in files of which something is called: file, and
         number in it."""
-        found: dict[str, list[tuple[str, int]]] = {}
+        places: dict[str, list[tuple[str, int]]] = {}
         for name in sorted({name for name, _ in self._called}):
             if name.startswith(ROOMS):
                 tree = ast.parse((self.place / name).read_text(encoding="utf-8"))
@@ -125,19 +125,19 @@ class Edits:
                 nodes = dict(enumerate(ast.walk(tree)))
                 numbers = [(name, n) for n in sites(tree) if nodes[n].lineno in lines]
                 if numbers:
-                    found.setdefault(str(Path(name).parent), []).extend(numbers)
-        return found
+                    places.setdefault(str(Path(name).parent), []).extend(numbers)
+        return places
 
     def _lines(self, name: str, tree: ast.Module) -> set[int]:
         """Lines of functions that were called, or of none."""
-        inner, called = set(), set()
+        inner, executed = set(), set()
         for node in ast.walk(tree):
             if isinstance(node, ast.FunctionDef | ast.Lambda):
                 own = set(range(node.lineno, node.end_lineno + 1))
                 inner |= own
                 first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", ()))])
-                called |= own if (name, first) in self._called else set()
-        return called | (set(range(tree.body[-1].end_lineno + 1)) - inner)
+                executed |= own if (name, first) in self._called else set()
+        return executed | (set(range(tree.body[-1].end_lineno + 1)) - inner)
 
     def drawn(self, compiled: bool = False) -> tuple[str, int]:
         """A place of any room, each as likely; compiled: of COMPILED, else of none of these."""
@@ -146,28 +146,28 @@ class Edits:
 
     def text(self, name: str, number: int) -> tuple[str, dict[str, Any]]:
         """The text of a file in which a place is changed; file, line and change."""
-        line, what, tree = change_at(ast.parse((self.place / name).read_bytes()), number)
-        return ast.unparse(tree), {"file": name, "line": line, "change": what}
+        line, change, tree = change_at(ast.parse((self.place / name).read_bytes()), number)
+        return ast.unparse(tree), {"file": name, "line": line, "change": change}
 
-    def one(self, name: str, number: int) -> dict[str, Any]:
+    def try_edit(self, name: str, number: int) -> dict[str, Any]:
         """Change a place, and compare what a campaign, any of them, gives that was run before with
         what it gives from scratch."""
-        text, one = self.text(name, number)
-        return one | self.compared({name: text}, self.rng.choice(sorted(CAMPAIGNS)))
+        text, record = self.text(name, number)
+        return record | self.compared({name: text}, self.rng.choice(sorted(CAMPAIGNS)))
 
-    def compared(self, texts: dict[str, str], only: str = "") -> dict[str, Any]:
-        """The same for files that have other texts; only: of one campaign."""
+    def compared(self, texts: dict[str, str], prefix: str = "") -> dict[str, Any]:
+        """The same for files that have other texts; prefix: of one campaign."""
         shutil.rmtree(self.place / "again", ignore_errors=True)
         shutil.copytree(self.place / "base", self.place / "again")
-        with self._kept(texts):
+        with self._restored(texts):
             for name, text in texts.items():
                 (self.place / name).write_text(text, encoding="utf-8")
-            old, new = self._both("again", texts, only=only)
+            old, new = self._compare("again", texts, prefix=prefix)
         return {
             "simulated": old["simulated"],
             "changed": not new["numbers"].items() <= self.base["numbers"].items(),
             # A program that fails where a folder is, or is not, there yet left nothing old.
-            "stale": [] if _only_failed(old, new) else _apart(old, new),
+            "stale": [] if _only_failed(old, new) else _changed_names(old, new),
         }
 
     def session(
@@ -179,35 +179,35 @@ class Edits:
         `says` is what that gives: "new", as from scratch, the error that refuses it, or "old".
         `stale` is what a fresh process does not make anew after that.
         """
-        whole, folders = {"only": "kept-whole", "whole": True}, ["session"] * (runs + 1)
+        whole, folders = {"prefix": "kept-whole", "whole": True}, ["session"] * (runs + 1)
         for name in ("session", "numba-session"):
             shutil.rmtree(self.place / name, ignore_errors=True)
         shutil.copytree(self.place / "numba", self.place / "numba-session")
         edits = {str(self.place / name): text for name, text in texts.items()}
-        with self._kept(texts):
-            found, _ = self._run(
+        with self._restored(texts):
+            answers, _ = self._run(
                 *folders, **whole, cache="numba-session", texts=edits, after=runs,
                 imports=imports, holds=holds,
             )  # fmt: skip
-            old, new = self._both("session", texts, cache="numba-session", **whole)
-        last = (found or [NOTHING])[-1]
-        says = last["numbers"].get("failed", "old") if _apart(last, new) else "new"
-        return {"says": says, "stale": _apart(old, new)}
+            old, new = self._compare("session", texts, cache="numba-session", **whole)
+        last = (answers or [NOTHING])[-1]
+        says = last["numbers"].get("failed", "old") if _changed_names(last, new) else "new"
+        return {"says": says, "stale": _changed_names(old, new)}
 
     @contextmanager
-    def _kept(self, names: Iterable[str]) -> Iterator[None]:
+    def _restored(self, names: Iterable[str]) -> Iterator[None]:
         """Have some files as they were in the end, whoever changes them."""
         paths = [self.place / name for name in names]
-        before = [(path, path.read_bytes(), path.stat()) for path in paths]
+        originals = [(path, path.read_bytes(), path.stat()) for path in paths]
         try:
             yield
         finally:
-            for path, content, stat in before:
+            for path, content, stat in originals:
                 path.write_bytes(content)
                 os.utime(path, ns=(stat.st_atime_ns, stat.st_mtime_ns))
 
-    def _both(
-        self, folder: str, names: Iterable[str], cache: str = "numba", **more: Any
+    def _compare(
+        self, folder: str, names: Iterable[str], cache: str = "numba", **options: Any
     ) -> list[dict[str, Any]]:
         """What campaigns give in a folder that has been, and in one from scratch, after files of
         these names were edited.
@@ -217,20 +217,20 @@ class Edits:
         """
         shutil.rmtree(self.place / "scratch", ignore_errors=True)
         if not any(name.startswith(COMPILED) for name in names):
-            return self._run(folder, "scratch", cache=cache, **more)[0] or [NOTHING] * 2
+            return self._run(folder, "scratch", cache=cache, **options)[0] or [NOTHING] * 2
         for name in ("numba-old", "numba-new"):
             shutil.rmtree(self.place / name, ignore_errors=True)
-        new, _ = self._run("scratch", cache="numba-new", **more)
+        new, _ = self._run("scratch", cache="numba-new", **options)
         shutil.copytree(self.place / cache, self.place / "numba-old")
-        for made in (self.place / "numba-new").glob("numba-*"):  # named after a digest
-            if not (self.place / "numba-old" / made.name).exists():
-                shutil.copytree(made, self.place / "numba-old" / made.name)
-        found, _ = self._run(folder, cache="numba-old", **more)
-        (old,), (new,) = found or [NOTHING], new or [NOTHING]
-        if _apart(old, new):  # an index may be beyond an array now, where anything may lie
+        for compiled in (self.place / "numba-new").glob("numba-*"):  # named after a digest
+            if not (self.place / "numba-old" / compiled.name).exists():
+                shutil.copytree(compiled, self.place / "numba-old" / compiled.name)
+        answers, _ = self._run(folder, cache="numba-old", **options)
+        (old,), (new,) = answers or [NOTHING], new or [NOTHING]
+        if _changed_names(old, new):  # an index may be beyond an array now, where anything may lie
             shutil.rmtree(self.place / "scratch", ignore_errors=True)
-            (twice,) = self._run("scratch", cache="numba-new", **more)[0] or [NOTHING]
-            for name in _apart(new, twice):
+            (repeat,) = self._run("scratch", cache="numba-new", **options)[0] or [NOTHING]
+            for name in _changed_names(new, repeat):
                 old["numbers"].pop(name, None), new["numbers"].pop(name, None)
         return [old, new]
 
@@ -241,9 +241,9 @@ def _only_failed(old: dict, new: dict) -> bool:
     return fails and bool(old["simulated"]) and all(old["simulated"].values())
 
 
-def _apart(one: dict, other: dict) -> list[str]:
+def _changed_names(first: dict, second: dict) -> list[str]:
     """Names of the numbers that differ."""
-    return sorted({key for key, _ in one["numbers"].items() ^ other["numbers"].items()})
+    return sorted({key for key, _ in first["numbers"].items() ^ second["numbers"].items()})
 
 
 NOTHING = {"numbers": {}, "simulated": {}}

@@ -30,15 +30,15 @@ from numba.core.dispatcher import Dispatcher
 
 def numbers_in(path: Path) -> dict[str, str]:
     """A digest of every variable of the samples of a campaign, but for the names of runs."""
-    found = {}
+    digests = {}
     with netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
         for variable in file.variables.values():
             values = np.asarray(variable[:])
             text = values.tobytes() if values.dtype.kind in "fiu" else str(values).encode()
-            found[variable.name] = hashlib.sha256(text).hexdigest()[:12]
-    found.pop("run_id", None)
-    return {f"{path.parent.name}/{name}": digest for name, digest in found.items()}
+            digests[variable.name] = hashlib.sha256(text).hexdigest()[:12]
+    digests.pop("run_id", None)
+    return {f"{path.parent.name}/{name}": digest for name, digest in digests.items()}
 
 
 def words(error: Exception, results: Path) -> str:
@@ -49,27 +49,27 @@ def words(error: Exception, results: Path) -> str:
 
 def run_whole(campaigns: list, results: Path) -> dict:
     """The same of `campaign.run`: of samples and bounds."""
-    found = {"numbers": {}, "simulated": {}}
+    result = {"numbers": {}, "simulated": {}}
     try:
         from deployable import campaign
         from deployable.campaign.folder import Folder
 
-        for one in campaigns:
-            campaign.run(one, results, figures=False, tell=lambda text: None)
+        for raw in campaigns:
+            campaign.run(raw, results, figures=False, tell=lambda text: None)
             folder = Folder(results / "kept-whole")
-            found["numbers"] |= numbers_in(folder.samples)
+            result["numbers"] |= numbers_in(folder.samples)
             for name, digest in numbers_in(folder.bounds).items():
-                found["numbers"][f"{name} of bounds"] = digest
+                result["numbers"][f"{name} of bounds"] = digest
     except Exception as error:
-        found["numbers"]["failed"] = words(error, results)
-    return found
+        result["numbers"]["failed"] = words(error, results)
+    return result
 
 
 def run(raws: list[dict], results: Path) -> dict:
     """Plan and simulate campaigns, and gather what is kept of their runs, as `campaign.run` does;
     what follows is made anew at every call. The `numbers` of all, or how they failed, and how many
     runs of each were `simulated`."""
-    found = {"numbers": {}, "simulated": {}}
+    result = {"numbers": {}, "simulated": {}}
     try:
         from deployable.campaign.config.check import check_config
         from deployable.campaign.folder import Folder
@@ -84,43 +84,43 @@ def run(raws: list[dict], results: Path) -> dict:
             jobs = campaign.jobs
             collect = kept_extremes.gather if jobs.keep == "extremes" else samples.gather
             collect(read_plan(folder.plan), jobs, folder.runs(jobs.keep), folder.samples)
-            found["numbers"] |= numbers_in(folder.samples)
+            result["numbers"] |= numbers_in(folder.samples)
             batches = [json.loads(p.read_text()) for p in folder.path.glob("batches/*.json")]
-            found["simulated"][raw["campaign"]] = sum(each["simulated"] for each in batches)
+            result["simulated"][raw["campaign"]] = sum(batch["simulated"] for batch in batches)
     except Exception as error:
-        found["numbers"]["failed"] = words(error, results)
-    return found
+        result["numbers"]["failed"] = words(error, results)
+    return result
 
 
-def answer(asked: dict, place: str) -> dict:
+def answer(request: dict, place: str) -> dict:
     """What campaigns give in several folders in turn, and the functions of the program that were
     called or compiled, if that is asked for. After so many of them files get other `texts`."""
     sys.path.insert(0, place)
-    os.environ["NUMBA_CACHE_DIR"] = asked["cache"]
+    os.environ["NUMBA_CACHE_DIR"] = request["cache"]
     numba.config.reload_config()
-    called, found, raws = set(), [], asked["raws"]
+    functions, answers, raws = set(), [], request["raws"]
 
     def add(code):
         if code.co_flags & inspect.CO_OPTIMIZED and code.co_filename.startswith(place):
-            called.add((os.path.relpath(code.co_filename, place), code.co_firstlineno))
+            functions.add((os.path.relpath(code.co_filename, place), code.co_firstlineno))
 
-    if asked.get("calls"):  # which makes compiling three times as long
+    if request.get("calls"):  # which makes compiling three times as long
         sys.setprofile(lambda frame, event, argument: event == "call" and add(frame.f_code))
-    for name in asked.get("imports", ()):
+    for name in request.get("imports", ()):
         importlib.import_module(name)
-    if asked.get("holds"):
+    if request.get("holds"):
         raws = [importlib.import_module("deployable.campaign").check_config(raw) for raw in raws]
-    for number, folder in enumerate(asked["folders"]):
-        if number == asked.get("after"):
-            for path, text in asked["texts"].items():
+    for number, folder in enumerate(request["folders"]):
+        if number == request.get("after"):
+            for path, text in request["texts"].items():
                 Path(path).write_text(text, encoding="utf-8")
-        found.append((run_whole if asked.get("whole") else run)(raws, Path(folder)))
+        answers.append((run_whole if request.get("whole") else run)(raws, Path(folder)))
     sys.setprofile(None)
-    if asked.get("compiled"):
-        for thing in gc.get_objects():
-            if isinstance(thing, Dispatcher) and thing.overloads:
-                add(thing.py_func.__code__)
-    return {"found": found, "calls": sorted(called)}
+    if request.get("compiled"):
+        for item in gc.get_objects():
+            if isinstance(item, Dispatcher) and item.overloads:
+                add(item.py_func.__code__)
+    return {"found": answers, "calls": sorted(functions)}
 
 
 def main(place: str) -> None:

@@ -34,13 +34,13 @@ class Ledger:
     counts: Counter = field(default_factory=Counter)
     bad: list[tuple[str, str, str]] = field(default_factory=list)
 
-    def note(self, attack: str, outcome: str, what: str = "") -> None:
-        """Count one; `what` tells how to do a bad one again."""
+    def note(self, attack: str, outcome: str, detail: str = "") -> None:
+        """Count one; `detail` tells how to do a bad one again."""
         self.counts[attack, outcome] += 1
         if outcome in BAD:
-            self.bad.append((attack, outcome, what))
+            self.bad.append((attack, outcome, detail))
 
-    def attempt(self, attack: str, what: str, limit: float, act: Callable[[], str]) -> None:
+    def attempt(self, attack: str, detail: str, limit: float, act: Callable[[], str]) -> None:
         """Count what an attack leads to: what `act` says, or its exception, or the time limit (s).
 
         In the main thread only.
@@ -49,14 +49,14 @@ class Ledger:
             with time_limit(limit):
                 outcome = act()
         except HangError:
-            self.note(attack, "hang", what)
+            self.note(attack, "hang", detail)
         except Exception:
-            self.note(attack, "traceback", f"{what}\n{traceback.format_exc()}")
+            self.note(attack, "traceback", f"{detail}\n{traceback.format_exc()}")
         else:
-            self.note(attack, outcome, what)
+            self.note(attack, outcome, detail)
 
     @property
-    def failed(self) -> int:
+    def bad_count(self) -> int:
         """Number of bad outcomes."""
         return len(self.bad)
 
@@ -83,7 +83,7 @@ def time_limit(seconds: float) -> Iterator[None]:
         signal.SIGPROF: (signal.ITIMER_PROF, seconds),
         signal.SIGALRM: (signal.ITIMER_REAL, 10 * seconds),
     }
-    before = {number: signal.signal(number, stop) for number in clocks}
+    handlers = {number: signal.signal(number, stop) for number in clocks}
     for timer, most in clocks.values():
         signal.setitimer(timer, most)
     try:
@@ -91,4 +91,4 @@ def time_limit(seconds: float) -> Iterator[None]:
     finally:
         for number, (timer, _) in clocks.items():
             signal.setitimer(timer, 0.0)
-            signal.signal(number, before[number])
+            signal.signal(number, handlers[number])

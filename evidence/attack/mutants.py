@@ -36,7 +36,7 @@ class Hunt:
     """Mutants made so far: file, line, change, and by what it was noticed (None: not)."""
 
     def __init__(self, seed: int, patterns: tuple[str, ...] = ("*",)):
-        self.rng, self.found, self._patterns = random.Random(seed), [], patterns
+        self.rng, self.mutants, self._patterns = random.Random(seed), [], patterns
         self._place: Path | None = None
         self._passes: dict[tuple[str, str], bool] = {}
 
@@ -46,11 +46,11 @@ class Hunt:
         return sorted({name for (_, name), passes in self._passes.items() if not passes})
 
     @property
-    def tried(self) -> int:
+    def count(self) -> int:
         """Number of mutants."""
-        return len(self.found)
+        return len(self.mutants)
 
-    def one(self, place: Path) -> None:
+    def try_mutant(self, place: Path) -> None:
         """Change one place of the code in a copy of the checkout, and run the tests there.
 
         place: the folder of the copy, made once and kept.
@@ -59,46 +59,46 @@ class Hunt:
             make_copy(place)
             self._place = place
         name, number = self.rng.choice(all_sites(self._patterns))
-        line, what, tree = change_at(parsed(name), number)
+        line, change, tree = change_at(parsed(name), number)
         noticed = self.noticed_by(place, place / name, ast.unparse(tree), nearest(name))
-        self.found.append({"file": name, "line": line, "change": what, "noticed": noticed})
+        self.mutants.append({"file": name, "line": line, "change": change, "noticed": noticed})
 
     def noticed_by(self, place: Path, path: Path, text: str, tests: list[str]) -> str | None:
         """What notices another text of a file in a copy: the first test that fails, or the time.
 
         Only files of tests count that pass as the code is.
         """
-        before = path.read_bytes()
-        for marked, chosen in stages(tests):
-            self._try_unchanged(place, marked, chosen)
-            sound = [name for name in chosen if self._passes[marked, name]]
+        content = path.read_bytes()
+        for marked, files in stages(tests):
+            self._try_unchanged(place, marked, files)
+            sound = [name for name in files if self._passes[marked, name]]
             path.write_text(text, encoding="utf-8")
             try:
                 if sound and (noticed := failed_of(place, marked, sound, first=True)):
                     return noticed[0]
             finally:
-                path.write_bytes(before)
+                path.write_bytes(content)
         return None
 
     def _try_unchanged(self, place: Path, marked: str, tests: list[str]) -> None:
         """Run files of tests of which it is not known whether they pass as the code is."""
         if new := [name for name in tests if (marked, name) not in self._passes]:
-            failed = failed_of(place, marked, new)
+            failures = failed_of(place, marked, new)
             for name in new:
-                fails = any(one == TIME or name in one for one in failed)
+                fails = any(failure == TIME or name in failure for failure in failures)
                 self._passes[marked, name] = not fails
 
     def table(self) -> str:
         """The share noticed, and what was not."""
-        noticed = sum(one["noticed"] is not None for one in self.found)
-        lines = [f"{noticed} of {self.tried} changes of the code were noticed by tests.", ""]
+        noticed = sum(mutant["noticed"] is not None for mutant in self.mutants)
+        lines = [f"{noticed} of {self.count} changes of the code were noticed by tests.", ""]
         if self.left_out:
             names = ", ".join(self.left_out)
             lines += [f"Not counted, as they fail without a change: {names}.", ""]
         lines += ["| not noticed | change |", "|---|---|"]
-        for one in self.found:
-            if one["noticed"] is None:
-                lines.append(f"| {one['file']}:{one['line']} | {one['change']} |")
+        for mutant in self.mutants:
+            if mutant["noticed"] is None:
+                lines.append(f"| {mutant['file']}:{mutant['line']} | {mutant['change']} |")
         return "\n".join(lines) + "\n"
 
 
@@ -107,12 +107,12 @@ def nearest(name: str) -> list[str]:
     (folders,) = [tests for room, tests in ROOMS.items() if name.startswith(f"{room}/")]
     stem = Path(name).stem.removesuffix("_kernels")
     words = {stem, stem.title().replace("_", ""), stem.replace("_", " ")}
-    found = []
+    rows = []
     for path in (path for folder in folders for path in (ROOT / "tests" / folder).glob("test_*")):
         text = path.read_text(encoding="utf-8")
         count = sum(len(re.findall(re.escape(word), text)) for word in words)
-        found.append((stem not in path.stem, -count, str(path.relative_to(ROOT))))
-    return [test for *_, test in sorted(found)]
+        rows.append((stem not in path.stem, -count, str(path.relative_to(ROOT))))
+    return [test for *_, test in sorted(rows)]
 
 
 def parsed(name: str) -> ast.Module:
@@ -127,7 +127,7 @@ def all_sites(patterns: tuple[str, ...] = ("*",)) -> list[tuple[str, int]]:
         name
         for name in names
         if any(fnmatch(name, pattern) for pattern in patterns)
-        and not any(fnmatch(name, out) for out in LEFT_OUT)
+        and not any(fnmatch(name, excluded) for excluded in LEFT_OUT)
     ]
     return [(name, number) for name in mutated for number in sites(parsed(name))]
 
@@ -158,15 +158,17 @@ TIME = "time"
 
 def failed_of(place: Path, marked: str, tests: list[str], first: bool = False) -> list[str]:
     """Which tests fail in a copy, or only the first; `TIME` where they take too long."""
-    until = "-x" if first else "--continue-on-collection-errors"
+    option = "-x" if first else "--continue-on-collection-errors"
     try:
-        done = run_tests(place, [until, "-m", marked, *tests])
+        process = run_tests(place, [option, "-m", marked, *tests])
     except subprocess.TimeoutExpired:
         return [TIME]
-    if done.returncode in (0, NO_TESTS):
+    if process.returncode in (0, NO_TESTS):
         return []
-    failed = [x for x in done.stdout.splitlines() if x.startswith(("FAILED", "ERROR"))]
-    return [line.split(" - ")[0] for line in failed] or [f"{' '.join(tests)}: {done.stdout[-300:]}"]
+    failures = [x for x in process.stdout.splitlines() if x.startswith(("FAILED", "ERROR"))]
+    return [line.split(" - ")[0] for line in failures] or [
+        f"{' '.join(tests)}: {process.stdout[-300:]}"
+    ]
 
 
 NO_TESTS = 5
@@ -188,8 +190,8 @@ _COMPARED = {
     ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq,
     ast.NotEq: ast.Eq, ast.In: ast.NotIn, ast.NotIn: ast.In, ast.Is: ast.IsNot, ast.IsNot: ast.Is,
 }  # fmt: skip
-_COUNTED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
-_CALLED = {"min": "max", "max": "min", "argmin": "argmax", "argmax": "argmin", "any": "all",
+_OPERATIONS = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
+_FUNCTIONS = {"min": "max", "max": "min", "argmin": "argmax", "argmax": "argmin", "any": "all",
            "all": "any", "minimum": "maximum", "maximum": "minimum", "lower": "upper",
            "upper": "lower", "floor": "ceil", "ceil": "floor"}  # fmt: skip
 
@@ -205,20 +207,20 @@ def sites(tree: ast.Module) -> list[int]:
 
 def change_at(tree: ast.Module, number: int) -> tuple[int, str, ast.Module]:
     """A copy of a module with one node changed: its line, what, and the changed tree."""
-    changed = copy.deepcopy(tree)
-    node = next(node for i, node in enumerate(ast.walk(changed)) if i == number)
-    before = ast.unparse(node)
+    mutant = copy.deepcopy(tree)
+    node = next(node for i, node in enumerate(ast.walk(mutant)) if i == number)
+    source = ast.unparse(node)
     _change(node)
-    what = f"`{before}` to `{ast.unparse(node)}`".replace("|", "or")
-    return node.lineno, what, changed
+    description = f"`{source}` to `{ast.unparse(node)}`".replace("|", "or")
+    return node.lineno, description, mutant
 
 
 def _change(node: ast.AST) -> bool:
     """Change a node itself; whether it was changed."""
     if isinstance(node, ast.Compare) and type(node.ops[0]) in _COMPARED:
         node.ops[0] = _COMPARED[type(node.ops[0])]()
-    elif isinstance(node, ast.BinOp) and type(node.op) in _COUNTED and not _is_text(node):
-        node.op = _COUNTED[type(node.op)]()
+    elif isinstance(node, ast.BinOp) and type(node.op) in _OPERATIONS and not _is_text(node):
+        node.op = _OPERATIONS[type(node.op)]()
     elif isinstance(node, ast.BoolOp):
         node.op = ast.And() if isinstance(node.op, ast.Or) else ast.Or()
     elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not | ast.USub):
@@ -229,10 +231,10 @@ def _change(node: ast.AST) -> bool:
         node.value = node.value + 1 if node.value in (0, 1) else node.value * 2
     elif isinstance(node, ast.Constant) and type(node.value) is bool:
         node.value = not node.value
-    elif isinstance(node, ast.Attribute) and node.attr in _CALLED:
-        node.attr = _CALLED[node.attr]
-    elif isinstance(node, ast.Name) and node.id in _CALLED and isinstance(node.ctx, ast.Load):
-        node.id = _CALLED[node.id]
+    elif isinstance(node, ast.Attribute) and node.attr in _FUNCTIONS:
+        node.attr = _FUNCTIONS[node.attr]
+    elif isinstance(node, ast.Name) and node.id in _FUNCTIONS and isinstance(node.ctx, ast.Load):
+        node.id = _FUNCTIONS[node.id]
     else:
         return False
     return True

@@ -53,37 +53,37 @@ def start(words: list[str], limit: int | None = None) -> subprocess.Popen:
 
 def attack_by_kill(victim: Victim, place: Path, ledger: Ledger, rng: random.Random) -> None:
     """Kill, or interrupt, a run somewhere in its work; what is published must be whole."""
-    how = rng.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGINT])
-    name = "killed" if how == signal.SIGKILL else "interrupted (Ctrl-C)"
-    after = rng.uniform(0.2, 4.0)
+    number = rng.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGINT])
+    name = "killed" if number == signal.SIGKILL else "interrupted (Ctrl-C)"
+    delay = rng.uniform(0.2, 4.0)
     process = start(command(victim, place, figures=rng.random() < 0.3))
-    if how == signal.SIGINT:  # while Python itself still starts, it tells of itself
+    if number == signal.SIGINT:  # while Python itself still starts, it tells of itself
         process.stdout.readline()
-    time.sleep(after if how == signal.SIGKILL else 0.3 * after)
+    time.sleep(delay if number == signal.SIGKILL else 0.3 * delay)
     with suppress(ProcessLookupError):  # it was faster
-        os.killpg(process.pid, how)
-    what = f"after {after:.2f} s, keep: {victim.keep}"
-    ledger.attempt(name, what, LIMIT, lambda: _after_death(victim, place, process))
+        os.killpg(process.pid, number)
+    detail = f"after {delay:.2f} s, keep: {victim.keep}"
+    ledger.attempt(name, detail, LIMIT, lambda: _after_death(victim, place, process))
 
 
 def attack_by_full_disk(victim: Victim, place: Path, ledger: Ledger, rng: random.Random) -> None:
     """Run where no file may grow beyond a size."""
     limit = int(10 ** rng.uniform(1.0, 5.2))
     process = start(command(victim, place), limit)
-    what = f"no file above {limit} bytes, keep: {victim.keep}"
-    ledger.attempt("full disk", what, LIMIT, lambda: _after_death(victim, place, process))
+    detail = f"no file above {limit} bytes, keep: {victim.keep}"
+    ledger.attempt("full disk", detail, LIMIT, lambda: _after_death(victim, place, process))
 
 
 def _after_death(victim: Victim, place: Path, process: subprocess.Popen) -> str:
     """What a process said and left, then what the next run makes of it."""
-    told, _ = process.communicate()
+    output, _ = process.communicate()
     folder = place / victim.name
-    if "Traceback" in told:
-        raise RuntimeError(told)
+    if "Traceback" in output:
+        raise RuntimeError(output)
     if folder.exists() and broken_in(folder):
         return "wrong"
-    if process.returncode == 1 and "no room" not in told and "error" not in told:
-        raise RuntimeError(f"no word of why: {told}")
+    if process.returncode == 1 and "no room" not in output and "error" not in output:
+        raise RuntimeError(f"no word of why: {output}")
     if not victim.is_true(victim.run(place)):
         return "wrong"
     if broken_in(folder) or left_in(folder):

@@ -47,8 +47,8 @@ class Victim:
 
     def run(self, results: Path, tell: Callable[[str], None] = silent) -> dict[str, np.ndarray]:
         """Run it (what is there already is used); its bounds."""
-        found = campaign.run(self.raw, results, figures=self.drawn, tell=tell)
-        return {name: found[name].values for name in VARIABLES}
+        bounds = campaign.run(self.raw, results, figures=self.drawn, tell=tell)
+        return {name: bounds[name].values for name in VARIABLES}
 
     def copy(self, results: Path) -> Path:
         """The finished campaign once more; its folder."""
@@ -56,16 +56,16 @@ class Victim:
         shutil.copytree(self.whole, results)
         return results / self.name
 
-    def is_true(self, found: dict[str, np.ndarray]) -> bool:
+    def is_true(self, bounds: dict[str, np.ndarray]) -> bool:
         """Whether bounds are the true ones, bit for bit."""
-        return all(np.array_equal(found[name], self.truth[name]) for name in VARIABLES)
+        return all(np.array_equal(bounds[name], self.truth[name]) for name in VARIABLES)
 
 
 def results_in(folder: Path) -> list[Path]:
     """All sealed files of a campaign, those of its runs too."""
     suffixes = {".nc", ".json", ".md", ".html", ".png", ".pdf", ".svg"}
-    found = sorted(path for path in folder.rglob("*") if path.suffix in suffixes)
-    return [path for path in found if not path.name.startswith(".")]
+    paths = sorted(path for path in folder.rglob("*") if path.suffix in suffixes)
+    return [path for path in paths if not path.name.startswith(".")]
 
 
 def broken_in(folder: Path) -> list[Path]:

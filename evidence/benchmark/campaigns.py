@@ -23,7 +23,7 @@ import fpm
 from evidence.benchmark.clock import best
 from evidence.benchmark.processes import ROOT, environment
 from evidence.benchmark.scenes import linkages, runner
-from evidence.rows import Row, at_most, told
+from evidence.rows import Row, at_most, info
 
 PAPER = "Wall time of a warm campaign on 2 cores: the paper's"
 SCAN = "Wall time of a warm campaign on 2 cores: a scan of 1,000 samples"
@@ -67,24 +67,24 @@ def scan(folder: Path, samples: int, keep: str) -> Path:
     return path
 
 
-def snakemake(folder: Path, config: Path | None, cores: int, *more: str) -> float:
+def snakemake(folder: Path, config: Path | None, cores: int, *options: str) -> float:
     """Wall seconds of one call."""
-    asked = ("--configfile", str(config)) if config else ()
-    return called(folder, "snakemake", f"-c{cores}", *asked, *more)
+    config_options = ("--configfile", str(config)) if config else ()
+    return called(folder, "snakemake", f"-c{cores}", *config_options, *options)
 
 
 def called(folder: Path, module: str, *arguments: str) -> float:
     """Wall seconds of a call of a module."""
     command = [sys.executable, "-m", module, *arguments]
     start = time.perf_counter()
-    done = subprocess.run(command, cwd=folder, env=environment(), capture_output=True, text=True)
-    if done.returncode:
-        raise RuntimeError(f"{module} failed:\n{done.stdout[-1000:]}\n{done.stderr[-3000:]}")
+    process = subprocess.run(command, cwd=folder, env=environment(), capture_output=True, text=True)
+    if process.returncode:
+        raise RuntimeError(f"{module} failed:\n{process.stdout[-1000:]}\n{process.stderr[-3000:]}")
     return time.perf_counter() - start
 
 
 @cache
-def alone(cores: int) -> Row:
+def snakemake_alone(cores: int) -> Row:
     """What Snakemake takes itself of a campaign's wall time."""
     rules = [END, f"rule all:\n    input: {[*IDLE]}\n    localrule: True\n"]
     for rule, needs in IDLE.items():
@@ -93,26 +93,26 @@ def alone(cores: int) -> Row:
     with tempfile.TemporaryDirectory() as name:
         Path(name, "Snakefile").write_text("\n".join(rules))
         wall = min(snakemake(Path(name), None, cores, "--forceall") for _ in range(3))
-    return told("Snakemake alone", wall, "s", f"{len(IDLE)} jobs that do nothing, best of 3")
+    return info("Snakemake alone", wall, "s", f"{len(IDLE)} jobs that do nothing, best of 3")
 
 
 def jobs(folder: Path) -> list[tuple[str, float, float]]:
     """Rule, start and end (s since the epoch) of the jobs that Snakemake remembers, in order."""
-    found = set()
+    records = set()
     for path in (folder / ".snakemake/metadata").rglob("*"):
         if path.is_file():
             record = json.loads(path.read_text())
             if record.get("rule") and record.get("endtime"):
-                found.add((record["rule"], record["starttime"], record["endtime"]))
-    return sorted(found, key=lambda job: job[1])
+                records.add((record["rule"], record["starttime"], record["endtime"]))
+    return sorted(records, key=lambda job: job[1])
 
 
-def busy(intervals: list[tuple[float, float]]) -> float:
+def union(intervals: list[tuple[float, float]]) -> float:
     """Length (s) of the union of intervals."""
-    total, reached = 0.0, float("-inf")
+    total, latest = 0.0, float("-inf")
     for start, end in sorted(intervals):
-        total += max(0.0, end - max(start, reached))
-        reached = max(reached, end)
+        total += max(0.0, end - max(start, latest))
+        latest = max(latest, end)
     return total
 
 
@@ -125,30 +125,30 @@ def timed(
     """
     with warm(samples, keep, cores) as (folder, config):
         dry = snakemake(folder, config, cores, "--dry-run")
-        started, before = time.time(), cpu_of_children()
+        origin, cpu_start = time.time(), cpu_of_children()
         wall = snakemake(folder, config, cores)
-        cpu = cpu_of_children() - before
-        done = jobs(folder)
+        cpu = cpu_of_children() - cpu_start
+        finished = jobs(folder)
         manifests = manifests_in(folder)
-    own = alone(cores)
-    first = done[0][1] - started if done else wall
-    during = busy([(start, end) for _, start, end in done])
+    own = snakemake_alone(cores)
+    first = finished[0][1] - origin if finished else wall
+    busy_seconds = union([(start, end) for _, start, end in finished])
     runs = sum(manifest["runs"] for manifest in manifests)
-    inside = sum(manifest["seconds"][0] for manifest in manifests) / cores
+    batch_seconds = sum(manifest["seconds"][0] for manifest in manifests) / cores
     arithmetic = integrating(manifests) / cores
     shared = f"sum over the batches, shared by {cores} cores"
     rows = [
-        told("all", wall, "s", f"{runs} runs in {len(manifests)} batches"),
-        told("cpu time of all processes", cpu, "s"),
-        told("a dry run: interpreter, imports, plan of the jobs", dry, "s"),
+        info("all", wall, "s", f"{runs} runs in {len(manifests)} batches"),
+        info("cpu time of all processes", cpu, "s"),
+        info("a dry run: interpreter, imports, plan of the jobs", dry, "s"),
         own,
-        told("until the first job starts", first, "s"),
-        told("between jobs and at the end", wall - first - during, "s"),
-        *rules(done),
-        told("batches inside their processes", inside, "s", shared),
-        told("integrating", arithmetic, "s",
+        info("until the first job starts", first, "s"),
+        info("between jobs and at the end", wall - first - busy_seconds, "s"),
+        *rules(finished),
+        info("batches inside their processes", batch_seconds, "s", shared),
+        info("integrating", arithmetic, "s",
              f"cpu time, {shared}: {100 * arithmetic / wall:.0f} % of all"),
-        told("integrating, undisturbed", arithmetic_seconds(runs) / cores, "s",
+        info("integrating, undisturbed", arithmetic_seconds(runs) / cores, "s",
              "the same for a process that has the machine to itself"),
     ]  # fmt: skip
     return rows, arithmetic / wall
@@ -161,7 +161,7 @@ def whole(samples: int, keep: str) -> tuple[list[Row], float]:
         wall = called(folder, "deployable", "run", str(config))
         share = integrating(manifests_in(folder)) / cores / wall
     note = f"one process that computes, one that draws; {cores} cores"
-    return [told("all", wall, "s", note)], share
+    return [info("all", wall, "s", note)], share
 
 
 @contextmanager
@@ -187,18 +187,18 @@ def integrating(manifests: list[dict]) -> float:
     return sum(manifest["seconds_integrating"][1] for manifest in manifests)
 
 
-def rules(done: list[tuple[str, float, float]]) -> list[Row]:
+def rules(finished: list[tuple[str, float, float]]) -> list[Row]:
     """The time that each rule's jobs took together."""
     return [
-        told(f"rule {rule}", busy([(start, end) for r, start, end in done if r == rule]), "s")
-        for rule in dict.fromkeys(rule for rule, _, _ in done)
+        info(f"rule {rule}", union([(start, end) for r, start, end in finished if r == rule]), "s")
+        for rule in dict.fromkeys(rule for rule, _, _ in finished)
     ]
 
 
 def cpu_of_children() -> float:
     """Cpu seconds (user and system) of all processes that this one has started and that ended."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 def arithmetic_seconds(runs: int) -> float:
@@ -216,17 +216,17 @@ def paper() -> list[Row]:
     return [at_most(first.name, first.value, 15.0, note=first.note, unit="s"), *rows]
 
 
-def many(samples: int, most: float, *kept: str) -> list[Row]:
-    """A scan for each `jobs.keep` of `kept`, by Snakemake and by `run`, with the share (%) of its
+def scans(samples: int, most: float, *stores: str) -> list[Row]:
+    """A scan for each `jobs.keep` of `stores`, by Snakemake and by `run`, with the share (%) of its
     cores' time that is not arithmetic, which is to be at most `most`; one file for each run has no
     such aim."""
-    found = []
-    for keep in kept:
-        for how, measure in (("", timed), (", run", whole)):
+    all_rows = []
+    for keep in stores:
+        for suffix, measure in (("", timed), (", run", whole)):
             rows, share = measure(samples, keep)
-            other, unit = 100 * (1 - share), "% of all"
+            rest, unit = 100 * (1 - share), "% of all"
             name = "everything but integrating"
             aimed = keep != "trajectories"
-            rows.append(at_most(name, other, most, unit=unit) if aimed else told(name, other, unit))
-            found += [replace(row, name=f"{keep}{how}: {row.name}") for row in rows]
-    return found
+            rows.append(at_most(name, rest, most, unit=unit) if aimed else info(name, rest, unit))
+            all_rows += [replace(row, name=f"{keep}{suffix}: {row.name}") for row in rows]
+    return all_rows

@@ -11,7 +11,7 @@ from evidence.benchmark.clock import best
 from evidence.benchmark.multiply_adds import functions, operands
 from evidence.benchmark.processes import python
 from evidence.benchmark.scenes import beam_count, linkages, runner
-from evidence.rows import Row, at_least, at_most, skipped, told
+from evidence.rows import Row, at_least, at_most, info, skipped
 
 GROUP = "Kernel: the paper's linkage"
 UNIT = "ns per element, step and sample"
@@ -46,24 +46,24 @@ def cost(steps: int, repeats: int, samples: int = 32, meshes=(8, 12, 16, 32)) ->
     for elements in meshes:
         scenes = linkages(samples, elements)
         step = stable(scenes)
-        for name, some in ((f"batch {elements}", scenes), (f"single {elements}", scenes[:1])):
-            runs[name] = runner(some, steps, step)
-            units[name] = beam_count(scenes[0]) * steps * len(some)
+        for name, group in ((f"batch {elements}", scenes), (f"single {elements}", scenes[:1])):
+            runs[name] = runner(group, steps, step)
+            units[name] = beam_count(scenes[0]) * steps * len(group)
     runs["set-up"] = runner(linkages(samples, meshes[0]), 1, stable(linkages(1, meshes[0])))
     seconds = best(runs, repeats)
-    each = {name: 1e9 * seconds[name] / units[name] for name in units}
+    costs = {name: 1e9 * seconds[name] / units[name] for name in units}
     setup = 1e3 * seconds["set-up"] / samples
-    rows = [told("setting up a run and handing it back", setup, "ms per sample")]
+    rows = [info("setting up a run and handing it back", setup, "ms per sample")]
     for elements in meshes:
-        batch, single = each[f"batch {elements}"], each[f"single {elements}"]
-        where = f"{elements} elements a link" + (" (default)" if elements == 12 else "")
+        batch, single = costs[f"batch {elements}"], costs[f"single {elements}"]
+        label = f"{elements} elements a link" + (" (default)" if elements == 12 else "")
         all_elements = batch * elements / (elements + 2)
         note = f"{all_elements:.3g} with the virtual beams counted as elements"
-        rows.append(at_most(f"batch of {samples}, {where}", batch, 6.0, note=note, unit=UNIT))
+        rows.append(at_most(f"batch of {samples}, {label}", batch, 6.0, note=note, unit=UNIT))
         note = "one sample fills one lane of eight, and costs as much as eight"
-        name, unit = f"single sample, {where}", "ns per element and step"
+        name, unit = f"single sample, {label}", "ns per element and step"
         rows.append(at_most(name, single, 40.0, note=note, unit=unit))
-        name = f"lanes against one sample, {where}"
+        name = f"lanes against one sample, {label}"
         rows.append(at_least(name, single / batch, 5.0, unit="x"))
     return rows
 
@@ -84,7 +84,7 @@ def cores(steps: int, repeats: int, samples: int = 16) -> list[Row]:
     bare[0]()
     with ThreadPoolExecutor(2) as pool:
 
-        def together(pair):
+        def in_parallel(pair):
             for future in [pool.submit(run) for run in pair]:
                 future.result()
 
@@ -93,12 +93,12 @@ def cores(steps: int, repeats: int, samples: int = 16) -> list[Row]:
                 run()
 
         runs = {}
-        for what, pair in (("batch", (batch, batch)), ("bare", bare)):
-            runs[f"{what} together"] = partial(together, pair)
-            runs[f"{what} in turn"] = partial(in_turn, pair)
+        for case, pair in (("batch", (batch, batch)), ("bare", bare)):
+            runs[f"{case} together"] = partial(in_parallel, pair)
+            runs[f"{case} in turn"] = partial(in_turn, pair)
         seconds = best(runs, repeats, time.perf_counter)
-    ratio, given = (seconds[f"{k} in turn"] / seconds[f"{k} together"] for k in ("batch", "bare"))
-    note = f"two threads; multiply-adds in registers gain {given:.2f} x at the same time"
+    ratio, gain = (seconds[f"{k} in turn"] / seconds[f"{k} together"] for k in ("batch", "bare"))
+    note = f"two threads; multiply-adds in registers gain {gain:.2f} x at the same time"
     return [at_least(name, ratio, 1.8, note=note, unit=unit)]
 
 
@@ -121,19 +121,19 @@ def memory(steps: int, times: int = 10, instants: int = 2001) -> list[Row]:
         return [skipped(name, "needs Linux (/proc/self/clear_refs)", "MiB more")]
     step = stable(linkages(1))
     steps = max(1, round(steps / (instants - 1))) * (instants - 1)
-    short, _ = _grown(instants, steps, step)
-    long, before = _grown(instants, times * steps, step)
-    many, _ = _grown(times * (instants - 1) + 1, times * steps, step)
-    note = f"{short / 1024:.1f} MiB for 8 samples, on top of {before / 1024:.0f} MiB of the process"
-    each = 1024 * (many - long) / ((times - 1) * (instants - 1) * LANES)
+    short, _ = _measure_growth(instants, steps, step)
+    long, base = _measure_growth(instants, times * steps, step)
+    dense, _ = _measure_growth(times * (instants - 1) + 1, times * steps, step)
+    note = f"{short / 1024:.1f} MiB for 8 samples, on top of {base / 1024:.0f} MiB of the process"
+    bytes_each = 1024 * (dense - long) / ((times - 1) * (instants - 1) * LANES)
     return [
         at_most(name, (long - short) / 1024, 1.0, note=note, unit="MiB more"),
-        told("memory for what is recorded", each, "bytes per instant and sample"),
+        info("memory for what is recorded", bytes_each, "bytes per instant and sample"),
     ]
 
 
-def _grown(instants: int, steps: int, step: float) -> tuple[int, int]:
-    """By how much a run raises its process's peak memory, and what it was before (KiB)."""
+def _measure_growth(instants: int, steps: int, step: float) -> tuple[int, int]:
+    """By how much a run raises its process's peak memory, and what that was at first (KiB)."""
     task = json.dumps([instants, steps, LANES, step])
-    grown, before = map(int, python("-c", MEMORY, task).split())
-    return grown, before
+    growth, base = map(int, python("-c", MEMORY, task).split())
+    return growth, base

@@ -17,11 +17,11 @@ class Vector:
     def __init__(self, x, y, z):
         self.x, self.y, self.z = x, y, z
 
-    def __add__(self, other):
-        return Vector(self.x + other.x, self.y + other.y, self.z + other.z)
+    def __add__(self, right):
+        return Vector(self.x + right.x, self.y + right.y, self.z + right.z)
 
-    def __sub__(self, other):
-        return Vector(self.x - other.x, self.y - other.y, self.z - other.z)
+    def __sub__(self, right):
+        return Vector(self.x - right.x, self.y - right.y, self.z - right.z)
 
     def __rmul__(self, factor):
         return Vector(factor * self.x, factor * self.y, factor * self.z)
@@ -67,25 +67,25 @@ def _overloaded() -> dict[int, Callable]:
     """For functions that are implemented by the types of their arguments (by id): Python's way."""
     from numba.core.typing.templates import builtin_registry
 
-    found = {}
+    functions = {}
     for template in builtin_registry.functions:
         choose = getattr(template, "_overload_func", None)
         if choose and str(getattr(template.key, "__module__", "")).startswith("fpm."):
-            found[id(template.key)] = _chosen(choose)
-    return found
+            functions[id(template.key)] = _dispatch(choose)
+    return functions
 
 
-def _chosen(choose: Callable) -> Callable:
+def _dispatch(choose: Callable) -> Callable:
     """Call what `choose` gives for the type of the first argument."""
     from numba import typeof
 
-    found: dict[tuple, Callable] = {}
+    implementations: dict[tuple, Callable] = {}
 
     def call(first, *rest):
         # Numba's own type of a tuple of arrays takes longer to find than a kernel runs.
         key = type(first), *(map(type, first) if isinstance(first, tuple) else ())
-        if key not in found:
-            found[key] = choose(typeof(first), *rest)
-        return found[key](first, *rest)
+        if key not in implementations:
+            implementations[key] = choose(typeof(first), *rest)
+        return implementations[key](first, *rest)
 
     return call

@@ -12,7 +12,7 @@ from evidence.benchmark.kernel import stable
 from evidence.benchmark.multiply_adds import IN_A_ROUND, MIXTURE, functions, operands
 from evidence.benchmark.processes import python
 from evidence.benchmark.scenes import beam_count, linkages, runner
-from evidence.rows import Row, at_most, told
+from evidence.rows import Row, at_most, info
 
 GROUP = "How close to the machine's peak"
 
@@ -60,55 +60,55 @@ def times(steps: int, repeats: int, elements: int, rounds: int = 100_000) -> tup
     scenes = linkages(8, elements)
     step, fewer = stable(scenes), steps // 10
     independent, dependent, mixture = functions()
-    few = max(1, rounds // 50)
+    mixtures = max(1, rounds // 50)
     runs = {
         "independent": partial(independent, operands(), rounds),
         "dependent": partial(dependent, operands(), rounds),
-        "mixture": partial(mixture, operands(), few),
+        "mixture": partial(mixture, operands(), mixtures),
         "run": runner(scenes, steps, step),
         "fewer": runner(scenes, fewer, step),
     }
     best(runs, 1)
     ns = {name: 1e9 * seconds for name, seconds in best(runs, repeats).items()}
-    each = (ns["run"] - ns["fewer"]) / (steps - fewer)
+    period = (ns["run"] - ns["fewer"]) / (steps - fewer)
     throughput = ns["independent"] / rounds / IN_A_ROUND
-    return throughput, ns["dependent"] / rounds, ns["mixture"] / few, each
+    return throughput, ns["dependent"] / rounds, ns["mixture"] / mixtures, period
 
 
 def peak(steps: int, repeats: int, elements: int = 12) -> list[Row]:
     """Peak rate, operations of a step, and the share of the peak that the loop reaches."""
     throughput, latency, mixture, step = times(steps, repeats, elements)
-    counted = counts(elements)
-    ops = counted["operations"]
+    tally = counts(elements)
+    ops = tally["operations"]
     multiplies = ops["fma"] + ops["multiply"]
     flops = 8 * (2 * ops["fma"] + ops["multiply"] + ops["add"] + ops["divide"] + ops["root"])
     floor = multiplies * throughput
     # As many rounds of the mixture as do what a step does.
-    every = sum(ops[name] for name in MIXTURE) / sum(MIXTURE.values()) * mixture
-    per = beam_count(linkages(1, elements)[0])
+    arithmetic = sum(ops[name] for name in MIXTURE) / sum(MIXTURE.values()) * mixture
+    count = beam_count(linkages(1, elements)[0])
     a_cycle = min(AGAINST_FLOOR, key=lambda n: abs(n - latency / throughput / LATENCY))
-    shares = counted["multiplications"].items()
+    shares = tally["multiplications"].items()
     parts = ", ".join(
         f"{name} {100 * n / multiplies:.0f} %" for name, n in shares if n > 0.005 * multiplies
     )
     detail = ", ".join(f"{value:.0f} {name}" for name, value in ops.items())
     return [
-        told("vector multiply-add, throughput", throughput, "ns",
+        info("vector multiply-add, throughput", throughput, "ns",
              f"8 lanes; {16 / throughput:.0f} GFlop/s"),
-        told("vector multiply-add, latency", latency, "ns",
+        info("vector multiply-add, latency", latency, "ns",
              f"{latency / throughput:.1f} must be under way at once for the peak"),
-        told("vector operations of a step", sum(ops.values()), "per step", detail),
-        told("arithmetic of the loop", flops / step, "GFlop/s",
+        info("vector operations of a step", sum(ops.values()), "per step", detail),
+        info("arithmetic of the loop", flops / step, "GFlop/s",
              f"{100 * flops / step / (16 / throughput):.0f} % of the peak"),
-        told("multiplications alone at the peak rate", floor, "ns per step",
-             f"{floor / per / 8:.3g} ns per element, step and sample: no arrangement is faster"),
-        at_most("multiplications", multiplies / per, MULTIPLICATIONS, unit="an element and step",
+        info("multiplications alone at the peak rate", floor, "ns per step",
+             f"{floor / count / 8:.3g} ns per element, step and sample: no arrangement is faster"),
+        at_most("multiplications", multiplies / count, MULTIPLICATIONS, unit="an element and step",
                 note=f"{multiplies:.0f} a step: {parts}"),
-        told("what a step takes", step, "ns per step",
+        info("what a step takes", step, "ns per step",
              f"{100 * floor / step:.0f} % of the time the multipliers must be busy"),
         at_most("a step against its multiplications alone", step / floor, AGAINST_FLOOR[a_cycle],
                 unit="x", note=f"this processor does {a_cycle} a cycle"),
-        told("its arithmetic alone, also additions, quotients and roots", every, "ns per step",
-             f"{every / floor:.2f} of its multiplications alone"),
-        told("a step against its arithmetic alone", step / every, "x"),
+        info("its arithmetic alone, also additions, quotients and roots", arithmetic, "ns per step",
+             f"{arithmetic / floor:.2f} of its multiplications alone"),
+        info("a step against its arithmetic alone", step / arithmetic, "x"),
     ]  # fmt: skip

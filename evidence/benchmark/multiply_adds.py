@@ -40,20 +40,20 @@ def functions():
 
     @njit(error_model="numpy", nogil=True)
     def mixture(a, n):
-        x, one, zero = load(a, 0, 0), 2.0 * load(a, 0, 1), load(a, 0, 1) - load(a, 0, 0)
+        x, unity, zero = load(a, 0, 0), 2.0 * load(a, 0, 1), load(a, 0, 1) - load(a, 0, 0)
         f0, f1, f2, f3, f4, f5 = x, x, x, x, x, x
         m0, m1, m2, m3 = x, x, x, x
         s0, s1, s2, s3, s4 = x, x, x, x, x
         d0, d1, d2, r0, r1 = x, x, x, x, x
         for _ in range(n):
-            d0, d1, d2, r0, r1 = d0 / one, d1 / one, d2 / one, sqrt(r0), sqrt(r1)
+            d0, d1, d2, r0, r1 = d0 / unity, d1 / unity, d2 / unity, sqrt(r0), sqrt(r1)
             for _ in range(20):
                 f0, f1, f2 = f0 * x + x, f1 * x + x, f2 * x + x
-                m0, m1, m2, m3 = m0 * one, m1 * one, m2 * one, m3 * one
+                m0, m1, m2, m3 = m0 * unity, m1 * unity, m2 * unity, m3 * unity
                 f3, f4, f5 = f3 * x + x, f4 * x + x, f5 * x + x
                 s0, s1, s2, s3, s4 = s0 + zero, s1 + zero, s2 + zero, s3 + zero, s4 + zero
                 f0, f1, f2 = f0 * x + x, f1 * x + x, f2 * x + x
-                m0, m1, m2, m3 = m0 * one, m1 * one, m2 * one, m3 * one
+                m0, m1, m2, m3 = m0 * unity, m1 * unity, m2 * unity, m3 * unity
                 f3, f4, f5 = f3 * x + x, f4 * x + x, f5 * x + x
         total = f0 + f1 + f2 + f3 + f4 + f5 + m0 + m1 + m2 + m3 + s0 + s1 + s2 + s3 + s4
         store(a, 0, 2, total + d0 + d1 + d2 + r0 + r1)

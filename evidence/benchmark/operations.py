@@ -39,43 +39,43 @@ class Lanes:
     def _note(self, kind):
         note(kind, len(self.value) // 8)
 
-    def _sum(self, other, value):
-        out = Lanes(value)
-        if self.product or (isinstance(other, Lanes) and other.product):
-            out._note("fma")
+    def _sum(self, right, value):
+        lanes = Lanes(value)
+        if self.product or (isinstance(right, Lanes) and right.product):
+            lanes._note("fma")
             note("multiply", -(len(value) // 8))
             # The product is used up; if it is used again, it counts as computed before.
-            (self if self.product else other).product = False
+            (self if self.product else right).product = False
         else:
-            out._note("add")
-        return out
+            lanes._note("add")
+        return lanes
 
-    def __add__(self, other):
-        return self._sum(other, self.value + number(other))
+    def __add__(self, right):
+        return self._sum(right, self.value + number(right))
 
     __radd__ = __add__
 
-    def __sub__(self, other):
-        return self._sum(other, self.value - number(other))
+    def __sub__(self, right):
+        return self._sum(right, self.value - number(right))
 
-    def __rsub__(self, other):
-        return self._sum(other, number(other) - self.value)
+    def __rsub__(self, minuend):
+        return self._sum(minuend, number(minuend) - self.value)
 
-    def __mul__(self, other):
-        if isinstance(other, Vector):
+    def __mul__(self, right):
+        if isinstance(right, Vector):
             return NotImplemented
         self._note("multiply")
-        return Lanes(self.value * number(other), product=True)
+        return Lanes(self.value * number(right), product=True)
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other):
+    def __truediv__(self, right):
         self._note("divide")
-        return Lanes(self.value / number(other))
+        return Lanes(self.value / number(right))
 
-    def __rtruediv__(self, other):
+    def __rtruediv__(self, dividend):
         self._note("divide")
-        return Lanes(number(other) / self.value)
+        return Lanes(number(dividend) / self.value)
 
     def __neg__(self):
         return Lanes(-self.value)  # folded into the operation that follows
@@ -150,18 +150,18 @@ def per_step(elements: int = 12, steps: int = 50) -> dict:
     """Operations per step of the linkage, and of its parts; the energy checks are included."""
     scenes = linkages(8, elements)
     step = stable(scenes)
-    found = []
+    tallies = []
     for n in (steps, 2 * steps):
         TALLY.clear()
         runner(scenes, n, step)()
-        found.append(Counter(TALLY))
-    each = {key: (found[1][key] - found[0][key]) / steps for key in found[1]}
+        tallies.append(Counter(TALLY))
+    counts = {key: (tallies[1][key] - tallies[0][key]) / steps for key in tallies[1]}
     parts: dict[str, float] = {}
-    for key, count in each.items():
+    for key, count in counts.items():
         if isinstance(key, tuple) and key[0] in ("fma", "multiply"):
             parts[key[1]] = parts.get(key[1], 0.0) + count
     parts = {name: parts[name] for name in sorted(parts, key=parts.get, reverse=True)}
-    return {"operations": {name: each.get(name, 0.0) for name in NAMES}, "multiplications": parts}
+    return {"operations": {name: counts.get(name, 0.0) for name in NAMES}, "multiplications": parts}
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from deployable.campaign.config.sections import scene_type
 from evidence.benchmark.clock import best
 from evidence.benchmark.processes import python
 from evidence.benchmark.scenes import linkages
-from evidence.rows import Row, at_most, told
+from evidence.rows import Row, at_most, info
 
 GROUP = "Around the arithmetic"
 
@@ -37,8 +37,8 @@ def starting(repeats: int) -> list[Row]:
     own, numba, kernels = np.min(times, axis=0)
     return [
         at_most("import fpm", own, 0.5, unit="s"),
-        told("import numba, when first simulating", float(numba), "s"),
-        told("loading the compiled kernels from the cache", float(kernels), "s"),
+        info("import numba, when first simulating", float(numba), "s"),
+        info("loading the compiled kernels from the cache", float(kernels), "s"),
     ]
 
 
@@ -81,6 +81,6 @@ def writing(repeats: int, instants: int = 2001, runs: int = 8) -> list[Row]:
         size = paths[0].stat().st_size / 1024
     note = f"{instants} instants, {size:.0f} KiB"
     return [
-        told("dataset of a trajectory", 1e3 * seconds["prepare"] / runs, "ms per run"),
-        told("writing a trajectory", 1e3 * seconds["write"] / runs, "ms per run", note),
+        info("dataset of a trajectory", 1e3 * seconds["prepare"] / runs, "ms per run"),
+        info("writing a trajectory", 1e3 * seconds["write"] / runs, "ms per run", note),
     ]

@@ -8,16 +8,16 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 
 
-def environment(**more: str) -> dict[str, str]:
+def environment(**variables: str) -> dict[str, str]:
     """The environment of a process that imports from this checkout, installed or not."""
     paths = filter(None, [str(ROOT), os.environ.get("PYTHONPATH")])
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths), **more}
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths), **variables}
 
 
-def python(*arguments: str, **more: str) -> str:
+def python(*arguments: str, **variables: str) -> str:
     """What Python prints when called with these arguments; CalledProcessError if it fails."""
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, *arguments],
-        env=environment(**more), check=True, stdout=subprocess.PIPE, text=True,
+        env=environment(**variables), check=True, stdout=subprocess.PIPE, text=True,
     )  # fmt: skip
-    return done.stdout
+    return process.stdout

@@ -53,8 +53,8 @@ def _turn_frames(scene: fpm.Scene) -> None:
 
 def _add_hinge(scene: fpm.Scene, first: np.ndarray, second: np.ndarray) -> None:
     pair = (int(first[-1]), int(second[0]))
-    at = scene.position[pair[0]] + np.array([0, 0, 0.02])
-    scene.add_hinge(f"H{len(scene.hinges)}", pair, at, (0, 1, 0))
+    place = scene.position[pair[0]] + np.array([0, 0, 0.02])
+    scene.add_hinge(f"H{len(scene.hinges)}", pair, place, (0, 1, 0))
 
 
 KINDS: dict[str, Callable] = {

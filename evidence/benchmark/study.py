@@ -10,7 +10,7 @@ from evidence.benchmark.peers import compare, structures
 from evidence.results import Report
 from evidence.rows import Row, grouped
 
-_KEPT = ("trajectories", "responses", "extremes")
+_STORES = ("trajectories", "responses", "extremes")
 
 # Group, and the rows of one part; quick runs are n = 10 times as short.
 _PARTS = {
@@ -24,8 +24,8 @@ _PARTS = {
     "surrogate": (overheads.GROUP, lambda n: overheads.surrogate(3)),
     "writing": (overheads.GROUP, lambda n: overheads.writing(3)),
     "campaign": (campaigns.PAPER, lambda n: campaigns.paper()),
-    "scan": (campaigns.SCAN, lambda n: campaigns.many(1000 // n, 20.0, *_KEPT)),
-    "large_scan": (campaigns.LARGE, lambda n: campaigns.many(10_000 // n, 10.0, *_KEPT[1:])),
+    "scan": (campaigns.SCAN, lambda n: campaigns.scans(1000 // n, 20.0, *_STORES)),
+    "large_scan": (campaigns.LARGE, lambda n: campaigns.scans(10_000 // n, 10.0, *_STORES[1:])),
     "exudyn": (compare.GROUP, lambda n: compare.exudyn(0.1, 3)),
     "structures": (structures.GROUP, lambda n: structures.exudyn(3 if n == 1 else 1)),
     "elastica": (compare.GROUP, lambda n: compare.elastica(0.02, 3)),
@@ -40,12 +40,12 @@ def _measure(part: str, quick: bool) -> list[Row]:
 PARTS = {part: lambda quick, part=part: _measure(part, quick) for part in _PARTS}
 
 
-def report(found: Mapping[str, Sequence[Row]]) -> Report:
+def report(parts: Mapping[str, Sequence[Row]]) -> Report:
     """All rows, and the machine that they were measured on."""
-    rows = [row for part in found.values() for row in part]
-    about = machine.describe()
-    text = "\nMachine: " + ", ".join(f"{key}: {value}" for key, value in about.items()) + ".\n"
-    return Report(rows, {"machine": about}, text, {"benchmark": draw(rows)})
+    rows = [row for part in parts.values() for row in part]
+    facts = machine.describe()
+    text = "\nMachine: " + ", ".join(f"{key}: {value}" for key, value in facts.items()) + ".\n"
+    return Report(rows, {"machine": facts}, text, {"benchmark": draw(rows)})
 
 
 PANELS = (
@@ -58,12 +58,12 @@ def draw(rows: Sequence[Row]):
     """Cost of each element kind, and of a sample, ours and the peers'."""
     figure, panels = plots.panels(2, 1, (8, 7))
     for axes, (group, unit, title, scale) in zip(panels, PANELS, strict=True):
-        shown = [row for row in rows if (row.group, row.unit) == (group, unit)]
-        shown = [row for row in shown if isinstance(row.value, float)]
-        axes.barh([row.name for row in shown], [row.value for row in shown], color=plots.BLUE)
+        bars = [row for row in rows if (row.group, row.unit) == (group, unit)]
+        bars = [row for row in bars if isinstance(row.value, float)]
+        axes.barh([row.name for row in bars], [row.value for row in bars], color=plots.BLUE)
         axes.invert_yaxis()
         axes.set(title=title, xlabel=unit)
-        if shown:
+        if bars:
             axes.set_xscale(scale)
         else:
             axes.text(0.5, 0.5, "not measured", transform=axes.transAxes, ha="center")

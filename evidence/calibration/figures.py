@@ -77,21 +77,21 @@ def _band(ax: Axes, starts: list[Scan], name: str) -> None:
 
 def misfit(scans: list[Scan]) -> Figure:
     """Misfit over K_F: meshes and starts near the best value, and the other supports."""
-    figure, (near, wide) = plots.panels(2, 1, (6.4, 6.0))
+    figure, (narrow, wide) = plots.panels(2, 1, (6.4, 6.0))
     main = scans[0]
     for k in main.K_F[main.fits]:
-        near.axvspan(k - 0.0125, k + 0.0125, color=plots.YELLOW, alpha=0.4, linewidth=0, zorder=0)
+        narrow.axvspan(k - 0.0125, k + 0.0125, color=plots.YELLOW, alpha=0.4, linewidth=0, zorder=0)
     for scan in _starts(scans):
-        near.plot(scan.K_F, scan.misfit, color="0.7", linewidth=0.6, zorder=1)
-    near.plot([], [], color="0.7", linewidth=0.6, label="other starts")
-    near.fill_between([], [], color=plots.YELLOW, alpha=0.4, label=f"default within {CLOSE:.0%}")
-    others = _pick(scans, "A ") + _pick(scans, "μ_B")
-    for ax, some in ((near, _pick(scans, "elements")), (wide, others)):
+        narrow.plot(scan.K_F, scan.misfit, color="0.7", linewidth=0.6, zorder=1)
+    narrow.plot([], [], color="0.7", linewidth=0.6, label="other starts")
+    narrow.fill_between([], [], color=plots.YELLOW, alpha=0.4, label=f"default within {CLOSE:.0%}")
+    supports = _pick(scans, "A ") + _pick(scans, "μ_B")
+    for ax, group in ((narrow, _pick(scans, "elements")), (wide, supports)):
         _default(ax, main, main.misfit)
-        for scan, style in zip(some, STYLES, strict=False):
+        for scan, style in zip(group, STYLES, strict=False):
             ax.plot(scan.K_F, scan.misfit, linewidth=1.1, label=scan.reading.label, **style)
         _finish(ax, "misfit (about the relative error)")
-    near.set_xlim(4.7, 7.3)
+    narrow.set_xlim(4.7, 7.3)
     return figure
 
 
@@ -99,18 +99,18 @@ def closures(scans: list[Scan]) -> Figure:
     """Closing times over K_F: all samples of the default reading, and the law 1/sqrt(K_F)."""
     figure, (ax,) = plots.panels(size=(6.4, 4.0))
     main, k = scans[0], default("K_F")
-    for which, (name, colour) in enumerate((("first", plots.BLUE), ("second", plots.VERMILION))):
-        times = np.array([n.closure(which) for n in main.numbers])
-        seen = np.isfinite(times).all(axis=1)
-        low, high = times[seen].min(axis=1), times[seen].max(axis=1)
+    for index, (name, colour) in enumerate((("first", plots.BLUE), ("second", plots.VERMILION))):
+        times = np.array([n.closure(index) for n in main.numbers])
+        finite = np.isfinite(times).all(axis=1)
+        low, high = times[finite].min(axis=1), times[finite].max(axis=1)
         label = f"{name} closure of the samples, a ± 1 %"
-        ax.fill_between(main.K_F[seen], low, high, color=colour, alpha=0.8, label=label)
+        ax.fill_between(main.K_F[finite], low, high, color=colour, alpha=0.8, label=label)
     for time, style in zip(rigid_closings(k)[:2], ("-", "--"), strict=False):
         law = time * np.sqrt(k / main.K_F)
         ax.plot(main.K_F, law, "k", linewidth=0.9, linestyle=style, label="rigid linkage, 1/√K_F")
     for name, marker in (("BD", "."), ("vBz", "+")):
-        at = [n.at[name] for n in main.numbers]
-        ax.plot(main.K_F, at, marker, color="0.5", markersize=3, label=f"largest in {name}")
+        instants = [n.at[name] for n in main.numbers]
+        ax.plot(main.K_F, instants, marker, color="0.5", markersize=3, label=f"largest in {name}")
     ax.axhline(DURATION, color="0.3", linewidth=0.8)
     _finish(ax, "time (s)")
     ax.set_ylim(0, 1.3)

@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from evidence.calibration.plan import MESHES, NEAR
+from evidence.calibration.plan import GRID, MESHES
 from evidence.calibration.scans import CLOSE, DURATION, PAPER, Numbers, Scan
 from evidence.linkage.rigid import RigidBennett
 from evidence.linkage.runs import default
@@ -36,56 +36,56 @@ def rigid_closings(stiffness: float) -> np.ndarray:
 def checks(scans: list[Scan]) -> list[Row]:
     """The rows of summary.json. `scans` as planned, the default reading first."""
     main, k = scans[0], default("K_F")
-    now = main.at(k)
+    numbers = main.at(k)
     best = min((n for n in main.numbers if 4.8 <= n.K_F <= 6), key=lambda n: n.misfit)
     name = "K_F of the scene against the least misfit of the default reading, 4.8 to 6 N/rad"
     return [
-        *_against_the_paper(now),
+        *_against_the_paper(numbers),
         within(name, k, best.K_F, 0.1, OWN_SOURCE),
-        *_against_finer(scans, now),
-        *_against_rigid(main, now),
+        *_against_finer(scans, numbers),
+        *_against_rigid(main, numbers),
     ]
 
 
-def _against_the_paper(now: Numbers) -> list[Row]:
+def _against_the_paper(numbers: Numbers) -> list[Row]:
     """What the paper tells, against the scene's K_F."""
-    shut = [len(c) for c in now.closures]
+    counts = [len(c) for c in numbers.closures]
     rows = [
-        near_to(f"{n}: largest difference of the bounds ({UNITS[n]})", now.largest[n], PAPER[n],
-                CLOSE, PAPER_SOURCE, f"at {now.at[n]:.4f} s")
+        near_to(f"{n}: largest difference of the bounds ({UNITS[n]})", numbers.largest[n], PAPER[n],
+                CLOSE, PAPER_SOURCE, f"at {numbers.at[n]:.4f} s")
         for n in PAPER
     ]  # fmt: skip
     rows += [
         within(f"closures in 1 s, {word} of the samples", value, 2, 0, PAPER_SOURCE)
-        for word, value in (("fewest", min(shut)), ("most", max(shut)))
+        for word, value in (("fewest", min(counts)), ("most", max(counts)))
     ]
     return rows + [
         within(f"{n}: largest difference before the first closure, share of the curve's range",
-               now.early[n] / now.span[n], 0, COINCIDE, PAPER_SOURCE,
-               f"{now.early[n]:.3g} {UNITS[n]}; the paper: the bounds coincide")
+               numbers.early[n] / numbers.span[n], 0, COINCIDE, PAPER_SOURCE,
+               f"{numbers.early[n]:.3g} {UNITS[n]}; the paper: the bounds coincide")
         for n in PAPER
     ]  # fmt: skip
 
 
-def _against_finer(scans: list[Scan], now: Numbers) -> list[Row]:
+def _against_finer(scans: list[Scan], numbers: Numbers) -> list[Row]:
     """The default mesh and step against finer ones, where those were scanned."""
     rows, by_label = [], {scan.reading.label: scan for scan in scans}
     for label, tolerance in ((f"{max(MESHES)} elements a link", 0.1), ("step × 0.5", 0.05)):
         if label in by_label:
-            finer = by_label[label].at(now.K_F)
+            finer = by_label[label].at(numbers.K_F)
             rows += [
                 near_to(f"{n}: largest difference, default against {label} ({UNITS[n]})",
-                        now.largest[n], finer.largest[n], tolerance, OWN_SOURCE)
+                        numbers.largest[n], finer.largest[n], tolerance, OWN_SOURCE)
                 for n in PAPER
             ]  # fmt: skip
     return rows
 
 
-def _against_rigid(main: Scan, now: Numbers) -> list[Row]:
+def _against_rigid(main: Scan, numbers: Numbers) -> list[Row]:
     """Closing times against the rigid linkage's and its law of scaling."""
-    rigid, first = rigid_closings(default("K_F")), now.closure(0).mean()
+    rigid, first = rigid_closings(default("K_F")), numbers.closure(0).mean()
     scaled = np.array([n.closure(0).mean() * np.sqrt(n.K_F) for n in main.numbers])
-    departure = np.abs(scaled / (first * np.sqrt(now.K_F)) - 1).max()
+    departure = np.abs(scaled / (first * np.sqrt(numbers.K_F)) - 1).max()
     return [
         near_to("first closure, mean of the samples (s)", first, rigid[0], 0.02, RIGID_SOURCE,
                 "the real links bend, the reference's do not"),
@@ -97,12 +97,12 @@ def _against_rigid(main: Scan, now: Numbers) -> list[Row]:
 def findings(scans: list[Scan]) -> dict:
     """How sharp the fit is, and what explains it; numbers for summary.json and table.md."""
     main, k = scans[0], default("K_F")
-    now = main.at(k)
-    reached = [n.K_F for n in main.numbers if all(len(c) > 1 for c in n.closures)]
-    first, second = now.closure(0), now.closure(1)
+    numbers = main.at(k)
+    stiffnesses = [n.K_F for n in main.numbers if all(len(c) > 1 for c in n.closures)]
+    first, second = numbers.closure(0), numbers.closure(1)
     return {
         "K_F of the scene (N/rad)": k,
-        "misfit there": now.misfit,
+        "misfit there": numbers.misfit,
         "least misfit": main.best.misfit,
         "K_F of the least misfit (N/rad)": main.best.K_F,
         "K_F with a misfit within 20 % of the least (N/rad)": spans(main.K_F, main.within(0.2)),
@@ -112,56 +112,58 @@ def findings(scans: list[Scan]) -> dict:
         ),
         **_agreement(scans),
         "least K_F with the second closure of all samples within 1 s (N/rad)": min(
-            reached, default=None
+            stiffnesses, default=None
         ),
         "first closure of the samples (s)": [float(first.min()), float(first.max())],
         "second closure of the samples (s)": [float(second.min()), float(second.max())],
         "closings of the rigid linkage (s)": rigid_closings(k).tolist(),
         **_ranges(main, k),
         "share of starts and meshes that fit, by K_F": {
-            f"{x:g}": round(float(y), 3) for x, y in zip(NEAR, _share(scans), strict=True)
+            f"{x:g}": round(float(y), 3) for x, y in zip(GRID, _share(scans), strict=True)
         },
     }
 
 
-def _near(scans: list[Scan]) -> list[Scan]:
+def _comparable(scans: list[Scan]) -> list[Scan]:
     """All starts and meshes over the same K_F; the default reading was scanned more finely."""
     main = scans[0]
-    near = [s for s in scans if np.array_equal(s.K_F, NEAR)]
-    return [*near, Scan(main.reading, [main.at(x) for x in NEAR])]
+    comparable = [s for s in scans if np.array_equal(s.K_F, GRID)]
+    return [*comparable, Scan(main.reading, [main.at(x) for x in GRID])]
 
 
 def _share(scans: list[Scan]) -> np.ndarray:
-    """Share of the starts and meshes that fit, for each K_F of NEAR."""
-    return np.mean([s.fits for s in _near(scans)], axis=0)
+    """Share of the starts and meshes that fit, for each K_F of GRID."""
+    return np.mean([s.fits for s in _comparable(scans)], axis=0)
 
 
 def _agreement(scans: list[Scan]) -> dict:
     """Where most starts and meshes agree."""
     share = _share(scans)
-    told = np.mean([s.fits & s.at_second_closure for s in _near(scans)], axis=0)
+    late_share = np.mean([s.fits & s.at_second_closure for s in _comparable(scans)], axis=0)
     return {
-        "K_F that fits with at least 60 % of starts and meshes (N/rad)": spans(NEAR, share >= 0.6),
-        "the same, largest differences at the second closure (N/rad)": spans(NEAR, told >= 0.6),
+        "K_F that fits with at least 60 % of starts and meshes (N/rad)": spans(GRID, share >= 0.6),
+        "the same, largest differences at the second closure (N/rad)": spans(
+            GRID, late_share >= 0.6
+        ),
         "largest share of starts and meshes that fit": float(share.max()),
-        "K_F of that (N/rad)": float(NEAR[share.argmax()]),
+        "K_F of that (N/rad)": float(GRID[share.argmax()]),
     }
 
 
 def _ranges(main: Scan, k: float) -> dict:
     """How far both numbers go close to the scene's K_F."""
-    around = [n for n in main.numbers if abs(n.K_F - k) <= 0.1 + 1e-9]
+    neighbours = [n for n in main.numbers if abs(n.K_F - k) <= 0.1 + 1e-9]
     return {
         f"{name} for K_F within 0.1 N/rad of the scene's ({UNITS[name]})": [
-            f([n.largest[name] for n in around]) for f in (min, max)
+            f([n.largest[name] for n in neighbours]) for f in (min, max)
         ]
         for name in PAPER
     }
 
 
-def spans(values: np.ndarray, where: np.ndarray) -> list[list[float]]:
-    """Runs of neighbouring values at which `where` holds, each as [first, last]."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], where.astype(int), [0]])))
+def spans(values: np.ndarray, mask: np.ndarray) -> list[list[float]]:
+    """Runs of neighbouring values at which `mask` holds, each as [first, last]."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
     return [
         [float(values[i]), float(values[j - 1])]
         for i, j in zip(edges[::2], edges[1::2], strict=True)

@@ -20,7 +20,7 @@ def grid(first: float, last: float, spacing: float) -> np.ndarray:
     return np.round(np.arange(first, last + spacing / 2, spacing), 6)
 
 
-NEAR = grid(4.8, 7.2, 0.05)
+GRID = grid(4.8, 7.2, 0.05)
 
 Plan = list[tuple[Reading, np.ndarray]]
 """Readings and the values of K_F (N/rad) of each."""
@@ -34,7 +34,7 @@ def defaults() -> Plan:
 def meshes() -> Plan:
     """Other meshes and half the step."""
     readings = [
-        (Reading(f"{n} elements a link", (("elements", n),)), NEAR)
+        (Reading(f"{n} elements a link", (("elements", n),)), GRID)
         for n in MESHES
         if n != default("elements")
     ]
@@ -44,11 +44,11 @@ def meshes() -> Plan:
 def starts() -> Plan:
     """Other starts, those of the paper's angle μ_B among them."""
     readings = [
-        (Reading(f"start {s:g}°", (("start", s),)), NEAR) for s in STARTS if s != default("start")
+        (Reading(f"start {s:g}°", (("start", s),)), GRID) for s in STARTS if s != default("start")
     ]
     for label, angle in (("half", MU_B), ("whole", MU_B / 2)):
-        begin = round(start_of_half_angle(angle), 6)
-        reading = Reading(f"start at μ_B as {label} angle at B", (("start", begin),))
+        start = round(start_of_half_angle(angle), 6)
+        reading = Reading(f"start at μ_B as {label} angle at B", (("start", start),))
         readings.append((reading, grid(1.0, 7.0, 0.1)))
     return readings
 

@@ -77,9 +77,9 @@ class Numbers:
             and all(abs(time - second.mean()) <= SAME_TIME for time in self.at.values())
         )
 
-    def closure(self, which: int) -> np.ndarray:
+    def closure(self, index: int) -> np.ndarray:
         """Times (samples,) in s of the first (0), second (1) ... closure; NaN if there is none."""
-        return np.array([c[which] if len(c) > which else np.nan for c in self.closures])
+        return np.array([c[index] if len(c) > index else np.nan for c in self.closures])
 
 
 @dataclass
@@ -135,8 +135,8 @@ def closures(outcome: fpm.Outcome) -> tuple[float, ...]:
     """Times (s) at which the end faces of a run meet; the chatter of four contacts counts once."""
     opening, times, last = outcome.openings["B"], [], 0.0
     for time in np.sort(outcome.events[outcome.events[:, 2] == 1, 0]):
-        between = opening[(outcome.time >= last) & (outcome.time <= time)]
-        if not times or between.max(initial=0.0) > REOPENED:
+        span = opening[(outcome.time >= last) & (outcome.time <= time)]
+        if not times or span.max(initial=0.0) > REOPENED:
             times.append(float(time))
         last = time
     return tuple(times)
@@ -154,22 +154,22 @@ def campaign(reading: Reading, stiffnesses: Sequence[float], stiffest: float) ->
         if outcome.failure is not None:
             raise outcome.failure
     runs = [outcomes[i : i + len(sides)] for i in range(0, len(outcomes), len(sides))]
-    return [_numbers(float(k), design, some) for k, some in zip(stiffnesses, runs, strict=True)]
+    return [_numbers(float(k), design, group) for k, group in zip(stiffnesses, runs, strict=True)]
 
 
 def _numbers(stiffness: float, design, runs: list[fpm.Outcome]) -> Numbers:
     """The numbers of one campaign from its runs at the design's points."""
-    time, shut = runs[0].time, tuple(closures(run) for run in runs)
-    first = min((c[0] for c in shut if c), default=DURATION)
+    time, closings = runs[0].time, tuple(closures(run) for run in runs)
+    first = min((c[0] for c in closings if c), default=DURATION)
     curves = [linkage.curves(run) for run in runs]
-    largest, at, early, span = {}, {}, {}, {}
+    largest, instants, early, span = {}, {}, {}, {}
     for name in PAPER:
         bounds = surrogate_range(fit(design, np.array([curve[name] for curve in curves])))
         width = bounds.inner_upper - bounds.inner_lower
-        largest[name], at[name] = float(width.max()), float(time[width.argmax()])
+        largest[name], instants[name] = float(width.max()), float(time[width.argmax()])
         early[name] = float(width[time < first].max())
         span[name] = float(bounds.inner_upper.max() - bounds.inner_lower.min())
-    return Numbers(stiffness, largest, at, early, span, shut, runs[0].step)
+    return Numbers(stiffness, largest, instants, early, span, closings, runs[0].step)
 
 
 def scan(reading: Reading, values: Iterable[float]) -> Scan:

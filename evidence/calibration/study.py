@@ -27,9 +27,9 @@ PARTS = {
 }
 
 
-def report(found: Mapping[str, list[dict]]) -> Report:
+def report(parts: Mapping[str, list[dict]]) -> Report:
     """Checks, findings and one line and record for each reading; the default one comes first."""
-    scans = [from_plain(data) for part in found.values() for data in part]
+    scans = [from_plain(data) for part in parts.values() for data in part]
     facts = findings(scans)
     return Report(
         checks(scans),
@@ -85,17 +85,17 @@ def tables(facts: dict, scans: list[Scan]) -> str:
 
 
 def _line(scan: Scan, k: float) -> tuple[str, ...]:
-    best, now, fitting = scan.best, scan.at(k), scan.K_F[scan.fits]
+    best, numbers, fitting = scan.best, scan.at(k), scan.K_F[scan.fits]
     if not scan.K_F.min() <= k <= scan.K_F.max():
         raise ValueError(f"K_F = {k} N/rad of the scene is outside the scan of {scan.reading}")
-    second = now.closure(1)
+    second = numbers.closure(1)
     late = f"{np.nanmin(second):.3f} to {np.nanmax(second):.3f}" if any(second > 0) else "none"
     return (
         scan.reading.label, f"{scan.K_F.min():g} to {scan.K_F.max():g}",
         f"{scan.fits.sum()} of {len(scan.fits)}",
         f"{fitting[0]:g} to {fitting[-1]:g}" if len(fitting) else "none", f"{best.K_F:g}",
         f"{best.largest['BD']:.4f}", f"{best.largest['vBz']:.2f}", f"{best.misfit:.2f}",
-        f"{now.largest['BD']:.4f}", f"{now.largest['vBz']:.2f}", late,
+        f"{numbers.largest['BD']:.4f}", f"{numbers.largest['vBz']:.2f}", late,
     )  # fmt: skip
 
 

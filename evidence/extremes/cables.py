@@ -10,7 +10,7 @@ import numpy as np
 
 import fpm
 from evidence.extremes.true_limit import disturb, true_limit
-from evidence.rows import Row, at_most, refused
+from evidence.rows import Row, at_most, refusal
 
 G = 9.81
 TOLERANCE = 0.005
@@ -22,28 +22,28 @@ PERIOD = 0.01
 """Allowed error of the time from one tightening to the next."""
 
 
-def hung(EA: float, mass: float = 1.0, start: float = 0.9, **more) -> fpm.Scene:
+def hung(EA: float, mass: float = 1.0, start: float = 0.9, **options) -> fpm.Scene:
     """A mass let go `start` m below the point from which a cable of 1 m hangs."""
     scene = fpm.Scene("hung", gravity=(0, 0, -G))
     top, body = (int(p) for p in scene.add_particles([(0, 0, 0), (0, 0, -start)], [1, mass], 1.0))
     scene.fix(top)
-    scene.add_cable("rope", [(top, None), (body, None)], EA, **(more or {"rest": 1.0}))
+    scene.add_cable("rope", [(top, None), (body, None)], EA, **(options or {"rest": 1.0}))
     scene.add_point("mass", body)
     return scene
 
 
 def attempt(name: str, scene: fpm.Scene, duration: float):
-    """(rows of refusals, name with what helped, outcome or None)."""
+    """(rows of failures, name with what helped, outcome or None)."""
     rows, limit = [], fpm.stable_step(scene).step
     for share in SHARES:
         (outcome,) = fpm.simulate(
             scene, duration=duration, instants=201, step=share * limit, energy_tolerance=TOLERANCE
         )
         if outcome.failure is None:
-            told = name if share == SHARES[0] else f"{name}, at {share:g} of the limit"
-            return rows, told, outcome
+            label = name if share == SHARES[0] else f"{name}, at {share:g} of the limit"
+            return rows, label, outcome
         if not rows:
-            rows.append(refused(name, outcome.failure))
+            rows.append(refusal(name, outcome.failure))
     return rows, name, None
 
 
@@ -54,16 +54,16 @@ def bouncing() -> list[Row]:
     for EA, mass in cases:
         name = f"cable of EA = {EA:g} N, mass of {mass:g} kg"
         fall, rate = np.sqrt(0.2 / G), np.sqrt(EA / mass)
-        held = 2 / rate * (np.pi - np.arctan(G * fall * rate / G))
-        period = 2 * fall + held
-        found, name, outcome = attempt(name, hung(EA, mass), 1.5 * period + fall)
-        rows += found
+        contact = 2 / rate * (np.pi - np.arctan(G * fall * rate / G))
+        period = 2 * fall + contact
+        failures, name, outcome = attempt(name, hung(EA, mass), 1.5 * period + fall)
+        rows += failures
         if outcome is None:
             continue
         tight = outcome.events[outcome.events[:, 2] == 0, 0]
         error = abs((tight[1] - tight[0]) / period - 1)
-        off = np.abs(outcome.energies["balance"]).max() / (0.1 * mass * G)
-        note = f"energy {off:.1g} of m g d, {outcome.steps} steps"
+        energy_error = np.abs(outcome.energies["balance"]).max() / (0.1 * mass * G)
+        note = f"energy {energy_error:.1g} of m g d, {outcome.steps} steps"
         rows.append(at_most(f"{name}: period", float(error), PERIOD, "closed form", note))
     return rows
 
@@ -72,20 +72,20 @@ def slack() -> list[Row]:
     """Cables that never come tight do nothing; those just tight without tension stay at rest."""
     (outcome,) = fpm.simulate(hung(1e9, rest=100.0), duration=0.5, instants=11, step=1e-3)
     z = outcome.points["mass"][0][:, 2]
-    off = float(np.abs(z + 0.9 + G * outcome.time**2 / 2).max())
-    rows = [at_most("slack cable of 100 m: free fall (m)", off, 1e-12, "z = -g t²/2")]
+    error = float(np.abs(z + 0.9 + G * outcome.time**2 / 2).max())
+    rows = [at_most("slack cable of 100 m: free fall (m)", error, 1e-12, "z = -g t²/2")]
     scene = hung(1e6, start=1.0, preload=0.0)
     scene.gravity = (0, 0, 0)
     (outcome,) = fpm.simulate(scene, duration=1.0, instants=11)
-    moved = float(np.abs(outcome.points["mass"][0][:, 2] + 1.0).max())
-    rows.append(at_most("no tension at the start: stays (m)", moved, 1e-15, "nothing moves"))
+    motion = float(np.abs(outcome.points["mass"][0][:, 2] + 1.0).max())
+    rows.append(at_most("no tension at the start: stays (m)", motion, 1e-15, "nothing moves"))
     rows.append(at_most("the same: events", float(len(outcome.events)), 0.0, "nothing moves"))
     for preload in (G, 1e5):
         scene = hung(1e6, start=1.0, mass=preload / G, preload=preload)
         (outcome,) = fpm.simulate(scene, duration=1.0, instants=11)
-        moved = float(np.abs(outcome.points["mass"][0][:, 2] + 1.0).max())
+        motion = float(np.abs(outcome.points["mass"][0][:, 2] + 1.0).max())
         name = f"weight of {preload:g} N hung at its tension: stays (m)"
-        rows.append(at_most(name, moved, 1e-12, "statics"))
+        rows.append(at_most(name, motion, 1e-12, "statics"))
     return rows
 
 
@@ -139,20 +139,20 @@ def rubbing() -> list[Row]:
 
 def _period(time, z) -> float:
     """Period (s) of an oscillation from its sign changes."""
-    at = np.flatnonzero(z[1:] * z[:-1] < 0)
-    times = time[at] - z[at] * (time[at + 1] - time[at]) / (z[at + 1] - z[at])
+    rows = np.flatnonzero(z[1:] * z[:-1] < 0)
+    times = time[rows] - z[rows] * (time[rows + 1] - time[rows]) / (z[rows + 1] - z[rows])
     return 2 * float(np.polyfit(np.arange(len(times)), times, 1)[0])
 
 
 def refusals() -> list[Row]:
     """Cables that cannot be: refused when the scene is built, or named when they break down."""
     rows = []
-    for more in ({"rest": 0.0}, {"rest": float("nan")}, {"preload": -1.0}, {"preload": np.inf}):
-        name = ", ".join(f"{k} = {v:g}" for k, v in more.items())
+    for options in ({"rest": 0.0}, {"rest": float("nan")}, {"preload": -1.0}, {"preload": np.inf}):
+        name = ", ".join(f"{k} = {v:g}" for k, v in options.items())
         try:
-            hung(1e4, **more)
+            hung(1e4, **options)
         except fpm.SceneError as error:
-            rows.append(refused(f"cable, {name}", error))
+            rows.append(refusal(f"cable, {name}", error))
         else:
             rows.append(Row(f"cable, {name}", "built", passed=False, source="fpm.SceneError"))
     scene = fpm.Scene("meeting", gravity=(0, 0, -1e-3))
@@ -164,7 +164,7 @@ def refusals() -> list[Row]:
     if outcome.failure is None:
         rows.append(Row("points that meet under tension", "ran", passed=False))
     else:
-        rows.append(refused("points that meet under tension", outcome.failure))
+        rows.append(refusal("points that meet under tension", outcome.failure))
     return rows
 
 
@@ -173,11 +173,11 @@ def held_bar(EA: float, running: bool) -> fpm.Scene:
     scene = fpm.Scene("held bar")
     section, material = fpm.Section.circle(0.01), fpm.Material(7e10, 0.3, 2700.0)
     bar = scene.add_link((0, 0, 0), (1, 0, 0), (0, 0, 1), section, material, 4)
-    aside = (-0.3, 0.3) if running else (0.0,)
+    offsets = (-0.3, 0.3) if running else (0.0,)
     for end in bar.particles[[0, -1]]:
         for k, axis in enumerate(np.eye(3)[1:] if running else np.eye(3)):
             for side in (-1.0, 1.0):
-                places = [scene.position[end] + side * axis + [x, 0, 0] for x in aside]
+                places = [scene.position[end] + side * axis + [x, 0, 0] for x in offsets]
                 anchors = scene.add_particles(places, 1.0, 1.0)
                 scene.fix(anchors)
                 points = [(int(anchors[0]), None), (int(end), None), (int(anchors[-1]), None)]
@@ -192,11 +192,11 @@ def steps() -> list[Row]:
     for running in (False, True):
         for EA in (1e5, 1e8, 1e9):
             scene = held_bar(EA, running)
-            found = fpm.stable_step(scene)
-            ratio = float(found.step / true_limit(scene, 1e-3))
-            what = "running through its ends" if running else "from all sides"
-            name = f"bar held by cables {what}, EA = {EA:g} N: stable step over true limit"
-            row = at_most(name, ratio, 1.002, "bisection", f"set by {found.element}")
+            stable = fpm.stable_step(scene)
+            ratio = float(stable.step / true_limit(scene, 1e-3))
+            support = "running through its ends" if running else "from all sides"
+            name = f"bar held by cables {support}, EA = {EA:g} N: stable step over true limit"
+            row = at_most(name, ratio, 1.002, "bisection", f"set by {stable.element}")
             rows.append(replace(row, passed=row.passed and ratio >= 0.5))
     return rows
 

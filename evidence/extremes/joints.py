@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 import fpm
-from evidence.rows import Row, at_most, refused
+from evidence.rows import Row, at_most, refusal
 
 G = 9.81
 WIDE = 0.5  # rad
@@ -23,7 +23,7 @@ RIGHT = 1e-3
 SOFT = 0.01
 """The same of bars that bend."""
 
-CLOSED = 1e-9
+MAX_GAP = 1e-9
 """Allowed gap of a joint, as a share of the structure's size."""
 
 STEPS = (1000, 8000, 64000)
@@ -72,9 +72,9 @@ def slowest(rods: Sequence[Rod]) -> tuple[float, np.ndarray]:
     from scipy.linalg import eigh
 
     lengths, masses = np.array([rod[:2] for rod in rods]).T
-    ways = np.tril(np.tile(lengths, (len(rods), 1)), -1) + np.diag(lengths / 2)
-    inertia = ways.T @ (masses[:, None] * ways) + np.diag([rod.inertia for rod in rods])
-    weight = np.diag(G * masses @ ways)
+    levers = np.tril(np.tile(lengths, (len(rods), 1)), -1) + np.diag(lengths / 2)
+    inertia = levers.T @ (masses[:, None] * levers) + np.diag([rod.inertia for rod in rods])
+    weight = np.diag(G * masses @ levers)
     squares, shapes = eigh(weight, inertia)
     shape = shapes[:, 0] / np.abs(shapes[:, 0]).max()
     return float(np.sqrt(squares[0])), shape * np.sign(shape[-1])
@@ -86,14 +86,14 @@ def chain(rods: Sequence[Rod], size: float = SMALL) -> tuple[fpm.Scene, float]:
     scene = fpm.Scene("chain", gravity=(0, 0, -G))
     ground = int(scene.add_particles((0, 0, 0), 1.0, 1.0)[0])
     scene.fix(ground)
-    before, place, turned = ground, np.zeros(3), 0.0
+    previous, place, rotation = ground, np.zeros(3), 0.0
     for number, (rod, angle) in enumerate(zip(rods, size * shape, strict=True)):
         end = place + rod.length * np.array([np.sin(angle), 0, -np.cos(angle)])
         first, last = add_rod(scene, rod, place, end)
-        opening = angle - turned
-        scene.add_hinge(f"pin {number}", (before, first), place, AXIS, opening=opening)
-        before, place, turned = last, end, angle
-    scene.add_point("end", before, place)
+        opening = angle - rotation
+        scene.add_hinge(f"pin {number}", (previous, first), place, AXIS, opening=opening)
+        previous, place, rotation = last, end, angle
+    scene.add_point("end", previous, place)
     return scene, rate
 
 
@@ -109,7 +109,7 @@ def swings(name: str, rods: Sequence[Rod]) -> list[Row]:
     size = sum(rod.length for rod in rods)
     note = f"{outcome.steps} steps"
     rows.append(at_most(f"{label}: swing", float(error), RIGHT, "slowest mode of the rods", note))
-    rows.append(at_most(f"{label}: gap", widest(outcome) / size, CLOSED, "required", note))
+    rows.append(at_most(f"{label}: gap", widest(outcome) / size, MAX_GAP, "required", note))
     return rows
 
 
@@ -125,15 +125,15 @@ def attempt(name: str, scene: fpm.Scene, duration: float):
         if outcome.failure is None:
             return rows, name if not rows else f"{name}, in {outcome.steps} steps", outcome
         if not rows:
-            rows.append(refused(name, outcome.failure))
+            rows.append(refusal(name, outcome.failure))
     return rows, name, None
 
 
 def widest(outcome: fpm.Outcome) -> float:
     """The largest gap of any joint, m."""
-    found = [outcome.recorded[k].values.max() for k in ("joint_gap", "hinge_gap")
+    gaps = [outcome.recorded[k].values.max() for k in ("joint_gap", "hinge_gap")
              if k in outcome.recorded]  # fmt: skip
-    return float(max(found))
+    return float(max(gaps))
 
 
 def light_and_heavy() -> list[Row]:
@@ -162,17 +162,17 @@ def stiff_and_soft() -> list[Row]:
         rows += swings(name, [Rod(1, 0.1, top), Rod(1, 0.1, bottom)])
     for E in (1e4, 1e5, 1e6):
         name, duration = f"two bars of E = {E:g} Pa", 0.5
-        found = [
+        attempts = [
             attempt(name, chain([Rod(1, 0.1, E, elements)] * 2, WIDE)[0], duration)
             for elements in (8, 32)
         ]
-        rows += found[0][0]
-        if None in (outcomes := [outcome for _, _, outcome in found]):
+        rows += attempts[0][0]
+        if None in (outcomes := [outcome for _, _, outcome in attempts]):
             continue
         x, finer = (outcome.points["end"][0] for outcome in outcomes)
         error = float(np.abs(x - finer).max() / np.ptp(finer, axis=0).max())
         note = f"gap {widest(outcomes[0]):.1g} m"
-        rows.append(at_most(f"{found[0][1]}: motion", error, SOFT, "32 elements for 8", note))
+        rows.append(at_most(f"{attempts[0][1]}: motion", error, SOFT, "32 elements for 8", note))
     return rows
 
 
@@ -184,22 +184,22 @@ def long_chains() -> list[Row]:
     return rows
 
 
-def parallelogram(cranks: int, angle: float, off: float = 0.0) -> fpm.Scene:
+def parallelogram(cranks: int, angle: float, offset: float = 0.0) -> fpm.Scene:
     """A platform of 1 kg on cranks of 1 m and 1 kg, `angle` (rad) from hanging; all rigid.
 
-    off (m): by how much the platform's last pin lies beside its crank's end, along the platform.
+    offset (m): by how much the platform's last pin lies beside its crank's end, along the platform.
     """
     scene = fpm.Scene("parallelogram", gravity=(0, 0, -G))
     ground = int(scene.add_particles((0, 0, 0), 1.0, 1.0)[0])
     scene.fix(ground)
-    way = np.array([np.sin(angle), 0, -np.cos(angle)])
+    arm = np.array([np.sin(angle), 0, -np.cos(angle)])
     roots = [np.array([x, 0, 0]) for x in np.linspace(0, 2, cranks)]
-    platform, _ = add_rod(scene, Rod(2, 1.0), roots[0] + way, roots[-1] + way)
+    platform, _ = add_rod(scene, Rod(2, 1.0), roots[0] + arm, roots[-1] + arm)
     for k, root in enumerate(roots):
-        crank, _ = add_rod(scene, Rod(1, 1.0), root, root + way)
+        crank, _ = add_rod(scene, Rod(1, 1.0), root, root + arm)
         scene.add_hinge(f"root {k}", (ground, crank), root, AXIS, opening=angle)
-        beside = np.array([off * (k == cranks - 1), 0, 0])
-        pins = [root + way, root + way + beside]
+        shift = np.array([offset * (k == cranks - 1), 0, 0])
+        pins = [root + arm, root + arm + shift]
         scene.add_hinge(f"pin {k}", (crank, platform), pins, AXIS, opening=-angle)
     return scene
 
@@ -218,10 +218,10 @@ def pendulum(rate_squared: float, angle: float, time: np.ndarray) -> np.ndarray:
     return 2 * np.arcsin(k * cn / dn)
 
 
-def fall(name: str, cranks: int, angle: float, off: float = 0.0, allowed: float = RIGHT):
+def fall(name: str, cranks: int, angle: float, offset: float = 0.0, allowed: float = RIGHT):
     """A parallelogram swings as a pendulum; what contradicts itself is refused."""
     duration = 1.0
-    rows, label, outcome = attempt(name, parallelogram(cranks, angle, off), duration)
+    rows, label, outcome = attempt(name, parallelogram(cranks, angle, offset), duration)
     if outcome is None:
         return rows
     exact = pendulum(rate_squared(cranks), angle, outcome.time)
@@ -241,8 +241,8 @@ def redundant() -> list[Row]:
     rows = []
     for cranks in (2, 3, 10, 30):
         rows += fall(f"{cranks} parallel cranks", cranks, np.radians(60))
-    for off in (1e-12, 1e-9, 1e-7, 1e-5, 1e-2):
-        rows += fall(f"three cranks, a pin {off:g} m off", 3, np.radians(60), off)
+    for offset in (1e-12, 1e-9, 1e-7, 1e-5, 1e-2):
+        rows += fall(f"three cranks, a pin {offset:g} m off", 3, np.radians(60), offset)
     return rows
 
 
@@ -254,28 +254,28 @@ def flat() -> list[Row]:
     rows = []
     for short in (1e-2, 1e-4, 1e-6, 0.0):
         rows += fall(f"two cranks {short:g} rad below flat", 2, np.pi / 2 - short)
-    for beyond in (0.1, 1.0):
-        rows += fall(f"two cranks {beyond:g} rad above flat, through it", 2, np.pi / 2 + beyond)
+    for angle in (0.1, 1.0):
+        rows += fall(f"two cranks {angle:g} rad above flat, through it", 2, np.pi / 2 + angle)
     return rows
 
 
 def far_slides() -> list[Row]:
     """Bodies that slide on a rail, by a hundredth of their size to a thousand times as much."""
     rows = []
-    for way in (0.01, 1.0, 1e3):
+    for distance in (0.01, 1.0, 1e3):
         scene = fpm.Scene("slide", gravity=(0, 0, -G))
         ground, body = (int(p) for p in scene.add_particles(np.zeros((2, 3)), 1.0, 0.1))
         scene.fix(ground)
-        down = np.array([0.6, 0, -0.8])
-        scene.add_joint("rail", "prismatic", (ground, body), (1, 0, 0), down)
+        direction = np.array([0.6, 0, -0.8])
+        scene.add_joint("rail", "prismatic", (ground, body), (1, 0, 0), direction)
         scene.add_point("body", body)
-        duration = float(np.sqrt(2 * way / (0.8 * G)))
-        found, label, outcome = attempt(f"slides by {way:g} m", scene, duration)
-        rows += found
+        duration = float(np.sqrt(2 * distance / (0.8 * G)))
+        failures, label, outcome = attempt(f"slides by {distance:g} m", scene, duration)
+        rows += failures
         if outcome is None:
             continue
-        off = outcome.points["body"][0] - 0.4 * G * outcome.time[:, None] ** 2 * down
-        error = float(np.abs(off).max() / way)
+        errors = outcome.points["body"][0] - 0.4 * G * outcome.time[:, None] ** 2 * direction
+        error = float(np.abs(errors).max() / distance)
         rows.append(at_most(f"{label}: way", error, 1e-9, "g cos t²/2", f"{outcome.steps} steps"))
     return rows
 

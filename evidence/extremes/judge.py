@@ -19,7 +19,7 @@ from evidence.linkage.runs import (
     imbalance,
     simulate,
 )
-from evidence.rows import Row, at_most, refused
+from evidence.rows import Row, at_most, refusal
 
 DEFAULT = (12, 0.9)
 """Elements a link and share of the stable step."""
@@ -32,7 +32,7 @@ The velocity carries waves of all lengths, which the release of the springs star
 mesh; BD is their integral over time.
 """
 
-BENT = (0.005, 0.05)
+CURVED = (0.005, 0.05)
 """The same where the springs bend the links by some degrees."""
 
 WHIPPING = (0.05, 0.15)
@@ -44,11 +44,11 @@ the runs differ by, and finer meshes only put that off (docs/extremes.md).
 """
 
 
-def attempt(duration: float, mesh: tuple[int, float], parameters: dict, **more):
+def attempt(duration: float, mesh: tuple[int, float], parameters: dict, **options):
     """(outcome, None), or (None, the error that refuses the run)."""
     elements, safety = mesh
     try:
-        outcome = simulate(duration, safety=safety, elements=elements, **parameters, **more)
+        outcome = simulate(duration, safety=safety, elements=elements, **parameters, **options)
     except fpm.SceneError as error:
         return None, error
     return (None, outcome.failure) if outcome.failure else (outcome, None)
@@ -60,23 +60,23 @@ def rigid(parameters: dict, times: np.ndarray) -> tuple[dict[str, np.ndarray], f
              "K_C": "contact_stiffness"}  # fmt: skip
     p = complete(parameters)
     model = RigidBennett(**{names[k]: p[k] for k in names})
-    found = model.simulate(p["start"], times)
-    closing = found["closings"][0] if len(found["closings"]) else np.inf
-    return {"BD": found["BD"], "vBz": found["velocity_Bz"]}, float(closing)
+    result = model.simulate(p["start"], times)
+    closing = result["closings"][0] if len(result["closings"]) else np.inf
+    return {"BD": result["BD"], "vBz": result["velocity_Bz"]}, float(closing)
 
 
-def compare(name, outcome, expected, until, accuracy, source) -> list[Row]:
+def compare(name, outcome, expected, end, accuracy, source) -> list[Row]:
     """Judge BD and B's velocity of one outcome against curves up to a time (s)."""
-    inside = outcome.time <= until
-    errors = distance(curves(outcome), expected, inside)
+    window = outcome.time <= end
+    errors = distance(curves(outcome), expected, window)
     note = f"energy {imbalance(outcome):.1g}, {outcome.steps} steps"
     return [
-        at_most(f"{name}: {what}", error, allowed, source, note)
-        for what, error, allowed in zip(("BD", "velocity of B"), errors, accuracy, strict=True)
+        at_most(f"{name}: {curve}", error, allowed, source, note)
+        for curve, error, allowed in zip(("BD", "velocity of B"), errors, accuracy, strict=True)
     ]
 
 
-def persist(name: str, duration: float, parameters: dict, **more):
+def persist(name: str, duration: float, parameters: dict, **options):
     """Run a case at the default mesh, and at the remedies until one goes through.
 
     Returns the rows of its refusals, its name with what helped, the mesh, and the outcome or None.
@@ -85,10 +85,10 @@ def persist(name: str, duration: float, parameters: dict, **more):
     for mesh in (DEFAULT, *REMEDIES):
         if mesh != DEFAULT:
             full = f"{name}, after the remedy ({mesh[0]} elements, {mesh[1]:g} of the limit)"
-        outcome, error = attempt(duration, mesh, parameters, **more)
+        outcome, error = attempt(duration, mesh, parameters, **options)
         if outcome is not None:
             return rows[:1], full, mesh, outcome
-        rows.append(refused(full, error))
+        rows.append(refusal(full, error))
         if isinstance(error, fpm.SceneError) or error.cause == "strain":
             break
     return list(dict.fromkeys((rows[0], rows[-1]))), full, mesh, None
@@ -99,29 +99,29 @@ def judge(
     parameters: dict,
     accuracy: tuple[float, float] = STRAIGHT,
     *,
-    against: str = "finer",
+    reference: str = "finer",
     duration: float | None = None,
     past_closure: bool = False,
 ) -> list[Row]:
     """Rows of one case; value: errors of BD (largest) and of B's velocity (root mean square) up to
     the first closure, as shares of their ranges; accuracy: how large they may be.
 
-    against: "rigid" (the one-degree-of-freedom equation of motion) or "finer" (twice the elements,
-    half the share of the step). past_closure: judge the whole run, impact and all.
+    reference: "rigid" (the equation of motion of one degree of freedom) or "finer" (twice the
+    elements, half the share of the step). past_closure: judge the whole run, impact and all.
     """
     duration = duration or (1.25 if past_closure else 1.0) * closing_time(**parameters)
     rows, name, mesh, outcome = persist(name, duration, parameters)
     if outcome is None:
         return rows
     closing = first_closing(outcome)
-    if against == "rigid":
-        expected, other = rigid(parameters, outcome.time)
+    if reference == "rigid":
+        expected, expected_closing = rigid(parameters, outcome.time)
         source = "rigid linkage, evidence/linkage/rigid.py"
     else:
         finer, error = attempt(duration, (2 * mesh[0], mesh[1] / 2), parameters)
         if finer is None:
             return [*rows, Row(name, "no reference", passed=False, note=str(error))]
-        expected, other = curves(finer), first_closing(finer)
+        expected, expected_closing = curves(finer), first_closing(finer)
         source = f"{2 * mesh[0]} elements, half the share of the limit"
-    until = duration if past_closure else 0.98 * min(closing, other)
-    return rows + compare(name, outcome, expected, until, accuracy, source)
+    end = duration if past_closure else 0.98 * min(closing, expected_closing)
+    return rows + compare(name, outcome, expected, end, accuracy, source)

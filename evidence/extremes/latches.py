@@ -11,7 +11,7 @@ import numpy as np
 
 import fpm
 from evidence.extremes.cables import attempt
-from evidence.rows import Row, at_most, refused
+from evidence.rows import Row, at_most, refusal
 from evidence.verification.latches import IDLE, J, flap
 from fpm.elements import Damper, Friction, Latch, Stop, TableSpring
 
@@ -19,101 +19,103 @@ RIGHT = 0.01
 """Allowed error of times, rates and angles, as a share."""
 
 
-class On(NamedTuple):
-    """On what all acts: scene(*elements, rate) of a body on a hinge or slide, and its units."""
+class Rig(NamedTuple):
+    """What all acts on: scene(*elements, rate) of a body on a hinge or slide, and its units."""
 
     scene: Callable[..., fpm.Scene]
-    way: str
+    unit: str
     force: str
 
 
-def stiff_latches(on: On) -> list[Row]:
+def stiff_latches(rig: Rig) -> list[Row]:
     """Latches that hold a panel of 1 rad/s, from soft to very stiff: the swing is w √(J/k)."""
     rows = []
     for stiffness in (1.0, 1e2, 1e4, 1e6, 1e8):
-        scene = on.scene(Latch(0, 0.5, stiffness), rate=1.0)
+        scene = rig.scene(Latch(0, 0.5, stiffness), rate=1.0)
         swing = np.sqrt(J / stiffness)
-        name = f"latch of {stiffness:g} {on.force}/{on.way}"
-        found, name, outcome = attempt(name, scene, 0.5 + 2 * np.pi * swing * 3)
-        rows += found
+        name = f"latch of {stiffness:g} {rig.force}/{rig.unit}"
+        failures, name, outcome = attempt(name, scene, 0.5 + 2 * np.pi * swing * 3)
+        rows += failures
         if outcome is None:
             continue
         late = float(abs(outcome.events[0, 0] / 0.5 - 1))
         note = f"{outcome.steps} steps"
         rows.append(at_most(f"{name}: catches in time", late, RIGHT, "0.5 s", note))
-        stored = outcome.energies["latch"] + outcome.energies["kinetic"]
-        worst = float(np.abs(stored / (J / 2) - 1).max())
+        energy = outcome.energies["latch"] + outcome.energies["kinetic"]
+        worst = float(np.abs(energy / (J / 2) - 1).max())
         rows.append(at_most(f"{name}: keeps energy", worst, RIGHT, "J w²/2", note))
     return rows
 
 
-def hard_stops(on: On) -> list[Row]:
+def hard_stops(rig: Rig) -> list[Row]:
     """Stops without and with far too much damping."""
     rows = []
     for stiffness in (1.0, 1e3, 1e6, 1e9):
         for ratio in (0.0, 100.0):
             damping = 2 * ratio * np.sqrt(stiffness * J)
-            scene = on.scene(Stop(0, 0.1, "above", stiffness, damping), rate=1.0)
-            name = f"stop of {stiffness:g} {on.force}/{on.way}, {ratio:g} of critical damping"
+            scene = rig.scene(Stop(0, 0.1, "above", stiffness, damping), rate=1.0)
+            name = f"stop of {stiffness:g} {rig.force}/{rig.unit}, {ratio:g} of critical damping"
             long = 0.1 + 4 * np.pi * np.sqrt(J / stiffness) * (1 if ratio == 0 else 0.1)
-            found, name, outcome = attempt(name, scene, long)
-            rows += found
+            failures, name, outcome = attempt(name, scene, long)
+            rows += failures
             if outcome is None:
                 continue
             kinetic = float(outcome.energies["kinetic"][-1]) / (J / 2)
-            wanted = 1.0 - (ratio > 0)
+            ideal = 1.0 - (ratio > 0)
             rows.append(
-                at_most(f"{name}: energy left", abs(kinetic - wanted), RIGHT, f"{wanted:g} of it",
+                at_most(f"{name}: energy left", abs(kinetic - ideal), RIGHT, f"{ideal:g} of it",
                         f"{outcome.steps} steps")
             )  # fmt: skip
     return rows
 
 
-def friction(on: On) -> list[Row]:
+def friction(rig: Rig) -> list[Row]:
     """Friction that stops a flap within its bend at once, and friction that is hardly there."""
     rows = []
     for moment in (1e-6, 1.0, 1e3, 1e6):
         exact = J / (2 * moment)
         duration = min(2.0, J / moment + 2.0)
-        name = f"friction of {moment:g} {on.force}"
-        found, name, outcome = attempt(name, on.scene(Friction(0, moment), rate=1.0), duration)
-        rows += found
+        name = f"friction of {moment:g} {rig.force}"
+        failures, name, outcome = attempt(name, rig.scene(Friction(0, moment), rate=1.0), duration)
+        rows += failures
         if outcome is None:
             continue
         opening = outcome.openings["hinge"]
         if J / moment > duration:
             exact = duration - moment / J * duration**2 / 2
         error = float(abs(opening[-1] - exact))
-        rows.append(at_most(f"{name}: is at ({on.way})", error, 1.1e-3, "J w²/2M, within its bend",
-                            f"{outcome.steps} steps"))  # fmt: skip
+        rows.append(at_most(f"{name}: is at ({rig.unit})", error, 1.1e-3,
+                            "J w²/2M, within its bend", f"{outcome.steps} steps"))  # fmt: skip
     return rows
 
 
-def dampers(on: On) -> list[Row]:
+def dampers(rig: Rig) -> list[Row]:
     """Dampers from one that is hardly there to one that stops the flap in a microsecond."""
     rows = []
     for damping in (1e-6, 1.0, 1e3, 1e6):
         duration = 1.0 if damping < 10 else 100 * J / damping
-        name = f"damper of {damping:g} {on.force} s/{on.way}"
-        found, name, outcome = attempt(name, on.scene(Damper(0, damping), rate=1.0), duration)
-        rows += found
+        name = f"damper of {damping:g} {rig.force} s/{rig.unit}"
+        failures, name, outcome = attempt(name, rig.scene(Damper(0, damping), rate=1.0), duration)
+        rows += failures
         if outcome is None:
             continue
-        way = J / damping * -np.expm1(-damping / J * duration)
-        error = float(abs(outcome.openings["hinge"][-1] / way - 1))
+        distance = J / damping * -np.expm1(-damping / J * duration)
+        error = float(abs(outcome.openings["hinge"][-1] / distance - 1))
         rows.append(at_most(f"{name}: way", error, RIGHT, "w J/c (1 - exp(-c t/J))",
                             f"{outcome.steps} steps"))  # fmt: skip
     return rows
 
 
-def tables(on: On) -> list[Row]:
+def tables(rig: Rig) -> list[Row]:
     """Tables with a step that is nearly a jump, and with slopes from flat to very steep."""
     rows = []
     for width in (1.0, 1e-2, 1e-4):
         table = (0.5 - width / 2, 0.5 + width / 2), (0.5, -0.5)
-        scene = on.scene(TableSpring(0, *table))
-        found, name, outcome = attempt(f"table that turns over in {width:g} {on.way}", scene, 8.0)
-        rows += found
+        scene = rig.scene(TableSpring(0, *table))
+        failures, name, outcome = attempt(
+            f"table that turns over in {width:g} {rig.unit}", scene, 8.0
+        )
+        rows += failures
         if outcome is None:
             continue
         total = outcome.energies["table_spring"] + outcome.energies["kinetic"]
@@ -138,7 +140,7 @@ def refusals() -> list[Row]:
         try:
             flap(element)
         except fpm.SceneError as error:
-            rows.append(refused(name, error))
+            rows.append(refusal(name, error))
         else:
             rows.append(Row(name, "built", passed=False, source="fpm.SceneError"))
     return rows
@@ -151,17 +153,17 @@ def block(*elements, rate: float = 0.0) -> fpm.Scene:
     scene.fix(ground)
     scene.add_slide("hinge", (ground, body), (0, 0, 0), (1, 0, 0))
     scene.add_torsion_spring(0, 0.0, 0.0)
-    given = {type(element): element for element in elements}
+    elements_by_type = {type(element): element for element in elements}
     for idle in IDLE:
-        scene.add(given.get(type(idle), idle))
+        scene.add(elements_by_type.get(type(idle), idle))
     scene.velocity[body] = (rate, 0.0, 0.0)
     return scene
 
 
-HINGE, SLIDE = On(flap, "rad", "N m"), On(block, "m", "N")
+HINGE, SLIDE = Rig(flap, "rad", "N m"), Rig(block, "m", "N")
 
 
-def study(on: On = HINGE) -> list[Row]:
+def study(rig: Rig = HINGE) -> list[Row]:
     """All rows."""
     parts = (stiff_latches, hard_stops, friction, dampers, tables)
-    return [row for part in parts for row in part(on)] + (refusals() if on is HINGE else [])
+    return [row for part in parts for row in part(rig)] + (refusals() if rig is HINGE else [])

@@ -11,7 +11,7 @@ import numpy as np
 
 import fpm
 from evidence.extremes.true_limit import disturb, true_limit
-from evidence.rows import Row, at_most, refused
+from evidence.rows import Row, at_most, refusal
 from fpm.elements import Motor, Release, SyncLoop, TorqueMotor
 
 INERTIA = 0.5  # kg m²
@@ -20,11 +20,11 @@ TURN = 1e-3
 
 
 def bodies(
-    inertias=(INERTIA,) * 5, loop=0.0, torque=0.0, no_load=np.inf, on=3, motor=(0.0, 0.0),
+    inertias=(INERTIA,) * 5, loop=0.0, torque=0.0, no_load=np.inf, torque_body=3, motor=(0.0, 0.0),
     release=(0.0, 0.0, 1.0), spin=0.0, preload=np.inf,
 ) -> fpm.Scene:  # fmt: skip
     """A loop (N/m) over bodies 0 and 1, a motor (N m/rad, N m s/rad) on 2, a torque motor (N m,
-    rad/s) `on` 3 or another, a release (N m/rad, rad, s) on 4; body 3 starts with a spin (rad/s).
+    rad/s) on `torque_body`, a release (N m/rad, rad, s) on 4; body 3 starts with a spin (rad/s).
     """
     scene = fpm.Scene("bodies on hinges")
     ground = int(scene.add_particles((0.0, 0, 0), 1.0, 1.0)[0])
@@ -36,7 +36,7 @@ def bodies(
     ramp = scene.add_curve([0.0, 1.0], [0.0, 1.0])
     scene.add(SyncLoop("belt", (0, 1), (0.1, 0.2), loop, preload=preload))
     scene.add(Motor(2, *motor, 0.0, 2.0, ramp))
-    scene.add(TorqueMotor(on, torque, no_load=no_load))
+    scene.add(TorqueMotor(torque_body, torque, no_load=no_load))
     scene.add(Release(4, release[0], 0.0, release[1], release[2]))
     return scene
 
@@ -55,11 +55,11 @@ def _judge(name, scene, hinge, exact, duration=1.0, allowed=TURN) -> Row:
     try:
         outcome = run(scene, duration)
     except fpm.InstabilityError as error:
-        return refused(name, error)
+        return refusal(name, error)
     turn = exact(outcome.time)
     error = float(np.abs(outcome.openings[hinge] - turn).max() / np.abs(turn).max())
-    off = np.abs(outcome.energies["balance"]).max() / outcome.energies["kinetic"].max()
-    note = f"energy {off:.1g} of the kinetic, {outcome.steps} steps"
+    imbalance = np.abs(outcome.energies["balance"]).max() / outcome.energies["kinetic"].max()
+    note = f"energy {imbalance:.1g} of the kinetic, {outcome.steps} steps"
     return at_most(name, error, allowed, "closed form", note)
 
 
@@ -71,12 +71,12 @@ def loops() -> list[Row]:
         total = INERTIA + inertia / 4
         # Before the loop has a steady pull, its bodies swing about it: by the slip over the radius.
         stretch = inertia / 4 / total / (0.1**2 * stiffness)
-        scene = bodies((INERTIA, inertia, *[INERTIA] * 3), stiffness, torque=1.0, on=0)
+        scene = bodies((INERTIA, inertia, *[INERTIA] * 3), stiffness, torque=1.0, torque_body=0)
         name = f"loop of {stiffness:g} N/m to a body of {inertia:g} kg m²: turned by a torque"
         exact = lambda t, total=total: t * t / 2 / total  # noqa: E731
         turn = exact(1.0)
         rows.append(_judge(name, scene, "H0", exact, allowed=TURN + 2 * stretch / turn))
-    scene = bodies(loop=1e6, torque=1.0, on=0, preload=0.0)
+    scene = bodies(loop=1e6, torque=1.0, torque_body=0, preload=0.0)
     exact = lambda t: t * t / 2 / (1.25 * INERTIA)  # noqa: E731
     rows.append(_judge("loop without preload, 1e6 N/m: turned by a torque", scene, "H0", exact))
     return rows
@@ -96,7 +96,7 @@ def motors() -> list[Row]:
         duration = 0.1 if max(rate, damping / inertia) > 1e5 else 1.0
         allowed = TURN + lag / (2 * duration)
         rows.append(_judge(name, scene, "H2", lambda t: 2 * t, duration, allowed))
-    rows.append(_still("motor without stiffness and damping: stays (rad)", bodies(), "H2"))
+    rows.append(_rest("motor without stiffness and damping: stays (rad)", bodies(), "H2"))
     return rows
 
 
@@ -113,9 +113,9 @@ def torques() -> list[Row]:
     return rows
 
 
-def _still(name: str, scene: fpm.Scene, hinge: str) -> Row:
-    moved = float(np.abs(run(scene).openings[hinge]).max())
-    return at_most(name, moved, 1e-15, "nothing moves it")
+def _rest(name: str, scene: fpm.Scene, hinge: str) -> Row:
+    motion = float(np.abs(run(scene).openings[hinge]).max())
+    return at_most(name, motion, 1e-15, "nothing moves it")
 
 
 def releases() -> list[Row]:
@@ -126,17 +126,17 @@ def releases() -> list[Row]:
     rows = []
     for stiffness in (1e-3, 1e3, 1e9):
         scene = bodies(release=(stiffness, 1e-3, 1e-12))
-        outcome, stored = run(scene, share=0.03), 0.5 * stiffness * 1e-6
+        outcome, energy = run(scene, share=0.03), 0.5 * stiffness * 1e-6
         rate = np.abs(np.diff(outcome.openings["H4"][1:])).max() / 0.01
         name = f"release of {stiffness:g} N m/rad after 1e-12 s"
         swing = 1e-3 * np.sqrt(stiffness / INERTIA)
         rows.append(at_most(f"{name}: rate left, of what the spring gives", float(rate / swing),
                             1e-6, "it was never held"))  # fmt: skip
-        error = abs(outcome.energies["joint_loss"][-1] / stored - 1)
+        error = abs(outcome.energies["joint_loss"][-1] / energy - 1)
         rows.append(at_most(f"{name}: loss", float(error), 1e-3, "k x²/2"))
-    outcome = run(bodies(release=(1e6, 0.0, 1e9), torque=1.0, on=4))
-    moved = float(np.abs(outcome.openings["H4"]).max())
-    rows.append(at_most("release after the run, 1e6 N m/rad: gives (rad)", moved, 2.2e-6, "2 M/k"))
+    outcome = run(bodies(release=(1e6, 0.0, 1e9), torque=1.0, torque_body=4))
+    motion = float(np.abs(outcome.openings["H4"]).max())
+    rows.append(at_most("release after the run, 1e6 N m/rad: gives (rad)", motion, 2.2e-6, "2 M/k"))
     rows.append(at_most("the same: events", float(len(outcome.events)), 0.0, "none"))
     return rows
 
@@ -164,7 +164,7 @@ def refusals() -> list[Row]:
             try:
                 bodies(**{key: value})
             except fpm.SceneError as error:
-                rows.append(refused(f"{key} = {value}", error))
+                rows.append(refusal(f"{key} = {value}", error))
             else:
                 rows.append(Row(f"{key} = {value}", "built", passed=False, source="fpm.SceneError"))
     return rows

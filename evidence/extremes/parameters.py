@@ -1,9 +1,9 @@
 """Extremes of the linkage's parameters: materials, sections, lengths, stiffnesses."""
 
 import fpm
-from evidence.extremes.judge import BENT, RATTLING, WHIPPING, judge
+from evidence.extremes.judge import CURVED, RATTLING, WHIPPING, judge
 from evidence.linkage.runs import build
-from evidence.rows import Row, refused
+from evidence.rows import Row, refusal
 
 
 def materials() -> list[Row]:
@@ -11,10 +11,10 @@ def materials() -> list[Row]:
     # Springs that bend a link double shut it long before the linkage closes.
     for modulus in (1e5, 3e5, 1e6):
         rows += judge(f"E = {modulus:g} Pa", {"E": modulus}, WHIPPING, past_closure=True)
-    rows += judge("E = 1e+07 Pa", {"E": 1e7}, BENT)
+    rows += judge("E = 1e+07 Pa", {"E": 1e7}, CURVED)
     for modulus in (1e8, 1e9, 1e10):
         rows += judge(f"E = {modulus:g} Pa", {"E": modulus})
-    rows += judge("E = 2.1e+11 Pa", {"E": 2.1e11}, against="rigid")
+    rows += judge("E = 2.1e+11 Pa", {"E": 2.1e11}, reference="rigid")
     for density in (1.0, 2e4):
         rows += judge(f"rho = {density:g} kg/m³", {"rho": density})
     for nu in (-0.99, 0.0, 0.5):
@@ -25,10 +25,10 @@ def materials() -> list[Row]:
 def sections() -> list[Row]:
     rows = judge("a = 2 mm", {"a": 0.002}, RATTLING, past_closure=True)
     rows += judge("a = 5 mm", {"a": 0.005}, WHIPPING, past_closure=True)
-    rows += judge("a = 10 mm", {"a": 0.01}, BENT)
+    rows += judge("a = 10 mm", {"a": 0.01}, CURVED)
     for side in (0.02, 0.06, 0.12):
         rows += judge(f"a = {1e3 * side:g} mm", {"a": side})
-    return rows + judge("a = 120 mm, E = 2.1e11 Pa", {"a": 0.12, "E": 2.1e11}, against="rigid")
+    return rows + judge("a = 120 mm, E = 2.1e11 Pa", {"a": 0.12, "E": 2.1e11}, reference="rigid")
 
 
 def lengths() -> list[Row]:
@@ -41,7 +41,7 @@ def lengths() -> list[Row]:
     rows += judge("L = 4.5 m, a = 35 mm (L/a = 129)", {"L": 4.5})
     short = {"L": 0.1, "E": 2.1e11}
     rows += judge("L = 0.1 m, a = 35 mm (L/a = 2.9)", {"L": 0.1})
-    return rows + judge("the same, E = 2.1e11 Pa", short, against="rigid")
+    return rows + judge("the same, E = 2.1e11 Pa", short, reference="rigid")
 
 
 def stiffnesses() -> list[Row]:
@@ -54,7 +54,7 @@ def stiffnesses() -> list[Row]:
         rows += judge(name, {"K_C": contact}, past_closure=True, duration=0.36)
     for spring in (0.1, 50.0):
         rows += judge(f"K_F = {spring:g} N/rad", {"K_F": spring})
-    rows += judge("K_F = 1000 N/rad", {"K_F": 1e3}, BENT, past_closure=True)
+    rows += judge("K_F = 1000 N/rad", {"K_F": 1e3}, CURVED, past_closure=True)
     return rows + judge("K_F = 10000 N/rad", {"K_F": 1e4}, WHIPPING, past_closure=True)
 
 
@@ -70,7 +70,7 @@ def refusals() -> list[Row]:
         try:
             build(**parameters)
         except fpm.SceneError as error:
-            rows.append(refused(name, error))
+            rows.append(refusal(name, error))
         else:
             rows.append(Row(name, "built", passed=False, source="fpm.SceneError"))
     return rows

@@ -18,9 +18,9 @@ from evidence.linkage.runs import (
     imbalance,
 )
 from evidence.linkage.runs import simulate as run
-from evidence.rows import Row, at_most, refused, told
+from evidence.rows import Row, at_most, info, refusal
 
-CLOSED = 120.0
+CLOSURE = 120.0
 """Opening at B (degrees) between the folded bundle and closure."""
 
 WAVES = (0.002, 0.1)
@@ -34,8 +34,8 @@ def rest(name: str, parameters: dict, tolerance: float = 1e-9) -> Row:
     outcome = run(0.2, **parameters)
     if outcome.failure:
         return Row(name, str(outcome.failure), passed=False, source="nothing moves (m)")
-    moved = max(float(np.abs(x - x[0]).max()) for x, _ in outcome.points.values())
-    return at_most(name, moved, tolerance, "nothing moves (m)")
+    motion = max(float(np.abs(x - x[0]).max()) for x, _ in outcome.points.values())
+    return at_most(name, motion, tolerance, "nothing moves (m)")
 
 
 def starts() -> list[Row]:
@@ -44,12 +44,12 @@ def starts() -> list[Row]:
         name = f"start {degrees:g}° from the folded bundle"
         rows += judge(name, {"start": degrees})
         stiff = {"start": degrees, "E": 2.1e11}
-        rows += judge(f"{name}, E = 2.1e11 Pa", stiff, against="rigid")
-    name, near = "start 0.01° from closure", {"start": CLOSED - 0.01}
-    more = {"duration": 0.02, "past_closure": True}
-    rows += judge(f"{name}, E = 2.1e11 Pa", {**near, "E": 2.1e11}, against="rigid", **more)
-    rows += judge(name, near, WAVES, **more)
-    rows.append(rest("start at closure", {"start": CLOSED}))
+        rows += judge(f"{name}, E = 2.1e11 Pa", stiff, reference="rigid")
+    name, close = "start 0.01° from closure", {"start": CLOSURE - 0.01}
+    options = {"duration": 0.02, "past_closure": True}
+    rows += judge(f"{name}, E = 2.1e11 Pa", {**close, "E": 2.1e11}, reference="rigid", **options)
+    rows += judge(name, close, WAVES, **options)
+    rows.append(rest("start at closure", {"start": CLOSURE}))
     rows.append(rest("K_F = 0", {"K_F": 0.0}))
     return rows
 
@@ -65,11 +65,11 @@ def meshes() -> list[Row]:
         name = f"{elements} elements a link"
         outcome, error = attempt(duration, (elements, 0.9), {})
         if outcome is None:
-            rows.append(refused(name, error))
+            rows.append(refusal(name, error))
             continue
-        until = 0.98 * min(first_closing(expected), first_closing(outcome))
+        end = 0.98 * min(first_closing(expected), first_closing(outcome))
         source = "80 elements a link"
-        rows += compare(name, outcome, curves(expected), until, (tolerance, 0.02), source)
+        rows += compare(name, outcome, curves(expected), end, (tolerance, 0.02), source)
     return rows
 
 
@@ -78,20 +78,20 @@ def durations() -> list[Row]:
     rows, name, _, long = persist("20 s", 20.0, {}, instants=4001)
     if long is None:
         return rows
-    off, gap, tilt = imbalance(long), float(long.gap.max()), float(long.axis_gap.max())
+    energy_error, gap, tilt = imbalance(long), float(long.gap.max()), float(long.axis_gap.max())
     rows += [
-        at_most(f"{name}: energy from nowhere", off, BALANCE, "energy balance"),
+        at_most(f"{name}: energy from nowhere", energy_error, BALANCE, "energy balance"),
         at_most(f"{name}: gap of a hinge (m)", gap, 1e-10, "hinge"),
         at_most(f"{name}: tilt of a hinge (rad)", tilt, 1e-9, "hinge"),
     ]
     # Bending has spread by sqrt(c r t) = 34 mm then: less than an element of twelve to a link.
     fine = curves(run(1e-4, instants=11, elements=128, safety=0.45))["BD"]
-    way = float(np.ptp(fine))
+    span = float(np.ptp(fine))
     for elements, tolerance in ((12, 0.5), (32, 0.1), (64, 0.02)):
-        found = curves(run(1e-4, instants=11, elements=elements))["BD"]
-        error = float(np.abs(found - fine).max()) / way
+        bd = curves(run(1e-4, instants=11, elements=elements))["BD"]
+        error = float(np.abs(bd - fine).max()) / span
         name = f"1e-4 s, {elements} elements: BD, as a share of its way"
-        note = f"BD is 54 mm and moves by {way:.2g} m"
+        note = f"BD is 54 mm and moves by {span:.2g} m"
         rows.append(at_most(name, error, tolerance, "128 elements a link", note))
     return rows
 
@@ -121,10 +121,10 @@ def damping() -> list[Row]:
         theory = oscillator(rate / frequency, np.radians(30.0), outcome.time * frequency)
         error = float(np.abs(outcome.openings["O"] - theory).max() / np.radians(30.0))
         name = f"damping {share:g} times critical"
-        off = imbalance(outcome)
-        note = f"energy {off:.1g}, rate {rate:g} /s"
+        energy_error = imbalance(outcome)
+        note = f"energy {energy_error:.1g}, rate {rate:g} /s"
         row = at_most(name, error, 2e-3, "damped oscillator, closed form", note)
-        rows.append(replace(row, passed=row.passed and off <= BALANCE))
+        rows.append(replace(row, passed=row.passed and energy_error <= BALANCE))
     return rows
 
 
@@ -132,30 +132,30 @@ def precision() -> list[Row]:
     """Single against double precision: sixteen lanes against eight of the same register."""
     duration = closing_time()
     scenes = [build(a=0.035 * (1 + 1e-3 * i), elements=8) for i in range(16)]
-    found, cost = {}, {}
+    outcomes, cost = {}, {}
     for dtype in (np.float64, np.float32):
         fpm.simulate(scenes, duration=1e-4, instants=2, dtype=dtype)  # compile
-        begun = time.process_time()
-        found[dtype] = fpm.simulate(
+        start = time.process_time()
+        outcomes[dtype] = fpm.simulate(
             scenes, duration=duration, instants=401, dtype=dtype, step=2.5e-5, energy_tolerance=1.0
         )
-        cost[dtype] = time.process_time() - begun
-    double, single = found[np.float64][0], found[np.float32][0]
-    inside = double.time < 0.98 * first_closing(double)
-    position, velocity = distance(curves(single), curves(double), inside)
-    off = imbalance(single)
+        cost[dtype] = time.process_time() - start
+    double, single = outcomes[np.float64][0], outcomes[np.float32][0]
+    window = double.time < 0.98 * first_closing(double)
+    position, velocity = distance(curves(single), curves(double), window)
+    energy_error = imbalance(single)
     failure = fpm.simulate(scenes[0], duration=duration, instants=401, dtype=np.float32)[0].failure
     source = "the same 16 runs in 64 bits"
     saved = 1 - cost[np.float32] / cost[np.float64]
-    note = f"velocity of B {velocity:.2g}, energy from nowhere {off:.2g}"
+    note = f"velocity of B {velocity:.2g}, energy from nowhere {energy_error:.2g}"
     row = at_most("32-bit floats: error of BD", position, 1e-4, source, note)
-    good = row.passed and off <= BALANCE
+    good = row.passed and energy_error <= BALANCE
     rows = [
         replace(row, passed=bool(good or failure)),
-        told("32-bit floats: share of cpu time saved", saved, note="half is the most there is"),
+        info("32-bit floats: share of cpu time saved", saved, note="half is the most there is"),
     ]
     if failure:
-        rows.append(refused("32-bit floats", failure))
+        rows.append(refusal("32-bit floats", failure))
     return rows
 
 
@@ -185,7 +185,7 @@ def curves_of_bd(names, values) -> np.ndarray:
     return np.array([curves(o)["BD"] for o in fpm.simulate(scenes, duration=0.2, instants=201)])
 
 
-def apart(bounds, lower: np.ndarray, upper: np.ndarray) -> float:
+def deviation(bounds, lower: np.ndarray, upper: np.ndarray) -> float:
     """Largest distance of bounds from others (t,)."""
     return float(max(np.abs(lower - bounds.lower).max(), np.abs(upper - bounds.upper).max()))
 
@@ -196,11 +196,14 @@ def intervals() -> list[Row]:
     for parameter, ends in WIDE.items():
         bounds, _ = bounds_of_bd(box_of(**{parameter: ends}), 8)
         scan = curves_of_bd((parameter,), np.linspace(*ends, 33)[:, None])
-        worst = apart(bounds, scan.min(0), scan.max(0)) / float(np.ptp(scan))
+        worst = deviation(bounds, scan.min(0), scan.max(0)) / float(np.ptp(scan))
         text = f"interval {parameter} ± 50 %, order 8: bounds of BD"
         rows.append(at_most(text, worst, 0.01, "33 runs across the interval"))
     box = box_of(K_F=(5.0, 5.0), a=(0.035, 0.035))
     bounds, count = bounds_of_bd(box, 3)
     (curve,) = curves_of_bd(box.names, [[5.0, 0.035]])
-    worst, name = apart(bounds, curve, curve), "intervals of zero width: bounds of BD (m)"
+    worst, name = (
+        deviation(bounds, curve, curve),
+        "intervals of zero width: bounds of BD (m)",
+    )
     return [*rows, at_most(name, worst, 1e-12, "the run itself", f"{count} run")]

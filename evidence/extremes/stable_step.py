@@ -22,7 +22,7 @@ Case = tuple[str, fpm.Scene, fpm.Scene]
 """Name, the scene whose step is estimated, the disturbed scene whose limit is sought."""
 
 
-def one(name: str, scene: fpm.Scene, speed: float) -> Case:
+def make_case(name: str, scene: fpm.Scene, speed: float) -> Case:
     return name, scene, disturb(scene, speed)
 
 
@@ -40,20 +40,20 @@ def bars(fast: bool) -> Iterator[Case]:
     for slenderness in (0.2, 5.0, 1000.0) if fast else (0.2, 1.0, 2.0, 5.0, 20.0, 100.0, 1000.0):
         for elements in (1, 4) if fast else (1, 2, 4, 16):
             name = f"free bar, l/r = {slenderness:g}, {elements} elements"
-            yield one(name, bar(slenderness, elements), 1e-6)
+            yield make_case(name, bar(slenderness, elements), 1e-6)
     for scale in () if fast else (2.0, 3.0, 5.0, 8.0):
         for slenderness in (10.0, 100.0):
             name = f"free bar, l/r = {slenderness:g}, 8 elements, f = {scale:g}"
-            yield one(name, bar(slenderness, 8, scale), 1e-6)
+            yield make_case(name, bar(slenderness, 8, scale), 1e-6)
 
 
 def linkages(fast: bool) -> Iterator[Case]:
     for elements in (2, 4, 8) if fast else (2, 4, 8, 16, 32, 64):
         name = f"Bennett linkage, {elements} elements a link"
-        yield one(name, bennett(elements=elements), 1e-4)
+        yield make_case(name, bennett(elements=elements), 1e-4)
     for scale in (3.0,) if fast else (2.0, 3.0, 5.0, 8.0):
         scene = bennett(elements=4, inertia=scale)
-        yield one(f"Bennett linkage, 4 elements a link, f = {scale:g}", scene, 1e-4)
+        yield make_case(f"Bennett linkage, 4 elements a link, f = {scale:g}", scene, 1e-4)
 
 
 def contacts(fast: bool) -> Iterator[Case]:
@@ -76,14 +76,14 @@ def arms(fast: bool) -> Iterator[Case]:
         section, stiff = fpm.Section.square(0.035), fpm.Material(1e9 * factor, 0.3, 800.0)
         tips = []
         for side in (-1.0, 1.0):
-            near, far = (0.01 * side, 0, 0), (0.46 * side, 0, 0)
-            link = scene.add_link(near, far, (0, 0, 1), section, MATERIAL, 4)
+            start, stop = (0.01 * side, 0, 0), (0.46 * side, 0, 0)
+            link = scene.add_link(start, stop, (0, 0, 1), section, MATERIAL, 4)
             mass, inertia = 0.02, np.full(3, 4e-6)
             tip = scene.add_particles((0.0, 0.0, 0.0175), mass, inertia, link.triad)
             scene.add_beams((int(link.particles[0]), int(tip[0])), section, stiff, (0, 1, 0), "arm")
             tips.append(int(tip[0]))
         scene.add_hinge("hinge", tips, (0, 0, 0.0175), (0, 1, 0))
-        yield one(f"bars on arms {factor:g} times as stiff", scene, 1e-3)
+        yield make_case(f"bars on arms {factor:g} times as stiff", scene, 1e-3)
 
 
 def slides(fast: bool) -> Iterator[Case]:
@@ -106,7 +106,7 @@ def slides(fast: bool) -> Iterator[Case]:
                 opening = scene.add_universal("cross", pair, (1, 0, 0), (0, 1, 0), (0, 0, 1))
             scene.add_torsion_spring(opening + (kind == "cross_other"), stiffness)
             unit = "N/m" if kind == "slide" else "N m/rad"
-            yield one(f"bars on a {kind}, spring of {stiffness:g} {unit}", scene, 1e-4)
+            yield make_case(f"bars on a {kind}, spring of {stiffness:g} {unit}", scene, 1e-4)
 
 
 def study(fast: bool = False) -> list[Row]:
@@ -114,11 +114,11 @@ def study(fast: bool = False) -> list[Row]:
     rows = []
     for cases in (bars, linkages, contacts, arms, slides):
         for name, scene, tested in cases(fast):
-            found = fpm.stable_step(scene)
+            stable = fpm.stable_step(scene)
             limit = true_limit(tested, RESOLUTION)
-            ratio = float(found.step / limit)
-            passed = LOWEST <= ratio <= HIGHEST + 1.5 * RESOLUTION
+            ratio = float(stable.step / limit)
+            is_met = LOWEST <= ratio <= HIGHEST + 1.5 * RESOLUTION
             name, sense = f"stable step: {name}", f"{LOWEST} to"
-            note = f"limit {limit:.4g} s, set by {found.element}"
-            rows.append(Row(name, ratio, "", sense, HIGHEST, None, passed, SOURCE, note))
+            note = f"limit {limit:.4g} s, set by {stable.element}"
+            rows.append(Row(name, ratio, "", sense, HIGHEST, None, is_met, SOURCE, note))
     return rows

@@ -48,12 +48,12 @@ def _measure(group: str, quick: bool) -> list[dict]:
 PARTS = {group: partial(_measure, group) for group in GROUPS}
 
 
-def report(found: Mapping[str, list[dict]]) -> Report:
+def report(parts: Mapping[str, list[dict]]) -> Report:
     """The rows of all groups, and how much of its allowance each takes."""
-    rows = [Row(**row) for group in found.values() for row in group]
+    rows = [Row(**row) for group in parts.values() for row in group]
     steps = [row for row in rows if row.group == "stable step"]
-    others = [row for row in rows if row.group != "stable step"]
-    figures = {"stable-step": draw_steps(steps), "errors": draw_errors(others)}
+    rest = [row for row in rows if row.group != "stable step"]
+    figures = {"stable-step": draw_steps(steps), "errors": draw_errors(rest)}
     return Report(rows, figures=figures)
 
 
@@ -73,6 +73,6 @@ def draw_steps(rows: list[Row]):
 def draw_errors(rows: list[Row]):
     """Error over what is allowed of every row; refusals as marks at the left."""
     figure, (axes,) = plots.panels(size=(7, 0.16 * len(rows) + 1))
-    plots.draw_used(axes, rows, [row.name for row in rows])
+    plots.draw_utilization(axes, rows, [row.name for row in rows])
     axes.tick_params(axis="y", labelsize=5)
     return figure

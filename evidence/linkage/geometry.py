@@ -146,14 +146,14 @@ class BennettGeometry:
     @property
     def arm_a(self) -> np.ndarray:
         """From the A-side end of the bar's axis to the midpoint of the hinge line, m."""
-        along = -0.5 * self.side * math.sin(self.lam) * math.tan(self.mu)
-        return np.array([along, 0.0, 0.5 * self.side])
+        x = -0.5 * self.side * math.sin(self.lam) * math.tan(self.mu)
+        return np.array([x, 0.0, 0.5 * self.side])
 
     @property
     def arm_b(self) -> np.ndarray:
         """From the B-side end of the bar's axis to the midpoint of the hinge line, m."""
-        along = -0.5 * self.side * math.cos(self.lam) / math.tan(self.mu)
-        return np.array([along, 0.5 * self.side, 0.0])
+        x = -0.5 * self.side * math.cos(self.lam) / math.tan(self.mu)
+        return np.array([x, 0.5 * self.side, 0.0])
 
     @property
     def hinge_length_a(self) -> float:
@@ -185,8 +185,8 @@ class BennettGeometry:
     @property
     def shortest_edge(self) -> float:
         """Shortest edge of the mitred bar along its axis, m (positive in a bar that exists)."""
-        lost = (math.cos(self.lam) + math.sin(self.lam)) / math.sin(2.0 * self.mu)
-        return self.length - self.side * lost
+        loss = (math.cos(self.lam) + math.sin(self.lam)) / math.sin(2.0 * self.mu)
+        return self.length - self.side * loss
 
     # --- motion ----------------------------------------------------------------------------------
 
@@ -234,8 +234,8 @@ class BennettGeometry:
         hinge = columns(zero, np.cos(beta), np.sin(beta))
         normal = columns(1.0 + zero, zero, zero)
         cosine, sine = np.cos(0.5 * psi)[..., None], np.sin(0.5 * psi)[..., None]
-        turned = cosine * normal - sine * cross(hinge, normal)
-        world = columns(hinge, turned, cross(hinge, turned))
+        rotated = cosine * normal - sine * cross(hinge, normal)
+        world = columns(hinge, rotated, cross(hinge, rotated))
         local_hinge, local_normal = self.axis_b, self.face_normal_b
         local = columns(local_hinge, local_normal, cross(local_hinge, local_normal))
         rotation = world @ local.T
@@ -300,10 +300,10 @@ class BennettGeometry:
 
 def _with_half_turn(of_a: np.ndarray, of_b: np.ndarray) -> np.ndarray:
     """Vectors (..., 4, 3) at A, B, C and D from those (..., 3) at A and B."""
-    out = np.empty((*of_a.shape[:-1], 4, 3))
-    out[..., 0, :], out[..., 1, :] = of_a, of_b
-    out[..., 2:, :] = out[..., :2, :] @ _HALF_TURN
-    return out
+    vectors = np.empty((*of_a.shape[:-1], 4, 3))
+    vectors[..., 0, :], vectors[..., 1, :] = of_a, of_b
+    vectors[..., 2:, :] = vectors[..., :2, :] @ _HALF_TURN
+    return vectors
 
 
 def _into_face(axis: np.ndarray, arm: np.ndarray) -> np.ndarray:
@@ -350,12 +350,12 @@ def bennett_geometry(
 
     geometry = BennettGeometry(length=length, side=side, lam=lam, mu=mu)
     if mu_deg is not None and omega_deg is not None:
-        needed = math.degrees(geometry.omega_b)
-        if abs(omega_deg - needed) > OMEGA_TOLERANCE_DEG:
+        omega_b = math.degrees(geometry.omega_b)
+        if abs(omega_deg - omega_b) > OMEGA_TOLERANCE_DEG:
             raise SceneError(
                 "omega_deg",
                 omega_deg,
-                f"{needed:.2f} degrees (to {OMEGA_TOLERANCE_DEG}) at B, which lambda_deg = "
+                f"{omega_b:.2f} degrees (to {OMEGA_TOLERANCE_DEG}) at B, which lambda_deg = "
                 f"{lambda_deg:g} and mu_deg = {mu_deg:g} require (and "
                 f"{math.degrees(geometry.omega_a):.2f} at A); or keep it and take mu_deg = "
                 f"{math.degrees(_mu_from_omega(omega_deg, lam)):.2f}, "

@@ -51,18 +51,18 @@ class RigidBennett:
         mu, lam = math.radians(self.mu_deg), math.radians(self.lambda_deg)
         end_a = self.length * math.sin(mu) * _X
         end_b = self.length * math.cos(mu) * _Y
-        along = (end_b - end_a) / self.length
+        axis = (end_b - end_a) / self.length
         outwards = math.cos(mu) * _X + math.sin(mu) * _Y
         inner_upper = -math.cos(lam) * outwards + math.sin(lam) * _Z
         outer_upper = math.sin(lam) * outwards + math.cos(lam) * _Z
 
-        def edge(end, plane_normal, face, across):
+        def edge(end, plane_normal, face, lateral):
             """Corners of the edge that the face (unit normal) leaves in the cut face."""
             corners = []
             for side in (-1.0, 1.0):
-                corner = end + 0.5 * self.side * (face + side * across)
-                slip = (plane_normal @ corner) / (plane_normal @ along)
-                corners.append(corner - slip * along)
+                corner = end + 0.5 * self.side * (face + side * lateral)
+                slip = (plane_normal @ corner) / (plane_normal @ axis)
+                corners.append(corner - slip * axis)
             return np.array(corners)
 
         edge_a = edge(end_a, _Y, outer_upper, inner_upper)
@@ -70,7 +70,7 @@ class RigidBennett:
         length_a = float(np.linalg.norm(edge_a[1] - edge_a[0]))
         length_b = float(np.linalg.norm(edge_b[1] - edge_b[0]))
         mass = self.density * self.side**2 * self.length
-        axes = np.stack([along, inner_upper, outer_upper], axis=-1)
+        axes = np.stack([axis, inner_upper, outer_upper], axis=-1)
         moments = np.array([self.length**2, self.side**2, self.side**2]) * mass / 12.0
 
         # Both edges run upwards, so that beta and gamma start between 0 and 180 degrees.
@@ -82,7 +82,7 @@ class RigidBennett:
             mass=mass, second_moment=axes @ np.diag(moments) @ axes.T,
             beta_deployed=math.atan2(axis_b[2], axis_b[1]),
             # The bars are parallel to z when the axis at B makes its constant angle with z.
-            beta_folded=math.pi - math.asin(axis_b @ along),
+            beta_folded=math.pi - math.asin(axis_b @ axis),
         )  # fmt: skip
 
     # --- kinematics ------------------------------------------------------------------------------
@@ -106,9 +106,9 @@ class RigidBennett:
         hb = np.array([[0.0, cb, sb], [0.0, -sb, cb], [0.0, -cb, -sb]])
         turn = np.array([[cg, 0.0, sg], [-sg, 0.0, cg]])
         ha = np.array([turn[0], g1 * turn[1], g2 * turn[1] - g1 * g1 * turn[0]])
-        each = np.cross(ha[:, None], hb[None])  # by derivatives of the first and of the second
-        second = each[2, 0] + 2.0 * each[1, 1] + each[0, 2]
-        cross = np.array([each[0, 0], each[1, 0] + each[0, 1], second])
+        products = np.cross(ha[:, None], hb[None])  # by derivatives of the first and of the second
+        second = products[2, 0] + 2.0 * products[1, 1] + products[0, 2]
+        cross = np.array([products[0, 0], products[1, 0] + products[0, 1], second])
         rotation = np.stack([ha, hb, cross], axis=-1) @ self.from_link
 
         # A on the plane y = 0, B on x = 0; z is measured from A, or from the centre of mass.
@@ -173,11 +173,11 @@ class RigidBennett:
             ("opening_b", self.hinge_length_b),
         ):
             opening, opening1 = motion[name][0], motion[name][1]
-            shut = min(opening, 0.0)
+            overlap = min(opening, 0.0)
             # Two hinges of each kind: factor 2 / 2.
             spring += self.spring_stiffness * length * opening**2
-            contact += self.contact_stiffness * length * shut**2
-            moment = self.spring_stiffness * opening + self.contact_stiffness * shut
+            contact += self.contact_stiffness * length * overlap**2
+            moment = self.spring_stiffness * opening + self.contact_stiffness * overlap
             slope += 2.0 * length * moment * opening1
         return float(spring), float(contact), float(slope)
 
@@ -203,32 +203,32 @@ class RigidBennett:
         times = np.asarray(times, dtype=float)
         beta = self.beta_at(self.folded_opening_b - math.radians(start_deg))
 
-        def shut(_time, state):
+        def contact(_time, state):
             return state[0] - self.beta_deployed  # same zero and sign as the openings
 
-        shut.terminal = True
+        contact.terminal = True
         time, state = 0.0, np.array([beta, 0.0])
         states = np.empty((times.size, 2))
         closings, openings = [], []
         # The contact makes the moment's slope jump: one solution per phase between the jumps.
         while time < times[-1]:
-            inside = state[0] < self.beta_deployed or (
+            is_closed = state[0] < self.beta_deployed or (
                 state[0] == self.beta_deployed and state[1] < 0.0
             )
-            shut.direction = 1.0 if inside else -1.0
+            contact.direction = 1.0 if is_closed else -1.0
             solution = solve_ivp(
                 self.state_rate, (time, times[-1]), state, method="DOP853", rtol=tolerance,
-                atol=tolerance, dense_output=True, events=shut,
+                atol=tolerance, dense_output=True, events=contact,
             )  # fmt: skip
             if solution.status < 0:
                 raise RuntimeError(f"rigid linkage: {solution.message} at t = {solution.t[-1]} s")
             ended = solution.t[-1]
-            chosen = (times >= time) & (times <= ended)
-            if chosen.any():
-                states[chosen] = solution.sol(times[chosen]).T
+            rows = (times >= time) & (times <= ended)
+            if rows.any():
+                states[rows] = solution.sol(times[rows]).T
             time = ended
             if solution.status == 1:
-                (openings if inside else closings).append(float(ended))
+                (openings if is_closed else closings).append(float(ended))
                 state = np.array([self.beta_deployed, solution.y[1, -1]])
         return {
             "time": times,

@@ -19,8 +19,8 @@ SUPPORTS = {"plane": {"A": "z", "C": "z"}, "pinned": {"A": "xyz"}, "free": {}}
 
 def build(supports: str = "plane", **parameters) -> fpm.Scene:
     """The paper's linkage with some parameters changed, on some supports."""
-    scene, held = scene_type("bennett").build(**parameters), SUPPORTS[supports]
-    scene.hinges = [replace(hinge, support=held.get(hinge.name, "")) for hinge in scene.hinges]
+    scene, axes = scene_type("bennett").build(**parameters), SUPPORTS[supports]
+    scene.hinges = [replace(hinge, support=axes.get(hinge.name, "")) for hinge in scene.hinges]
     return scene
 
 
@@ -77,15 +77,15 @@ def first_closing(outcome: fpm.Outcome) -> float:
 
 
 def distance(
-    found: dict[str, np.ndarray], expected: dict[str, np.ndarray], inside: np.ndarray
+    result: dict[str, np.ndarray], expected: dict[str, np.ndarray], window: np.ndarray
 ) -> tuple[float, float]:
     """Largest error of BD and root mean square error of vBz over instants, as shares of the range.
 
     The velocity carries waves of all lengths, which the release of the springs at rest starts; they
     are finer than any mesh, so its largest error is a matter of chance.
     """
-    error = {k: found[k][inside] - expected[k][inside] for k in found}
-    span = {k: np.ptp(expected[k][inside]) or 1.0 for k in found}
+    error = {k: result[k][window] - expected[k][window] for k in result}
+    span = {k: np.ptp(expected[k][window]) or 1.0 for k in result}
     return (
         float(np.abs(error["BD"]).max() / span["BD"]),
         float(np.sqrt(np.mean(error["vBz"] ** 2)) / span["vBz"]),
@@ -95,5 +95,5 @@ def distance(
 def imbalance(outcome: fpm.Outcome) -> float:
     """Largest energy from nowhere, as a share of the largest energy held."""
     energies = outcome.energies
-    held = sum(energies[k] for k in ("kinetic", "strain", "spring", "contact"))
-    return float(np.abs(energies["balance"]).max() / max(np.abs(held).max(), 1e-300))
+    energy = sum(energies[k] for k in ("kinetic", "strain", "spring", "contact"))
+    return float(np.abs(energies["balance"]).max() / max(np.abs(energy).max(), 1e-300))

@@ -29,9 +29,9 @@ def chain(bodies: int) -> fpm.Scene:
     """A free chain of rigid bodies, its middle moving."""
     scene = fpm.Scene("chain")
     places = [(float(k), 0, 0) for k in range(bodies)]
-    made = scene.add_particles(places, 1.0, 0.1)
+    particles = scene.add_particles(places, 1.0, 0.1)
     for k in range(bodies - 1):
-        scene.add_hinge(f"pin {k}", made[k : k + 2], (k + 0.5, 0, 0), (0, 1, 0))
+        scene.add_hinge(f"pin {k}", particles[k : k + 2], (k + 0.5, 0, 0), (0, 1, 0))
     scene.velocity[bodies // 2] = (0, 0, 0.1)
     return scene
 
@@ -47,12 +47,12 @@ def measure(steps: int = 5000, repeats: int = 3) -> dict[str, float]:
     joints = {name: len(s.hinges) or PAIRS for name, s in cases.items()}
     runs = {}
     for name, scene in cases.items():
-        many = steps * PAIRS // joints[name]
-        runs[name, True], runs[name, False] = _runner(scene, many), _runner(scene, many // 10)
+        count = steps * PAIRS // joints[name]
+        runs[name, True], runs[name, False] = _runner(scene, count), _runner(scene, count // 10)
         runs[name, False]()  # compiles, or loads, the time loop
     seconds = best(runs, repeats)
-    each = 0.9 * steps * PAIRS * LANES
-    return {name: (seconds[name, True] - seconds[name, False]) / each for name in cases}
+    samples = 0.9 * steps * PAIRS * LANES
+    return {name: (seconds[name, True] - seconds[name, False]) / samples for name in cases}
 
 
 def _runner(scene: fpm.Scene, steps: int):

@@ -47,9 +47,9 @@ def measure(units=UNITS, steps: int = 8000, repeats: int = 3) -> list[Size]:
 
 
 def _size(units: int, build, steps: int, repeats: int) -> Size:
-    made: list[fpm.Scene] = []
-    building = best({"build": lambda: made.append(_checked(build()))}, repeats)["build"]
-    scene = made[-1]
+    copies: list[fpm.Scene] = []
+    building = best({"build": lambda: copies.append(_checked(build()))}, repeats)["build"]
+    scene = copies[-1]
     step = 0.9 * fpm.stable_step(scene).step
     scenes, instants = [scene] * LANES, 41
     duration = steps * step
@@ -63,7 +63,7 @@ def _size(units: int, build, steps: int, repeats: int) -> Size:
     outcome = outcomes[0]
     if outcome.failure is not None:
         raise outcome.failure
-    moving = outcome.energies["kinetic"].max()
+    kinetic = outcome.energies["kinetic"].max()
     return Size(
         units=units,
         elements=sum(len(beams.length) for beams in scene.beams),
@@ -72,15 +72,15 @@ def _size(units: int, build, steps: int, repeats: int) -> Size:
         steps=outcome.steps,
         cost=(seconds["whole"] - seconds["short"]) / (0.9 * outcome.steps),
         building=building,
-        balance=float(np.abs(outcome.energies["balance"]).max() / moving),
+        balance=float(np.abs(outcome.energies["balance"]).max() / kinetic),
         gap=_widest(outcome, "gap"),
         tilt=_widest(outcome, "axis_gap"),
     )
 
 
-def _widest(outcome: fpm.Outcome, what: str) -> float:
+def _widest(outcome: fpm.Outcome, suffix: str) -> float:
     """The largest gap, or axis_gap, of all hinges and joints."""
-    names = (f"hinge_{what}", f"joint_{what}")
+    names = (f"hinge_{suffix}", f"joint_{suffix}")
     return float(max(outcome.recorded[n].values.max() for n in names if n in outcome.recorded))
 
 

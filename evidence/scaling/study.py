@@ -9,14 +9,14 @@ import numpy as np
 
 from evidence import plots
 from evidence.results import Report, table
-from evidence.rows import Row, at_most, grouped, told
+from evidence.rows import Row, at_most, grouped, info
 from evidence.scaling import joints, masts
 from evidence.scaling.masts import Size
 
 MOST_GROWTH = 1.25
 """Exponent of the cost in the size, from 10 units on: 1 is linear; caches add to it."""
 
-FROM = 10
+MIN_UNITS = 10
 
 MOST_BALANCE = 1e-4
 """Imbalance as a share of the largest kinetic energy: a twentieth of what campaigns allow."""
@@ -46,19 +46,19 @@ def measure_all(quick: bool = False) -> Measured:
 PARTS = {"sizes": measure_all}
 
 
-def report(found: Mapping[str, Measured]) -> Report:
+def report(parts: Mapping[str, Measured]) -> Report:
     """What the study claims, all sizes as a table, and a plot."""
-    m = found["sizes"]
+    m = parts["sizes"]
     rows = [*grouped("masts", mast_rows(m.sizes)), *grouped("joints", joint_rows(m.joints))]
-    more = {"sizes": [asdict(size) for size in m.sizes], "joints": m.joints}
+    extra = {"sizes": [asdict(size) for size in m.sizes], "joints": m.joints}
     text = "\n## Sizes\n\n" + sizes_table(m.sizes)
-    return Report(rows, more, text, {"cost": draw(m.sizes)})
+    return Report(rows, extra, text, {"cost": draw(m.sizes)})
 
 
 def growth(sizes: Sequence[Size]) -> float:
     """The exponent of the cost of a step in the number of units, from FROM on."""
-    some = [size for size in sizes if size.units >= FROM]
-    logs = np.log([(size.units, size.cost) for size in some])
+    large = [size for size in sizes if size.units >= MIN_UNITS]
+    logs = np.log([(size.units, size.cost) for size in large])
     return float(np.polyfit(*logs.T, 1)[0])
 
 
@@ -66,32 +66,32 @@ def mast_rows(sizes: Sequence[Size]) -> list[Row]:
     """How the cost grows, and that nothing else does."""
     linkage, *rest = sizes
     largest = rest[-1]
-    name = f"exponent of the cost of a step, {FROM} to {largest.units} units"
-    each = [1e9 * s.cost / s.elements / masts.LANES for s in (linkage, largest)]
-    note = f"{each[1]:.3g} ns an element and sample at the end, the linkage {each[0]:.3g}"
+    name = f"exponent of the cost of a step, {MIN_UNITS} to {largest.units} units"
+    costs = [1e9 * s.cost / s.elements / masts.LANES for s in (linkage, largest)]
+    note = f"{costs[1]:.3g} ns an element and sample at the end, the linkage {costs[0]:.3g}"
     rows = [at_most(name, growth(sizes), MOST_GROWTH, "1 is linear", note)]
-    for what, limit, unit in (
+    for field, limit, unit in (
         ("balance", MOST_BALANCE, ""), ("gap", MOST_GAP, "m"), ("tilt", MOST_TILT, "rad")
     ):  # fmt: skip
-        worst = max(getattr(size, what) for size in rest)
-        note = f"the linkage: {getattr(linkage, what):.2g}"
-        rows.append(at_most(f"largest {what} of a mast", worst, limit, "required", note, unit))
+        worst = max(getattr(size, field) for size in rest)
+        note = f"the linkage: {getattr(linkage, field):.2g}"
+        rows.append(at_most(f"largest {field} of a mast", worst, limit, "required", note, unit))
     steps = [size.step for size in rest]
     rows.append(at_most("longest step over shortest", max(steps) / min(steps), 1.001,
                         "the same elements"))  # fmt: skip
     note = f"the linkage: {1e3 * linkage.building:.3g} ms"
-    rows.append(told(f"building {largest.units} units, and their stable step",
+    rows.append(info(f"building {largest.units} units, and their stable step",
                      1e3 * largest.building, "ms", note))  # fmt: skip
     return rows
 
 
-def joint_rows(each: Mapping[str, float]) -> list[Row]:
+def joint_rows(costs: Mapping[str, float]) -> list[Row]:
     """What a joint costs in a system of many, against one alone."""
-    (name, alone), *others = each.items()
-    rows = [told(name, 1e9 * alone, "ns per joint, step and sample")]
-    for name, cost in others:
+    (name, single), *rest = costs.items()
+    rows = [info(name, 1e9 * single, "ns per joint, step and sample")]
+    for name, cost in rest:
         note = f"{1e9 * cost:.3g} ns per joint, step and sample"
-        rows.append(at_most(f"{name}, over hinges alone", cost / alone, MOST_COUPLED, "", note))
+        rows.append(at_most(f"{name}, over hinges alone", cost / single, MOST_COUPLED, "", note))
     return rows
 
 
@@ -113,9 +113,9 @@ def sizes_table(sizes: Sequence[Size]) -> str:
 def draw(sizes: Sequence[Size]):
     """Cost of a step by the number of units, and the line that ten units begin."""
     chart = plots.Chart("Cost of a step", "units", "µs a step of 8 samples", logarithmic=True)
-    some = [size for size in sizes if size.units]
-    units = np.array([size.units for size in some])
-    chart.curve(units, [1e6 * size.cost for size in some], "scissor mast")
-    one = min(some, key=lambda size: abs(size.units - FROM))
-    chart.curve(units, 1e6 * one.cost * units / one.units, "linear", reference=True)
+    subset = [size for size in sizes if size.units]
+    units = np.array([size.units for size in subset])
+    chart.curve(units, [1e6 * size.cost for size in subset], "scissor mast")
+    start = min(subset, key=lambda size: abs(size.units - MIN_UNITS))
+    chart.curve(units, 1e6 * start.cost * units / start.units, "linear", reference=True)
     return chart.figure

@@ -6,7 +6,7 @@ from evidence.results import table
 from evidence.rows import Row, at_least, at_most, skipped
 
 TRUE = "this study: a scan on a finer mesh"
-WITHIN, FACTOR, CHEAPER = 0.9, 3.0, 0.4
+MIN_SHARE, MAX_RATIO, MAX_COST = 0.9, 3.0, 0.4
 """Share of the accuracies that are to be kept, how far estimates may be from the truth in the
 median, and the cost beside the best rival that is as accurate. Set before the first
 measurement."""
@@ -18,19 +18,21 @@ def asked_rows(case: dict) -> list[Row]:
     name = f"{case['case']}, accuracy"
     rows = []
     if met:
-        kept = [e["most"] <= row["share"] for row in met for e in row["errors"]]
+        successes = [e["most"] <= row["share"] for row in met for e in row["errors"]]
         worst = max(e["most"] / row["share"] for row in met for e in row["errors"])
         text = f"{name}: of those told to be met, true in 90 % of the instants"
         note = f"{len(met)} of {len(case['asked'])} met; at worst {worst:.2g} of what was asked for"
-        rows.append(at_least(text, sum(kept) / len(kept), WITHIN, TRUE, note))
+        rows.append(at_least(text, sum(successes) / len(successes), MIN_SHARE, TRUE, note))
     errors = [error for row in case["asked"] for error in row["errors"]]
     ratios = sorted(e["told"] / max(e["share"], 1e-12) for e in errors)
     median = ratios[len(ratios) // 2]
     note = f"{ratios[0]:.2g} to {ratios[-1]:.2g}"
     text = f"{name}: estimate over truth, median, or its inverse"
-    rows.append(at_most(text, max(median, 1 / median), FACTOR, TRUE, note))
+    rows.append(at_most(text, max(median, 1 / median), MAX_RATIO, TRUE, note))
     covers = min(e["covers"] for e in errors)
-    rows.append(at_least(f"{name}: instants that the estimate covers, least", covers, WITHIN, TRUE))
+    rows.append(
+        at_least(f"{name}: instants that the estimate covers, least", covers, MIN_SHARE, TRUE)
+    )
     return rows + [_cost_row(name, case, row) for row in case["asked"]]
 
 
@@ -43,7 +45,7 @@ def _cost_row(name: str, case: dict, row: dict) -> Row:
         return skipped(text, f"none of those tried is as accurate ({own:.2g} of the width)")
     best = min(rivals, key=lambda rival: rival["cpu"])
     note = f"{row['cpu']:.3g} s for {own:.2g}; {best['name']}: {best['cpu']:.3g} s for "
-    return at_most(text, row["cpu"] / best["cpu"], CHEAPER, TRUE, f"{note}{_worst(best):.2g}")
+    return at_most(text, row["cpu"] / best["cpu"], MAX_COST, TRUE, f"{note}{_worst(best):.2g}")
 
 
 def _worst(row: dict) -> float:
@@ -64,5 +66,5 @@ def asked_text(case: dict) -> str:
             line += [error["share"], error["told"], error["most"]]
         body.append(line)
     reasons = [f"- {r['share']:g}: {r['reason']}\n" for r in case["asked"] if r["met"] is False]
-    told = "\nNot met:\n\n" + "".join(reasons) if reasons else ""
-    return f"\n## One key for accuracy: {case['title']}\n\n" + table(head, body) + told
+    text = "\nNot met:\n\n" + "".join(reasons) if reasons else ""
+    return f"\n## One key for accuracy: {case['title']}\n\n" + table(head, body) + text

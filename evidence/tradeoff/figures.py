@@ -19,7 +19,7 @@ MARKS = {
     "spline": ("P", "spline through all runs"),
 }
 COLOURS = (plots.ORANGE, plots.BLUE, plots.GREEN, plots.PURPLE, plots.SKY, plots.VERMILION)
-AGAINST = {"surrogate": "a scan of its own level", "total": "the finest level"}
+REFERENCES = {"surrogate": "a scan of its own level", "total": "the finest level"}
 
 
 def pareto(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
@@ -38,9 +38,9 @@ def draw_pareto(case: dict) -> Figure:
     levels = dict.fromkeys(record["level"] for record in case["records"])
     colours = dict(zip(levels, COLOURS, strict=False))
     for i, name in enumerate(case["responses"]):
-        for kind, axis in zip(AGAINST, axes[2 * i : 2 * i + 2], strict=True):
+        for kind, axis in zip(REFERENCES, axes[2 * i : 2 * i + 2], strict=True):
             _draw_errors(axis, [r for r in case["records"] if kind in r], kind, i, colours)
-            axis.set_title(f"{name}: bounds against {AGAINST[kind]}", fontsize=10)
+            axis.set_title(f"{name}: bounds against {REFERENCES[kind]}", fontsize=10)
         axes[2 * i].set_ylabel("error, share of the width")
     _legend(figure, {_mark(record) for record in case["records"]}, colours)
     figure.suptitle(case["title"])
@@ -64,19 +64,19 @@ def _draw_errors(axis: Axes, records: list[dict], kind: str, i: int, colours: di
         axis.plot(record["cpu"], error, shape, color=colour, markersize=6)
         group = record["level"] if kind == "surrogate" else "all"
         points.setdefault(group, []).append((record["cpu"], error))
-    for group, found in points.items():
+    for group, group_points in points.items():
         style = {"color": colours.get(group, "0.6"), "linewidth": 1, "zorder": 0}
-        axis.step(*zip(*pareto(found), strict=True), where="post", **style)
+        axis.step(*zip(*pareto(group_points), strict=True), where="post", **style)
     axis.set(xscale="log", yscale="log", xlabel="cpu time (s)")
 
 
-def _legend(figure: Figure, used: set[str], colours: dict) -> None:
+def _legend(figure: Figure, marks: set[str], colours: dict) -> None:
     from matplotlib.lines import Line2D
 
     handles = [
         Line2D([], [], color="k", marker=shape, linestyle="", label=label)
         for mark, (shape, label) in MARKS.items()
-        if mark in used
+        if mark in marks
     ]
     handles += [Line2D([], [], color=c, linewidth=4, label=level) for level, c in colours.items()]
     figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=9)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from evidence.rows import Row, at_least, at_most, skipped
 
-TOGETHER = "measured side by side"
+PARALLEL = "measured side by side"
 
 
 def peer_rows(peers: dict) -> list[Row]:
@@ -29,10 +29,10 @@ def _fit_rows(row: dict, mine: dict) -> list[Row]:
         f"{row['seconds']:.2g} s and {mine['seconds']:.2g} s; error on unseen runs "
         f"{row['error']:.4g} and {mine['error']:.4g} of the spread; version {row['version']}"
     )
-    same = abs(row["error"] / mine["error"] - 1.0)
+    deviation = abs(row["error"] / mine["error"] - 1.0)
     return [
-        at_least(f"{text}, time", row["seconds"] / mine["seconds"], 1.0, TOGETHER, note),
-        at_most(f"{text}, error less 1", same, 0.01, TOGETHER,
+        at_least(f"{text}, time", row["seconds"] / mine["seconds"], 1.0, PARALLEL, note),
+        at_most(f"{text}, error less 1", deviation, 0.01, PARALLEL,
                 "same runs and the same basis: the errors must agree"),
     ]  # fmt: skip
 

@@ -8,7 +8,7 @@ from evidence.rows import Row, at_least, at_most
 from evidence.tradeoff.peer_rows import peer_rows
 
 PROTOTYPE = "prototype of this project: 401-run scan, other spring and start"
-HERE = "this study: dense scan of the same level"
+OWN = "this study: dense scan of the same level"
 SINGLE = "single runs against 64 elements"
 
 
@@ -18,8 +18,8 @@ def all_rows(cases: dict[str, dict], peers: dict | None) -> list[Row]:
     for case in cases.values():
         rows += [_reference_row(case), *_estimate_rows(case), _lane_row(case)]
     if "one" in cases:
-        one = cases["one"]
-        rows += _prototype_rows(one) + _mesh_rows(one)
+        single = cases["one"]
+        rows += _prototype_rows(single) + _mesh_rows(single)
     rows += _spline_rows(cases)
     rows += peer_rows(peers) if peers else []
     return [replace(row, group=row.name.partition(":")[0]) for row in rows]
@@ -33,9 +33,11 @@ def pick(case: dict, elements: int, choice: str, safety: float = 0.9) -> dict:
     raise KeyError(f"{case['case']}: no {choice} with {elements} elements")
 
 
-def worst(record: dict, of: str, phase: str = "all", key: str = "hausdorff_integrated") -> float:
+def worst(
+    record: dict, key: str, phase: str = "all", metric: str = "hausdorff_integrated"
+) -> float:
     """Largest of a metric over the responses."""
-    return max(row[phase][key] for row in record[of])
+    return max(row[phase][metric] for row in record[key])
 
 
 def _kind(record: dict) -> str:
@@ -49,18 +51,19 @@ def _reference_row(case: dict) -> Row:
     """The reference's own error against that of the cheapest surrogate which it judges."""
     reference = case["reference"]
     missing = [row["all"]["hausdorff_integrated"] for row in reference["missing"]]
-    same = [r for r in case["records"] if r["elements"] == reference["elements"]]
-    surrogates = [r for r in same if r["order"] and r["model"] == "polynomial"]
+    records = [r for r in case["records"] if r["elements"] == reference["elements"]]
+    surrogates = [r for r in records if r["order"] and r["model"] == "polynomial"]
     error = worst(min(surrogates, key=lambda r: r["runs"]), "total")
-    told = (
+    note = (
         f"growth still to come after {reference['rounds']} rounds of runs that widen the bounds"
         if reference["rounds"]
         else "growth from half its scan"
     )
     best = [
-        min(r["total"][i]["all"]["hausdorff_integrated"] for r in same) for i in range(len(missing))
+        min(r["total"][i]["all"]["hausdorff_integrated"] for r in records)
+        for i in range(len(missing))
     ]
-    each = ", ".join(
+    details = ", ".join(
         f"{name} {m:.2g} (best choice judged by it: {b:.2g})"
         for name, m, b in zip(case["responses"], missing, best, strict=False)
     )
@@ -69,7 +72,7 @@ def _reference_row(case: dict) -> Row:
         max(missing),
         error / 10,
         "a tenth of the error of the smallest surrogate",
-        f"{told}; {reference['elements']} elements, {reference['runs']} runs; {each}",
+        f"{note}; {reference['elements']} elements, {reference['runs']} runs; {details}",
     )
 
 
@@ -80,57 +83,57 @@ def _estimate_rows(case: dict) -> list[Row]:
         kinds[_kind(record)].append(record)
     rows = []
     for kind, records in kinds.items():
-        found = [row["all"] for r in records for row in r.get("estimate", ())]
-        if found:
-            rows.append(_estimate_row(case, kind, found))
+        estimates = [row["all"] for r in records for row in r.get("estimate", ())]
+        if estimates:
+            rows.append(_estimate_row(case, kind, estimates))
     return rows
 
 
-def _estimate_row(case: dict, kind: str, found: list[dict]) -> Row:
-    covered = sum(row["covered"] for row in found) / len(found)
-    ratios = sorted(row["ratio"] for row in found)
+def _estimate_row(case: dict, kind: str, estimates: list[dict]) -> Row:
+    covered = sum(row["covered"] for row in estimates) / len(estimates)
+    ratios = sorted(row["ratio"] for row in estimates)
     note = (
         f"estimate over truth, integrated: median {ratios[len(ratios) // 2]:.2g}, "
-        f"{ratios[0]:.2g} to {ratios[-1]:.2g}; worst gap {max(r['worst'] for r in found):.2g} "
+        f"{ratios[0]:.2g} to {ratios[-1]:.2g}; worst gap {max(r['worst'] for r in estimates):.2g} "
         "of the largest width"
     )
     name = f"{case['case']}: instants at which the error estimate covers the error, {kind}"
     if kind == "scans":
         note += "; the growth of a scan tells its size, it is no bound"
-        return at_most(name, covered, 0.9, HERE, note)
-    return at_least(name, covered, 0.9, HERE, note)
+        return at_most(name, covered, 0.9, OWN, note)
+    return at_least(name, covered, 0.9, OWN, note)
 
 
 def _lane_row(case: dict) -> Row:
-    one, full = case["lanes"]
+    single, full = case["lanes"]
     name = f"{case['case']}: cpu time of {full['lanes']} runs side by side over one run"
-    note = f"{one['cpu']:.3g} s and {full['cpu']:.3g} s"
-    return at_most(name, full["cpu"] / one["cpu"], 3.0, "a third of the lanes' number", note)
+    note = f"{single['cpu']:.3g} s and {full['cpu']:.3g} s"
+    return at_most(name, full["cpu"] / single["cpu"], 3.0, "a third of the lanes' number", note)
 
 
 def _prototype_rows(case: dict) -> list[Row]:
     """The rms errors of the velocity's bounds that the prototype had at orders 3, 9 and 33."""
     rows = []
-    for order, known in ((3, 0.067), (9, 0.024), (33, 0.010)):
-        found = pick(case, 8, f"tensor_roots {order}")["surrogate"][1]
-        between = found["between"]["hausdorff_rms"]
+    for order, reference in ((3, 0.067), (9, 0.024), (33, 0.010)):
+        errors = pick(case, 8, f"tensor_roots {order}")["surrogate"][1]
+        error = errors["between"]["hausdorff_rms"]
         name = f"one: vBz, rms error of the bounds between closures, order {order} (m/s)"
-        note = f"over all time {found['all']['hausdorff_rms']:.3g}, with the second closure"
-        passed = known / 3 <= between <= 3 * known
+        note = f"over all time {errors['all']['hausdorff_rms']:.3g}, with the second closure"
+        is_met = reference / 3 <= error <= 3 * reference
         sense = "within a factor 3 of"
-        rows.append(Row(name, between, "", sense, known, None, passed, PROTOTYPE, note))
+        rows.append(Row(name, error, "", sense, reference, None, is_met, PROTOTYPE, note))
     return rows
 
 
 def _mesh_rows(case: dict) -> list[Row]:
     """What single runs are off by: mesh against step, and both against the surrogate."""
     rows = []
-    found = {(t["elements"], t["safety"]): t for t in case["trajectories"]}
+    runs = {(t["elements"], t["safety"]): t for t in case["trajectories"]}
     for i, name in enumerate(case["responses"]):
-        mesh = found[8, 0.225]["rms"][i]["between"]
-        finer = found[16, 0.9]["rms"][i]["between"]
+        mesh = runs[8, 0.225]["rms"][i]["between"]
+        finer = runs[16, 0.9]["rms"][i]["between"]
         surrogate = pick(case, 8, "tensor_lobatto 4")["surrogate"][i]["between"]["hausdorff_rms"]
-        step = found[8, 0.9]["rms_step"][i]["between"]
+        step = runs[8, 0.9]["rms_step"][i]["between"]
         note = f"rms between closures: mesh {mesh:.2g}, step {step:.2g}, 16 elements {finer:.2g}"
         text = f"one: {name}, error of 8 elements over that of"
         rows += [
@@ -162,6 +165,6 @@ def _spline_rows(cases: dict[str, dict]) -> list[Row]:
         for i, response in enumerate(case["responses"]):
             a, b = (row[i]["all"]["hausdorff_integrated"] for row in (ours, theirs))
             text = f"{name}: {response}, error of {spline} over {rival}"
-            told = f"{note}: {a:.3g} and {b:.3g} of the width"
-            rows.append(at_most(text, a / b, limit, HERE, told))
+            detail = f"{note}: {a:.3g} and {b:.3g} of the width"
+            rows.append(at_most(text, a / b, limit, OWN, detail))
     return rows

@@ -9,7 +9,7 @@ from evidence.results import Report
 from evidence.tradeoff.asked_rows import asked_rows, asked_text
 from evidence.tradeoff.figures import draw_pareto
 from evidence.tradeoff.measure.asked import measure_asked
-from evidence.tradeoff.measure.asked_cases import ASKED
+from evidence.tradeoff.measure.asked_cases import ACCURACY_CASES
 from evidence.tradeoff.measure.cases import CASES
 from evidence.tradeoff.measure.peers import measure_peers
 from evidence.tradeoff.measure.records import measure_case
@@ -19,17 +19,19 @@ from evidence.tradeoff.tables import case_text
 # Each is measured by a process of its own, so that cpu times are those of one core.
 PARTS = {case.name: lambda quick, case=case: measure_case(case) for case in CASES}
 PARTS["peers"] = lambda quick: measure_peers()
-PARTS |= {f"asked-{case.name}": lambda quick, case=case: measure_asked(case) for case in ASKED}
+PARTS |= {
+    f"asked-{case.name}": lambda quick, case=case: measure_asked(case) for case in ACCURACY_CASES
+}
 
 
-def report(found: Mapping[str, dict]) -> Report:
+def report(parts: Mapping[str, dict]) -> Report:
     """The claims, every number of every case, and the fronts of error against cost."""
-    asked = [data for name, data in found.items() if name.startswith("asked-")]
-    others = {name: data for name, data in found.items() if not name.startswith("asked-")}
-    cases = {name: data for name, data in others.items() if name != "peers"}
-    rows = [replace(row, group=f"{c['case']}, accuracy") for c in asked for row in asked_rows(c)]
+    accuracy = [data for name, data in parts.items() if name.startswith("asked-")]
+    rest = {name: data for name, data in parts.items() if not name.startswith("asked-")}
+    cases = {name: data for name, data in rest.items() if name != "peers"}
+    rows = [replace(row, group=f"{c['case']}, accuracy") for c in accuracy for row in asked_rows(c)]
     return Report(
-        all_rows(cases, found.get("peers")) + rows,
-        text="".join([*map(case_text, cases.values()), *map(asked_text, asked)]),
+        all_rows(cases, parts.get("peers")) + rows,
+        text="".join([*map(case_text, cases.values()), *map(asked_text, accuracy)]),
         figures={f"pareto_{name}": draw_pareto(case) for name, case in cases.items()},
     )

@@ -36,8 +36,8 @@ def _choice(case: dict, record: dict) -> list:
     return row
 
 
-def _least(found: Sequence[float]) -> float | str:
-    return min(found) if found else ""
+def _least(values: Sequence[float]) -> float | str:
+    return min(values) if values else ""
 
 
 def _single_runs(case: dict) -> str:

@@ -70,9 +70,11 @@ class Bench:
         note = "" if measure == "absolute" else f"tolerance {tolerance:g}, {measure}"
         self._add(within(name, value, reference, tolerance * scale, source, note))
 
-    def check_small(self, name: str, value: float, tolerance: float, source: str, of: str) -> None:
-        """Write a row for a value that should be zero; `of`: what it is a share of."""
-        self._add(within(name, value, 0.0, tolerance, source, f"share of {of}"))
+    def check_small(
+        self, name: str, value: float, tolerance: float, source: str, whole: str
+    ) -> None:
+        """Write a row for a value that should be zero; `whole`: what it is a share of."""
+        self._add(within(name, value, 0.0, tolerance, source, f"share of {whole}"))
 
     def check_at_least(self, name: str, value: float, least: float, source: str) -> None:
         """Write a row for a value that must not be below `least`."""

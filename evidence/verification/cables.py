@@ -30,14 +30,14 @@ def bounce(bench: Bench) -> None:
     outcomes = bench.simulate(scenes, duration=2.0, instants=4001, step=1e-4)
     for EA, outcome in zip(stiffnesses, outcomes, strict=True):
         rate = np.sqrt(EA / rest / mass)
-        held = 2 / rate * (np.pi - np.arctan(G * fall * rate / G))
+        flight = 2 / rate * (np.pi - np.arctan(G * fall * rate / G))
         name, times = f"EA = {EA:.0e} N", outcome.events[:, 0]
         bench.check(f"tight at, {name} (s)", times[0], fall, 1e-4, "free fall, √(2 d / g)")
-        bench.check(f"time tight, {name} (s)", times[1] - times[0], held, 2e-3,
+        bench.check(f"time tight, {name} (s)", times[1] - times[0], flight, 2e-3,
                     "2 (π - atan(v ω / g)) / ω")  # fmt: skip
         turns = (len(times) - 1) // 2
         period = (times[2 * turns] - times[0]) / turns
-        bench.check(f"period of {turns}, {name} (s)", period, 2 * fall + held, 1e-3,
+        bench.check(f"period of {turns}, {name} (s)", period, 2 * fall + flight, 1e-3,
                     "free flight and part of a swing")  # fmt: skip
         tension = outcome.recorded["cable_tension"].values[:, 0]
         most = mass * G + np.hypot(mass * G, mass * rate * G * fall)
@@ -52,22 +52,22 @@ def atwood(bench: Bench) -> None:
     """Two masses on one cable over a fixed point."""
     pairs = ((3.0, 2.0), (2.0, 1.9), (1.0, 0.1))
     scenes = []
-    for one, two in pairs:
+    for heavy, light in pairs:
         scene = fpm.Scene("atwood", gravity=(0, 0, -G))
         places = [(0.0, 0, 0), (0, 0, -1.0), (0, 0, -4.0)]
-        top, left, right = (int(p) for p in scene.add_particles(places, [1, one, two], 1.0))
+        top, first, second = (int(p) for p in scene.add_particles(places, [1, heavy, light], 1.0))
         scene.fix(top)
-        tension = 2 * one * two * G / (one + two)
-        scene.add_cable("rope", [(p, None) for p in (left, top, right)], 1e6, preload=tension)
-        scene.add_point("left", left)
+        tension = 2 * heavy * light * G / (heavy + light)
+        scene.add_cable("rope", [(p, None) for p in (first, top, second)], 1e6, preload=tension)
+        scene.add_point("left", first)
         scenes.append(scene)
     outcomes = bench.simulate(scenes, duration=0.5, instants=101, step=1e-4)
-    for (one, two), outcome in zip(pairs, outcomes, strict=True):
-        name, exact = f"{one:g} and {two:g} kg", G * (one - two) / (one + two)
+    for (heavy, light), outcome in zip(pairs, outcomes, strict=True):
+        name, exact = f"{heavy:g} and {light:g} kg", G * (heavy - light) / (heavy + light)
         drop = outcome.points["left"][0][0, 2] - outcome.points["left"][0][-1, 2]
         bench.check(f"acceleration, {name} (m/s²)", 8 * drop, exact, 1e-4, "g (m₁-m₂)/(m₁+m₂)")
         tension = outcome.recorded["cable_tension"].values[:, 0]
-        exact = 2 * one * two * G / (one + two)
+        exact = 2 * heavy * light * G / (heavy + light)
         worst = np.abs(tension / exact - 1).max()
         bench.check_small(f"tension, {name}", worst, 1e-4, "2 m₁ m₂ g/(m₁+m₂)", "it")
 
@@ -79,8 +79,8 @@ def vee(bench: Bench) -> None:
         scenes = []
         for span in spans:
             scene = fpm.Scene("vee", gravity=(0, 0, -G), damping=5.0)
-            left, right = -span[0], span[1]
-            ends = scene.add_particles([(left, 0, 0), (right, 0, 0)], 1.0, 1.0)
+            start, stop = -span[0], span[1]
+            ends = scene.add_particles([(start, 0, 0), (stop, 0, 0)], 1.0, 1.0)
             scene.fix(ends)
             body = int(scene.add_particles((0, 0, -0.7), mass, 1.0)[0])
             if running:
@@ -98,10 +98,12 @@ def vee(bench: Bench) -> None:
             tensions = outcome.recorded["cable_tension"].values[-1]
             place = outcome.points["mass"][0][-1]
             exact = _hangs_in_one(span, mass, EA, 2.0) if running else _hangs(span, mass, EA, 0.7)
-            for label, value, wanted in zip(("x", "z"), place[[0, 2]], exact[0], strict=True):
-                bench.check(f"{name}: {label} (m)", value, wanted, 1e-6, "statics", 1.0, "absolute")
-            for k, (value, wanted) in enumerate(zip(tensions, exact[1], strict=True)):
-                bench.check(f"{name}: tension {k + 1} (N)", value, wanted, 1e-5, "statics")
+            for label, value, reference in zip(("x", "z"), place[[0, 2]], exact[0], strict=True):
+                bench.check(
+                    f"{name}: {label} (m)", value, reference, 1e-6, "statics", 1.0, "absolute"
+                )
+            for k, (value, reference) in enumerate(zip(tensions, exact[1], strict=True)):
+                bench.check(f"{name}: tension {k + 1} (N)", value, reference, 1e-5, "statics")
 
 
 def _hangs(span, mass, EA, depth) -> tuple[tuple[float, float], list[float]]:
@@ -112,9 +114,9 @@ def _hangs(span, mass, EA, depth) -> tuple[tuple[float, float], list[float]]:
     rests = np.hypot(span, depth)
 
     def pulls(place):
-        ways = anchors - place
-        lengths = np.linalg.norm(ways, axis=1)
-        return EA * (lengths / rests - 1), ways / lengths[:, None]
+        vectors = anchors - place
+        lengths = np.linalg.norm(vectors, axis=1)
+        return EA * (lengths / rests - 1), vectors / lengths[:, None]
 
     def force(place):
         tension, units = pulls(place)
@@ -168,21 +170,21 @@ def capstan(bench: Bench) -> None:
     for mu, sign in cases:
         scene = fpm.Scene("capstan", gravity=(0, 0, -G), damping=damping)
         places = [(-np.cos(a), 0, np.sin(a)) for a in np.linspace(0, np.pi, pins)]
-        held = scene.add_particles([(-1.0, 0, -1.0), *places], 1.0, 1.0)
-        scene.fix(held)
+        anchors = scene.add_particles([(-1.0, 0, -1.0), *places], 1.0, 1.0)
+        scene.fix(anchors)
         body = int(scene.add_particles((1.0, 0, -1.0), mass, 1.0)[0])
         curve = scene.add_curve([0.2, 3.2], [0, sign])
-        points = [(int(p), None) for p in (*held, body)]
+        points = [(int(p), None) for p in (*anchors, body)]
         scene.add_cable("rope", points, 1e4, preload=mass * G, reel=3 * speed, curve=curve,
                         friction=mu)  # fmt: skip
         (outcome,) = bench.simulate(scene, duration=3.2, instants=321, step=2e-4)
         late = outcome.time > 2.2
         exact = mass * (G + sign * damping * speed) * np.exp(sign * mu * np.pi)
         name = f"{'lifted' if sign > 0 else 'lowered'}, μ = {mu:g}"
-        found = outcome.tensions["rope"][late].mean()
-        bench.check(f"{name}: pull of the winch (N)", found, exact, 1e-3, "T exp(± μ π)")
-        given = outcome.energies["reel"]
-        worst = np.abs(outcome.energies["balance"]).max() / np.abs(given).max()
+        pull = outcome.tensions["rope"][late].mean()
+        bench.check(f"{name}: pull of the winch (N)", pull, exact, 1e-3, "T exp(± μ π)")
+        reel_work = outcome.energies["reel"]
+        worst = np.abs(outcome.energies["balance"]).max() / np.abs(reel_work).max()
         bench.check_small(f"{name}: energy balance", worst, 1e-5, "with what friction took", "work")
 
 
@@ -210,28 +212,30 @@ def sticking(bench: Bench) -> None:
     figure = bench.figure("A mass bounces on a cable over eyelets", "time (s)", "tension (N)")
     for points in (2,) if bench.quick else EYELETS:
         rope = bouncing_rope(points)
-        found = list(phases(rope, np.array(LET_GO), 2.0))
+        motion = list(phases(rope, np.array(LET_GO), 2.0))
         scene = fpm.Scene("bouncing", gravity=(0, -G, 0))
         places = [(*place, 0.0) for place in (*rope.fixed, LET_GO)]
-        on = [int(p) for p in scene.add_particles(places, rope.mass, 1.0)]
-        scene.fix(on[:-1])
-        scene.add_cable("rope", [(p, None) for p in on], rope.EA, rest=rope.rest,
+        particles = [int(p) for p in scene.add_particles(places, rope.mass, 1.0)]
+        scene.fix(particles[:-1])
+        scene.add_cable("rope", [(p, None) for p in particles], rope.EA, rest=rope.rest,
                         friction=rope.friction)  # fmt: skip
         for step, tolerance in ((2e-3, 1e-3), (5e-4, 1e-4)):
             (outcome,) = bench.simulate(scene, duration=2.0, instants=201, step=step)
-            starts = np.array([phase.start for phase in found])
-            now = [found[np.searchsorted(starts, t + 1e-9) - 1] for t in outcome.time]
-            exact = [phase.tensions(rope, t)[0] for phase, t in zip(now, outcome.time, strict=True)]
+            starts = np.array([phase.start for phase in motion])
+            active = [motion[np.searchsorted(starts, t + 1e-9) - 1] for t in outcome.time]
+            exact = [
+                phase.tensions(rope, t)[0] for phase, t in zip(active, outcome.time, strict=True)
+            ]
             name = f"{points} eyelets, step {1e3 * step:g} ms"
             worst = np.abs(outcome.tensions["rope"] - exact).max() / max(exact)
-            source = f"{len(found)} phases from event to event"
+            source = f"{len(motion)} phases from event to event"
             bench.check_small(
                 f"{name}: tension at its end", worst, tolerance, source, "the largest"
             )
-            loss = rope.mass * G * LET_GO[1] - found[-1].energy(rope, 2.0)
-            lost = outcome.energies["cable_friction"][-1]
-            bench.check(f"{name}: friction took (J)", lost, loss, tolerance, source)
-            slack = [phase.start for phase in found[1:] if phase.slips is None]
+            loss = rope.mass * G * LET_GO[1] - motion[-1].energy(rope, 2.0)
+            dissipation = outcome.energies["cable_friction"][-1]
+            bench.check(f"{name}: friction took (J)", dissipation, loss, tolerance, source)
+            slack = [phase.start for phase in motion[1:] if phase.slips is None]
             times = outcome.events[outcome.events[:, 2] == 1, 0]
             late = np.abs(times - slack).max() if len(times) == len(slack) else np.inf
             bench.check(

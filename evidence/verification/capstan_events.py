@@ -36,16 +36,16 @@ class Rope:
 
     def measure(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Lengths (p + 1,), ln of the ratios of tensions (p,), direction from the mass (2,)."""
-        ways = np.diff([*self.fixed, place], axis=0)
-        headings = np.arctan2(ways[:, 1], ways[:, 0])
+        vectors = np.diff([*self.fixed, place], axis=0)
+        headings = np.arctan2(vectors[:, 1], vectors[:, 0])
         turns = np.abs((np.diff(headings) + np.pi) % (2 * np.pi) - np.pi)
-        lengths = np.hypot(*ways.T)
-        return lengths, self.friction * turns, -ways[-1] / lengths[-1]
+        lengths = np.hypot(*vectors.T)
+        return lengths, self.friction * turns, -vectors[-1] / lengths[-1]
 
     def strains(self, place: np.ndarray, material: np.ndarray, slips) -> np.ndarray:
         """Strains (p + 1,), from unstrained lengths before and where it slips: -1, 0 or 1."""
         lengths, logs, _ = self.measure(place)
-        out = np.empty(len(lengths))
+        strains = np.empty(len(lengths))
         for group in np.split(np.arange(len(lengths)), np.flatnonzero(np.array(slips) == 0) + 1):
             steps = [slips[j - 1] * logs[j - 1] for j in group[1:]]
             ratios, own = np.exp(np.cumsum([0.0, *steps])), lengths[group]
@@ -56,8 +56,8 @@ class Rope:
                 strain += change
                 if abs(change) < 1e-16:
                     break
-            out[group] = ratios * strain
-        return out
+            strains[group] = ratios * strain
+        return strains
 
     def unstrained(self, place: np.ndarray, strains: np.ndarray) -> np.ndarray:
         """Unstrained lengths (p + 1,)."""
@@ -70,9 +70,9 @@ class Rope:
             strains = self.strains(place, material, slips)
             if strains.min() <= 0:
                 continue
-            came = np.cumsum((self.unstrained(place, strains) - material)[::-1])[-2::-1]
-            beyond = (np.abs(np.diff(np.log(strains))) - logs) * (np.array(slips) == 0)
-            if min(came * slips) >= -ROUNDING and max(beyond) <= ROUNDING:
+            slides = np.cumsum((self.unstrained(place, strains) - material)[::-1])[-2::-1]
+            excess = (np.abs(np.diff(np.log(strains))) - logs) * (np.array(slips) == 0)
+            if min(slides * slips) >= -ROUNDING and max(excess) <= ROUNDING:
                 return slips
         raise RuntimeError(f"no pattern of slipping at {place}")
 
@@ -105,8 +105,8 @@ class Phase:
         """Of motion, height and strain (J)."""
         state, tensions = self.motion(time), self.tensions(rope, time)
         lengths = rope.unstrained(state[:2], tensions / rope.EA)
-        strained = tensions**2 @ lengths / (2 * rope.EA)
-        return rope.mass * (0.5 * state[2:] @ state[2:] + G * state[1]) + strained
+        strain_energy = tensions**2 @ lengths / (2 * rope.EA)
+        return rope.mass * (0.5 * state[2:] @ state[2:] + G * state[1]) + strain_energy
 
 
 def phases(rope: Rope, place: np.ndarray, duration: float) -> Iterator[Phase]:
@@ -120,8 +120,8 @@ def phases(rope: Rope, place: np.ndarray, duration: float) -> Iterator[Phase]:
         tensions = phase.tensions(rope, time)
         material = rope.unstrained(state[:2], tensions / rope.EA)
         pull = rope.acceleration(state[:2], tensions[-1])
-        ahead = np.concatenate([state[2:] + 0.5 * MOMENT * pull, pull]) * MOMENT
-        time, state = time + MOMENT, state + ahead
+        change = np.concatenate([state[2:] + 0.5 * MOMENT * pull, pull]) * MOMENT
+        time, state = time + MOMENT, state + change
         slips = None
         if rope.longer(state[:2]) > 0:
             slips = rope.decide(state[:2], material)
@@ -144,11 +144,11 @@ def _phase(rope, time, state, slips, material, duration) -> Phase:
             tension = rope.EA * rope.strains(y[:2], material, slips)[-1]
         return np.concatenate([y[2:], rope.acceleration(y[:2], tension)])
 
-    found = solve_ivp(
+    solution = solve_ivp(
         rates, (time, duration), state, "DOP853", dense_output=True, events=events,
         rtol=1e-10, atol=1e-12, max_step=0.02,
     )  # fmt: skip
-    return Phase(time, found.t[-1], found.sol, slips, material)
+    return Phase(time, solution.t[-1], solution.sol, slips, material)
 
 
 def _event(rope: Rope, material: np.ndarray, slips, j: int) -> Callable:
@@ -160,8 +160,8 @@ def _event(rope: Rope, material: np.ndarray, slips, j: int) -> Callable:
 
     def rate(_, y):
         ends = []
-        for ahead in (-MOMENT, MOMENT):
-            place = y[:2] + ahead * y[2:]
+        for shift in (-MOMENT, MOMENT):
+            place = y[:2] + shift * y[2:]
             strains = rope.strains(place, material, slips)
             ends.append(rope.unstrained(place, strains)[j + 1 :].sum())
         return slips[j] * (ends[1] - ends[0])

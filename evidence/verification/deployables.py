@@ -22,8 +22,8 @@ def scissor(units, k=1.0, gyration=0.0):
     """
 
     def mass(q):
-        crossed = units / 12 + np.sin(q) ** 2 * units * (4 * units**2 - 1) / 12
-        return 2 * (crossed + units * gyration**2)
+        inertia = units / 12 + np.sin(q) ** 2 * units * (4 * units**2 - 1) / 12
+        return 2 * (inertia + units * gyration**2)
 
     def rate(q):
         return np.sqrt(4 * units * k * (START**2 - q**2) / mass(q))
@@ -41,10 +41,10 @@ def crossing(time, values, level):
 
     A cubic through the four instants around it.
     """
-    after = int(np.argmax((values[1:] - level) * (values[0] - level) <= 0)) + 1
-    near = slice(max(after - 2, 0), max(after - 2, 0) + 4)
-    cubic = np.polynomial.Polynomial.fit(time[near], values[near] - level, 3)
-    root = min(cubic.roots().real, key=lambda t: abs(t - time[after]))
+    index = int(np.argmax((values[1:] - level) * (values[0] - level) <= 0)) + 1
+    window = slice(max(index - 2, 0), max(index - 2, 0) + 4)
+    cubic = np.polynomial.Polynomial.fit(time[window], values[window] - level, 3)
+    root = min(cubic.roots().real, key=lambda t: abs(t - time[index]))
     return float(root), float(cubic.deriv()(root))
 
 
@@ -73,13 +73,13 @@ def interval_of_a_latch(bench: Bench) -> None:
     with TemporaryDirectory() as folder, bench.timed():
         campaign.run(CONFIG / "latch.yaml", folder, figures=False, tell=lambda text: None)
         with xarray.open_dataset(Path(folder, "latch", "quantities.nc")) as file:
-            found = file.sel(quantity="t_latch").load()
+            row = file.sel(quantity="t_latch").load()
     times = [
         np.sqrt(1 / (3 * k)) * np.arccos((180 - angle) / 180)
         for k, angle in product((0.09, 0.11), (89, 91))
     ]
     for end, exact in (("lower", min(times)), ("upper", max(times))):
-        bench.check(f"{end} end of the time (s)", float(found[end]), exact, 1e-6, "closed form")
+        bench.check(f"{end} end of the time (s)", float(row[end]), exact, 1e-6, "closed form")
 
 
 PROBLEMS = {

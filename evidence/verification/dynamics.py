@@ -38,22 +38,22 @@ def spin_up(bench: Bench) -> None:
     (outcome,) = bench.simulate(scene, duration=duration, instants=2001)
     axis, tip = (outcome.points[name][0] for name in ("root axis", "tip"))
     angle = np.unwrap(np.arctan2(axis[:, 1], axis[:, 0]))
-    along = tip[:, 0] * np.cos(angle) + tip[:, 1] * np.sin(angle) - length
+    stretches = tip[:, 0] * np.cos(angle) + tip[:, 1] * np.sin(angle) - length
     lag = -tip[:, 0] * np.sin(angle) + tip[:, 1] * np.cos(angle)
     time = outcome.time
     source = "Simo and Vu-Quoc, J. Appl. Mech. 53 (1986) 855"
-    at = np.argmin(lag)
-    bench.check("largest tip lag (m)", lag[at], -0.574, 0.01, source)
-    bench.check("time of the largest lag (s)", time[at], 6.76, 0.01, source)
+    row = np.argmin(lag)
+    bench.check("largest tip lag (m)", lag[row], -0.574, 0.01, source)
+    bench.check("time of the largest lag (s)", time[row], 6.76, 0.01, source)
     exact_time, exact = linear_spin_up(length, 1.4e4, 1.2)
-    bench.check("largest tip lag (m), own reference", lag[at], exact.min(), 0.01,
+    bench.check("largest tip lag (m), own reference", lag[row], exact.min(), 0.01,
                 "second-order rotating beam, 6 modes, DOP853")  # fmt: skip
-    steady = along[time > 15.0].mean()
+    steady = stretches[time > 15.0].mean()
     stretch = 1.2 * 36 * length**3 / (3 * 2.8e7)
     bench.check("steady stretch (m)", steady, 5.143e-4, 0.01, "ρA ω² L³ / (3 EA); " + source)
     bench.check("steady stretch (m), closed form", steady, stretch, 0.01, "ρA ω² L³ / (3 EA)")
-    turned = spin_angle(time)[0]
-    worst = np.abs(angle - turned).max()
+    rotation = spin_angle(time)[0]
+    worst = np.abs(angle - rotation).max()
     bench.check_small("angle of the root (rad)", worst, 1e-4, "prescribed", "1")
     figure = bench.figure("Spin-up", "time (s)", "tip lag (m)")
     figure.curve(time, lag, "computed")
@@ -103,8 +103,8 @@ def linear_spin_up(length, EI, line_mass, modes=6):
         return np.concatenate([v, np.linalg.solve(mass, force)])
 
     time = np.linspace(0, 20, 401)
-    found = solve_ivp(rate, (0, 20), np.zeros(2 * modes), "DOP853", time, rtol=1e-7, atol=1e-9)
-    return time, tips @ found.y[:modes]
+    solution = solve_ivp(rate, (0, 20), np.zeros(2 * modes), "DOP853", time, rtol=1e-7, atol=1e-9)
+    return time, tips @ solution.y[:modes]
 
 
 ELBOW_SOURCE = "Simo and Vu-Quoc, CMAME 66 (1988) 125"
@@ -147,16 +147,16 @@ def elbow(bench: Bench) -> None:
         (outcome,) = bench.simulate(elbow_scene(elements), duration=30.0, instants=3001)
         tracks[elements] = [outcome.points[name][0][:, 2] for name in ("tip", "elbow")]
     time, (tip, knee) = outcome.time, tracks[elements]
-    found = (
+    extremes = (
         ("first peak of the tip", tip, 1, (0, 12), 8.25, 7.44),
         ("trough of the tip", tip, -1, (10, 20), -9.73, 15.87),
         ("trough of the elbow", knee, -1, (8, 14), -4.06, 10.87),
     )
-    for name, track, sign, (start, end), value, instant in found:
+    for name, track, sign, (start, end), value, instant in extremes:
         window = np.flatnonzero((time > start) & (time < end))
-        at = window[np.argmax(sign * track[window])]
-        bench.check(f"{name} (m)", track[at], value, 0.03, ELBOW_SOURCE)
-        bench.check(f"{name}, time (s)", time[at], instant, 0.15, ELBOW_SOURCE, 1.0, "absolute")
+        row = window[np.argmax(sign * track[window])]
+        bench.check(f"{name} (m)", track[row], value, 0.03, ELBOW_SOURCE)
+        bench.check(f"{name}, time (s)", time[row], instant, 0.15, ELBOW_SOURCE, 1.0, "absolute")
     figure = bench.figure("Right-angle cantilever", "time (s)", "displacement out of plane (m)")
     for elements, (tip, knee) in tracks.items():
         figure.curve(time, tip, f"tip, {elements} elements a leg")
@@ -168,7 +168,7 @@ FLYING_SOURCE = "Simo and Vu-Quoc, J. Appl. Mech. 53 (1986) 849 and 855 (EI = 50
 
 def flying_beam(bench: Bench) -> None:
     """A free inclined beam, pushed and turned at one end for 2.5 s, then free (in the plane)."""
-    length, until, duration, edge = 10.0, 2.5, 5.0, 1e-4
+    length, stop, duration, edge = 10.0, 2.5, 5.0, 1e-4
     elements = 10 if bench.quick else 20
     elastic, heavy = fpm.Section(1.0, 0.05, 0.05, 0.1), fpm.Section(1.0, 10.0, 10.0, 20.0)
     material = fpm.Material(1e4, 0.0, 1.0)
@@ -180,25 +180,25 @@ def flying_beam(bench: Bench) -> None:
     nodes = np.column_stack([particles[:-1], particles[1:]])
     scene.add_beams(nodes, elastic, material, (0, 0, 1), "beam")
     # Half the load at the last instant of its time, so that the steps add up to the exact impulse.
-    curve = scene.add_curve([until - edge, until + edge], [1.0, 0.0])
+    curve = scene.add_curve([stop - edge, stop + edge], [1.0, 0.0])
     force, moment = np.array([8.0, 0, 0]), np.array([0, 0, -80.0])
     scene.add_load(particles[0], force=force, moment=moment, curve=curve)
     watch(scene)
     (outcome,) = bench.simulate(scene, duration=duration, instants=501)
     time = outcome.time
     linear, angular, centre = momenta(outcome)
-    pushed = np.minimum(time, until)[:, None]
-    expected = force * pushed
+    push_time = np.minimum(time, stop)[:, None]
+    expected = force * push_time
     middle = (lower + upper) / 2 + force / mass.sum() * (
-        pushed**2 / 2 + pushed * (time[:, None] - pushed)
+        push_time**2 / 2 + push_time * (time[:, None] - push_time)
     )
     source = "impulse and motion of the centre of mass"
-    smooth = np.abs(time - until) > 1e-9  # a mean of two half steps stands at the jump itself
+    smooth = np.abs(time - stop) > 1e-9  # a mean of two half steps stands at the jump itself
     worst = np.abs(linear - expected)[smooth].max() / np.abs(expected).max()
     bench.check_small("linear momentum", worst, 1e-10, source, "its largest")
     worst = np.abs(centre - middle).max() / length
     bench.check_small("centre of mass", worst, 1e-10, source, "L")
-    free = smooth & (time > until)
+    free = smooth & (time > stop)
     bench.check_small("angular momentum once free", drift(angular[free]), 1e-10, source, "it")
     ends = [outcome.points[f"{p}"][0][-1] for p in (particles[0], particles[-1])]
     for name, end, published in zip(
@@ -266,12 +266,14 @@ def free_bar(section, material) -> fpm.Scene:
 def free_pair(section, material) -> fpm.Scene:
     """Two bars hinged at a corner, with a torsion spring, tumbling."""
     scene = fpm.Scene("free pair")
-    one = scene.add_link((0, 0, 0), (0.5, 0, 0), (0, 0, 1), section, material, 2, "one").particles
-    two = scene.add_link((0, 0, 0), (0, 0.5, 0), (0, 0, 1), section, material, 2, "two").particles
-    hinge = scene.add_hinge("O", (one[0], two[0]), (0, 0, 0.01), (0, 0, 1), opening=np.pi / 2)
+    first = scene.add_link((0, 0, 0), (0.5, 0, 0), (0, 0, 1), section, material, 2, "one").particles
+    second = scene.add_link(
+        (0, 0, 0), (0, 0.5, 0), (0, 0, 1), section, material, 2, "two"
+    ).particles
+    hinge = scene.add_hinge("O", (first[0], second[0]), (0, 0, 0.01), (0, 0, 1), opening=np.pi / 2)
     scene.add_torsion_spring(hinge, 5.0, rest=1.2)
     flight = np.array([0.01, 0, 0.02])
-    for particles in (one, two):
+    for particles in (first, second):
         scene.velocity[particles] = flight + np.cross((1, 2, 0.5), scene.position[particles])
         scene.spin[particles] = (1, 2, 0.5)
     return scene

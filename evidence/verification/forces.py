@@ -30,22 +30,22 @@ def hinge_force(bench: Bench) -> None:
     (outcome,) = bench.simulate(scenes, duration=4.0, instants=2001, step=1e-3, record=record)
     angle, force = outcome.openings["O"], vector(outcome, "constraint_force", "O")
     square = 2 * MASS * g * ARM * (np.cos(angle) - np.cos(start)) / ABOUT_HINGE
-    along = -(MASS * g * np.cos(angle) + MASS * ARM * square)
-    across = MASS * g * np.sin(angle) * (1 - MASS * ARM**2 / ABOUT_HINGE)
-    away = np.stack([np.sin(angle), 0 * angle, -np.cos(angle)], axis=1)
+    axial = -(MASS * g * np.cos(angle) + MASS * ARM * square)
+    transverse = MASS * g * np.sin(angle) * (1 - MASS * ARM**2 / ABOUT_HINGE)
+    radial = np.stack([np.sin(angle), 0 * angle, -np.cos(angle)], axis=1)
     side = np.stack([np.cos(angle), 0 * angle, np.sin(angle)], axis=1)
     source, weight = "energy, and moments about the hinge", MASS * g
-    off = np.abs((force * away).sum(axis=1) - along).max()
-    bench.check_small("force along the arm", off / weight, 1e-4, source, "m g")
-    off = np.abs((force * side).sum(axis=1) - across).max()
-    bench.check_small("force across it", off / weight, 1e-4, source, "m g")
+    error = np.abs((force * radial).sum(axis=1) - axial).max()
+    bench.check_small("force along the arm", error / weight, 1e-4, source, "m g")
+    error = np.abs((force * side).sum(axis=1) - transverse).max()
+    bench.check_small("force across it", error / weight, 1e-4, source, "m g")
     rate = outcome.columns["opening_rate", "O"]
     worst = np.abs(rate**2 - square).max() / square.max()
     bench.check_small("square of the rate", worst, 1e-4, "energy", "largest")
     figure = bench.figure("Force of a pendulum's hinge", "angle (°)", "force / m g")
     order = np.argsort(angle)
-    figure.curve(np.degrees(angle[order]), -along[order] / weight, "along, closed form", True)
-    figure.curve(np.degrees(angle[order]), -(force * away).sum(axis=1)[order] / weight, "along")
+    figure.curve(np.degrees(angle[order]), -axial[order] / weight, "along, closed form", True)
+    figure.curve(np.degrees(angle[order]), -(force * radial).sum(axis=1)[order] / weight, "along")
 
 
 def clamped_bar(bench: Bench) -> None:
@@ -72,22 +72,22 @@ def clamped_bar(bench: Bench) -> None:
     clamp = np.array([torque, 0.0, 0.0]) + np.cross(end, force)
     reaction = vector(outcome, "reaction_force", "root")[-1]
     moment = vector(outcome, "reaction_moment", "root")[-1]
-    off = np.abs(reaction + force).max() / np.linalg.norm(force)
-    bench.check_small("reaction", off, 1e-6, "statics", "load")
-    off = np.abs(moment + clamp).max() / np.linalg.norm(clamp)
-    bench.check_small("moment of the clamp", off, 1e-5, "statics, where the end is", "itself")
-    found = [outcome.columns[column][-1] for column in record if column[0] == "section_moment"]
+    error = np.abs(reaction + force).max() / np.linalg.norm(force)
+    bench.check_small("reaction", error, 1e-6, "statics", "load")
+    error = np.abs(moment + clamp).max() / np.linalg.norm(clamp)
+    bench.check_small("moment of the clamp", error, 1e-5, "statics, where the end is", "itself")
+    moments = [outcome.columns[column][-1] for column in record if column[0] == "section_moment"]
     # Of small deflections; those of both planes, with what the axial force takes off.
     for name, value, load, second in (
-        ("about y", found[1], -force[2], section.Iy),
-        ("about z", found[2], force[1], section.Iz),
+        ("about y", moments[1], -force[2], section.Iy),
+        ("about z", moments[2], force[1], section.Iz),
     ):
         stiff = np.sqrt(force[0] / (material.E * second))
         exact = load * np.sinh(stiff * (length - middle)) / (stiff * np.cosh(stiff * length))
         bench.check(
             f"bending {name} in the middle (N m)", value, exact, 2e-3, "beam-column: Timoshenko"
         )
-    bench.check("torsion (N m)", found[0], torque, 1e-3, "statics")
+    bench.check("torsion (N m)", moments[0], torque, 1e-3, "statics")
     y, z = side / 2, height / 2
     corner = force[0] / section.A + abs(clamp[1]) * z / section.Iy + abs(clamp[2]) * y / section.Iz
     top = force[0] / section.A + abs(clamp[1]) * z / section.Iy
@@ -104,18 +104,18 @@ def balance_of_linkage(bench: Bench) -> None:
     for particle in range(count):
         scene.add_point(f"p{particle}", particle)
     names = [f"p{particle}" for particle in range(count)]
-    held = [hinge.name for hinge in scene.hinges if hinge.support]
-    record = [*columns("acceleration", *names), *columns("reaction_force", *held)]
+    supports = [hinge.name for hinge in scene.hinges if hinge.support]
+    record = [*columns("acceleration", *names), *columns("reaction_force", *supports)]
     (outcome,) = bench.simulate(scene, duration=0.4, instants=401, record=record)
     change = sum(
         mass * vector(outcome, "acceleration", name)
         for mass, name in zip(scene.mass, names, strict=True)
     )
-    reaction = sum(vector(outcome, "reaction_force", name) for name in held)
+    reaction = sum(vector(outcome, "reaction_force", name) for name in supports)
     worst = np.abs(reaction - change).max() / np.abs(reaction).max()
     bench.check_small("reactions less change of momentum", worst, 1e-9, "Newton", "largest")
-    across = np.abs(reaction[:, :2]).max() / np.abs(reaction).max()
-    bench.check_small("reactions across what is held", across, 1e-12, "nothing is held", "largest")
+    ratio = np.abs(reaction[:, :2]).max() / np.abs(reaction).max()
+    bench.check_small("reactions across what is held", ratio, 1e-12, "nothing is held", "largest")
 
 
 def moments_on_hinge(bench: Bench) -> None:
@@ -140,9 +140,9 @@ def moments_on_hinge(bench: Bench) -> None:
     bench.check_small("spring", worst / (stiffness * opening.max()), 1e-12, "-k ψ", "largest")
     worst = np.abs(friction[slides] + slipping).max() / slipping
     bench.check_small("friction while it slips", worst, 1e-12, "-M", "M")
-    lost = -outcome.columns["joint_work", "hinge friction"][slides]
+    loss = -outcome.columns["joint_work", "hinge friction"][slides]
     exact = slipping * (opening[slides] - 0.5e-3)  # bent by 1 mrad before it slips
-    worst = np.abs(lost - exact).max() / exact.max()
+    worst = np.abs(loss - exact).max() / exact.max()
     bench.check_small("work against friction", worst, 1e-3, "M Δψ, less the bristle's", "largest")
 
 

@@ -75,21 +75,23 @@ def spring_oscillator(bench: Bench) -> None:
     (outcome,) = bench.simulate(scene, duration=10.0, instants=4001, step=1e-3)
     exact = 2 * np.pi * np.sqrt(ABOUT_HINGE / stiffness)
     swing = outcome.openings["O"] - 0.2
-    found = period(outcome.time, swing)
-    bench.check("period, fixed hinge (s)", found, exact, 1e-3, "T = 2 π √(I / k)")
+    measured = period(outcome.time, swing)
+    bench.check("period, fixed hinge (s)", measured, exact, 1e-3, "T = 2 π √(I / k)")
     size = (swing.max() - swing.min()) / 2
     bench.check("amplitude (rad)", size, 0.5, 1e-3, "start at rest, 0.5 rad off")
 
     # Free pair hinged at the common centre of both: only the openings swing.
-    one, two = 0.3, 0.8
+    first, second = 0.3, 0.8
     scene = fpm.Scene("pair")
-    pair = scene.add_particles([(0, 0, 0), (0, 0, 0)], 1.0, [(1, one, 1), (1, two, 1)])
+    pair = scene.add_particles([(0, 0, 0), (0, 0, 0)], 1.0, [(1, first, 1), (1, second, 1)])
     hinge = scene.add_hinge("O", pair, (0, 0, 0), AXIS, opening=0.5)
     scene.add_torsion_spring(hinge, stiffness)
     (outcome,) = bench.simulate(scene, duration=10.0, instants=4001, step=1e-3)
-    exact = 2 * np.pi * np.sqrt(one * two / (one + two) / stiffness)
-    found = period(outcome.time, outcome.openings["O"])
-    bench.check("period, two free bodies (s)", found, exact, 1e-3, "T = 2 π √(I₁ I₂ / (I₁+I₂) k)")
+    exact = 2 * np.pi * np.sqrt(first * second / (first + second) / stiffness)
+    measured = period(outcome.time, outcome.openings["O"])
+    bench.check(
+        "period, two free bodies (s)", measured, exact, 1e-3, "T = 2 π √(I₁ I₂ / (I₁+I₂) k)"
+    )
 
 
 def contact_bounce(bench: Bench) -> None:
@@ -107,11 +109,11 @@ def contact_bounce(bench: Bench) -> None:
     for stiffness, outcome in zip(stiffnesses, outcomes, strict=True):
         name = f"k = {stiffness:.0e} N m/rad"
         scale = np.sqrt(ABOUT_HINGE / stiffness)
-        shut, parted = outcome.events[:, 0]
+        closure, release = outcome.events[:, 0]
         swing = outcome.openings["O"]
         speed = (swing[-1] - swing[-2]) / (outcome.time[-1] - outcome.time[-2])
-        bench.check(f"contact at, {name} (s)", shut, 0.1 / rate, 1e-3, "free flight")
-        bench.check(f"time of contact, {name} (s)", parted - shut, np.pi * scale, 1e-3, source)
+        bench.check(f"contact at, {name} (s)", closure, 0.1 / rate, 1e-3, "free flight")
+        bench.check(f"time of contact, {name} (s)", release - closure, np.pi * scale, 1e-3, source)
         bench.check(f"deepest overlap, {name} (rad)", -swing.min(), rate * scale, 1e-3, source)
         bench.check(f"rate after contact, {name} (rad/s)", speed, rate, 1e-3, "elastic contact")
         figure.curve(outcome.time, swing, name)

@@ -10,13 +10,13 @@ from fpm.elements import Damper, Friction, Latch, Stop, TableSpring
 J = 1 / 3  # kg m² about the hinge
 
 
-FAR = 1e3  # rad, where nothing comes
+HUGE = 1e3  # rad, where nothing comes
 
 IDLE = (
-    Latch(0, FAR, 0.0),
+    Latch(0, HUGE, 0.0),
     Damper(0, 0.0),
     Friction(0, 0.0),
-    Stop(0, FAR, "above", 0.0),
+    Stop(0, HUGE, "above", 0.0),
     TableSpring(0, (0.0, 1.0), (0.0, 0.0)),
 )
 """One of each kind that does nothing: all kinds in every scene make one compiled loop."""
@@ -30,44 +30,44 @@ def flap(*elements, rate: float = 0.0, spring: tuple[float, float] = (0.0, 0.0))
     scene.fix(ground)
     scene.add_hinge("hinge", (ground, body), (0, 0, 0), AXIS)
     scene.add_torsion_spring(0, *spring)
-    given = {type(element): element for element in elements}
+    elements_by_type = {type(element): element for element in elements}
     for idle in IDLE:
-        scene.add(given.get(type(idle), idle))
+        scene.add(elements_by_type.get(type(idle), idle))
     scene.spin[body] = rate * np.asarray(AXIS, float)
     return scene
 
 
 def latches(bench: Bench) -> None:
     """A panel that a spring opens: t = √(J/k) arccos((ψ - θ)/ψ) to the latch, then a swing."""
-    stiffnesses, rest, at, hold = (0.05, 0.1, 0.2), np.pi, np.pi / 2, 50.0
-    scenes = [flap(Latch(0, at, hold), spring=(k, rest)) for k in stiffnesses]
-    scenes.append(flap(Latch(0, at, hold, max_capture_rate=1.4), spring=(0.1, rest)))
+    stiffnesses, rest, angle, hold = (0.05, 0.1, 0.2), np.pi, np.pi / 2, 50.0
+    scenes = [flap(Latch(0, angle, hold), spring=(k, rest)) for k in stiffnesses]
+    scenes.append(flap(Latch(0, angle, hold, max_capture_rate=1.4), spring=(0.1, rest)))
     outcomes = bench.simulate(scenes, duration=4.0, instants=4001, step=2e-4)
     figure = bench.figure("A panel with a spring and a latch", "time (s)", "opening (°)")
     for k, outcome in zip(stiffnesses, outcomes, strict=False):
-        name, exact = f"k = {k:g} N m/rad", np.sqrt(J / k) * np.arccos((rest - at) / rest)
+        name, exact = f"k = {k:g} N m/rad", np.sqrt(J / k) * np.arccos((rest - angle) / rest)
         time, opening = outcome.time, outcome.openings["hinge"]
         bench.check(f"catches at, {name} (s)", outcome.events[0, 0], exact, 1e-6, "closed form",
                     measure="absolute")  # fmt: skip
-        fast = np.sqrt(k / J * (rest**2 - (rest - at) ** 2))
+        fast = np.sqrt(k / J * (rest**2 - (rest - angle) ** 2))
         rate = outcome.recorded["latch_rate"].values[-1, 0]
         bench.check(f"rate there, {name} (rad/s)", rate, fast, 1e-6, "energy", measure="absolute")
         omega = np.sqrt((hold + k) / J)
-        push = k * (rest - at) / (hold + k)
-        swing = at + push + np.hypot(push, fast / omega)
+        push = k * (rest - angle) / (hold + k)
+        swing = angle + push + np.hypot(push, fast / omega)
         bench.check(f"largest opening, {name} (rad)", opening.max(), swing, 1e-5,
                     "θ + p + √(p² + (w/ω)²)")  # fmt: skip
         cycle = exact + 2 * np.pi / omega
         impulse = np.interp(cycle, time, outcome.recorded["latch_impulse"].values[:, 0])
-        wanted = -k * (rest - at - push) * 2 * np.pi / omega
-        bench.check(f"impulse over a cycle, {name} (N m s)", impulse, wanted, 1e-3,
+        reference = -k * (rest - angle - push) * 2 * np.pi / omega
+        bench.check(f"impulse over a cycle, {name} (N m s)", impulse, reference, 1e-3,
                     "momentum: minus that of the spring", J * fast, "of J w")  # fmt: skip
         worst = np.abs(outcome.energies["balance"]).max() / (k * rest**2 / 2)
         bench.check_small(f"energy balance, {name}", worst, 1e-5, "no loss", "the spring's energy")
         figure.curve(time, np.degrees(opening), name)
-    missed = outcomes[-1]
-    exact = rest * (1 - np.cos(np.sqrt(0.1 / J) * missed.time))
-    worst = np.abs(missed.openings["hinge"] - exact).max() / rest
+    fly_by = outcomes[-1]
+    exact = rest * (1 - np.cos(np.sqrt(0.1 / J) * fly_by.time))
+    worst = np.abs(fly_by.openings["hinge"] - exact).max() / rest
     bench.check_small("passed faster than it catches: goes on", worst, 1e-6, "ψ (1 - cos ω t)",
                       "the rest angle")  # fmt: skip
 
@@ -81,8 +81,8 @@ def dampers(bench: Bench) -> None:
         name, exact = f"c = {c:g} N m s/rad", J / c * (1 - np.exp(-c / J * outcome.time))
         worst = np.abs(outcome.openings["hinge"] - exact).max() / exact[-1]
         bench.check_small(f"opening, {name}", worst, 1e-6, "w J/c (1 - exp(-c t/J))", "the way")
-        lost = J / 2 * (1 - np.exp(-2 * c / J * outcome.time[-1]))
-        bench.check(f"lost, {name} (J)", outcome.energies["joint_loss"][-1], lost, 1e-6,
+        loss = J / 2 * (1 - np.exp(-2 * c / J * outcome.time[-1]))
+        bench.check(f"lost, {name} (J)", outcome.energies["joint_loss"][-1], loss, 1e-6,
                     "J w²/2 (1 - exp(-2 c t/J))")  # fmt: skip
 
 
@@ -111,8 +111,8 @@ def friction(bench: Bench) -> None:
             bench.check(f"creeps under {share:g} M in a second (rad)", late, 0.0, 1e-9,
                         "it sticks", 1.0, "absolute")  # fmt: skip
         else:
-            found = float(np.diff(opening[4000::2000], 2).mean()) / 4
-            bench.check(f"acceleration under {share:g} M (rad/s²)", found, (share - 1) * 0.2 / J,
+            mean = float(np.diff(opening[4000::2000], 2).mean()) / 4
+            bench.check(f"acceleration under {share:g} M (rad/s²)", mean, (share - 1) * 0.2 / J,
                         1e-4, "(L - M)/J")  # fmt: skip
 
 
@@ -126,13 +126,13 @@ def stops(bench: Bench) -> None:
         name, root = f"{ratio:g} of critical", np.sqrt(1 - ratio**2)
         bench.check(f"hit at, {name} (s)", outcome.events[0, 0], 0.5, 1e-8, "free until then")
         opening = outcome.openings["hinge"]
-        back = -np.polyfit(outcome.time[-100:], opening[-100:], 1)[0]
+        rebound = -np.polyfit(outcome.time[-100:], opening[-100:], 1)[0]
         # Until its moment is zero: c s' + k s = 0.
         angle = np.pi - np.arctan2(2 * ratio * root, 1 - 2 * ratio**2)
         exact = -np.exp(-ratio * angle / root) * (np.cos(angle) - ratio / root * np.sin(angle))
-        bench.check(f"comes back with, {name} (rad/s)", back, exact, 1e-4, "damped half swing")
-        lost = J / 2 * (1 - exact**2)
-        bench.check(f"lost, {name} (J)", outcome.energies["joint_loss"][-1], lost, 1e-4, "energy",
+        bench.check(f"comes back with, {name} (rad/s)", rebound, exact, 1e-4, "damped half swing")
+        loss = J / 2 * (1 - exact**2)
+        bench.check(f"lost, {name} (J)", outcome.energies["joint_loss"][-1], loss, 1e-4, "energy",
                     J / 2, "of J w²/2")  # fmt: skip
 
 
@@ -149,8 +149,8 @@ def tables(bench: Bench) -> None:
     worst = np.abs(kinetic - np.interp(opening, grid, work)).max() / work.max()
     bench.check_small("kinetic energy along the way", worst, 1e-5, "integral of the table", "most")
     time = np.sqrt(2 * J * (1.5 - np.radians(12)) / 0.2)
-    found = _first(outcome.time, opening, 1.5 - np.radians(12))
-    bench.check("enters the peak at (s)", found, time, 1e-6, "√(2 J θ/M)")
+    measured = _first(outcome.time, opening, 1.5 - np.radians(12))
+    bench.check("enters the peak at (s)", measured, time, 1e-6, "√(2 J θ/M)")
 
 
 def _first(time, values, level) -> float:

@@ -5,7 +5,7 @@ import numpy as np
 import fpm
 from evidence.verification.bench import Bench
 
-DOWN = (0.0, -9.81, 0.0)
+GRAVITY = (0.0, -9.81, 0.0)
 Z = (0.0, 0.0, 1.0)
 
 
@@ -13,15 +13,15 @@ def rod(scene: fpm.Scene, start, end, side: float = 1e-4, mass: float = 1.0) -> 
     """A rigid rod with a square section: one particle at its middle."""
     start, end = np.array(start, float), np.array(end, float)
     length = np.linalg.norm(end - start)
-    along = (end - start) / length
-    across = np.cross(np.eye(3)[np.argmin(np.abs(along))], along)
-    across /= np.linalg.norm(across)
-    axes = np.column_stack([along, across, np.cross(along, across)])
+    axis = (end - start) / length
+    normal = np.cross(np.eye(3)[np.argmin(np.abs(axis))], axis)
+    normal /= np.linalg.norm(normal)
+    axes = np.column_stack([axis, normal, np.cross(axis, normal)])
     inertia = mass / 12 * np.array([2 * side**2, length**2 + side**2, length**2 + side**2])
     return int(scene.add_particles((start + end) / 2, mass, inertia, axes)[0])
 
 
-def on_ground(name: str = "mechanism", gravity=DOWN) -> tuple[fpm.Scene, int]:
+def on_ground(name: str = "mechanism", gravity=GRAVITY) -> tuple[fpm.Scene, int]:
     """A scene with one particle, the ground."""
     scene = fpm.Scene(name, gravity=gravity)
     ground = int(scene.add_particles((0.0, 0.0, 0.0), 1.0, 1.0)[0])
@@ -32,16 +32,16 @@ def on_ground(name: str = "mechanism", gravity=DOWN) -> tuple[fpm.Scene, int]:
 def n_four_bar_scene() -> fpm.Scene:
     """Two four-bars of rigid rods in a row; three members meet on the middle pins."""
     scene, ground = on_ground("N four-bar")
-    up = [rod(scene, (x, 0, 0), (x, 1, 0)) for x in range(3)]
-    across = [rod(scene, (x, 1, 0), (x + 1, 1, 0)) for x in range(2)]
+    posts = [rod(scene, (x, 0, 0), (x, 1, 0)) for x in range(3)]
+    beams = [rod(scene, (x, 1, 0), (x + 1, 1, 0)) for x in range(2)]
     for x in range(3):
-        scene.add_hinge(f"foot{x}", (ground, up[x]), (x, 0, 0), Z)
+        scene.add_hinge(f"foot{x}", (ground, posts[x]), (x, 0, 0), Z)
     for x in range(2):
-        scene.add_hinge(f"left{x}", (up[x], across[x]), (x, 1, 0), Z)
-        scene.add_hinge(f"right{x}", (up[x + 1], across[x]), (x + 1, 1, 0), Z)
-    scene.velocity[up], scene.spin[up] = (0.5, 0.0, 0.0), (0.0, 0.0, -1.0)
-    scene.velocity[across] = 1.0, 0.0, 0.0
-    scene.add_point("B0", up[0], (0, 1, 0))
+        scene.add_hinge(f"left{x}", (posts[x], beams[x]), (x, 1, 0), Z)
+        scene.add_hinge(f"right{x}", (posts[x + 1], beams[x]), (x + 1, 1, 0), Z)
+    scene.velocity[posts], scene.spin[posts] = (0.5, 0.0, 0.0), (0.0, 0.0, -1.0)
+    scene.velocity[beams] = 1.0, 0.0, 0.0
+    scene.add_point("B0", posts[0], (0, 1, 0))
     return scene
 
 
@@ -93,20 +93,20 @@ def bricard(bench: Bench) -> None:
     (outcome,) = bench.simulate([scene], duration=2.0, instants=201, step=2.5e-4)
     for second, place in exact.items():
         for k, axis in enumerate("xyz"):
-            found = outcome.points["C"][0][100 * second, k]
-            bench.check(f"rigid: C {axis} at {second} s (m)", found, place[k], 1e-6, source,
+            value = outcome.points["C"][0][100 * second, k]
+            bench.check(f"rigid: C {axis} at {second} s (m)", value, place[k], 1e-6, source,
                         measure="absolute")  # fmt: skip
     bench.check_small("rigid: largest gap (m)", outcome.recorded["joint_gap"].values.max(), 1e-10,
                       "joints stay closed", "m")  # fmt: skip
 
-    off = []
+    errors = []
     for modulus in (2e8, 3.2e9):
         scene = elastic_bricard(modulus, 4)
         (outcome,) = bench.simulate([scene], duration=2.0, instants=201)
         track = outcome.points["C"][0]
-        off.append(max(np.abs(track[100 * s] - place).max() for s, place in exact.items()))
-    bench.check_small("elastic, E = 0.2 GPa: off from rigid (m)", off[0], 1e-2, source, "m")
-    bench.check_small("elastic, E = 3.2 GPa: off from rigid (m)", off[1], 1e-3, source, "m")
+        errors.append(max(np.abs(track[100 * s] - place).max() for s, place in exact.items()))
+    bench.check_small("elastic, E = 0.2 GPa: off from rigid (m)", errors[0], 1e-2, source, "m")
+    bench.check_small("elastic, E = 3.2 GPa: off from rigid (m)", errors[1], 1e-3, source, "m")
 
 
 def elastic_bricard(modulus: float, elements: int) -> fpm.Scene:
@@ -165,8 +165,8 @@ def misaligned_four_bar(bench: Bench) -> None:
     source = "Bauchau et al. 2016; geometrically exact beams, 12 elements a bar, with shear"
     bench.check("smallest z of C (m)", out_of_plane.min(), -4.26e-3, 0.02, source)
     bench.check("largest z of C (m)", out_of_plane.max(), 3.43e-3, 0.02, source)
-    when = outcome.time[np.argmin(out_of_plane)]
-    bench.check("time of the smallest (s)", when, 2.6, 0.15, source, measure="absolute")
+    instant = outcome.time[np.argmin(out_of_plane)]
+    bench.check("time of the smallest (s)", instant, 2.6, 0.15, source, measure="absolute")
     figure = bench.figure("Four-bar with a misaligned pin", "time (s)", "z of C (mm)")
     figure.curve(outcome.time, 1e3 * out_of_plane, "C")
 
@@ -201,8 +201,8 @@ def slider_crank(bench: Bench) -> None:
     """A driven crank, a rod and a block: its place, and the drive's work."""
     scene = slider_crank_scene()
     (outcome,) = bench.simulate([scene], duration=2.0, instants=201, step=5e-4)
-    off = np.abs(outcome.points["block"][0][:, 0] - place_of_block(outcome.time)).max()
-    bench.check_small("place of the block (m)", off, 1e-8, "kinematics of the slider-crank", "m")
+    error = np.abs(outcome.points["block"][0][:, 0] - place_of_block(outcome.time)).max()
+    bench.check_small("place of the block (m)", error, 1e-8, "kinematics of the slider-crank", "m")
     worst = np.abs(outcome.energies["balance"]).max() / np.ptp(outcome.energies["kinetic"])
     bench.check_small("energy balance, with the drive's work", worst, 1e-5, "no damping", "energy")
 

@@ -53,7 +53,7 @@ INERTIA = 0.5  # kg m²
 STIFF = 200.0  # N m/rad, of the drive train
 
 
-def driven(damping: float, torque: float, time: float) -> fpm.Scene:
+def driven_scene(damping: float, torque: float, time: float) -> fpm.Scene:
     """Four bodies, each on a hinge of its own: on a motor, a torque motor, and two releases."""
     scene = fpm.Scene("driven")
     ground = int(scene.add_particles((0.0, 0, 0), 1.0, 1.0)[0])
@@ -65,9 +65,9 @@ def driven(damping: float, torque: float, time: float) -> fpm.Scene:
     ramp = scene.add_curve([0.0, 1.0], [0.0, 1.0])
     scene.add(Motor(hinges[0], STIFF, damping, 0.0, 2.0, ramp))
     scene.add(TorqueMotor(hinges[1], torque, no_load=2.0))
-    for hinge, when in ((hinges[2], {"time": time}), (hinges[3], {"watch": 1, "level": 0.3})):
+    for hinge, condition in ((hinges[2], {"time": time}), (hinges[3], {"watch": 1, "level": 0.3})):
         scene.add_torsion_spring(hinge, 8.0, rest=1.0)
-        scene.add(Release(hinge, 400.0, 0.0, hold=-0.02, **when))
+        scene.add(Release(hinge, 400.0, 0.0, hold=-0.02, **condition))
     return scene
 
 
@@ -83,40 +83,42 @@ def lag(time, damping: float) -> tuple[np.ndarray, np.ndarray]:
 def motors(bench: Bench) -> None:
     """A motor on a ramp, a torque motor up to its speed, and springs that are released."""
     cases = [(0.0, 1.0, 0.3004), (2.0, 3.0, 0.5), (60.0, 10.0, 0.61237)]
-    scenes = [driven(*case) for case in cases]
+    scenes = [driven_scene(*case) for case in cases]
     outcomes = bench.simulate(scenes, duration=1.0, instants=5001, step=2e-4)
     figure = bench.figure("A motor on a ramp", "time (s)", "behind its target (rad)")
     for (damping, torque, release), outcome in zip(cases, outcomes, strict=True):
         time, openings, energies = outcome.time, outcome.openings, outcome.energies
         name = f"c = {damping:g} N m s/rad"
-        behind, rate = lag(time, damping)
-        worst = np.abs(2 * time - openings["A"] - behind).max() / np.abs(behind).max()
+        lags, rate = lag(time, damping)
+        worst = np.abs(2 * time - openings["A"] - lags).max() / np.abs(lags).max()
         source = "J x'' + c x' + k x = 0 for the lag x, x'(0) = 2 rad/s"
         bench.check_small(f"lag, {name}", worst, 1e-3, source, "the largest lag")
-        moved = torque / (INERTIA * 2.0)
-        speed = 2.0 * (1 - np.exp(-moved * time))
-        work = cumulative_trapezoid(2.0 * (STIFF * behind + damping * rate), time, initial=0.0)
+        decay = torque / (INERTIA * 2.0)
+        speed = 2.0 * (1 - np.exp(-decay * time))
+        work = cumulative_trapezoid(2.0 * (STIFF * lags + damping * rate), time, initial=0.0)
         exact = work[-1] + INERTIA * speed[-1] ** 2 / 2
         bench.check(f"work of both motors, {name} (J)", energies["motor_work"][-1], exact, 1e-3,
                     "∫ M φ' dt and J ω²/2")  # fmt: skip
-        lost = cumulative_trapezoid(damping * rate**2, time, initial=0.0)[-1] + 2 * 0.08
+        loss = cumulative_trapezoid(damping * rate**2, time, initial=0.0)[-1] + 2 * 0.08
         source = "∫ c x'² dt of the motor, k x²/2 of both releases"
-        bench.check(f"lost, {name} (J)", energies["joint_loss"][-1], lost, 5e-3, source)
+        bench.check(f"lost, {name} (J)", energies["joint_loss"][-1], loss, 5e-3, source)
         name = f"T = {torque:g} N m"
-        turned = 2.0 * (time - (1 - np.exp(-moved * time)) / moved)
-        worst = np.abs(openings["B"] - turned).max() / turned[-1]
+        rotation = 2.0 * (time - (1 - np.exp(-decay * time)) / decay)
+        worst = np.abs(openings["B"] - rotation).max() / rotation[-1]
         source = "ω₀ (1 - exp(-T t/J ω₀))"
         bench.check_small(f"turned by a torque motor, {name}", worst, 1e-4, source, "its turn")
-        watched = np.interp(0.3, turned, time)
+        crossing = np.interp(0.3, rotation, time)
         events = {element.name: outcome.events[outcome.events[:, 1] == i, 0] for i, element in
                   enumerate(outcome.eventful)}  # fmt: skip
-        for hinge, due, what in (("C", release, "a time"), ("D", watched, "another opening")):
-            label = f"release at {what}, {due:.4f} s"
-            (told,) = events[f"release {hinge}"]
-            bench.check(f"{label}: event (s)", told, due, 1e-5, "as asked", measure="absolute")
-            swing = 1 - np.cos(4 * np.maximum(time - due, 0.0))
-            off = np.abs(openings[hinge] - swing).max()
-            bench.check_small(f"{label}: opening (rad)", off, 5e-5, "1 - cos(√(k/J) (t - t₀))", "1")
+        for hinge, instant, cause in (("C", release, "a time"), ("D", crossing, "another opening")):
+            label = f"release at {cause}, {instant:.4f} s"
+            (event,) = events[f"release {hinge}"]
+            bench.check(f"{label}: event (s)", event, instant, 1e-5, "as asked", measure="absolute")
+            swing = 1 - np.cos(4 * np.maximum(time - instant, 0.0))
+            error = np.abs(openings[hinge] - swing).max()
+            bench.check_small(
+                f"{label}: opening (rad)", error, 5e-5, "1 - cos(√(k/J) (t - t₀))", "1"
+            )
         worst = np.abs(energies["balance"]).max() / energies["kinetic"].max()
         bench.check_small(f"energy balance, {name}", worst, 1e-9, "exact", "kinetic energy")
         figure.curve(time, 2 * time - openings["A"], f"c = {damping:g} N m s/rad")

@@ -58,10 +58,10 @@ def settle(
     duration = (RAMP + rest) / lowest
     outcomes = bench.simulate(scenes, duration=duration, instants=51, record=record)
     for outcome in outcomes:
-        moving, stored = outcome.energies["kinetic"][-1], outcome.energies["strain"][-1]
-        if not moving <= 1e-10 * stored:
+        kinetic, strain = outcome.energies["kinetic"][-1], outcome.energies["strain"][-1]
+        if not kinetic <= 1e-10 * strain:
             raise NotAtRest(
-                f"{bench.problem}: not at rest, kinetic energy {moving:.3g} J beside "
-                f"{stored:.3g} J of strain; relax for longer"
+                f"{bench.problem}: not at rest, kinetic energy {kinetic:.3g} J beside "
+                f"{strain:.3g} J of strain; relax for longer"
             )
     return outcomes

@@ -12,32 +12,32 @@ from fpm.reading.responses import Response
 
 M, L, G = np.array([2.0, 1.0]), 1.0, 9.81  # kg, m, m/s²
 J = M * L**2 / 12  # slender rods
-NONE = 1e-300  # m/s²: weight is there, and does nothing
+NEGLIGIBLE = 1e-300  # m/s²: weight is there, and does nothing
 AXIS = np.array([0.0, 0.0, 1.0])
 ROOTS = np.array([1.8751040687, 4.6940911330, 7.8547574382, 10.9955407349, 14.1371683910])
 """Of cos z cosh z = -1: wave numbers of a cantilever, times its length."""
 
 
-def rods(angles, rates, latch: float, gravity=NONE, until=1.0) -> fpm.Scene:
+def rods(angles, rates, latch: float, gravity=NEGLIGIBLE, release=1.0) -> fpm.Scene:
     """Two rods in a chain at angles (rad) to x, turning at rates (rad/s); weight along -y.
 
     A latch at the knee; and a third rod, held along x by a release until a time (s).
     """
     scene = fpm.Scene("rods", gravity=(0.0, -gravity, 0.0))
-    along = np.array([[np.cos(a), np.sin(a), 0.0] for a in angles])
-    knee, aside = L * along[0], np.array([0.0, 0.0, 5.0])
-    places = [0 * knee, knee / 2, knee + L * along[1] / 2, aside + np.array([L / 2, 0.0, 0.0])]
+    axes = np.array([[np.cos(a), np.sin(a), 0.0] for a in angles])
+    knee, offset = L * axes[0], np.array([0.0, 0.0, 5.0])
+    places = [0 * knee, knee / 2, knee + L * axes[1] / 2, offset + np.array([L / 2, 0.0, 0.0])]
     inertias = [[1.0] * 3, *([0.1, j, j] for j in (*J, J[1]))]
-    ground, one, two, third = scene.add_particles(places, [1.0, *M, M[1]], inertias)
+    ground, first, second, third = scene.add_particles(places, [1.0, *M, M[1]], inertias)
     scene.fix(ground)
-    turn = np.cross(AXIS, along)
-    scene.spin[[one, two]] = np.outer(rates, AXIS)
-    scene.velocity[one] = rates[0] * L / 2 * turn[0]
-    scene.velocity[two] = rates[0] * L * turn[0] + rates[1] * L / 2 * turn[1]
-    scene.add_hinge("root", (ground, one), 0 * knee, AXIS, opening=angles[0])
-    scene.add_hinge("knee", (one, two), knee, AXIS, opening=angles[1] - angles[0])
-    scene.add_hinge("third", (ground, third), aside, AXIS)
-    scene.add(RigidRelease(2, time=until))
+    turn = np.cross(AXIS, axes)
+    scene.spin[[first, second]] = np.outer(rates, AXIS)
+    scene.velocity[first] = rates[0] * L / 2 * turn[0]
+    scene.velocity[second] = rates[0] * L * turn[0] + rates[1] * L / 2 * turn[1]
+    scene.add_hinge("root", (ground, first), 0 * knee, AXIS, opening=angles[0])
+    scene.add_hinge("knee", (first, second), knee, AXIS, opening=angles[1] - angles[0])
+    scene.add_hinge("third", (ground, third), offset, AXIS)
+    scene.add(RigidRelease(2, time=release))
     scene.add(RigidLatch(1, latch))
     return scene
 
@@ -52,9 +52,9 @@ def masses(knee: float) -> np.ndarray:
 def just_before(outcome: fpm.Outcome) -> float:
     """The kinetic energy (J) as the first latch catches, as a campaign asks for it."""
     moving = Response("moving", "energy", ("kinetic",), "", "J", "kinetic energy")
-    asked = {"t": {"event": "latches"}, "before": {"value": "moving", "at": "t"}}
-    (_, before), _ = parse(asked, [moving], outcome.eventful)
-    return before.evaluate(outcome)
+    quantities = {"t": {"event": "latches"}, "before": {"value": "moving", "at": "t"}}
+    (_, energy), _ = parse(quantities, [moving], outcome.eventful)
+    return energy.evaluate(outcome)
 
 
 def impacts(bench: Bench) -> None:
@@ -66,13 +66,13 @@ def impacts(bench: Bench) -> None:
         name = f"latch at {latch:g} rad"
         momentum = masses(0.0).sum(axis=0) @ rates
         energy = rates @ masses(0.0) @ rates / 2
-        one, both = masses(latch)[1, 1], masses(latch).sum()
+        outer, total = masses(latch)[1, 1], masses(latch).sum()
         # With the mean w and the rate r of the knee: both (w + r b)² / 2 + r² c / 2 = energy.
-        share = masses(latch).sum(axis=0)[1] / both
-        rest = one - share**2 * both
-        fast = np.copysign(np.sqrt((2 * energy - momentum**2 / both) / rest), latch)
-        found = {k: outcome.recorded[k].values[-1, 0] for k in ("latch_rate", "latch_impact")}
-        bench.check(f"{name}: rate of the knee (rad/s)", found["latch_rate"], fast, 1e-5,
+        share = masses(latch).sum(axis=0)[1] / total
+        rest = outer - share**2 * total
+        fast = np.copysign(np.sqrt((2 * energy - momentum**2 / total) / rest), latch)
+        records = {k: outcome.recorded[k].values[-1, 0] for k in ("latch_rate", "latch_impact")}
+        bench.check(f"{name}: rate of the knee (rad/s)", records["latch_rate"], fast, 1e-5,
                     "momentum and energy")  # fmt: skip
         bench.check(f"{name}: kinetic energy just before it (J)", just_before(outcome), energy,
                     1e-4, "energy")  # fmt: skip
@@ -81,18 +81,18 @@ def impacts(bench: Bench) -> None:
         bench.check_small(f"{name}: opening held (rad)", np.abs(knee - latch).max(), 1e-12,
                           "ψ = ψ_c", "1 rad")  # fmt: skip
         slope = (root[-1] - root[0]) / (outcome.time[late][-1] - outcome.time[late][0])
-        bench.check(f"{name}: rate of both after it (rad/s)", slope, momentum / both, 1e-6,
+        bench.check(f"{name}: rate of both after it (rad/s)", slope, momentum / total, 1e-6,
                     "momentum")  # fmt: skip
-        bench.check(f"{name}: impulse (N m s)", found["latch_impact"], -fast * rest, 1e-3,
+        bench.check(f"{name}: impulse (N m s)", records["latch_impact"], -fast * rest, 1e-3,
                     "-ψ'/(B·M⁻¹B)")  # fmt: skip
         bench.check(f"{name}: lost (J)", outcome.energies["joint_loss"][-1],
-                    energy - momentum**2 / (2 * both), 2e-3, "energy")  # fmt: skip
+                    energy - momentum**2 / (2 * total), 2e-3, "energy")  # fmt: skip
 
 
 def swings(bench: Bench) -> None:
     """Rods that swing as one pendulum once they are caught; a rod that is let go between steps."""
     times = (0.5, 0.5001234, 0.7319)
-    scenes = [rods((-1.4, -1.5), (0.0, 1.0), 0.2, G, until) for until in times]
+    scenes = [rods((-1.4, -1.5), (0.0, 1.0), 0.2, G, release) for release in times]
     outcomes = bench.simulate(scenes, duration=6.0, instants=12001, step=1e-4)
     lever = np.array([M[0] / 2 + M[1], M[1] / 2]) * L
     pull = np.hypot(lever[0] + lever[1] * np.cos(0.2), lever[1] * np.sin(0.2))
@@ -103,21 +103,21 @@ def swings(bench: Bench) -> None:
     wide, inertia = np.abs(angle).max(), masses(0.2).sum()
     exact = 4 * np.sqrt(inertia / (G * pull)) * ellipk(np.sin(wide / 2) ** 2)
     ups = np.flatnonzero((angle[:-1] < 0) & (angle[1:] >= 0))
-    at = time[ups] - angle[ups] * (time[ups + 1] - time[ups]) / (angle[ups + 1] - angle[ups])
-    bench.check("period of the rods as one (s)", np.diff(at).mean(), exact, 1e-6,
+    crossings = time[ups] - angle[ups] * (time[ups + 1] - time[ups]) / (angle[ups + 1] - angle[ups])
+    bench.check("period of the rods as one (s)", np.diff(crossings).mean(), exact, 1e-6,
                 "4 √(I/(m g d)) K(sin²(A/2))")  # fmt: skip
     worst = np.abs(outcome.energies["balance"]).max() / outcome.energies["kinetic"].max()
     bench.check_small("energy balance", worst, 1e-3, "no loss but the latch's", "most kinetic")
     figure = bench.figure("A rod that is let go", "time (s)", "angle (rad)")
-    for until, outcome in zip(times, outcomes, strict=True):
-        name, angle = f"let go at {until:g} s", outcome.openings["third"]
-        held = np.abs(angle[outcome.time <= until]).max()
-        bench.check_small(f"{name}: held (rad)", held, 1e-12, "ψ = ψ₀", "1 rad")
-        down = int(np.argmax(angle < -np.pi / 2))
-        share = (angle[down - 1] + np.pi / 2) / (angle[down - 1] - angle[down])
-        found = outcome.time[down - 1] + share * (outcome.time[1] - outcome.time[0])
-        exact = until + np.sqrt(2 * L / (3 * G)) * ellipk(0.5)
-        bench.check(f"{name}: hangs at (s)", found, exact, 1e-6, "t + √(2 l/(3 g)) K(1/2)",
+    for release, outcome in zip(times, outcomes, strict=True):
+        name, angle = f"let go at {release:g} s", outcome.openings["third"]
+        motion = np.abs(angle[outcome.time <= release]).max()
+        bench.check_small(f"{name}: held (rad)", motion, 1e-12, "ψ = ψ₀", "1 rad")
+        row = int(np.argmax(angle < -np.pi / 2))
+        share = (angle[row - 1] + np.pi / 2) / (angle[row - 1] - angle[row])
+        instant = outcome.time[row - 1] + share * (outcome.time[1] - outcome.time[0])
+        exact = release + np.sqrt(2 * L / (3 * G)) * ellipk(0.5)
+        bench.check(f"{name}: hangs at (s)", instant, exact, 1e-6, "t + √(2 l/(3 g)) K(1/2)",
                     measure="absolute")  # fmt: skip
         figure.curve(outcome.time, angle, name)
 
@@ -133,7 +133,7 @@ def elastic(bench: Bench) -> None:
     stiff, heavy = 70e9 * width * height**3 / 12, 2700 * width * height
     x = np.linspace(0.0, 1.0, 4001)
     first = 2 * np.pi * L**2 / ROOTS[0] ** 2 * np.sqrt(heavy / stiff)
-    lost, tips = [], []
+    losses, tips = [], []
     for elements in (8, 16, 32):
         scene = fpm.Scene("panel")
         (ground,) = scene.add_particles((0.0, 0.0, 0.0), 1.0, 1.0)
@@ -145,26 +145,26 @@ def elastic(bench: Bench) -> None:
         scene.add_point("tip", link.particles[-1])
         scene.add(RigidLatch(0, angle))
         (outcome,) = bench.simulate(scene, duration=angle / rate + first, instants=2001)
-        lost.append(outcome.energies["joint_loss"][-1] / outcome.energies["kinetic"][0])
+        losses.append(outcome.energies["joint_loss"][-1] / outcome.energies["kinetic"][0])
         place = outcome.points["tip"][0]
         tips.append(place[:, 1] * np.cos(angle) - place[:, 0] * np.sin(angle))
-    bench.check_small("energy lost with 32 elements", lost[-1], 1e-3, "all is vibration", "all")
-    bench.check_at_least("order in the mesh", observed_orders(lost).min(), 0.9, "lumped inertia")
-    since, series = outcome.time - outcome.events[0, 0], np.zeros(len(outcome.time))
+    bench.check_small("energy lost with 32 elements", losses[-1], 1e-3, "all is vibration", "all")
+    bench.check_at_least("order in the mesh", observed_orders(losses).min(), 0.9, "lumped inertia")
+    elapsed, series = outcome.time - outcome.events[0, 0], np.zeros(len(outcome.time))
     for z in ROOTS:
         ratio = (np.cosh(z) + np.cos(z)) / (np.sinh(z) + np.sin(z))
         mode = np.cosh(z * x) - np.cos(z * x) - ratio * (np.sinh(z * x) - np.sin(z * x))
         share = np.trapezoid(x * mode, x) / np.trapezoid(mode**2, x)
         omega = z**2 / L**2 * np.sqrt(stiff / heavy)
-        series += rate * L * share * mode[-1] * np.sin(omega * since) / omega
-    series[since < 0] = 0.0
-    caught = since >= 0
-    worst = np.abs(tips[-1] - series)[caught].max() / np.abs(series).max()
+        series += rate * L * share * mode[-1] * np.sin(omega * elapsed) / omega
+    series[elapsed < 0] = 0.0
+    late = elapsed >= 0
+    worst = np.abs(tips[-1] - series)[late].max() / np.abs(series).max()
     bench.check_small("deflection of the tip over a period", worst, 0.01, "modes of a cantilever",
                       "the largest")  # fmt: skip
     figure = bench.figure("An elastic panel that is caught", "time (s)", "deflection (m)")
-    figure.curve(outcome.time[caught], tips[-1][caught], "32 elements")
-    figure.curve(outcome.time[caught], series[caught], "five modes")
+    figure.curve(outcome.time[late], tips[-1][late], "32 elements")
+    figure.curve(outcome.time[late], series[late], "five modes")
 
 
 PROBLEMS = {

@@ -9,24 +9,24 @@ from fpm.elements import RigidFriction, RigidMotor, TorsionSpring
 
 G, L, STEP = 9.81, 1.0, 2e-4
 J = L**2 / 3  # kg m² of 1 kg about the hinge
-NONE = 1e-300  # m/s², N m/rad: weight and spring are there, and do nothing
+NEGLIGIBLE = 1e-300  # m/s², N m/rad: weight and spring are there, and do nothing
 AXIS = np.array([0.0, 0.0, 1.0])
 TIMES = (0.0, 0.5003, 1.2, 2.0)
 
 
-def rods(rate=0.0, moment=0.0, gravity=NONE, angle=0.0, turns=(0.0,) * 4,
-         stiffness=NONE) -> fpm.Scene:  # fmt: skip
+def rods(rate=0.0, moment=0.0, gravity=NEGLIGIBLE, angle=0.0, turns=(0.0,) * 4,
+         stiffness=NEGLIGIBLE) -> fpm.Scene:  # fmt: skip
     """A rod on friction and a spring (N m/rad), which turns at a rate (rad/s), and one on a motor;
     weight along -y.
     """
     scene = fpm.Scene("rods", gravity=(0.0, -gravity, 0.0))
-    arm, aside = L / 2 * np.array([np.cos(angle), np.sin(angle), 0.0]), 5.0 * AXIS
+    arm, offset = L / 2 * np.array([np.cos(angle), np.sin(angle), 0.0]), 5.0 * AXIS
     inertias = [[1.0] * 3, *[[0.1, J / 4, J / 4]] * 2]
-    ground, one, two = scene.add_particles([0 * arm, arm, aside + arm], 1.0, inertias)
+    ground, first, second = scene.add_particles([0 * arm, arm, offset + arm], 1.0, inertias)
     scene.fix(ground)
-    scene.spin[one], scene.velocity[one] = rate * AXIS, rate * np.cross(AXIS, arm)
-    scene.add_hinge("rubs", (ground, one), 0 * arm, AXIS, opening=angle)
-    scene.add_hinge("driven", (ground, two), aside, AXIS, opening=angle)
+    scene.spin[first], scene.velocity[first] = rate * AXIS, rate * np.cross(AXIS, arm)
+    scene.add_hinge("rubs", (ground, first), 0 * arm, AXIS, opening=angle)
+    scene.add_hinge("driven", (ground, second), offset, AXIS, opening=angle)
     scene.add(TorsionSpring(0, stiffness))
     scene.add(RigidMotor(1, angle, 1.0, scene.add_curve(TIMES, turns)))
     scene.add(RigidFriction(0, moment))
@@ -37,8 +37,8 @@ def friction(bench: Bench) -> None:
     """It stops at J w²/(2 M) and stays; each swing against weight costs M times its way."""
     cases = {0.05: 0.5, 0.2: 1.0, 1.0: 2.0}
     scenes = [rods(rate, moment) for moment, rate in cases.items()]
-    held = (0.99, 1.01)
-    scenes += [rods(0.0, share * G / 2, G) for share in (1 / x for x in held)]
+    ratios = (0.99, 1.01)
+    scenes += [rods(0.0, share * G / 2, G) for share in (1 / x for x in ratios)]
     scenes.append(rods(0.0, 0.3, G, 0.4))
     outcomes = bench.simulate(scenes, duration=6.0, instants=6001, step=STEP)
     for (moment, rate), outcome in zip(cases.items(), outcomes, strict=False):
@@ -49,18 +49,18 @@ def friction(bench: Bench) -> None:
         bench.check_small(f"moves afterwards, {name} (rad)", late, 1e-13, "it sticks", "1 rad")
         bench.check(f"lost, {name} (J)", outcome.energies["joint_loss"][-1], J * rate**2 / 2,
                     1e-6, "J w²/2")  # fmt: skip
-    for share, outcome in zip(held, outcomes[3:5], strict=True):
+    for share, outcome in zip(ratios, outcomes[3:5], strict=True):
         psi = outcome.openings["rubs"]
         if share < 1:
             worst = np.abs(psi).max()
             bench.check_small(f"falls under {share:g} M (rad)", worst, 1e-13, "it sticks", "1 rad")
         else:
-            found, pull = 2 * psi[100] / outcome.time[100] ** 2, G / 2 / J
-            bench.check(f"falls at, under {share:g} M (rad/s²)", found, (1 / share - 1) * pull,
+            fall, pull = 2 * psi[100] / outcome.time[100] ** 2, G / 2 / J
+            bench.check(f"falls at, under {share:g} M (rad/s²)", fall, (1 / share - 1) * pull,
                         1e-4, "(L - M)/J", pull, "of L/J")  # fmt: skip
     psi = outcomes[5].openings["rubs"]
-    way = np.sign(np.diff(psi))
-    turns = psi[1:-1][(way[1:] * way[:-1] < 0) & (np.abs(psi[1:-1] - psi[-1]) > 1e-3)]
+    direction = np.sign(np.diff(psi))
+    turns = psi[1:-1][(direction[1:] * direction[:-1] < 0) & (np.abs(psi[1:-1] - psi[-1]) > 1e-3)]
     for k, (a, b) in enumerate(zip([0.4, *turns[:3]], turns[:4], strict=False), start=1):
         bench.check(f"swing {k}: energy over M (rad)", G / 2 * (np.sin(a) - np.sin(b)) / 0.3,
                     abs(a - b), 1e-4, "the way between its turns")  # fmt: skip
@@ -74,11 +74,11 @@ def oscillator(time, start, stiffness, moment):
     """Angle (rad) of a rod on a spring that is let go at `start`: each half swing is a cosine about
     ± moment/stiffness, so that the turns come closer by 2 moment/stiffness, and the last one stays.
     """
-    w, off = np.sqrt(stiffness / J), moment / stiffness
-    count = int((start / off - 1) // 2) + 1  # of half swings
+    w, shift = np.sqrt(stiffness / J), moment / stiffness
+    count = int((start / shift - 1) // 2) + 1  # of half swings
     swing = np.minimum(time * w // np.pi, count)
-    turn = (-1.0) ** swing * (start - 2 * off * swing)
-    centre = (-1.0) ** swing * off
+    turn = (-1.0) ** swing * (start - 2 * shift * swing)
+    centre = (-1.0) ** swing * shift
     return np.where(
         swing == count, turn, centre + (turn - centre) * np.cos(w * time - np.pi * swing)
     )
@@ -109,16 +109,16 @@ def motors(bench: Bench) -> None:
         (outcome,) = bench.simulate(rods(0.0, 1.0, G, turns=turns), duration=1.9, instants=1901,
                                     step=STEP)  # fmt: skip
         name, psi = f"curve to {turns[-1]:g}", outcome.openings["driven"]
-        wanted = np.interp(outcome.time, TIMES, turns)
-        bench.check_small(f"{name}: opening (rad)", np.abs(psi - wanted).max(), 1e-12,
+        reference = np.interp(outcome.time, TIMES, turns)
+        bench.check_small(f"{name}: opening (rad)", np.abs(psi - reference).max(), 1e-12,
                           "that prescribed", "1 rad")  # fmt: skip
         rates = np.diff(turns) / np.diff(TIMES)
-        given = G / 2 * np.sin(psi[-1]) + J / 2 * (rates[-1] ** 2 - rates[0] ** 2)
-        bench.check(f"{name}: work (J)", outcome.energies["motor_work"][-1], given, 1e-4,
+        work = G / 2 * np.sin(psi[-1]) + J / 2 * (rates[-1] ** 2 - rates[0] ** 2)
+        bench.check(f"{name}: work (J)", outcome.energies["motor_work"][-1], work, 1e-4,
                     "height, and speed less that at the start", G / 2, "of m g l/2")  # fmt: skip
-        still = outcome.time > 1.3
-        moment = outcome.recorded["motor_moment"].values[still, 0]
-        worst = np.abs(moment - G / 2 * np.cos(psi[still])).max() / (G / 2)
+        late = outcome.time > 1.3
+        moment = outcome.recorded["motor_moment"].values[late, 0]
+        worst = np.abs(moment - G / 2 * np.cos(psi[late])).max() / (G / 2)
         bench.check_small(f"{name}: moment at a constant rate", worst, 1e-6, "m g l/2 cos ψ",
                           "m g l/2")  # fmt: skip
 
@@ -149,16 +149,16 @@ def light_coupler(bench: Bench) -> None:
     """The motor moves the rocker alone where the coupler has no mass: M = J ψ' ψ'' w²."""
     for step in (1e-3, 5e-4):
         (outcome,) = bench.simulate(spatial_four_bar(1e-6), duration=0.1, instants=101, step=step)
-        angle, by = 10 * outcome.time, 1e-3
-        before, now, after = (rocker(angle + k * by) for k in (-1, 0, 1))
-        moment = 0.8 * (after - before) / (2 * by) * (after - 2 * now + before) / by**2 * 100
-        found = outcome.recorded["motor_moment"].values[:, 0]
+        angle, delta = 10 * outcome.time, 1e-3
+        low, exact, high = (rocker(angle + k * delta) for k in (-1, 0, 1))
+        moment = 0.8 * (high - low) / (2 * delta) * (high - 2 * exact + low) / delta**2 * 100
+        measured = outcome.recorded["motor_moment"].values[:, 0]
         name = f"step {1e3 * step:g} ms"
-        worst = np.abs(outcome.openings["rocker"] - now).max()
+        worst = np.abs(outcome.openings["rocker"] - exact).max()
         bench.check_small(f"rocker, {name} (rad)", worst, 1e-8, "its geometry", "1 rad")
-        worst = np.abs(found - moment).max() / np.abs(moment).max()
+        worst = np.abs(measured - moment).max() / np.abs(moment).max()
         bench.check_small(f"moment, {name}", worst, 3e-4, "J ψ' ψ'' w²", "the largest")
-        bench.check(f"first moment, {name} (N m)", found[0], moment[0], 3e-4,
+        bench.check(f"first moment, {name} (N m)", measured[0], moment[0], 3e-4,
                     "J ψ' ψ'' w²")  # fmt: skip
 
 

@@ -41,9 +41,9 @@ def clamped_rod(length, curvature, EA, K, force, load_steps=4, tolerance=1e-9):
     scale = np.linalg.norm(force) * length
     for step in range(1, load_steps + 1):
         n = force * step / load_steps
-        found = root(lambda m0: shoot(m0, n)[12:] / scale, moment, tol=1e-9)  # noqa: B023
-        if np.abs(found.fun).max() > 1e-8:
-            raise RuntimeError(f"rod: no equilibrium at load step {step}: {found.message}")
-        moment = found.x
+        equilibrium = root(lambda m0: shoot(m0, n)[12:] / scale, moment, tol=1e-9)  # noqa: B023
+        if np.abs(equilibrium.fun).max() > 1e-8:
+            raise RuntimeError(f"rod: no equilibrium at load step {step}: {equilibrium.message}")
+        moment = equilibrium.x
     end = shoot(moment, force)
     return end[:3], end[3:12].reshape(3, 3)

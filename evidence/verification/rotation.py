@@ -64,8 +64,8 @@ def rigid_motion(bench: Bench) -> None:
         length = sum(b.length.sum() for b in scene.beams)
         stiffness = MATERIAL.E * SECTION.A
         strain = np.sqrt(2 * outcome.energies["strain"].max() / (stiffness * length))
-        way = np.linalg.norm(np.diff(path, axis=0), axis=1).sum() * len(particles)
-        force = np.abs(outcome.energies["load_work"]).max() / way / stiffness
+        distance = np.linalg.norm(np.diff(path, axis=0), axis=1).sum() * len(particles)
+        force = np.abs(outcome.energies["load_work"]).max() / distance / stiffness
         source = "rigid motion: no strain"
         bench.check_small(f"{name}: strain, from the largest energy", strain, 1e-12, source, "1")
         bench.check_small(f"{name}: mean force, from its work", force, 1e-12, source, "EA")
@@ -90,21 +90,21 @@ def tumbling(bench: Bench) -> None:
     scene = fpm.Scene("tumbling body")
     scene.add_particles((0, 0, 0), 1.0, inertia, spin=spin)
     watch(scene)
-    found = []
+    flips = []
     for step in (1e-3, 5e-4, 2.5e-4):
         (outcome,) = bench.simulate(scene, duration=20.0, instants=4001, step=step)
         *_, frame, rate = motion(outcome, 0)
         local = np.einsum("tji,tj->ti", frame, rate)
-        found.append(crossings(outcome.time, local[:, 1]))
+        flips.append(crossings(outcome.time, local[:, 1]))
     time = outcome.time
-    first, *_, last = found[-1] if len(found[-1]) > 1 else (np.nan, np.nan)
+    first, *_, last = flips[-1] if len(flips[-1]) > 1 else (np.nan, np.nan)
     exact_time, exact = euler_top(inertia, spin, time)
     source = "Euler's equations (DOP853, 1e-12)"
     bench.check("first flip (s)", first, 2.742, 1e-3, "required; " + source)
     bench.check("first flip (s), own reference", first, exact_time[0], 1e-3, source)
     bench.check("last flip in 20 s (s)", last, exact_time[-1], 1e-3, source)
-    bench.check("flips in 20 s", len(found[-1]), 4, 0, "required; " + source, 1.0, "absolute")
-    orders = observed_orders([abs(f[-1:].sum() - exact_time[-1]) for f in found])
+    bench.check("flips in 20 s", len(flips[-1]), 4, 0, "required; " + source, 1.0, "absolute")
+    orders = observed_orders([abs(f[-1:].sum() - exact_time[-1]) for f in flips])
     bench.check_at_least("order of the last flip in the time step", orders[-1], 1.8, "order 2")
     angular = momenta(outcome)[1]
     bench.check_small("drift of the angular momentum", drift(angular), 1e-12, "free body", "it")
@@ -132,10 +132,10 @@ def euler_top(inertia, spin, time):
     def turning(_t, w):
         return w[1]
 
-    found = solve_ivp(
+    solution = solve_ivp(
         rate, (0, time[-1]), spin, "DOP853", time, rtol=1e-12, atol=1e-13, events=turning
     )
-    return found.t_events[0], found.y.T
+    return solution.t_events[0], solution.y.T
 
 
 def heavy_top(bench: Bench) -> None:
@@ -164,10 +164,10 @@ def heavy_top(bench: Bench) -> None:
     ):
         tip = outcome.points["tip"][0]
         azimuth = np.unwrap(np.arctan2(tip[:, 1], tip[:, 0]))
-        found = np.polyfit(outcome.time, azimuth, 1)[0]
+        speed = np.polyfit(outcome.time, azimuth, 1)[0]
         source = "J1 cos θ p² − J3 ω3 p + m g l = 0 (steady precession)"
-        bench.check(f"{name} precession (rad/s)", found, rate, 1e-3, source)
-        bench.check(f"{name} precession, to the printed digits (rad/s)", found, published, 1e-3,
+        bench.check(f"{name} precession (rad/s)", speed, rate, 1e-3, source)
+        bench.check(f"{name} precession, to the printed digits (rad/s)", speed, published, 1e-3,
                     "required; " + source)  # fmt: skip
         lean = np.arccos(tip[:, 2])
         bench.check_small(f"{name} precession: nutation", np.ptp(lean) / tilt, 1e-3, source, "θ")
@@ -189,14 +189,14 @@ def pulled(bench: Bench) -> None:
 
     exact = solve_ivp(slopes, (0.0, 0.4), [0.0, 0.0], "DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
     work = force * (0.5 * force * 0.4**2 - 0.5 * np.sin(exact[0]))
-    found = []
+    errors = []
     for step in (4e-3, 2e-3, 1e-3):
         (outcome,) = bench.simulate(scene, duration=0.4, instants=101, step=step)
         name, energies = f"step {1e3 * step:g} ms", outcome.energies
-        found.append(np.abs(energies["balance"]).max())
+        errors.append(np.abs(energies["balance"]).max())
         bench.check(f"work of the pull, {name} (J)", energies["load_work"][-1], work,
                     100 * step**2, "F (F t²/2m - l/2 sin θ), J θ'' = -F l/2 cos θ")  # fmt: skip
-    order = observed_orders(found).min()
+    order = observed_orders(errors).min()
     bench.check_at_least("order of the energy balance", order, 1.95, "leapfrog")
 
 

@@ -31,12 +31,12 @@ def _block(scene, name: str, axis=X, mass=1.0, speed=0.0, opening=0.0) -> int:
 def _pair(scene, name: str, speed: float) -> int:
     """Two bodies that fall freely; the second slides along x on the first."""
     place = np.array([0.0, 0.0, 1.0 + len(scene.position)])
-    one, two = scene.add_particles([place, place + 0.3 * X], FREE, J)
-    scene.velocity[two] = speed * X
-    return scene.add_slide(name, (one, two), place + 0.2 * X, X)
+    first, second = scene.add_particles([place, place + 0.3 * X], FREE, J)
+    scene.velocity[second] = speed * X
+    return scene.add_slide(name, (first, second), place + 0.2 * X, X)
 
 
-def _crossed(scene, name: str, spin, openings=(0.0, 0.0)) -> int:
+def _add_cross(scene, name: str, spin, openings=(0.0, 0.0)) -> int:
     """A body on a cross at its centre, about x of the ground and y of its own."""
     place = np.array([0.0, 0.0, 1.0 + len(scene.position)])
     first = np.array(openings)[0] if len(openings) else 0.0
@@ -59,12 +59,12 @@ def scene_of_all(speed=1.0) -> fpm.Scene:
     scene.add(Stop(_block(scene, "stopped", X, 2.0, speed), 0.3, "above", 800.0))
     scene.add(Friction(_block(scene, "rubbed", X, 2.0, 1.0), 3.0, 1e-5))
     for name, spin in (("first", X), ("second", Y)):
-        cross = _crossed(scene, name, 2.0 * spin)
+        cross = _add_cross(scene, name, 2.0 * spin)
         scene.add_torsion_spring(cross, 0.2)
         scene.add_torsion_spring(cross + 1, 0.5)
-    both = _crossed(scene, "both", 0.01 * X + 0.02 * Y)
-    scene.add_torsion_spring(both, 0.2)
-    scene.add_torsion_spring(both + 1, 0.5)
+    joint = _add_cross(scene, "both", 0.01 * X + 0.02 * Y)
+    scene.add_torsion_spring(joint, 0.2)
+    scene.add_torsion_spring(joint + 1, 0.5)
     # A bead on a rod that turns freely about y.
     place = np.array([0.0, 0.0, 1.0 + len(scene.position)])
     rod, bead = scene.add_particles([place, place + 0.4 * X], [1.0, 0.5], [J, J])
@@ -73,7 +73,7 @@ def scene_of_all(speed=1.0) -> fpm.Scene:
     scene.add_torsion_spring(scene.add_slide("bead", (rod, bead), place, X, 0.4), 20.0, 0.4)
     # What holds exactly.
     scene.add(RigidLatch(_pair(scene, "caught", 1.0), 0.5))
-    cross = _crossed(scene, "crossed", 2.0 * Y)
+    cross = _add_cross(scene, "crossed", 2.0 * Y)
     scene.add(RigidLatch(cross + 1, 0.7))
     fall = np.array([0.0, -1.0, 0.0])
     scene.add(RigidRelease(_block(scene, "let_go", fall), time=0.40005))
@@ -92,8 +92,8 @@ def slides(bench: Bench) -> None:
     figure = bench.figure("Slides", "time (s)", "opening (m)")
 
     def curve(name, exact, tolerance, source):
-        of = np.abs(exact).max()
-        worst = np.abs(opening[name] - exact).max() / of
+        size = np.abs(exact).max()
+        worst = np.abs(opening[name] - exact).max() / size
         bench.check_small(f"{name}: opening", worst, tolerance, source, "the largest")
 
     mass, stiffness, damping = 2.0, 50.0, 1.5
@@ -124,16 +124,16 @@ def slides(bench: Bench) -> None:
     exact = np.where(time < 0.3, 0.0, 2.0 * (np.cos(omega * (time - 0.3)) - 1.0))
     bench.check_small("latched: impulse", np.abs(impulse - exact).max() / 4.0, 1e-3,
                       "m (s' - v)", "2 m v")  # fmt: skip
-    left = 0.3 + np.pi / omega
-    exact = np.where(time < left, np.where(time < 0.3, time, exact * 0 + 0.3), 0.3 - (time - left))
-    inside = (time >= 0.3) & (time < left)
-    exact[inside] += np.sin(omega * (time[inside] - 0.3)) / omega
+    free = 0.3 + np.pi / omega
+    exact = np.where(time < free, np.where(time < 0.3, time, exact * 0 + 0.3), 0.3 - (time - free))
+    contact = (time >= 0.3) & (time < free)
+    exact[contact] += np.sin(omega * (time[contact] - 0.3)) / omega
     curve("stopped", exact, 1e-6, "m s'' = -k (s - s_c) beyond s_c")
     figure.curve(time, opening["stopped"], "stop")
-    found = opening["rubbed"][-1]
-    bench.check("rubbed: comes to rest at (m)", found, 2.0 / (2 * 3.0), 1e-4, "m v²/(2 F)")
-    still = np.ptp(opening["rubbed"][time > 1.5])
-    bench.check_small("rubbed: moves then (m)", still, 1e-9, "it sticks", "1 m")
+    stand = opening["rubbed"][-1]
+    bench.check("rubbed: comes to rest at (m)", stand, 2.0 / (2 * 3.0), 1e-4, "m v²/(2 F)")
+    drift = np.ptp(opening["rubbed"][time > 1.5])
+    bench.check_small("rubbed: moves then (m)", drift, 1e-9, "it sticks", "1 m")
 
     def motion(_, state):
         s, rate = state
@@ -143,24 +143,24 @@ def slides(bench: Bench) -> None:
 
     exact = solve_ivp(motion, (0, 2), (0.4, 0.0), t_eval=time, rtol=1e-11, atol=1e-12).y[0]
     curve("bead", exact, 1e-5, "m s'' = m s w² - k (s - l), L = w (J + m s²)")
-    _held(bench, outcome)
+    _check_exact_holds(bench, outcome)
     worst = np.abs(outcome.energies["balance"]).max() / outcome.energies["kinetic"].max()
     bench.check_small("energy balance", worst, 1e-6, "what is lost is counted", "most kinetic")
 
 
-def _held(bench: Bench, outcome: fpm.Outcome) -> None:
+def _check_exact_holds(bench: Bench, outcome: fpm.Outcome) -> None:
     """Latches, releases and motors that hold slides and crosses exactly."""
-    time, opening, found = outcome.time, outcome.openings, outcome.recorded
-    caught = time >= 0.5
-    exact = np.where(caught, 0.5, time)
+    time, opening, records = outcome.time, outcome.openings, outcome.recorded
+    late = time >= 0.5
+    exact = np.where(late, 0.5, time)
     bench.check_small("caught: opening (m)", np.abs(opening["caught"] - exact).max(), 1e-9,
                       "v t, then held", "1 m")  # fmt: skip
-    impulse = found["slide_latch_impact"].values[-1, 0]
+    impulse = records["slide_latch_impact"].values[-1, 0]
     bench.check("caught: impulse (N s)", impulse, -REDUCED, 1e-6, "-v m M/(m + M)")
     angle = np.minimum(2.0 * time, 0.7)
     worst = np.abs(opening["crossed_other"] - angle).max()
     bench.check_small("crossed: angle (rad)", worst, 1e-9, "w t, then held", "1 rad")
-    impulse = found["latch_impact"].values[-1, 0]
+    impulse = records["latch_impact"].values[-1, 0]
     bench.check("crossed: impulse (N m s)", impulse, -2.0 * J[1], 1e-6, "-J w")
     exact = np.where(time < 0.40005, 0.0, G * (time - 0.40005) ** 2 / 2)
     bench.check_small("let go: falls by (m)", np.abs(opening["let_go"] - exact).max(), 1e-6,
@@ -168,10 +168,10 @@ def _held(bench: Bench, outcome: fpm.Outcome) -> None:
     exact = 0.4 * (1 - np.cos(np.pi * np.minimum(time, 1.0)))
     bench.check_small("driven: opening (m)", np.abs(opening["driven"] - exact).max(), 1e-6,
                       "the curve", "1 m")  # fmt: skip
-    force, pull = found["slide_motor_force"].values[:, 0], 2.0 * 0.4 * np.pi**2
+    force, pull = records["slide_motor_force"].values[:, 0], 2.0 * 0.4 * np.pi**2
     exact = pull * np.cos(np.pi * time)
-    inside = (time > 0.01) & (time < 0.99)
-    worst = np.abs(force - exact)[inside].max() / pull
+    middle = (time > 0.01) & (time < 0.99)
+    worst = np.abs(force - exact)[middle].max() / pull
     bench.check_small("driven: force", worst, 1e-3, "m s''", "the largest")
     work = outcome.energies["motor_work"]
     exact = 2.0 * (0.4 * np.pi * np.sin(np.pi * np.minimum(time, 1.0))) ** 2 / 2

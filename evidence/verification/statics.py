@@ -32,9 +32,11 @@ def small_tip_load(bench: Bench) -> None:
         scenes.append(scene)
         expected.append(deflection * np.array(direction))
     for name, outcome, vector in zip(cases, settle(bench, scenes), expected, strict=True):
-        moved = (outcome.points["tip"][0][-1] - (length, 0, 0)) @ vector / np.linalg.norm(vector)
+        displacement = (
+            (outcome.points["tip"][0][-1] - (length, 0, 0)) @ vector / np.linalg.norm(vector)
+        )
         bench.check(
-            f"tip deflection, bending {name} (m)", moved, np.linalg.norm(vector), 1e-3,
+            f"tip deflection, bending {name} (m)", displacement, np.linalg.norm(vector), 1e-3,
             "P L³ / (3 E I), Euler-Bernoulli",
         )  # fmt: skip
 
@@ -53,13 +55,13 @@ def roll_up(bench: Bench) -> None:
         moment = 2 * np.pi * material.E * section.Iz / length
         scene.add_load(elements, moment=(0, 0, moment))
         (outcome,) = settle(bench, [scene])
-        found = np.array([outcome.points[str(i)][0][-1, :2] for i in range(elements + 1)])
+        nodes = np.array([outcome.points[str(i)][0][-1, :2] for i in range(elements + 1)])
         turn = 2 * np.pi * np.arange(elements + 1) / elements
         circle = length / (2 * np.pi) * np.column_stack([np.sin(turn), 1 - np.cos(turn)])
-        errors.append(np.linalg.norm(found - circle, axis=1).max() / length)
-        gaps.append(np.linalg.norm(found[-1]) / length)
+        errors.append(np.linalg.norm(nodes - circle, axis=1).max() / length)
+        gaps.append(np.linalg.norm(nodes[-1]) / length)
         if elements != 40:
-            figure.curve(*found.T, f"{elements} elements")
+            figure.curve(*nodes.T, f"{elements} elements")
     turn = np.linspace(0, 2 * np.pi, 200)
     figure.curve(np.sin(turn) / (2 * np.pi), (1 - np.cos(turn)) / (2 * np.pi), "circle", True)
     source = "pure bending: closed circle of circumference L"
@@ -112,8 +114,8 @@ def bend(bench: Bench) -> None:
         start = scenes[0].position[-1]
         tips[elements] = [o.points["tip"][0][-1] - start for o in settle(bench, scenes)]
     tip = tips[8][0]
-    for axis, found, expected in zip("xyz", tip, BEND_TIP, strict=True):
-        bench.check(f"tip displacement {axis}, 8 elements (m)", found, expected, 0.02, BEND_SOURCE)
+    for axis, value, expected in zip("xyz", tip, BEND_TIP, strict=True):
+        bench.check(f"tip displacement {axis}, 8 elements (m)", value, expected, 0.02, BEND_SOURCE)
     size = np.linalg.norm(BEND_TIP)
     bench.check("tip displacement, norm (m)", np.linalg.norm(tip), size, 0.01, BEND_SOURCE)
     errors = []
@@ -174,16 +176,18 @@ def princeton(bench: Bench) -> None:
         rod = clamped_rod(length, (0, 0, 0), E * section.A, stiffness, load * direction)
         rods.append(1e3 * rod[0])
         large = max(expected)
-        for axis, found, reference in zip("yz", tip[1:], expected, strict=True):
+        for axis, value, reference in zip("yz", tip[1:], expected, strict=True):
             name = f"tip u_{axis} at {roll:.0f}° (mm)"
             if reference == 0:
-                bench.check(name, found, 0.0, 1e-6, source, large, "share of the large component")
+                bench.check(name, value, 0.0, 1e-6, source, large, "share of the large component")
             else:
                 tolerance = 0.01 if reference == large else 0.03
-                bench.check(name, found, reference, tolerance, source)
+                bench.check(name, value, reference, tolerance, source)
     rods = np.array(rods)
-    off = np.linalg.norm(tips - rods, axis=1) / np.linalg.norm(rods - [length * 1e3, 0, 0], axis=1)
-    bench.check_small("worst tip off the rod's", off.max(), 5e-3, ROD, "tip displacement")
+    errors = np.linalg.norm(tips - rods, axis=1) / np.linalg.norm(
+        rods - [length * 1e3, 0, 0], axis=1
+    )
+    bench.check_small("worst tip off the rod's", errors.max(), 5e-3, ROD, "tip displacement")
     figure = bench.figure("Princeton beam", "roll of the load (°)", "tip displacement (mm)")
     for column, axis in ((1, "stiff"), (2, "soft")):
         figure.curve(cases[:, 0], tips[:, column], f"{axis} axis, computed")

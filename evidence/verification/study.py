@@ -69,9 +69,9 @@ def solve(name: str, quick: bool) -> Bench:
 PARTS = {name: partial(solve, name) for name in PROBLEMS}
 
 
-def report(found: Mapping[str, Bench]) -> Report:
+def report(results: Mapping[str, Bench]) -> Report:
     """The rows and figures of all problems, what each cost, and an overview."""
-    benches = list(found.values())
+    benches = list(results.values())
     costs = {b.problem: {"element_steps": b.element_steps, "cpu": b.cpu} for b in benches}
     steps, cpu = (sum(cost[key] for cost in costs.values()) for key in ("element_steps", "cpu"))
     return Report(
@@ -86,9 +86,9 @@ def report(found: Mapping[str, Bench]) -> Report:
 def overview(benches: list[Bench]):
     """How far each row is from its tolerance, and what each problem cost (s of cpu time)."""
     size = (9.6, 0.32 * len(benches) + 1.4)
-    figure, (used, costs) = plots.panels(1, 2, size, sharey=True, width_ratios=(2, 1))
+    figure, (axes, costs) = plots.panels(1, 2, size, sharey=True, width_ratios=(2, 1))
     rows = [row for bench in benches for row in bench.rows]
-    plots.draw_used(used, rows, [row.group for row in rows])
+    plots.draw_utilization(axes, rows, [row.group for row in rows])
     costs.barh(range(len(benches)), [bench.cpu for bench in benches], color=plots.SKY)
     costs.set(xlabel="cpu time (s)")
     return figure

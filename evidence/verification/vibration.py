@@ -76,12 +76,12 @@ def eigenvalues(bench: Bench) -> None:
     )
     for support, source in sources.items():
         with bench.timed():
-            found = np.array([modes(bar(n, support, THIN), support) for n in meshes])
+            frequencies = np.array([modes(bar(n, support, THIN), support) for n in meshes])
         expected = references(support, THIN)
-        errors = np.abs(found / expected - 1)
+        errors = np.abs(frequencies / expected - 1)
         for mode, tolerance in ((0, 0.005), (1, 0.02)):
             bench.check(
-                f"{support}, mode {mode + 1}, 10 elements (rad/s)", found[1, mode],
+                f"{support}, mode {mode + 1}, 10 elements (rad/s)", frequencies[1, mode],
                 expected[mode], tolerance, source,
             )  # fmt: skip
         # The finest mesh would show the rotary inertia instead of the mesh.
@@ -114,11 +114,11 @@ def from_a_run(bench: Bench) -> None:
         strain = outcome.energies["strain"] / outcome.energies["kinetic"][0]
         halfway = crossings(outcome.time, strain - 0.5)
         spacing = np.polyfit(np.arange(len(halfway)), halfway, 1)[0]
-        found = np.pi / 2 / spacing
+        frequency = np.pi / 2 / spacing
         expected = references(support)[0]
-        bench.check(f"{support}, mode 1, from a run (rad/s)", found, expected, 0.005,
+        bench.check(f"{support}, mode 1, from a run (rad/s)", frequency, expected, 0.005,
                     "closed form, as above")  # fmt: skip
-        bench.check(f"{support}, run against eigenvalue (rad/s)", found, linear, 1e-4,
+        bench.check(f"{support}, run against eigenvalue (rad/s)", frequency, linear, 1e-4,
                     "eigenvalue of the linearised scene")  # fmt: skip
         figure.curve(outcome.time / (2 * np.pi / linear), strain, support)
 
@@ -128,7 +128,7 @@ def pulled_at_once(bench: Bench) -> None:
     twice that where it meets the clamp, and an end that moves to 2 F L/(E A) and back (d'Alembert).
     """
     elements, force = 40, 1.0
-    way = LENGTH / np.sqrt(MATERIAL.E / MATERIAL.rho)
+    duration = LENGTH / np.sqrt(MATERIAL.E / MATERIAL.rho)
     figure = bench.figure("Largest stress in a bar pulled at once", "time / way", "over F/A")
     for share in (0.0, 0.2):
         scene = bar(elements, "axial")
@@ -136,15 +136,15 @@ def pulled_at_once(bench: Bench) -> None:
         scene.add_load(end, force=(force, 0.0, 0.0))
         scene.add_point("end", end)
         scene.add(Viscosity(share))
-        asked = [("stress", "all")]
-        (outcome,) = bench.simulate(scene, duration=4 * way, instants=801, record=asked)
-        stress = outcome.columns[asked[0]] / (force / SECTION.A)
-        figure.curve(outcome.time / way, stress, f"viscosity {share:g}")
+        record = [("stress", "all")]
+        (outcome,) = bench.simulate(scene, duration=4 * duration, instants=801, record=record)
+        stress = outcome.columns[record[0]] / (force / SECTION.A)
+        figure.curve(outcome.time / duration, stress, f"viscosity {share:g}")
     bench.check("largest stress (F/A)", stress.max(), 2.0, 0.02, "d'Alembert")
-    early = (outcome.time > 0.5 * way) & (outcome.time < 0.9 * way)
+    early = (outcome.time > 0.5 * duration) & (outcome.time < 0.9 * duration)
     bench.check("stress of the first wave (F/A)", stress[early].max(), 1.0, 0.05, "d'Alembert")
-    moved = outcome.points["end"][0][:, 0] - LENGTH
-    bench.check("largest way of the end (m)", moved.max(),
+    displacement = outcome.points["end"][0][:, 0] - LENGTH
+    bench.check("largest way of the end (m)", displacement.max(),
                 2 * force * LENGTH / (MATERIAL.E * SECTION.A), 0.05, "2 F L/(E A)")  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from deployable import campaign
-from evidence.attack.damage import HARMS, attack_files, cut, flip, kinds_in, zero
+from evidence.attack.damage import HARMS, attack_files, flip, kinds_in, truncate, zero
 from evidence.attack.ledger import Ledger
 from evidence.attack.victim import RAW, Victim, broken_in, silent
 from fpm.files.sealed import check
@@ -47,7 +47,7 @@ def test_damaged_figures_pages_and_motions_are_named_and_made_again(tmp_path):
     assert len(paths) == 5
     for path in filter(Path.is_file, folder.rglob("*")):
         assert check(path)["name"] in (path.name, f"run {path.stem}")
-    for path, harm in zip(paths, (flip, zero, cut, flip, zero), strict=True):
+    for path, harm in zip(paths, (flip, zero, truncate, flip, zero), strict=True):
         harm(path, rng)
     made_again(paths, lambda tell: drawn.run(folder.parent, tell))
     assert not broken_in(folder)

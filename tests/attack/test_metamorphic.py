@@ -96,11 +96,11 @@ def lines_of(script: str) -> list[str]:
 AT_REST = """
 import random
 import fpm
-from evidence.attack.metamorphic.families import is_quiet, later
+from evidence.attack.metamorphic.families import delay, is_quiet
 from evidence.attack.metamorphic.image import scale
 from evidence.attack.metamorphic.plain import without_compiling
 from evidence.attack.metamorphic.runs import drawn, scene_of
-from evidence.attack.metamorphic.written import changed
+from evidence.attack.metamorphic.written import map_numbers
 
 without_compiling()
 for seed in ("500071", "500378", "500709", "500756", *map(str, range(800000, 800014))):
@@ -110,8 +110,8 @@ for seed in ("500071", "500378", "500709", "500756", *map(str, range(800000, 800
         continue
     for wait in (0.25, 9.0) if seed.startswith("5") else (9.0,):
         units = tuple(rng.choice([1e-6, 1.0, 1e6]) for _ in range(3))
-        image = later(structure, rng, wait * duration).structure
-        scene = scene_of(changed(image, lambda x, unit: x * scale(units, unit)))
+        image = delay(structure, rng, wait * duration).structure
+        scene = scene_of(map_numbers(image, lambda x, unit: x * scale(units, unit)))
         (outcome,) = fpm.simulate(
             scene, duration=1.25 * duration * units[2], instants=11,
             step=duration * units[2] / 40, energy_tolerance=0.02 if wait > 1.0 else 1.0,
@@ -139,11 +139,11 @@ from evidence.attack.metamorphic.image import Image, scale
 from evidence.attack.metamorphic.pairs import Trial
 from evidence.attack.metamorphic.plain import without_compiling
 from evidence.attack.metamorphic.runs import drawn
-from evidence.attack.metamorphic.written import changed
+from evidence.attack.metamorphic.written import map_numbers
 
 def in_far_units(structure, rng):
     units = tuple(2.0 ** rng.randint(-30, 30) for _ in range(3))
-    return Image(changed(structure, lambda x, unit: x * scale(units, unit)), units=units)
+    return Image(map_numbers(structure, lambda x, unit: x * scale(units, unit)), units=units)
 
 without_compiling()
 families.FAMILIES["in far units"] = in_far_units

@@ -1,5 +1,5 @@
 """Boxes whose numbers are known in closed form, with errors of step and mesh that are known too: a
-`Bench` without simulations.
+`ModelEvaluator` without simulations.
 
 A plan is (step, mesh), each 1 at first and halved; a box tells the numbers and margins (P) of a
 plan at unit points (P, k), of which (0, 0) is the truth.
@@ -12,9 +12,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from deployable.campaign.answers import bench as benches
-from deployable.campaign.answers import finer
-from deployable.campaign.answers.bench import Bench
+from deployable.campaign.answers import discretization, evaluations
+from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.intervals import Box
 from deployable.intervals.designs import scan_points
 
@@ -70,8 +69,8 @@ class Closed:
         return float((there if kind == "happens" else there & (t <= level)).mean())
 
 
-class ClosedBench(Bench):
-    """The bench of a closed box, with `count` runs spread over it and its corners."""
+class ClosedBench(ModelEvaluator):
+    """The evaluator of a closed box, with `count` runs spread over it and its corners."""
 
     def __init__(self, closed, count):
         box = Box(list("abcdef"[: closed.k]), [0.0] * closed.k, [1.0] * closed.k)
@@ -81,28 +80,28 @@ class ClosedBench(Bench):
                                  decider=closed.kind == "margin" or None)  # fmt: skip
         if closed.kind == "limit":
             number.kind = "largest"
-        self.of, self.plan, self.further, self.left_out = closed, (1.0, 1.0), [], 0
+        self.of, self.plan, self.further, self.unfitted = closed, (1.0, 1.0), [], 0
         self.around = SimpleNamespace(
             box=box, numbers=[number], quantities={"t": {}}, nominal=np.full(closed.k, 0.5),
             solver=SimpleNamespace(duration=LATEST), intervals={}, name="closed",
         )  # fmt: skip
         self.unit = scan_points(np.ones(closed.k, dtype=bool), count)
-        self.numbers, self.margins = self.told(self.plan, self.unit)
+        self.numbers, self.margins = self.evaluate(self.plan, self.unit)
         self.tell = lambda text: None
 
     @property
     def experiment(self):
         return self.around
 
-    def told(self, plan, points):
-        return tuple(each[:, None] for each in self.of.told(np.array(points), plan))
+    def evaluate(self, plan, points):
+        return tuple(values[:, None] for values in self.of.told(np.array(points), plan))
 
 
 def without_runs(monkeypatch):
     """Levels of these plans, and no runs."""
     levels = {
-        "step": finer.Level((0.5, 1.0), (0.25, 1.0), True),
-        "mesh": finer.Level((0.5, 0.5), (0.5, 2.0), False),
+        "step": discretization.RefinementLevel((0.5, 1.0), (0.25, 1.0), True),
+        "mesh": discretization.RefinementLevel((0.5, 0.5), (0.5, 2.0), False),
     }
-    monkeypatch.setattr(finer, "_levels", lambda plan, parts: levels)
-    monkeypatch.setattr(benches, "runs_at", lambda plan, points: list(points))
+    monkeypatch.setattr(discretization, "_levels", lambda plan, parts: levels)
+    monkeypatch.setattr(evaluations, "runs_at", lambda plan, points: list(points))

@@ -12,7 +12,7 @@ import xarray as xr
 from opening_panel import PANEL, exact_time, panel, run
 
 from deployable import campaign
-from deployable.campaign.answers import ends
+from deployable.campaign.answers import quantity_bounds
 from deployable.campaign.errors import ConfigError
 from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
@@ -244,9 +244,9 @@ def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
         def add(self, points):
             self.unit = np.vstack([self.unit, points])
 
-    monkeypatch.setattr(ends, "_bounds", lambda bench, q, surrogate, _: len(bench.unit))
-    monkeypatch.setattr(ends, "_infill", lambda end: [np.array([float(end)])])
-    monkeypatch.setattr(ends, "_mispredictions", lambda bench, bounds, known: known)
+    monkeypatch.setattr(quantity_bounds, "_bounds", lambda bench, q, surrogate, _: len(bench.unit))
+    monkeypatch.setattr(quantity_bounds, "_infill", lambda end: [np.array([float(end)])])
+    monkeypatch.setattr(quantity_bounds, "_mispredictions", lambda bench, bounds, known: known)
     bench = Bench()
-    assert ends.settle(bench, rounds) == [rounds]
+    assert quantity_bounds.converge_bounds(bench, rounds) == [rounds]
     assert len(bench.unit) == rounds

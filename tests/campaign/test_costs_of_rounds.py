@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from deployable.campaign.answers.finer import PLACES
+from deployable.campaign.answers.discretization import MAX_POINTS
 from deployable.campaign.config.check import check_config
 from deployable.campaign.plan.accuracy import _halved, _standing, first_plan, next_plan
 from deployable.campaign.plan.jobs import run_seconds
@@ -43,7 +43,7 @@ def test_the_first_round_costs_its_runs_and_its_check(experiment):
     plan = first_plan(experiment)
     cost, nodes = _standing(plan, SHARES).cost, len(plan.unique_runs())
     each = run_seconds(plan.experiment, plan.time)
-    checked = PLACES + 2 + 2  # of the quantity both ends; an order of either
+    checked = MAX_POINTS + 2 + 2  # of the quantity both ends; an order of either
     assert (cost.nodes, cost.checked, cost.run_seconds) == (nodes, checked, each)
     assert cost.next_runs % 8 == 0 < cost.next_runs
     assert plan.adaptive.check == ("mesh",)

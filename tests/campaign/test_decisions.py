@@ -101,17 +101,20 @@ def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
             return 1.0, np.zeros(2)
 
     monkeypatch.setattr(scalars, "Limit", Kept)
-    bench = SimpleNamespace(
+    model = SimpleNamespace(
         unit=np.array([[0.0, 0.0], [0.9, 0.1], [0.25, -0.5], [0.8, 0.8], [-1.0, 1.0]]),
         numbers=np.array([[1.0, 1.0], [np.nan, 1.0], [np.nan, 1.0], [np.nan, 1.0], [2.0, 1.0]]),
         nominal=np.array([0.0, 0.0]),
         experiment=SimpleNamespace(box=SimpleNamespace(free=np.array([True, True]))),
     )
-    there, low = limits.Asked("there", 0, "happens", 1.0), limits.Asked("low", 1, "at_most", 3.0)
-    for asked in ([there], [low, there], [there, low]):
-        found = limits.judged(bench, [None] * 2, asked)
-        assert found.largest[:2] == (0.5, asked.index(there)), "the limit that the run breaks"
-        np.testing.assert_array_equal(found.fails, [0.25, -0.5])
+    there, low = (
+        limits.LimitSpec("there", 0, "happens", 1.0),
+        limits.LimitSpec("low", 1, "at_most", 3.0),
+    )
+    for specs in ([there], [low, there], [there, low]):
+        assessment = limits.assess_limits(model, [None] * 2, specs)
+        assert assessment.largest[:2] == (0.5, specs.index(there)), "the limit that the run breaks"
+        np.testing.assert_array_equal(assessment.failure_point, [0.25, -0.5])
 
 
 @pytest.mark.parametrize(

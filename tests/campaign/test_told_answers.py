@@ -9,10 +9,10 @@ import pytest
 import yaml
 
 from deployable import campaign
-from deployable.campaign.answers import finer
-from deployable.campaign.answers.bench import Bench
+from deployable.campaign.answers import discretization
 from deployable.campaign.answers.choice import deciding, design_points
-from deployable.campaign.answers.ends import _ends
+from deployable.campaign.answers.evaluations import ModelEvaluator
+from deployable.campaign.answers.quantity_bounds import _bounds
 from deployable.campaign.cli import main
 from deployable.campaign.config import sections
 from deployable.campaign.config.check import load_config
@@ -26,7 +26,7 @@ from deployable.campaign.results.facts import (
 )
 from deployable.campaign.results.templates import sentence
 from deployable.campaign.text.numbers import interval, measured, number, quantity, share
-from deployable.intervals import Box
+from deployable.intervals import Box, scalars
 from deployable.intervals.scalars.surrogate import Extremes
 
 
@@ -181,18 +181,20 @@ def test_what_a_finer_model_changes_is_told_of_both_ends(monkeypatch):
         second = np.where(x == 0.5, 5.7, 9.0)
         return np.stack([first, second, np.full(len(x), np.nan)], axis=1), None
 
-    level = finer.Level(None, None, True)
-    monkeypatch.setattr(finer, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
-    found = finer.finer_errors(SimpleNamespace(plan=None, told=told), ends, ("mesh",))
+    level = discretization.RefinementLevel(None, None, True)
+    monkeypatch.setattr(discretization, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
+    found = discretization.estimate_discretization_errors(
+        SimpleNamespace(plan=None, evaluate=told), ends, ("mesh",)
+    )
     np.testing.assert_allclose(found["mesh"], [[0.2, 0.6], [1.4, 0.0], [np.nan, np.nan]])
 
 
 def test_the_nearest_run_is_the_nearest():
-    bench = object.__new__(Bench)
-    bench.unit = np.array([[0.0, 0.0], [1.0, 1.0], [-0.5, 0.9]])
-    for at, point in enumerate(bench.unit):
-        assert bench.nearest(point) == (at, 0.0)
-    assert bench.nearest(np.array([0.8, 0.9])) == (1, pytest.approx(0.2))
+    model = object.__new__(ModelEvaluator)
+    model.unit = np.array([[0.0, 0.0], [1.0, 1.0], [-0.5, 0.9]])
+    for at, point in enumerate(model.unit):
+        assert model.nearest(point) == (at, 0.0)
+    assert model.nearest(np.array([0.8, 0.9])) == (1, pytest.approx(0.2))
 
 
 def test_choices_have_the_order_that_is_asked_for_them_and_others_their_own():
@@ -209,20 +211,26 @@ def test_choices_have_the_order_that_is_asked_for_them_and_others_their_own():
 
 
 @pytest.mark.parametrize(
-    ("low", "high", "moving"),
+    ("low", "high", "unconverged"),
     [(1.0, 2.0, (False, False)), (0.5, 2.0, (True, False)), (1.0, 2.5, (False, True)),
      (0.5, 2.5, (True, True)), (1.2, 1.8, (False, False))],
 )  # fmt: skip
-def test_an_end_moves_where_the_surrogate_promises_more_than_was_simulated(low, high, moving):
-    extreme = Extremes(low, high, np.array([-1.0]), np.array([1.0]))
-    surrogate = SimpleNamespace(range=lambda: extreme)
+def test_a_bound_is_unconverged_where_the_surrogate_exceeds_all_runs(
+    low, high, unconverged, monkeypatch
+):
+    def estimate_bound(surrogate, extremes, sign, attained, *arguments):
+        return SimpleNamespace(value=attained[0] + sign)
+
+    monkeypatch.setattr(scalars, "estimate_bound", estimate_bound)
+    extremes = Extremes(low, high, np.array([-1.0]), np.array([1.0]))
+    surrogate = SimpleNamespace(range=lambda: extremes)
     numbers = np.array([[1.5], [2.0], [np.nan], [1.0]])
-    bench = SimpleNamespace(numbers=numbers, unit=np.array([[0.0], [0.3], [0.5], [-0.4]]))
-    found = _ends(bench, 0, surrogate)
-    assert found.moving == moving
-    assert (found.lower, found.upper) == (1.0, 2.0)
-    assert (found.argmin[0], found.argmax[0]) == (-0.4, 0.3)
-    assert found.outer == (min(low, 1.0), max(high, 2.0))
+    model = SimpleNamespace(numbers=numbers, unit=np.array([[0.0], [0.3], [0.5], [-0.4]]))
+    bounds = _bounds(model, 0, surrogate, np.zeros(2))
+    assert bounds.unconverged == unconverged
+    assert (bounds.lower, bounds.upper) == (1.0, 2.0)
+    assert (bounds.argmin[0], bounds.argmax[0]) == (-0.4, 0.3)
+    assert bounds.outer == (0.0, 3.0)
 
 
 def test_what_mesh_and_step_decide_is_told_beside_its_numbers(raw, tmp_path, monkeypatch, capsys):

@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from deployable import campaign
-from deployable.campaign.answers import finer
+from deployable.campaign.answers import discretization
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.templates import sentence
 from deployable.intervals import Box
@@ -97,10 +97,10 @@ def test_an_error_is_that_of_an_order_from_one_on(monkeypatch, finest, sizes, or
 
     at, side = np.zeros(1), truth + np.array([0.1, -2.0])
     ends = [SimpleNamespace(argmin=at, argmax=at, lower=x, upper=x) for x in side]
-    level = finer.Level(sizes[1], sizes[2], finest)
-    monkeypatch.setattr(finer, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
-    bench = SimpleNamespace(plan=1.0, told=told)
-    found = finer.finer_errors(bench, ends, ("step",))["step"]
+    level = discretization.RefinementLevel(sizes[1], sizes[2], finest)
+    monkeypatch.setattr(discretization, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
+    model = SimpleNamespace(plan=1.0, evaluate=told)
+    found = discretization.estimate_discretization_errors(model, ends, ("step",))["step"]
     assert found == pytest.approx(factor * np.array([[0.1] * 2, [2.0] * 2]), rel=1e-4)
     time = np.linspace(0.0, 1.0, 5)
     curves = [
@@ -121,11 +121,13 @@ def test_a_quantity_that_no_run_has_has_no_error_and_takes_no_run(monkeypatch):
         assert np.isfinite(points).all()
         return np.tile([1.1, 3.0, 1.2], (len(points), 1)), None
 
-    level = finer.Level(0.5, 0.25, True)
-    monkeypatch.setattr(finer, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
-    monkeypatch.setattr(finer, "_third", lambda *arguments: None)
-    bench = SimpleNamespace(plan=1.0, told=told)
-    found = finer.finer_errors(bench, [there, absent, half], ("step",))["step"]
+    level = discretization.RefinementLevel(0.5, 0.25, True)
+    monkeypatch.setattr(discretization, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
+    monkeypatch.setattr(discretization, "_evaluate_third", lambda *arguments: None)
+    model = SimpleNamespace(plan=1.0, evaluate=told)
+    found = discretization.estimate_discretization_errors(model, [there, absent, half], ("step",))[
+        "step"
+    ]
     assert np.isfinite(found[0]).all() and np.isnan(found[1]).all()
     assert np.isfinite(found[2]).tolist() == [True, False]
 
@@ -135,21 +137,21 @@ def test_planned_runs_stand_for_places_beside_them_and_no_others(monkeypatch):
     known = np.array([[-0.9], [0.0], [0.9]])
     taken = []
 
-    def curves(bench, plan, points):
+    def curves(model, plan, points):
         taken.append(points)
         return np.zeros((len(points), 1, 4))
 
-    monkeypatch.setattr(finer, "_curves", curves)
-    level = finer.Level(None, None, True)
-    monkeypatch.setattr(finer, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
+    monkeypatch.setattr(discretization, "_curves", curves)
+    level = discretization.RefinementLevel(None, None, True)
+    monkeypatch.setattr(discretization, "_levels", lambda plan, parts: dict.fromkeys(parts, level))
     box = Box(["a"], [1.0], [3.0])
     plan = SimpleNamespace(runs=SimpleNamespace(unit=known))
-    bench = SimpleNamespace(experiment=SimpleNamespace(box=box), plan=plan)
+    model = SimpleNamespace(experiment=SimpleNamespace(box=box), plan=plan)
     at = {name: (("response", "time", "parameter"), np.full((1, 4, 1), box.from_unit([value])))
           for name, value in (("argmin", 0.93), ("argmax", -0.2))}  # fmt: skip
     ends = {name: (("response", "time"), np.full((1, 4), value))
             for name, value in (("lower", 0.0), ("upper", 1.0))}  # fmt: skip
-    finer._curve_errors(bench, xr.Dataset(at | ends), ("step", "mesh"))
+    discretization._curve_errors(model, xr.Dataset(at | ends), ("step", "mesh"))
     assert len(taken) == 3
     for points in taken:
         assert sorted(points[:, 0]) == pytest.approx([-0.2, 0.9])

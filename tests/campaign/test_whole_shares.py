@@ -9,15 +9,18 @@ import numpy as np
 import pytest
 from closed_boxes import Closed, ClosedBench, without_runs
 
-from deployable.campaign.answers import borders, limits, requirements
-from deployable.campaign.answers.ends import settle
-from deployable.campaign.answers.finer import beyond_of, finer_errors
-from deployable.campaign.answers.limits import Asked, judged
+from deployable.campaign.answers import limit_states, limits, requirements
+from deployable.campaign.answers.discretization import (
+    estimate_discretization_errors,
+    estimate_fraction_errors,
+)
+from deployable.campaign.answers.limits import LimitSpec, assess_limits
+from deployable.campaign.answers.quantity_bounds import converge_bounds
 from deployable.intervals import Box
 from deployable.intervals.designs import scan_points
 from deployable.intervals.scalars import Limit, Occurrence, fit_scalar, share_of_box
 
-HAPPENS = Asked("there", 0, "happens", 1.0)
+HAPPENS = LimitSpec("there", 0, "happens", 1.0)
 BEYOND_THE_ERROR = 3.0
 """Open is at most so many times what is wrong, on average: continued as of the first order where it
 is of the second, which is half as much again, and by stretches that were halved thrice."""
@@ -30,13 +33,15 @@ def _closed(monkeypatch):
 
 def shares(closed, *asked, runs=9):
     """The share and what is open of it by step and mesh too, by limit; and what is open without."""
-    bench = ClosedBench(closed, runs * closed.k)
-    ends = settle(bench, 4, asked)
-    beyond = np.array(beyond_of(bench, ends, finer_errors(bench, ends)))
+    model = ClosedBench(closed, runs * closed.k)
+    ends = converge_bounds(model, 4, asked)
+    beyond = np.array(
+        estimate_fraction_errors(model, ends, estimate_discretization_errors(model, ends))
+    )
     free = np.ones(closed.k)
     rows = []
     for errors in (beyond, None):
-        limits = judged(bench, bench.surrogates(), asked, errors).limits
+        limits = assess_limits(model, model.surrogates(), asked, errors).limits
         rows.append([share_of_box([limit], free) for limit in limits])
     return [(*whole, fit[1]) for whole, fit in zip(*rows, strict=True)]
 
@@ -45,7 +50,7 @@ def shares(closed, *asked, runs=9):
 def test_the_truth_lies_within_what_step_and_mesh_leave_open(kind):
     """Of a number's limit, of whether it happens, and of both; step and mesh are wrong by a tenth
     of what decides, and what is open by the fit alone leaves the truth out."""
-    asked = [Asked("early", 0, "at_most", 1.4)] + [HAPPENS] * (kind != "limit")
+    asked = [LimitSpec("early", 0, "at_most", 1.4)] + [HAPPENS] * (kind != "limit")
     off, wide, blind = [], [], []
     for k, seed in ((1, 11), (2, 22)):
         closed = Closed(kind, k, seed, 0.1)
@@ -63,9 +68,9 @@ def test_the_error_of_an_end_next_to_a_border_is_known_and_covers_the_true_one(k
     """Where the finer run at an end no longer has the number: by the nearest one that has."""
     for k, seed in ((1, 11), (1, 12), (2, 22)):
         closed = Closed(kind, k, seed, 0.1)
-        bench = ClosedBench(closed, 9 * k)
-        (end,) = settle(bench, 4, [HAPPENS])
-        step, mesh = (errors[0] for errors in finer_errors(bench, [end]).values())
+        model = ClosedBench(closed, 9 * k)
+        (end,) = converge_bounds(model, 4, [HAPPENS])
+        step, mesh = (errors[0] for errors in estimate_discretization_errors(model, [end]).values())
         unit = scan_points(np.ones(k, dtype=bool), 2**12)
         truth, _ = closed.told(unit, (0.0, 0.0))
         off = np.abs(np.array(end.outer) - [np.nanmin(truth), np.nanmax(truth)])
@@ -74,9 +79,9 @@ def test_the_error_of_an_end_next_to_a_border_is_known_and_covers_the_true_one(k
 
 
 def test_a_border_that_finer_runs_confirm_does_not_move():
-    bench = ClosedBench(Closed("latch", 1, 11, 0.0), 9)
-    (end,) = settle(bench, 4, [HAPPENS])
-    found = borders.moved(bench, 0, end.surrogate.occurrence, (0.5, 0.5))
+    model = ClosedBench(Closed("latch", 1, 11, 0.0), 9)
+    (end,) = converge_bounds(model, 4, [HAPPENS])
+    found = limit_states.estimate_limit_state_error(model, 0, end.surrogate.occurrence, (0.5, 0.5))
     assert found == (0.0, 0.0)
 
 
@@ -88,7 +93,7 @@ def test_runs_beside_a_border_are_made_again_the_nearest_first(inside, outside):
     happens = np.arange(inside + outside) < inside
     rng = np.random.default_rng(inside + outside)
     size = rng.permutation(inside + outside).astype(float)
-    rounds = list(borders._farther(size, happens))
+    rounds = list(limit_states._iterate_rows(size, happens))
     assert all(len(rows) for rows in rounds)
     for side in (happens, ~happens):
         order = np.flatnonzero(side)[np.argsort(size[side])]
@@ -105,15 +110,15 @@ def test_a_border_moves_to_where_finer_runs_cease_to_differ():
     """Of what happens above x = 0, and by finer runs above 0.3: twice the certainty there, as the
     rest of the way counts as much again."""
     x = np.linspace(-1, 1, 21)[:, None]
-    bench = SimpleNamespace(unit=x, numbers=np.where(x > 0.01, 1.0, np.nan), margins=np.nan * x)
+    model = SimpleNamespace(unit=x, numbers=np.where(x > 0.01, 1.0, np.nan), margins=np.nan * x)
 
     def told(plan, points):
         x = np.array(points)
         return np.where(x > 0.3, 1.0, np.nan), np.full(x.shape, np.nan)
 
-    bench.told = told
-    occurrence = Occurrence(x, np.isfinite(bench.numbers[:, 0]))
-    found, _ = borders.moved(bench, 0, occurrence, None)
+    model.evaluate = told
+    occurrence = Occurrence(x, np.isfinite(model.numbers[:, 0]))
+    found, _ = limit_states.estimate_limit_state_error(model, 0, occurrence, None)
     there = float(occurrence.certainty(np.array([[0.3]]))[0])
     assert found == pytest.approx(2 * there, rel=0.05)
     limit = Limit(SimpleNamespace(occurrence=occurrence), "happens", 1.0, border=found)
@@ -129,12 +134,12 @@ def test_stretches_lead_from_the_farthest_runs_that_differ_to_the_nearest_that_d
     sides = np.where(x < 20, happens, not happens)
     size = np.abs(x - 3.2)
     points = np.column_stack([x - 14.0, 0.5 * x, 0 * x])
-    first, second = borders._stretches(points, sides, differ, size)
+    first, second = limit_states._find_segments(points, sides, differ, size)
     assert (first[:, 0] + 14).tolist() == [11, 10, 9, 8, 7, 0, 6, 1]
     assert second.tolist() == [[-2.0, 6.0, 0.0]] * 8
-    for none in borders._stretches(points, sides, sides == happens, size):
+    for none in limit_states._find_segments(points, sides, sides == happens, size):
         assert none.shape == (0, 3), "all of that side differ"
-    assert borders._ceases(None, 0, None, None, *[np.zeros((0, 3))] * 2) == 0.0
+    assert limit_states._bisect_segments(None, 0, None, None, *[np.zeros((0, 3))] * 2) == 0.0
 
 
 def test_a_border_moves_to_the_farthest_of_several_stretches():
@@ -145,8 +150,10 @@ def test_a_border_moves_to_the_farthest_of_several_stretches():
     def told(plan, points):
         return np.where(points > [[0.25], [0.75]], 1.0, np.nan), None
 
-    bench = SimpleNamespace(told=told)
-    size = borders._ceases(bench, 0, occurrence, None, np.full((2, 1), 0.1), np.full((2, 1), 0.95))
+    model = SimpleNamespace(evaluate=told)
+    size = limit_states._bisect_segments(
+        model, 0, occurrence, None, np.full((2, 1), 0.1), np.full((2, 1), 0.95)
+    )
     exact = float(occurrence.certainty(np.array([[0.75]]))[0])
     assert size == pytest.approx(abs(exact), rel=0.1)
 
@@ -154,56 +161,61 @@ def test_a_border_moves_to_the_farthest_of_several_stretches():
 def test_a_border_that_no_number_tells_of_does_not_move():
     """All runs have the number, and none, or not all, tell by how much."""
     for margins in ([np.nan] * 4, [np.nan, 1.0, 1.0, 1.0]):
-        bench = SimpleNamespace(numbers=np.ones((4, 1)), margins=np.array(margins)[:, None])
-        border, number = borders.moved(bench, 0, SimpleNamespace(is_mixed=False), None)
+        model = SimpleNamespace(numbers=np.ones((4, 1)), margins=np.array(margins)[:, None])
+        border, number = limit_states.estimate_limit_state_error(
+            model, 0, SimpleNamespace(is_mixed=False), None
+        )
         assert border == 0.0 and np.isnan(number)
 
 
 def test_a_limit_is_described_by_its_own_kind_of_level(monkeypatch):
     monkeypatch.setattr(limits, "words_of", lambda quantity: {})
     quantity = SimpleNamespace(name="q", unit="s")
-    bench = SimpleNamespace(experiment=SimpleNamespace(numbers=[quantity]))
-    for asked, level in ((Asked("r", 0, "happens", 1.0), True), (Asked("r", 0, "happens", 0.0),
-                         False), (Asked("r", 0, "at_most", 1.0), 1.0)):  # fmt: skip
-        row = limits.told(bench, asked)
+    model = SimpleNamespace(experiment=SimpleNamespace(numbers=[quantity]))
+    for kind, number, level in (("happens", 1.0, True), ("happens", 0.0, False),
+                                ("at_most", 1.0, 1.0)):  # fmt: skip
+        asked = LimitSpec("r", 0, kind, number)
+        row = limits.describe_limit(model, asked)
         assert row["level"] is level or (row["level"] == level and isinstance(level, float))
         assert type(row["level"]) is type(level) and row["kind"] == asked.kind
 
 
 def test_a_number_that_finer_runs_lose_everywhere_leaves_all_open():
     """All runs have it, and that at an end no longer with half the step."""
-    bench = ClosedBench(Closed("latch", 1, 11, 0.0), 9)
-    bench.numbers[:] = 1.0 + bench.unit
-    bench.told = lambda plan, points: (np.full((len(points), 1), np.nan),) * 2
-    ends = settle(bench, 0)
-    beyond = np.array(beyond_of(bench, ends, finer_errors(bench, ends)))
-    limits = judged(bench, bench.surrogates(), [HAPPENS], beyond).limits
+    model = ClosedBench(Closed("latch", 1, 11, 0.0), 9)
+    model.numbers[:] = 1.0 + model.unit
+    model.evaluate = lambda plan, points: (np.full((len(points), 1), np.nan),) * 2
+    ends = converge_bounds(model, 0)
+    beyond = np.array(
+        estimate_fraction_errors(model, ends, estimate_discretization_errors(model, ends))
+    )
+    limits = assess_limits(model, model.surrogates(), [HAPPENS], beyond).limits
     assert share_of_box(limits, np.ones(1)) == (1.0, 1.0)
 
 
 def verdict(kind, numbers, margins=np.nan, asked=HAPPENS, beyond=(0.0, 0.0), free=1.0):
     """`met` of runs with a number and a margin each, over a box of one direction."""
     unit = np.linspace(-1, 1, len(numbers))[:, None] * free
-    bench = ClosedBench(Closed(kind, 1, 0, 0.0), 9)
-    bench.around.box = Box(["a"], [0.0], [free])
-    bench.around.nominal = np.array([free / 2])
-    bench.unit, bench.numbers = unit, np.array(numbers, dtype=float)[:, None]
-    bench.margins = np.broadcast_to(margins, len(numbers))[:, None]
-    found = judged(bench, bench.surrogates(), [asked], np.array(beyond)[:, None])
-    return requirements._met(bench, found, [0])["met"]
+    model = ClosedBench(Closed(kind, 1, 0, 0.0), 9)
+    model.around.box = Box(["a"], [0.0], [free])
+    model.around.nominal = np.array([free / 2])
+    model.unit, model.numbers = unit, np.array(numbers, dtype=float)[:, None]
+    model.margins = np.broadcast_to(margins, len(numbers))[:, None]
+    found = assess_limits(model, model.surrogates(), [asked], np.array(beyond)[:, None])
+    return requirements._met(model, found, [0])["met"]
 
 
 X = np.linspace(-1, 1, 9)
 
 
 def test_all_is_said_where_nothing_is_open_and_no_margin_is_below_its_error():
-    at_most = Asked("low", 0, "at_most", 2.0)
+    at_most = LimitSpec("low", 0, "at_most", 2.0)
     assert verdict("limit", X, asked=at_most) == "all"
     assert verdict("limit", X, asked=at_most, beyond=(0.9, 0.0)) == "all"
     assert verdict("limit", X, asked=at_most, beyond=(1.1, 0.0)) == "undecided"
     assert verdict("limit", X + 1.5, asked=at_most) == "some"
     assert (
-        verdict("limit", np.abs(np.sin(9 * X)), asked=Asked("low", 0, "at_most", 1.05))
+        verdict("limit", np.abs(np.sin(9 * X)), asked=LimitSpec("low", 0, "at_most", 1.05))
         == "undecided"
     )
 
@@ -215,7 +227,7 @@ def test_what_happened_in_all_runs_is_no_proof_without_a_margin():
     assert verdict("latch", [1.0], free=0.0) == "all"
     assert verdict("margin", 0 * X + 1, 2 + X) == "all"
     assert verdict("margin", 0 * X + 1, 2 + X, beyond=(0.0, 1.1)) == "undecided"
-    never = Asked("never", 0, "happens", 0.0)
+    never = LimitSpec("never", 0, "happens", 0.0)
     assert verdict("latch", np.nan * X, asked=never) == "undecided"
     assert verdict("margin", np.nan * X, X - 2, asked=never) == "all"
     assert verdict("margin", np.nan * X, X - 2, asked=never, beyond=(0.0, 1.1)) == "undecided"
@@ -239,16 +251,16 @@ def test_what_no_run_breaks_is_sure_beyond_the_errors(free, slack, kind, margins
     """Of the number, 0.1, and of where it exists, 0.2."""
     number = SimpleNamespace(at=None, decider=None, kind=kind)
     box = SimpleNamespace(free=np.array(free))
-    bench = SimpleNamespace(
+    model = SimpleNamespace(
         experiment=SimpleNamespace(box=box, numbers=[number]),
         margins=np.array(margins)[:, None],
         unit=np.linspace(-1, 1, len(margins))[:, None],
     )
     limit = SimpleNamespace(kind="at_most", error=0.1, border=0.2)
-    judged = SimpleNamespace(
-        limits=[limit], asked=[SimpleNamespace(quantity=0)], worst=[(slack, None)]
+    assess_limits = SimpleNamespace(
+        limits=[limit], specs=[SimpleNamespace(quantity=0)], worst=[(slack, None)]
     )
-    assert limits.is_sure(bench, judged, 0) is sure
+    assert limits.is_shown(model, assess_limits, 0) is sure
 
 
 @pytest.mark.parametrize(
@@ -270,15 +282,15 @@ def test_the_largest_box_ends_at_the_nearest_failure(kind, level, odd, share, pl
     points = np.concatenate([x, np.array(odd).reshape(-1, 2)[:, :1]])
     numbers = np.concatenate([x, np.array(odd).reshape(-1, 2)[:, 1:]])
     box = SimpleNamespace(free=np.array([True]))
-    bench = SimpleNamespace(
+    model = SimpleNamespace(
         experiment=SimpleNamespace(box=box), nominal=np.array([0.4]), unit=points, numbers=numbers
     )
-    found = judged(bench, [surrogate], [Asked("r", 0, kind, level)])
+    found = assess_limits(model, [surrogate], [LimitSpec("r", 0, kind, level)])
     assert found.largest[0] == pytest.approx(share, abs=1e-5)
     if place is None:
-        assert found.fails is None and found.largest[1:] == (None, None)
+        assert found.failure_point is None and found.largest[1:] == (None, None)
     else:
-        assert found.fails == pytest.approx([place], abs=1e-4) and found.largest[1] == 0
-        assert found.places[-1] is found.fails
+        assert found.failure_point == pytest.approx([place], abs=1e-4) and found.largest[1] == 0
+        assert found.points[-1] is found.failure_point
     expected = level - numbers[:, 0] if kind == "at_most" else numbers[:, 0] - level
     assert found.slack[0] == pytest.approx(expected)

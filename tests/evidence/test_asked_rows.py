@@ -11,7 +11,7 @@ import xarray as xr
 from evidence.registry import STUDIES
 from evidence.tradeoff.asked_rows import asked_rows, asked_text
 from evidence.tradeoff.measure.asked import judge, measure_asked
-from evidence.tradeoff.measure.asked_cases import ASKED, Asked, scan
+from evidence.tradeoff.measure.asked_cases import ACCURACY_CASES, AccuracyCase, scan
 
 
 def row(cpu, true, told, most, covers=1.0, **more):
@@ -59,7 +59,7 @@ def test_the_true_error_is_judged_against_the_reference():
 
 
 def test_every_case_is_a_part_of_the_study():
-    assert {f"asked-{found.name}" for found in ASKED} <= set(STUDIES["tradeoff"].parts)
+    assert {f"asked-{found.name}" for found in ACCURACY_CASES} <= set(STUDIES["tradeoff"].parts)
 
 
 @pytest.mark.slow
@@ -71,7 +71,9 @@ def test_a_small_case_is_measured():
         "responses": {"BD": {"distance": ["B", "D"]}},
     }
     links = {"elements": 6}
-    small = Asked("small", "Small", config, {"scan": scan(8, links)}, scan(16, links), (0.2,))
+    small = AccuracyCase(
+        "small", "Small", config, {"scan": scan(8, links)}, scan(16, links), (0.2,)
+    )
     found = json.loads(json.dumps(measure_asked(small, lambda text: None), allow_nan=False))
     (asked,), (rival,) = found["asked"], found["rivals"]
     assert asked["met"]

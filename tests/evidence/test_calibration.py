@@ -131,7 +131,7 @@ def test_plan_has_every_open_reading():
 
 def test_files(coarse, tmp_path):
     mesh = Scan(Reading("32 elements a link"), coarse.numbers)
-    near = [numbers(float(k), 0.06, 4.0) for k in plan.NEAR]
+    near = [numbers(float(k), 0.06, 4.0) for k in plan.GRID]
     made = [Scan(Reading("default"), near), mesh, Scan(Reading("A pinned"), near)]
     write(tmp_path, "calibration", study.report({"all": [asdict(scan) for scan in made]}))
     summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))

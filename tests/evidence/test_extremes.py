@@ -11,7 +11,7 @@ from evidence.linkage.runs import closing_time, curves, first_closing, simulate
 
 @pytest.mark.slow
 def test_a_stiff_linkage_agrees_with_the_rigid_one():
-    rows = judge("stiff", {"E": 1e11}, against="rigid")
+    rows = judge("stiff", {"E": 1e11}, reference="rigid")
     assert [row.name for row in rows] == ["stiff: BD", "stiff: velocity of B"]
     assert all(row.passed for row in rows)
 

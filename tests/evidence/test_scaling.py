@@ -14,7 +14,7 @@ LINEAR = [
 
 
 def failed(rows) -> list[str]:
-    return [row.name for row in rows if row.failed]
+    return [row.name for row in rows if row.is_failed]
 
 
 def test_the_exponent_of_the_cost_is_found():

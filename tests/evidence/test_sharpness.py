@@ -16,7 +16,7 @@ pytestmark = pytest.mark.slow  # problems with time loops of their own
 
 def failing_rows(name: str) -> int:
     """Number of failing rows of a problem; a run that breaks down counts as one."""
-    return sum(row.failed for row in PARTS[name](True).rows)
+    return sum(row.is_failed for row in PARTS[name](True).rows)
 
 
 # Columns of Beams.stiffness: length, EA, 2 EIz, 2 EIy, GJ over the length.

@@ -7,7 +7,7 @@ import pytest
 
 from evidence import plots
 from evidence.results import Report, write
-from evidence.rows import Row, at_least, at_most, grouped, refused, skipped, told, within
+from evidence.rows import Row, at_least, at_most, grouped, info, refusal, skipped, within
 
 ROWS = grouped(
     "one",
@@ -19,9 +19,9 @@ ROWS = grouped(
 ) + grouped(
     "two",
     [
-        told("speed", 7.5, "m/s"),
+        info("speed", 7.5, "m/s"),
         at_most("cost", 7.0, 6.0, unit="s"),
-        refused("case", "too thin"),
+        refusal("case", "too thin"),
         skipped("peer", "not installed: pip install peer", "x"),
     ],
 )
@@ -29,17 +29,17 @@ ROWS = grouped(
 
 def test_rows_pass_fail_or_are_not_judged():
     assert [row.passed for row in ROWS] == [True, False, False, None, False, True, None]
-    assert [row.failed for row in ROWS] == [False, True, True, False, True, False, False]
+    assert [row.is_failed for row in ROWS] == [False, True, True, False, True, False, False]
     assert at_most("n", 5.0, 6.0).passed and not at_most("n", 7.0, 6.0).passed
     assert at_least("n", 7.0, 6.0).passed and not at_least("n", 5.0, 6.0).passed
     assert not at_most("n", math.nan, 6.0).passed and not at_least("n", math.nan, 6.0).passed
 
 
 def test_how_much_of_its_allowance_a_row_takes():
-    assert within("n", 1.5, 1.0, 2.0).used == pytest.approx(0.25)
-    assert at_most("n", 3.0, 6.0).used == pytest.approx(0.5)
-    for row in (told("n", 1.0), refused("n", "why"), skipped("n", "why"), at_least("n", 1.0, 2.0)):
-        assert math.isnan(row.used)
+    assert within("n", 1.5, 1.0, 2.0).utilization == pytest.approx(0.25)
+    assert at_most("n", 3.0, 6.0).utilization == pytest.approx(0.5)
+    for row in (info("n", 1.0), refusal("n", "why"), skipped("n", "why"), at_least("n", 1.0, 2.0)):
+        assert math.isnan(row.utilization)
 
 
 def test_results_are_a_summary_a_table_and_figures(tmp_path):
@@ -47,7 +47,7 @@ def test_results_are_a_summary_a_table_and_figures(tmp_path):
     chart.curve([1, 2], [3, 4], "computed")
     chart.curve([1, 2], [3, 5], "book", reference=True)
     figure, (axes,) = plots.panels()
-    plots.draw_used(axes, ROWS, [row.group for row in ROWS])
+    plots.draw_utilization(axes, ROWS, [row.group for row in ROWS])
     figures = {"used": figure, chart.name: chart.figure}
     write(tmp_path, "trial", Report(ROWS, {"machine": {"cores": 2}}, "\nMore.\n", figures))
     summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))

@@ -19,7 +19,7 @@ def test_a_row_passes_within_its_tolerance_only():
     bench.check_at_least("order", 1.89, 1.9, "source")
     bench.check_at_least("better order", 3.0, 1.9, "source")
     assert [row.passed for row in bench.rows] == [True, False, False, True, False, True]
-    assert bench.rows[1].used == pytest.approx(1.1)
+    assert bench.rows[1].utilization == pytest.approx(1.1)
     assert {row.group for row in bench.rows} == {"problem"}
 
 
@@ -60,5 +60,5 @@ def test_the_report_has_the_cost_and_the_figures_of_every_problem():
     assert list(report.figures) == [
         "overview", "heavy-top-path-of-the-tip", "rigid-bennett-linkage",
     ]  # fmt: skip
-    assert all(cost["element_steps"] > 0 for cost in report.more["costs"].values())
+    assert all(cost["element_steps"] > 0 for cost in report.extra["costs"].values())
     assert len(report.rows) == sum(len(bench.rows) for bench in found.values())

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from asking import curves, vector, vectors
-from test_joints import DOWN, G, Z, on_ground, rod
+from test_joints import GRAVITY, G, Z, on_ground, rod
 
 import fpm
 from fpm.elements.particles.gravity import Gravity
@@ -103,13 +103,13 @@ def test_momentum_and_angular_momentum_of_all_change_by_reaction_and_weight(run)
     _, found, _ = run
     masses = {"rod": 1.0, "bob": 2.0, "near": 1.0, "far": 1.0}
     change = sum(m * vector(found, f"a {name}") for name, m in masses.items())
-    weight = sum(masses.values()) * np.array(DOWN)
+    weight = sum(masses.values()) * np.array(GRAVITY)
     np.testing.assert_allclose(vector(found, "R ground"), change - weight, atol=1e-9)
     # What joints do on either side, seen from the ground.
     on_ground_ = -sum(vector(found, f"F {name}") for name in ("rod", "bob", "near"))
     np.testing.assert_allclose(vector(found, "R ground"), -on_ground_, atol=1e-9)
     np.testing.assert_allclose(vector(found, "T ground")[:, 2], 0.0, atol=1e-9)
-    far = vector(found, "a far") - np.array(DOWN)
+    far = vector(found, "a far") - np.array(GRAVITY)
     np.testing.assert_allclose(vector(found, "F weld"), far, atol=1e-9)
 
 
@@ -126,12 +126,12 @@ def test_rates_of_openings_are_those_of_the_energy(run):
 
 def test_a_free_body_falls_and_keeps_its_spin(run):
     _, found, _ = run
-    np.testing.assert_allclose(vector(found, "a free"), np.tile(DOWN, (201, 1)), atol=1e-10)
+    np.testing.assert_allclose(vector(found, "a free"), np.tile(GRAVITY, (201, 1)), atol=1e-10)
     spin = np.array([1.0, 2.0, -1.5])
     np.testing.assert_allclose(vector(found, "w free"), np.tile(spin, (201, 1)), atol=1e-12)
     _, _, outcome = run
     arm = outcome.points["corner"][0] - outcome.points["free"][0]
-    exact = np.array(DOWN) + np.cross(spin, np.cross(spin, arm))
+    exact = np.array(GRAVITY) + np.cross(spin, np.cross(spin, arm))
     np.testing.assert_allclose(vector(found, "a corner"), exact, atol=1e-9)
 
 
@@ -174,7 +174,7 @@ def test_the_ground_has_no_weight_whichever_kind_gives_it():
     """The reaction of a pendulum is what its hinge bears, m g (3 cos θ - 2 cos θ0); 1e-4 of m g."""
     scene, ground = on_ground()
     scene.gravity = (0.0, 0.0, 0.0)
-    scene.add(Pull(np.array(DOWN)))
+    scene.add(Pull(np.array(GRAVITY)))
     bob = int(scene.add_particles(hung(START, 1.0), 2.0, [1e-9] * 3)[0])
     scene.add_hinge("hinge", (ground, bob), (0, 0, 0), Z)
     scene.add_point("bob", bob)

@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 import fpm
 from evidence.verification.mechanisms import (
-    DOWN,
+    GRAVITY,
     Z,
     n_four_bar_scene,
     on_ground,
@@ -16,7 +16,7 @@ from evidence.verification.mechanisms import (
     slider_crank_scene,
 )
 
-G = -DOWN[1]
+G = -GRAVITY[1]
 
 
 def double_pendulum(hinge_to=None) -> fpm.Scene:

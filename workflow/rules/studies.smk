@@ -43,7 +43,7 @@ for study in STUDIES.values():
             f"results/{study.name}/logs/report.log",
         conda:
             ENVIRONMENT
-        threads: 1024 if study.alone else 1
+        threads: 1024 if study.exclusive else 1
         params:
             call=f"{study.name} --output results/{study.name}"
             + (" --measured" if study.parts else ""),

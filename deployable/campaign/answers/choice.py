@@ -23,8 +23,8 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.answers.bench import SAME, Bench, number
-from deployable.campaign.answers.limits import Asked, limits_of, told
+from deployable.campaign.answers.evaluations import SAME_POINT, ModelEvaluator, number
+from deployable.campaign.answers.limits import LimitSpec, describe_limit, list_limits
 from deployable.campaign.config.sections import Choose, Experiment, Interval, Jobs, Verify
 from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
@@ -47,55 +47,57 @@ def answer(
     threads: int,
 ) -> None:
     """Write choice.json of a planned campaign."""
-    asked = read_plan(folder.plan)
-    experiment = widened(asked.experiment, choose)
-    plan = Plan(experiment, asked.mechanics, choose_step(experiment), Runs.of([]))
-    bench = Bench(plan, jobs, folder, tell, threads)
-    points = design_points(experiment, choose)
-    tell(f"{experiment.name}: {len(points)} runs over choices and intervals")
-    bench.add(points)
-    limits = limits_of(requirements, list(experiment.quantities))
-    for turn in range(verify.max_iterations + 1):
-        best, tried = _best(bench, asked.experiment, choose, limits)
-        places = [*np.concatenate(best.goal_points), *best.worst, *doubted(best, tried, choose)]
-        places = [at for at in places if bench.nearest(at)[1] > SAME]
-        if turn == verify.max_iterations or not places:
+    base_plan = read_plan(folder.plan)
+    experiment = widened(base_plan.experiment, choose)
+    plan = Plan(experiment, base_plan.mechanics, choose_step(experiment), Runs.of([]))
+    model = ModelEvaluator(plan, jobs, folder, tell, threads)
+    design = design_points(experiment, choose)
+    tell(f"{experiment.name}: {len(design)} runs over choices and intervals")
+    model.add(design)
+    specs = list_limits(requirements, list(experiment.quantities))
+    for iteration in range(verify.max_iterations + 1):
+        best, trials = _best(model, base_plan.experiment, choose, specs)
+        points = [*np.concatenate(best.goal_points), *best.worst, *doubted(best, trials, choose)]
+        points = [point for point in points if model.nearest(point)[1] > SAME_POINT]
+        if iteration == verify.max_iterations or not points:
             break
-        bench.add(places)
-    error = _error(bench, asked.experiment, choose, limits, best.is_allowed)
-    found = {
-        "parameters": _parameters(experiment, choose, best.values, deciding(tried, error)),
+        model.add(points)
+    error = _error(model, base_plan.experiment, choose, specs, best.is_allowed)
+    choice = {
+        "parameters": _parameters(experiment, choose, best.values, deciding(trials, error)),
         "kept": best.is_allowed,
-        "goals": list(map(partial(_goal, bench), choose.goals, best.goals, best.goal_points)),
-        "limits": list(map(partial(_limit, bench), limits, best.slacks, best.worst)),
+        "goals": list(map(partial(_goal, model), choose.goals, best.goals, best.goal_points)),
+        "limits": list(map(partial(_limit, model), specs, best.slacks, best.worst)),
         "tried": [
             {
-                "values": one.values.tolist(),
-                "goals": [number(value) for value in one.goals],
-                "kept": one.is_allowed,
+                "values": trial.values.tolist(),
+                "goals": [number(value) for value in trial.goals],
+                "kept": trial.is_allowed,
             }
-            for one in tried
+            for trial in trials
         ],
-        "runs": len(bench.unit),
-        "simulated": bench.simulated,
+        "runs": len(model.unit),
+        "simulated": model.simulated,
     }
-    write_result(folder.choice, json.dumps(found, indent=1, allow_nan=False) + "\n")
+    write_result(folder.choice, json.dumps(choice, indent=1, allow_nan=False) + "\n")
 
 
-def doubted(best: Any, tried: Sequence[Any], choose: Choose) -> list[np.ndarray]:
+def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray]:
     """Places (k) for which choices near the best one were turned down that would be better: where
     something is taken not to happen, or to happen."""
     sign = choose.goals[0][0]
     better = [
-        one for one in tried if not one.is_allowed and sign * (one.goals[0] - best.goals[0]) < 0
+        trial
+        for trial in trials
+        if not trial.is_allowed and sign * (trial.goals[0] - best.goals[0]) < 0
     ]
     ends = np.array(list(choose.parameters.values()), dtype=float)
     widths = np.maximum(np.ptp(ends, axis=1), np.finfo(float).tiny)
-    better.sort(key=lambda one: float(np.abs((one.values - best.values) / widths).max()))
+    better.sort(key=lambda trial: float(np.abs((trial.values - best.values) / widths).max()))
     return [
-        at
-        for one in better[:_DOUBTS]
-        for slack, at in zip(one.slacks, one.worst, strict=True)
+        point
+        for trial in better[:_DOUBTS]
+        for slack, point in zip(trial.slacks, trial.worst, strict=True)
         if slack == -np.inf
     ]
 
@@ -123,88 +125,96 @@ def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
     return np.concatenate([nodes, held_out_points(box.free, _HELD_OUT, nodes)])
 
 
-def _best(bench: Bench, experiment: Experiment, choose: Choose, asked: list[Asked]) -> Any:
+def _best(
+    model: ModelEvaluator, experiment: Experiment, choose: Choose, specs: list[LimitSpec]
+) -> Any:
     """The best choice, and those that were tried (`intervals.scalars.Choice`)."""
     from deployable.intervals.scalars import Goal, Limit, best_choice
 
-    surrogates, box = [s.trend for s in bench.surrogates()], bench.experiment.box
-    names = list(bench.experiment.quantities)
+    surrogates, box = [s.trend for s in model.surrogates()], model.experiment.box
+    names = list(model.experiment.quantities)
     goals = [Goal(surrogates[names.index(q)], end, sign) for sign, end, q in choose.goals]
-    limits = [Limit(surrogates[one.quantity], one.kind, one.level) for one in asked]
+    limits = [Limit(surrogates[spec.quantity], spec.kind, spec.level) for spec in specs]
 
-    def part(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        ends = {name: (i.lower, i.upper) for name, i in bench.experiment.intervals.items()}
+    def subbox(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        ends = {name: (i.lower, i.upper) for name, i in model.experiment.intervals.items()}
         for name, value in zip(choose.parameters, values, strict=True):
             ends[name] = choose.interval(name, float(value), experiment)
         lower, upper = box.to_unit(np.array([sorted(ends[name]) for name in box.names]).T)
         return np.clip(lower, -1.0, 1.0), np.clip(upper, -1.0, 1.0)
 
-    return best_choice(goals, limits, list(choose.parameters.values()), part)
+    return best_choice(goals, limits, list(choose.parameters.values()), subbox)
 
 
 def _error(
-    bench: Bench, experiment: Experiment, choose: Choose, limits: list[Asked], is_allowed: bool
+    model: ModelEvaluator,
+    experiment: Experiment,
+    choose: Choose,
+    specs: list[LimitSpec],
+    is_allowed: bool,
 ) -> float:
     """By how much choices may differ and be alike: the error of what decides, and rounding. That is
     the first goal, or where no choice is allowed the limits."""
-    names, surrogates = list(experiment.quantities), bench.surrogates()
-    chosen = [names.index(choose.goals[0][2])] if is_allowed else [one.quantity for one in limits]
-    errors = [surrogates[q].error for q in chosen]
-    size = np.nanmax(np.abs(bench.numbers[:, chosen]), initial=0.0)
+    names, surrogates = list(experiment.quantities), model.surrogates()
+    indices = [names.index(choose.goals[0][2])] if is_allowed else [spec.quantity for spec in specs]
+    errors = [surrogates[q].error for q in indices]
+    size = np.nanmax(np.abs(model.numbers[:, indices]), initial=0.0)
     return max([ROUNDING * size, *(error for error in errors if np.isfinite(error))])
 
 
-def deciding(tried: Sequence[Any], error: float) -> list[bool]:
+def deciding(trials: Sequence[Any], error: float) -> list[bool]:
     """Of each chosen parameter, whether tried choices that differ in it alone differ by more than
     an error in what decides: the first goal where it is allowed, or if no choice is the slack."""
-    allowed = [one.is_allowed for one in tried]
+    allowed = [trial.is_allowed for trial in trials]
     worth = np.array([
-        one.slack if not any(allowed) else one.goals[0] if one.is_allowed else np.inf
-        for one in tried
+        trial.slack if not any(allowed) else trial.goals[0] if trial.is_allowed else np.inf
+        for trial in trials
     ])  # fmt: skip
     worth = np.nan_to_num(worth, nan=np.inf)
-    values = np.array([one.values for one in tried])
+    values = np.array([trial.values for trial in trials])
 
     def differ(rows: np.ndarray) -> bool:
         low, high = worth[rows].min(), worth[rows].max()
         return bool(low != high and not high - low <= error)
 
-    found = []
+    flags = []
     for j in range(values.shape[1]):
         _, group = np.unique(np.delete(values, j, axis=1), axis=0, return_inverse=True)
-        alone = [np.flatnonzero(group.ravel() == g) for g in range(group.max() + 1)]
-        lines = [rows for rows in alone if len(rows) > 1]
-        found.append(any(map(differ, lines or [np.arange(len(tried))])))
-    return found
+        groups = [np.flatnonzero(group.ravel() == g) for g in range(group.max() + 1)]
+        lines = [rows for rows in groups if len(rows) > 1]
+        flags.append(any(map(differ, lines or [np.arange(len(trials))])))
+    return flags
 
 
 def _parameters(
     experiment: Experiment, choose: Choose, values: np.ndarray, decides: Sequence[bool]
 ) -> list[dict]:
-    known = experiment.scene_type.parameters
+    table = experiment.scene_type.parameters
     return [
-        {"name": name, "units": known[name].unit, "lower": low, "upper": high, "value": float(v),
-         "decides": own}
-        for (name, (low, high)), v, own in zip(
+        {"name": name, "units": table[name].unit, "lower": low, "upper": high, "value": float(v),
+         "decides": flag}
+        for (name, (low, high)), v, flag in zip(
             choose.parameters.items(), values, decides, strict=True)
     ]  # fmt: skip
 
 
-def _goal(bench: Bench, goal: tuple[float, str, str], value: float, at: np.ndarray) -> dict:
+def _goal(
+    model: ModelEvaluator, goal: tuple[float, str, str], value: float, points: np.ndarray
+) -> dict:
     sign, end, name = goal
-    q = list(bench.experiment.quantities).index(name)
-    asked = bench.experiment.numbers[q]
-    named = {"end": end, "quantity": name, "units": asked.unit, **words_of(asked)}
-    named |= {"sense": "minimise" if sign > 0 else "maximise", "value": number(value)}
-    *low, place = (bench.place(one, q) for one in at)
-    if low:
-        place["lower_at"] = low[0]["at"]
-        both = place["simulated"], low[0]["simulated"]
-        place["simulated"] = None if None in both else both[0] - both[1]
-    return {**named, **place}
+    q = list(model.experiment.quantities).index(name)
+    quantity = model.experiment.numbers[q]
+    description = {"end": end, "quantity": name, "units": quantity.unit, **words_of(quantity)}
+    description |= {"sense": "minimise" if sign > 0 else "maximise", "value": number(value)}
+    *lower_row, row = (model.describe_point(point, q) for point in points)
+    if lower_row:
+        row["lower_at"] = lower_row[0]["at"]
+        pair = row["simulated"], lower_row[0]["simulated"]
+        row["simulated"] = None if None in pair else pair[0] - pair[1]
+    return {**description, **row}
 
 
-def _limit(bench: Bench, asked: Asked, slack: float, at: np.ndarray) -> dict:
+def _limit(model: ModelEvaluator, spec: LimitSpec, slack: float, point: np.ndarray) -> dict:
     margin = {"margin": number(slack), "kept": bool(slack >= 0)}
-    named = {"requirement": asked.requirement, **told(bench, asked)}
-    return {**named, **margin, **bench.place(at, asked.quantity)}
+    description = {"requirement": spec.requirement, **describe_limit(model, spec)}
+    return {**description, **margin, **model.describe_point(point, spec.quantity)}

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import fpm
 from deployable.campaign.answers.choice import design_points, widened
-from deployable.campaign.answers.finer import PLACES
+from deployable.campaign.answers.discretization import MAX_POINTS
 from deployable.campaign.config.disk import bytes_of_run
 from deployable.campaign.config.sections import Campaign, count_runs
 from deployable.campaign.folder import Folder
@@ -33,7 +33,7 @@ MOVING = 3
 WRITING = 5e-3
 """Seconds for a run's scene and file."""
 
-ROUNDS = 2
+ITERATIONS = 2
 """Rounds of further runs that quantities take as a rule, where so many are allowed."""
 
 _BOUNDS_CURVES = 12  # of a response in bounds, surrogate and sensitivities, compressed
@@ -59,11 +59,11 @@ class Estimate:
     answers: str = ""
 
     def __str__(self) -> str:
-        about = "at most" if self.is_budget else "about"
+        bound = "at most" if self.is_budget else "about"
         further = f" and further ones for {self.answers}" if self.answers else ""
         first = duration_text(_rounded(self.compiling))
         return (
-            f"at most {self.runs} runs{further}, {about} {duration_text(_rounded(self.seconds))} "
+            f"at most {self.runs} runs{further}, {bound} {duration_text(_rounded(self.seconds))} "
             f"on {cores()} cores{f' ({first} of it to compile, once)' if self.compiling else ''}, "
             f"{size_text(self.bytes)} on disk"
         )
@@ -75,13 +75,13 @@ def estimate(campaign: Campaign) -> Estimate:
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs = count_runs(experiment)
     batch = LANES * effort.machine() * run_seconds(experiment, choose_step(experiment))
-    further = {} if experiment.is_sought else _further(campaign)
-    rounds = [(runs, 1.0), *(one for some in further.values() for one in some)]
-    batches = [(math.ceil(count / LANES), factor) for count, factor in rounds if count]
+    refinement = {} if experiment.is_sought else _further(campaign)
+    passes = [(runs, 1.0), *(p for iterations in refinement.values() for p in iterations)]
+    batches = [(math.ceil(count / LANES), factor) for count, factor in passes if count]
     integrating = batch * sum(number * factor for number, factor in batches)
     # A batch is one core's; rounds wait for each other.
     waiting = batch * sum(math.ceil(number / cores()) * factor for number, factor in batches)
-    writing = WRITING * sum(count for count, _ in rounds) / cores()
+    writing = WRITING * sum(count for count, _ in passes) / cores()
     scene = experiment.nominal_scene
     compiling = 0.0 if fpm.is_compiled(scene) else effort.compile_seconds(scene)
     starting = STARTING + compiling + MOVING * batch
@@ -97,7 +97,7 @@ def estimate(campaign: Campaign) -> Estimate:
     if campaign.jobs.keep == "extremes":
         curves += _SHARE_CURVES * min(MOST, math.ceil(runs / LARGE)) * len(experiment.responses)
     size = runs * bytes_of_run(campaign) + 8 * solver.instants * curves
-    answers = " and ".join(further)
+    answers = " and ".join(refinement)
     return Estimate(
         runs, seconds, integrating, float(size), compiling, experiment.is_sought, answers
     )
@@ -107,24 +107,24 @@ def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
     """Further runs by what takes them, in words: for each round how many, and how many times as
     long as a planned one each of them takes."""
     experiment, verify = campaign.experiment, campaign.verify
-    ends = 2 * len(experiment.quantities)
-    rounds = min(ROUNDS, verify.max_iterations)
-    found: dict[str, list[tuple[int, float]]] = {}
-    if ends:
-        found["quantities"] = [(ends, 1.0)] * rounds
+    bounds = 2 * len(experiment.quantities)
+    iterations = min(ITERATIONS, verify.max_iterations)
+    refinement: dict[str, list[tuple[int, float]]] = {}
+    if bounds:
+        refinement["quantities"] = [(bounds, 1.0)] * iterations
     if campaign.choose.parameters:
         points = design_points(widened(experiment, campaign.choose), campaign.choose)
-        found["the choice"] = [(len(points), 1.0), *[(LANES, 1.0)] * rounds]
+        refinement["the choice"] = [(len(points), 1.0), *[(LANES, 1.0)] * iterations]
     if verify.discretization:
         # Half the step, and a mesh of twice as many elements with half the step; for their orders
         # at fewer places a quarter of the step, and half as many elements with half the step.
-        again = [(PLACES, 1), *([(ends, ends // 2)] if ends else [])]
-        found["errors of step and mesh"] = [
-            (places, factor)
-            for most, few in again
-            for places, factor in ((most, 2.0), (few, 4.0), (most, 4.0), (few, 1.0))
+        repetitions = [(MAX_POINTS, 1), *([(bounds, bounds // 2)] if bounds else [])]
+        refinement["errors of step and mesh"] = [
+            (count, factor)
+            for larger, smaller in repetitions
+            for count, factor in ((larger, 2.0), (smaller, 4.0), (larger, 4.0), (smaller, 1.0))
         ]
-    return found
+    return refinement
 
 
 def runs_there(campaign: Campaign, folder: Folder) -> str:
@@ -142,10 +142,10 @@ def runs_there(campaign: Campaign, folder: Folder) -> str:
         return ""
     text = f"{total - missing} of them are there"
     if lacking:
-        what = words(sorted(set().union(*store.lacking.values())))
+        names = words(sorted(set().union(*store.lacking.values())))
         seconds = _rounded(estimate(campaign).seconds * missing / total)
         text += (
-            f"; {lacking} more lack {what} as this version reads it and are simulated again, all "
+            f"; {lacking} more lack {names} as this version reads it and are simulated again, all "
             f"in all about {duration_text(seconds)}"
         )
     return text

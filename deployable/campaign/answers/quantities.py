@@ -25,17 +25,20 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.answers.bench import Bench
-from deployable.campaign.answers.ends import Ends, settle
-from deployable.campaign.answers.finer import beyond_of, finer_errors
-from deployable.campaign.answers.limits import limits_of
+from deployable.campaign.answers.discretization import (
+    estimate_discretization_errors,
+    estimate_fraction_errors,
+)
+from deployable.campaign.answers.evaluations import ModelEvaluator
+from deployable.campaign.answers.limits import list_limits
+from deployable.campaign.answers.quantity_bounds import QuantityBounds, converge_bounds
 from deployable.campaign.config.sections import Jobs, Verify, plain_data
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.bounds import write_dataset
 from deployable.campaign.runs.progress import Tell
 from fpm.files.trajectory import CONVENTIONS
 
-_OF, _BY = ("quantity",), ("quantity", "parameter")
+_DIM, _DIMS = ("quantity",), ("quantity", "parameter")
 
 
 def answer(
@@ -48,18 +51,20 @@ def answer(
 ) -> None:
     """Write quantities.nc and further.nc of a sampled campaign that has quantities, with the runs
     that requirements take."""
-    bench = Bench.of(folder, jobs, tell, threads)
-    asked = limits_of(requirements, list(bench.experiment.quantities))
-    ends = settle(bench, verify.max_iterations, asked)
-    if bench.further:
-        tell(f"{bench.experiment.name}: further runs where it is decided: {len(bench.further)}")
-    finer = finer_errors(bench, ends) if verify.discretization else {}
-    found = quantities_dataset(bench, ends, finer)
-    write_dataset(found, folder.quantities, "Intervals of quantities")
-    write_dataset(further_dataset(bench), folder.further, "Further runs for the ends of intervals")
+    model = ModelEvaluator.from_folder(folder, jobs, tell, threads)
+    specs = list_limits(requirements, list(model.experiment.quantities))
+    bounds = converge_bounds(model, verify.max_iterations, specs)
+    if model.further:
+        tell(f"{model.experiment.name}: further runs where it is decided: {len(model.further)}")
+    finer = estimate_discretization_errors(model, bounds) if verify.discretization else {}
+    dataset = quantities_dataset(model, bounds, finer)
+    write_dataset(dataset, folder.quantities, "Intervals of quantities")
+    write_dataset(further_dataset(model), folder.further, "Further runs for the ends of intervals")
 
 
-def quantities_dataset(bench: Bench, ends: list[Ends], finer: Mapping[str, np.ndarray]) -> Any:
+def quantities_dataset(
+    model: ModelEvaluator, bounds: list[QuantityBounds], finer: Mapping[str, np.ndarray]
+) -> Any:
     """The intervals of all quantities as an xarray Dataset; finer: errors (q, 2) of step and mesh
     by name, of both ends."""
     import xarray as xr
@@ -67,34 +72,34 @@ def quantities_dataset(bench: Bench, ends: list[Ends], finer: Mapping[str, np.nd
     from deployable.intervals.estimates import AVERAGED
 
     variables = _Variables()
-    _put_ends(variables, bench, ends)
-    sought = bench.experiment.is_sought
-    errors = [e.surrogate.usual_error if sought else e.surrogate.error for e in ends]
-    errors = np.fmax(errors, [e.error for e in ends])
+    _put_bounds(variables, model, bounds)
+    is_adaptive = model.experiment.is_sought
+    errors = [b.surrogate.usual_error if is_adaptive else b.surrogate.error for b in bounds]
+    errors = np.fmax(errors, [b.error for b in bounds])
     errors = [error if np.isfinite(error) else np.nan for error in errors]
-    averaged = sought and bench.experiment.box.free.sum() <= AVERAGED
+    averaged = is_adaptive and model.experiment.box.free.sum() <= AVERAGED
     kind = "mean" if averaged else "largest"
     text = f"estimated error of the surrogate: its {kind} left-out one"
-    variables.put("error", _OF, errors, text)
-    beyond, border = beyond_of(bench, ends, finer)
+    variables.put("error", _DIM, errors, text)
+    number_errors, shifts = estimate_fraction_errors(model, bounds, finer)
     if finer:
-        parts = {name: both.max(axis=1) for name, both in finer.items()}
-        for name, values in parts.items():
-            variables.put(f"error_{name}", _OF, values, f"error of the ends by their {name}")
-        whole = np.sum([errors, *parts.values()], axis=0)
-        variables.put("error_whole", _OF, whole, "errors of surrogate, step and mesh together")
+        components = {name: e.max(axis=1) for name, e in finer.items()}
+        for name, values in components.items():
+            variables.put(f"error_{name}", _DIM, values, f"error of the ends by their {name}")
+        whole = np.sum([errors, *components.values()], axis=0)
+        variables.put("error_whole", _DIM, whole, "errors of surrogate, step and mesh together")
         text = "errors by step and mesh of {}, for shares of the box".format
-        variables.put("error_limit", _OF, beyond, text("the number"))
-        variables.put("error_border", _OF, border, text("what tells where it happens"))
-    _put_occurrence(variables, bench, ends, border)
-    _put_shares(variables, bench, ends)
-    times = [int(quantity.is_time) for quantity in bench.experiment.numbers]
-    variables.put("is_time", _OF, times, "1 for times of the run", "1")
-    least = [np.nan if q.least is None else q.least for q in bench.experiment.numbers]
-    variables.put("least", _OF, least, "what it can not be below, where there is such a value")
-    kinds = [e.surrogate.fit.kind if e.surrogate.fit else "none" for e in ends]
-    variables["fit"] = (_OF, kinds, {"long_name": "what was fitted to the runs"})
-    return xr.Dataset(variables, coordinates(bench), attributes_of(bench))
+        variables.put("error_limit", _DIM, number_errors, text("the number"))
+        variables.put("error_border", _DIM, shifts, text("what tells where it happens"))
+    _put_occurrence(variables, model, bounds, shifts)
+    _put_shares(variables, model, bounds)
+    times = [int(quantity.is_time) for quantity in model.experiment.numbers]
+    variables.put("is_time", _DIM, times, "1 for times of the run", "1")
+    least = [np.nan if q.least is None else q.least for q in model.experiment.numbers]
+    variables.put("least", _DIM, least, "what it can not be below, where there is such a value")
+    kinds = [b.surrogate.fit.kind if b.surrogate.fit else "none" for b in bounds]
+    variables["fit"] = (_DIM, kinds, {"long_name": "what was fitted to the runs"})
+    return xr.Dataset(variables, coordinates(model), attributes_of(model))
 
 
 class _Variables(dict):
@@ -107,52 +112,52 @@ class _Variables(dict):
         self[name] = (dims, np.array(values), attributes)
 
 
-def _put_ends(variables: _Variables, bench: Bench, ends: list[Ends]) -> None:
+def _put_bounds(variables: _Variables, model: ModelEvaluator, bounds: list[QuantityBounds]) -> None:
     """The ends, where they are, and the surrogate at the nominal values."""
-    to_value = bench.experiment.box.from_unit
+    to_value = model.experiment.box.from_unit
     for i, side in enumerate(("lower", "upper")):
-        outer = [e.outer[i] for e in ends]
-        variables.put(side, _OF, outer, f"{side} end, of runs and surrogate")
-        simulated = [getattr(e, side) for e in ends]
-        variables.put(f"simulated_{side}", _OF, simulated, f"{side} end of the simulated runs")
-        predicted = [(e.surrogate_range.low, e.surrogate_range.high)[i] for e in ends]
-        variables.put(f"surrogate_{side}", _OF, predicted, f"{side} end by the surrogate")
-        moving = [int(e.unconverged[i]) for e in ends]
+        outer = [b.outer[i] for b in bounds]
+        variables.put(side, _DIM, outer, f"{side} end, of runs and surrogate")
+        simulated = [getattr(b, side) for b in bounds]
+        variables.put(f"simulated_{side}", _DIM, simulated, f"{side} end of the simulated runs")
+        predicted = [(b.surrogate_range.low, b.surrogate_range.high)[i] for b in bounds]
+        variables.put(f"surrogate_{side}", _DIM, predicted, f"{side} end by the surrogate")
+        moving = [int(b.unconverged[i]) for b in bounds]
         text = f"1 where the surrogate goes beyond the {side} end"
-        variables.put(f"unconverged_{side}", _OF, moving, text, "1")
-        which = ("argmin", "argmax")[i]
-        places = to_value(np.array([getattr(e, which) for e in ends]))
-        variables.put(which, _BY, places, f"parameters of the run at the {side} end")
-    nominal = [s.evaluate(bench.nominal[None])[0] for s in bench.surrogates()]
-    variables.put("nominal", _OF, nominal, "at the nominal values, by surrogate")
+        variables.put(f"unconverged_{side}", _DIM, moving, text, "1")
+        location = ("argmin", "argmax")[i]
+        points = to_value(np.array([getattr(b, location) for b in bounds]))
+        variables.put(location, _DIMS, points, f"parameters of the run at the {side} end")
+    nominal = [s.evaluate(model.nominal[None])[0] for s in model.surrogates()]
+    variables.put("nominal", _DIM, nominal, "at the nominal values, by surrogate")
 
 
 def _put_occurrence(
-    variables: _Variables, bench: Bench, ends: list[Ends], border: np.ndarray
+    variables: _Variables, model: ModelEvaluator, bounds: list[QuantityBounds], shifts: np.ndarray
 ) -> None:
     """In how many runs, and in which share of the box, there is such a number."""
     from deployable.intervals.scalars import Limit, share_of_box
 
-    there = np.isfinite(bench.numbers[bench.different]).sum(axis=0) + bench.others
-    variables.put("runs_with", _OF, there, "runs that have the number", "1")
-    without = len(bench.different) + bench.left_out - there
-    variables.put("runs_without", _OF, without, "runs in which it does not happen", "1")
-    free = bench.experiment.box.free
+    counts = np.isfinite(model.numbers[model.distinct_rows]).sum(axis=0) + model.unfitted_with
+    variables.put("runs_with", _DIM, counts, "runs that have the number", "1")
+    absences = len(model.distinct_rows) + model.unfitted - counts
+    variables.put("runs_without", _DIM, absences, "runs in which it does not happen", "1")
+    free = model.experiment.box.free
     limits = [
-        Limit(end.surrogate, "happens", 1.0, border=float(doubt))
-        for end, doubt in zip(ends, border, strict=True)
+        Limit(b.surrogate, "happens", 1.0, border=float(shift))
+        for b, shift in zip(bounds, shifts, strict=True)
     ]
     shares = np.array([share_of_box([limit], free) for limit in limits])
-    variables.put("happens", _OF, shares[:, 0], "share of the box in which it happens", "1")
+    variables.put("happens", _DIM, shares[:, 0], "share of the box in which it happens", "1")
     text = "by how much that share may be more or less"
-    variables.put("happens_uncertainty", _OF, shares[:, 1], text, "1")
+    variables.put("happens_uncertainty", _DIM, shares[:, 1], text, "1")
 
 
-def _put_shares(variables: _Variables, bench: Bench, ends: list[Ends]) -> None:
+def _put_shares(variables: _Variables, model: ModelEvaluator, bounds: list[QuantityBounds]) -> None:
     """What each parameter contributes."""
     from deployable.intervals.scalars import influence
 
-    found = [influence(e.surrogate, bench.nominal) for e in ends]
+    influences = [influence(b.surrogate, model.nominal) for b in bounds]
     texts = {
         "share": "share of the widths, 0 where not above the error of the surrogate",
         "alone": "width when only this parameter varies",
@@ -160,60 +165,60 @@ def _put_shares(variables: _Variables, bench: Bench, ends: list[Ends]) -> None:
         "halved": "width when its interval is half as wide",
     }
     # The search over a part may find more than that over the whole has.
-    most = {name: np.diff([e.outer for e in ends]) for name in ("alone", "fixed", "halved")}
+    max_widths = {name: np.diff([b.outer for b in bounds]) for name in ("alone", "fixed", "halved")}
     for name, text in texts.items():
         units = "1" if name == "share" else ""
-        values = np.minimum([getattr(f, name) for f in found], most.get(name, 1.0))
-        variables.put(name, _BY, values, text, units)
+        values = np.minimum([getattr(f, name) for f in influences], max_widths.get(name, 1.0))
+        variables.put(name, _DIMS, values, text, units)
 
 
-def further_dataset(bench: Bench) -> Any:
+def further_dataset(model: ModelEvaluator) -> Any:
     """The further runs with their quantities as an xarray Dataset."""
     import xarray as xr
 
-    runs, k = bench.further, bench.unit.shape[1]
-    numbers, margins = (each[len(each) - len(runs) :] for each in (bench.numbers, bench.margins))
-    along = ("run", "parameter")
+    runs, k = model.further, model.unit.shape[1]
+    numbers, margins = (rows[len(rows) - len(runs) :] for rows in (model.numbers, model.margins))
+    dims = ("run", "parameter")
     values = np.array([run.values for run in runs]).reshape(-1, k)
     unit = np.array([run.normalized for run in runs]).reshape(-1, k)
     ids = np.array([run.id for run in runs], dtype=object)
     variables = {
         "run_id": ("run", ids, {"long_name": "name of the trajectory"}),
-        "normalized": (along, unit, {"units": "1", "long_name": "coordinates in the box, -1 to 1"}),
-        "value": (along, values, {"long_name": "parameter values in their units"}),
+        "normalized": (dims, unit, {"units": "1", "long_name": "coordinates in the box, -1 to 1"}),
+        "value": (dims, values, {"long_name": "parameter values in their units"}),
         "quantities": (("run", "quantity"), numbers, {"long_name": "value of the quantity"}),
         "margin": (("run", "quantity"), margins, {"long_name": "by how much the run has it"}),
     }
-    return xr.Dataset(variables, coordinates(bench), attributes_of(bench))
+    return xr.Dataset(variables, coordinates(model), attributes_of(model))
 
 
-def coordinates(bench: Bench) -> dict:
+def coordinates(model: ModelEvaluator) -> dict:
     """Coordinates over quantity and parameter."""
-    experiment = bench.experiment
-    quantities, known = experiment.numbers, experiment.scene_type.parameters
+    experiment = model.experiment
+    quantities, parameters = experiment.numbers, experiment.scene_type.parameters
     names, rows = list(experiment.intervals), experiment.intervals.values()
     columns = {
         "quantity": ("quantity", [q.name for q in quantities], "name of the quantity"),
         "quantity_units": ("quantity", [q.unit for q in quantities], "units of the quantity"),
         "quantity_long_name": ("quantity", [q.long_name for q in quantities], "the same in words"),
         "parameter": ("parameter", names, "interval parameter"),
-        "box_units": ("parameter", [known[n].unit for n in names], "units of the parameter"),
+        "box_units": ("parameter", [parameters[n].unit for n in names], "units of the parameter"),
     }
     for key in ("lower", "upper", "nominal"):
-        ends = [getattr(interval, key) for interval in rows]
-        columns[f"box_{key}"] = ("parameter", ends, f"{key} value of the parameter")
+        bounds = [getattr(interval, key) for interval in rows]
+        columns[f"box_{key}"] = ("parameter", bounds, f"{key} value of the parameter")
     return {name: (dim, values, {"long_name": t}) for name, (dim, values, t) in columns.items()}
 
 
-def attributes_of(bench: Bench) -> dict:
+def attributes_of(model: ModelEvaluator) -> dict:
     """What files of answers tell of the campaign."""
     return {
         "Conventions": CONVENTIONS,
-        "campaign": bench.experiment.name,
-        "scene": bench.experiment.scene.name,
-        "config_hash": bench.plan.config_hash,
-        "config": json.dumps(plain_data(bench.experiment)),
-        "mechanics": bench.plan.mechanics,
-        "runs": len(bench.different) + bench.left_out,
-        "further_runs": len(bench.further),
+        "campaign": model.experiment.name,
+        "scene": model.experiment.scene.name,
+        "config_hash": model.plan.config_hash,
+        "config": json.dumps(plain_data(model.experiment)),
+        "mechanics": model.plan.mechanics,
+        "runs": len(model.distinct_rows) + model.unfitted,
+        "further_runs": len(model.further),
     }

@@ -27,8 +27,14 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from deployable.campaign.answers.bench import Bench, number
-from deployable.campaign.answers.limits import Judged, is_sure, judged, limits_of, told
+from deployable.campaign.answers.evaluations import ModelEvaluator, number
+from deployable.campaign.answers.limits import (
+    LimitAssessment,
+    assess_limits,
+    describe_limit,
+    is_shown,
+    list_limits,
+)
 from deployable.campaign.config.sections import Jobs
 from deployable.campaign.files import open_netcdf, write_result
 from deployable.campaign.folder import Folder
@@ -37,15 +43,15 @@ from deployable.campaign.runs.progress import Tell
 
 def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, tell: Tell) -> None:
     """Write requirements.json of a campaign whose quantities have their intervals."""
-    bench = Bench.of(folder, jobs, tell, further=True)
-    asked = limits_of(requirements, list(bench.experiment.quantities))
-    beyond = _of_the_runs(folder)
-    found = judged(bench, bench.surrogates(), asked, beyond)
+    model = ModelEvaluator.from_folder(folder, jobs, tell, further=True)
+    specs = list_limits(requirements, list(model.experiment.quantities))
+    errors = _of_the_runs(folder)
+    result = assess_limits(model, model.surrogates(), specs, errors)
     rows = {
-        "requirements": [_requirement(bench, found, name) for name in requirements],
-        "together": {**_together(bench, found), "whole": beyond is not None},
-        "runs": len(bench.different) + bench.left_out,
-        "further_runs": len(bench.further),
+        "requirements": [_requirement(model, result, name) for name in requirements],
+        "together": {**_combined(model, result), "whole": errors is not None},
+        "runs": len(model.distinct_rows) + model.unfitted,
+        "further_runs": len(model.further),
     }
     write_result(folder.requirements, json.dumps(rows, indent=1, allow_nan=False) + "\n")
 
@@ -59,66 +65,66 @@ def _of_the_runs(folder: Folder) -> np.ndarray | None:
         return np.array([data[name][:] for name in ("error_limit", "error_border")])
 
 
-def _met(bench: Bench, found: Judged, chosen: list[int]) -> dict:
+def _met(model: ModelEvaluator, result: LimitAssessment, indices: list[int]) -> dict:
     """Whether all, some or none of the box keeps chosen limits, which share, and what is open.
 
     Runs decide where they differ from the surrogates: one that fails, or keeps them, is enough.
     """
     from deployable.intervals.scalars import share_of_box
 
-    share, open_ = share_of_box([found.limits[i] for i in chosen], bench.experiment.box.free)
-    kept = found.slack[chosen].min(axis=0) >= 0
-    told = {
+    share, open_ = share_of_box([result.limits[i] for i in indices], model.experiment.box.free)
+    is_met = result.slack[indices].min(axis=0) >= 0
+    row = {
         "share": share,
         "share_uncertainty": open_,
-        "runs": len(bench.different) + bench.left_out,
+        "runs": len(model.distinct_rows) + model.unfitted,
     }
-    if min(found.worst[i][0] for i in chosen) >= 0 and kept.all():
-        sure = not open_ and all(is_sure(bench, found, i) for i in chosen)
-        return {"met": "all" if sure else "undecided", **told, "share": 1.0}
-    return {"met": "none" if share == 0 and not kept.any() else "some", **told}
+    if min(result.worst[i][0] for i in indices) >= 0 and is_met.all():
+        sure = not open_ and all(is_shown(model, result, i) for i in indices)
+        return {"met": "all" if sure else "undecided", **row, "share": 1.0}
+    return {"met": "none" if share == 0 and not is_met.any() else "some", **row}
 
 
-def _requirement(bench: Bench, found: Judged, name: str) -> dict:
-    chosen = [i for i, one in enumerate(found.asked) if one.requirement == name]
-    met = _met(bench, found, chosen)
-    alone = [met if len(chosen) == 1 else _met(bench, found, [i]) for i in chosen]
-    limits = [_limit(bench, found, i) | own for i, own in zip(chosen, alone, strict=True)]
+def _requirement(model: ModelEvaluator, result: LimitAssessment, name: str) -> dict:
+    indices = [i for i, spec in enumerate(result.specs) if spec.requirement == name]
+    met = _met(model, result, indices)
+    rows = [met if len(indices) == 1 else _met(model, result, [i]) for i in indices]
+    limits = [_limit(model, result, i) | row for i, row in zip(indices, rows, strict=True)]
     return {"name": name, **met, "limits": limits}
 
 
-def _limit(bench: Bench, found: Judged, i: int) -> dict:
+def _limit(model: ModelEvaluator, result: LimitAssessment, i: int) -> dict:
     """The limit with its worst place: that of the surrogate, or a run that is worse."""
-    (slack, at), runs, asked = found.worst[i], found.slack[i], found.asked[i]
+    (slack, point), runs, spec = result.worst[i], result.slack[i], result.specs[i]
     if runs.min() < slack:
-        slack, at = float(runs.min()), bench.unit[runs.argmin()]
-    error = number(found.limits[i].error)
+        slack, point = float(runs.min()), model.unit[runs.argmin()]
+    error = number(result.limits[i].error)
     margin = {"margin": number(slack), "error": error, "kept": bool(slack >= 0)}
-    return {**told(bench, asked), **margin, **bench.place(at, asked.quantity)}
+    return {**describe_limit(model, spec), **margin, **model.describe_point(point, spec.quantity)}
 
 
-def _together(bench: Bench, found: Judged) -> dict:
-    largest, which, _ = found.largest
-    all_ = {**_met(bench, found, list(range(len(found.asked)))), "largest_share": largest}
-    all_["halved"] = _halved(bench, found)
-    if which is None:
-        return {**all_, "fails": None}
-    asked = found.asked[which]
-    fails = {"requirement": asked.requirement, **told(bench, asked)}
-    fails |= bench.place(found.fails, asked.quantity)
+def _combined(model: ModelEvaluator, result: LimitAssessment) -> dict:
+    largest, index, _ = result.largest
+    row = {**_met(model, result, list(range(len(result.specs)))), "largest_share": largest}
+    row["halved"] = _halved(model, result)
+    if index is None:
+        return {**row, "fails": None}
+    spec = result.specs[index]
+    fails = {"requirement": spec.requirement, **describe_limit(model, spec)}
+    fails |= model.describe_point(result.failure_point, spec.quantity)
     simulated = np.nan if fails["simulated"] is None else fails["simulated"]
-    fails["kept"] = bool(fails["ran"] and found.limits[which].slack_of(simulated) >= 0)
-    return {**all_, "fails": fails}
+    fails["kept"] = bool(fails["ran"] and result.limits[index].slack_of(simulated) >= 0)
+    return {**row, "fails": fails}
 
 
-def _halved(bench: Bench, found: Judged) -> dict[str, dict[str, float]]:
+def _halved(model: ModelEvaluator, result: LimitAssessment) -> dict[str, dict[str, float]]:
     """The share that meets all if one interval were half as wide, by the parameter's name."""
     from deployable.intervals.scalars import share_of_box
 
-    box, rows = bench.experiment.box, {}
+    box, rows = model.experiment.box, {}
     for j in np.flatnonzero(box.free):
         lower, upper = -np.ones(box.dimension), np.ones(box.dimension)
-        lower[j], upper[j] = (0.5 * (bench.nominal[j] + end) for end in (-1.0, 1.0))
-        share, open_ = share_of_box(found.limits, box.free, lower, upper)
+        lower[j], upper[j] = (0.5 * (model.nominal[j] + end) for end in (-1.0, 1.0))
+        share, open_ = share_of_box(result.limits, box.free, lower, upper)
         rows[box.names[j]] = {"share": share, "share_uncertainty": open_}
     return rows

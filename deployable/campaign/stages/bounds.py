@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from deployable.campaign.answers.finer import check_bounds, finer_parts
+from deployable.campaign.answers.discretization import check_bounds, checked_components
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.bounds import analyse
@@ -29,9 +29,13 @@ def bound(folder: Folder, tell: Tell, bounds: Any, verify: Any, jobs: Any, threa
     plan = read_plan(folder.plan)
     collect = gather_extremes if jobs.keep == "extremes" else gather
     collect(plan, jobs, folder.runs(jobs.keep), folder.samples, tell)
-    parts = finer_parts(plan, verify)
+    components = checked_components(plan, verify)
 
     def add_discretization(dataset: Any) -> Any:
-        return check_bounds(folder, dataset, jobs, tell, threads, parts) if parts else dataset
+        return (
+            check_bounds(folder, dataset, jobs, tell, threads, components)
+            if components
+            else dataset
+        )
 
     analyse(folder, bounds, add_discretization)

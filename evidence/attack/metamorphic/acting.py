@@ -49,21 +49,21 @@ class Acting:
             return (self.sign() * np.eye(3)[self.rng.randrange(3)]).tolist()
         return self.vector(1.0)
 
-    def across(self, axis: list[float]) -> list[float]:
+    def normal_to(self, axis: list[float]) -> list[float]:
         """A direction normal to another."""
-        found = np.cross(axis, self.vector(1.0))
-        return (found / np.linalg.norm(found)).tolist()
+        normal = np.cross(axis, self.vector(1.0))
+        return (normal / np.linalg.norm(normal)).tolist()
 
     # -- names --------------------------------------------------------------------------------
 
     def add(self, group: str, name: str, **entry) -> str:
         """An entry without the keys that are None."""
-        kept = {key: value for key, value in entry.items() if value is not None}
-        self.structure.setdefault(group, {})[name] = kept
+        items = {key: value for key, value in entry.items() if value is not None}
+        self.structure.setdefault(group, {})[name] = items
         return name
 
-    def point(self, name: str, at) -> str:
-        self.structure.setdefault("points", {})[name] = [float(x) for x in at]
+    def point(self, name: str, position) -> str:
+        self.structure.setdefault("points", {})[name] = [float(x) for x in position]
         return name
 
     def at(self, name: str) -> np.ndarray:
@@ -136,15 +136,15 @@ class Acting:
 
     def _latch(self, joint: str, opening: float) -> dict:
         angle = opening + self.sign() * self.number(0.02, 0.3)
-        found = {"angle": angle, "side": self.rng.choice(["below", "above", "either"])}
+        entry = {"angle": angle, "side": self.rng.choice(["below", "above", "either"])}
         if self.chance(0.3):
-            found["capture_range"] = self.number(0.001, 0.015)
+            entry["capture_range"] = self.number(0.001, 0.015)
         if self.chance(0.2):
-            found["max_capture_rate"] = self.number(0.5, 5.0)
+            entry["max_capture_rate"] = self.number(0.5, 5.0)
         if self.chance(0.4):
-            found |= {"stiffness": self.number(30.0, 300.0), "damping": self.number(0.0, 0.3)}
-            found |= {"holds": self.rng.choice(["both ways", "one way"])}
-        return found
+            entry |= {"stiffness": self.number(30.0, 300.0), "damping": self.number(0.0, 0.3)}
+            entry |= {"holds": self.rng.choice(["both ways", "one way"])}
+        return entry
 
     def _tabulated_spring(self, joint: str, opening: float) -> dict:
         steps = [self.number(0.05, 0.3) for _ in range(self.rng.choice([2, 3, 4]))]
@@ -154,28 +154,28 @@ class Acting:
 
     def _motor(self, joint: str, opening: float) -> dict:
         if self.chance(0.6):
-            how = {"turn": self.number(-2.0, 2.0), "curve": self.curve()}
+            entry = {"turn": self.number(-2.0, 2.0), "curve": self.curve()}
         else:
-            how = {"rate": self.number(-3.0, 3.0), "curve": self.curve(ends_at_0=True)}
+            entry = {"rate": self.number(-3.0, 3.0), "curve": self.curve(ends_at_0=True)}
         if self.chance(0.6):
-            return how
-        return how | {"stiffness": self.number(10.0, 100.0), "damping": self.number(0.0, 0.3)}
+            return entry
+        return entry | {"stiffness": self.number(10.0, 100.0), "damping": self.number(0.0, 0.3)}
 
     def _torque_motor(self, joint: str, opening: float) -> dict:
-        found = {"torque": self.number(-4.0, 4.0)}
+        entry = {"torque": self.number(-4.0, 4.0)}
         if self.quiet or self.chance(0.5):
-            found["curve"] = self.curve()
+            entry["curve"] = self.curve()
         if self.chance(0.5):
-            found["no_load"] = self.number(0.5, 5.0)
-        return found
+            entry["no_load"] = self.number(0.5, 5.0)
+        return entry
 
     def _release(self, joint: str, opening: float) -> dict:
-        found = {"time": self.number(0.03, 0.3)}
-        others = [name for name in self.openings if name != joint]
-        if others and self.chance(0.3):
-            watch = self.rng.choice(others)
+        entry = {"time": self.number(0.03, 0.3)}
+        names = [name for name in self.openings if name != joint]
+        if names and self.chance(0.3):
+            watch = self.rng.choice(names)
             level = self.openings[watch] + self.sign() * self.number(0.02, 0.2)
-            found |= {"watch": watch, "level": level}
+            entry |= {"watch": watch, "level": level}
         if self.chance(0.6):
-            return found
-        return found | {"stiffness": self.number(30.0, 300.0), "damping": self.number(0.0, 0.3)}
+            return entry
+        return entry | {"stiffness": self.number(30.0, 300.0), "damping": self.number(0.0, 0.3)}

@@ -9,12 +9,12 @@ import numba
 
 from evidence.attack.ledger import Ledger
 from evidence.attack.metamorphic.ballast import ballasted
-from evidence.attack.metamorphic.families import FAMILIES, LATER
+from evidence.attack.metamorphic.families import DELAY, FAMILIES
 from evidence.attack.metamorphic.pairs import Trial, Verdict
 from evidence.attack.metamorphic.runs import drawn
 from evidence.attack.metamorphic.written import as_text
 
-ALL = (*FAMILIES, LATER)
+ALL = (*FAMILIES, DELAY)
 
 LIMIT = 600.0
 """Seconds (see `time_limit`): the first structure compiles the loop of all kinds."""
@@ -37,14 +37,14 @@ def verdicts(seed: str, count: int = len(ALL)) -> Iterator[Verdict]:
 
 def attack_by_pairs(ledger: Ledger, rng: random.Random) -> None:
     """Run one structure in all other words; both files of a pair that is wrong are told."""
-    seed, found = f"{rng.getrandbits(32):08x}", []
+    seed, results = f"{rng.getrandbits(32):08x}", []
 
     def run() -> str:
-        found.extend(verdicts(seed))
+        results.extend(verdicts(seed))
         return "right"
 
     ledger.attempt("structure drawn", f"seed {seed}", LIMIT, run)
-    for verdict in found:
+    for verdict in results:
         files = as_text(verdict.original), as_text(verdict.image)
-        what = "\n".join([f"seed {seed}: {verdict.what}", *files])
-        ledger.note(verdict.family, OUTCOMES[verdict.outcome], what)
+        detail = "\n".join([f"seed {seed}: {verdict.what}", *files])
+        ledger.note(verdict.family, OUTCOMES[verdict.outcome], detail)

@@ -14,10 +14,10 @@ TINY = 1e-30
 """Gravity (m/s²), damping (1/s) and viscosity that are there and do nothing."""
 
 
-def _hinge(body: str, at: str) -> dict:
+def _hinge(body: str, name: str) -> dict:
     """A hinge at the body's centre, so that no weight turns it."""
     axis = [0.0, 0.0, 1.0]
-    return {"type": "revolute", "parts": ["ground", body], "at": at, "axis": axis, "opening": 0.5}
+    return {"type": "revolute", "parts": ["ground", body], "at": name, "axis": axis, "opening": 0.5}
 
 
 def _body(centre: str) -> dict:
@@ -86,7 +86,7 @@ BALLAST: Structure = {
 
 def ballasted(structure: Structure) -> Structure:
     """The structure with the ballast beside it, which is not recorded."""
-    out = {"gravity": [0.0, 0.0, TINY], "damping": TINY, "viscosity": TINY, **structure}
+    clone = {"gravity": [0.0, 0.0, TINY], "damping": TINY, "viscosity": TINY, **structure}
     for group, entries in BALLAST.items():
-        out[group] = {**out.get(group, {}), **entries}
-    return out
+        clone[group] = {**clone.get(group, {}), **entries}
+    return clone

@@ -92,7 +92,7 @@ class Draw(Acting):
         moments = [mass * (edges[k - 1] ** 2 + edges[k - 2] ** 2) / 12 for k in range(3)]
         shape = {"box": edges} if self.chance(0.3) else {"inertia": moments}
         self.add("bodies", name, mass=mass, centre=centre, points=points, x=x,
-                 up=self.across(x), **shape)  # fmt: skip
+                 up=self.normal_to(x), **shape)  # fmt: skip
 
     def bar(self, name: str, points: list[str]) -> None:
         """A bar of so light and soft a material that the stable step is some milliseconds."""
@@ -102,10 +102,10 @@ class Draw(Acting):
         section = self.rng.choice(["round", "flat"])
         line = self.at(points[2]) - self.at(points[0])
         self.add("bars", name, through=points, section=section, material="foam", elements=1,
-                 up=self.across(line.tolist()), inertia_scale=20.0)  # fmt: skip
+                 up=self.normal_to(line.tolist()), inertia_scale=20.0)  # fmt: skip
         self.add("masses", f"m{name}", part=name, at=points[2], mass=0.5, inertia=0.02)
 
-    def joint(self, parent: str, part: str, at: str) -> None:
+    def joint(self, parent: str, part: str, point: str) -> None:
         kinds = ["revolute"] * (6 if self.flat else 4) + ["prismatic"]
         kinds += [] if self.flat else ["universal", "spherical"]
         type, name, parts = self.rng.choice(kinds), f"j{part[1:]}", [parent, part]
@@ -114,41 +114,42 @@ class Draw(Acting):
             parts.reverse()
         axis = self.axis()
         if type == "revolute":
-            self.add("joints", name, type=type, parts=parts, at=at, axis=axis, opening=opening)
+            self.add("joints", name, type=type, parts=parts, at=point, axis=axis, opening=opening)
             self.openings[name] = opening
         elif type == "prismatic":
-            axis = self.across(axis) if self.flat else axis
-            self.add("joints", name, type=type, parts=parts, at=at, axis=axis, opening=opening)
+            axis = self.normal_to(axis) if self.flat else axis
+            self.add("joints", name, type=type, parts=parts, at=point, axis=axis, opening=opening)
             self.slides[name] = opening
         elif type == "universal":
-            both = [opening, self.number(-0.5, 0.5)]
-            self.add("joints", name, type=type, parts=parts, at=at, axis=axis,
-                     other=self.across(axis), openings=both)  # fmt: skip
+            openings = [opening, self.number(-0.5, 0.5)]
+            self.add("joints", name, type=type, parts=parts, at=point, axis=axis,
+                     other=self.normal_to(axis), openings=openings)  # fmt: skip
             ends = TURNS["universal"]
-            self.openings |= {name + end: value for end, value in zip(ends, both, strict=True)}
+            self.openings |= {name + end: value for end, value in zip(ends, openings, strict=True)}
         else:
-            self.add("joints", name, type=type, parts=parts, at=at)
+            self.add("joints", name, type=type, parts=parts, at=point)
 
     def close(self) -> None:
         """Tie the last part's end to an earlier part, or to the ground, by a ball."""
         last = self.parts[-1]
-        other = self.rng.choice([GROUND, *self.parts[:-1]])
+        partner = self.rng.choice([GROUND, *self.parts[:-1]])
         point = f"t{last[1:]}"
-        if other != GROUND:
-            self.give(other, point)
-        self.add("joints", "j_ball", type="spherical", parts=[last, other], at=point)
+        if partner != GROUND:
+            self.give(partner, point)
+        self.add("joints", "j_ball", type="spherical", parts=[last, partner], at=point)
 
     def hold_or_move(self, name: str, centre: str) -> None:
         """Of a first part without a joint: free and perhaps moving, driven, or held."""
-        how = self.rng.choice(["free", "driven", "held"])
-        if how == "driven":
+        state = self.rng.choice(["free", "driven", "held"])
+        if state == "driven":
             self.add("drives", "d0", part=name, at=centre, velocity=self.vector(1.0),
                      spin=self.vector(1.0), curve=self.curve())  # fmt: skip
-        elif how == "held":
-            few = self.chance(0.5)
+        elif state == "held":
+            loose = self.chance(0.5)
             self.add("supports", "s0", part=name, at=centre,
-                     translations=self.rng.choice(["xy", "z", "none"]) if few else "xyz",
-                     rotations=self.rng.choice(["x", "yz", "none"]) if few else "xyz")  # fmt: skip
+                     translations=self.rng.choice(["xy", "z", "none"]) if loose else "xyz",
+                     rotations=self.rng.choice(["x", "yz", "none"]) if loose else "xyz"
+                     )  # fmt: skip
 
     def loop(self) -> None:
         """A cable over pulleys on two openings."""
@@ -174,15 +175,15 @@ class Draw(Acting):
             hook = self.point(self.name("points", "g"), self.vector(1.5))
             stations.append({"part": GROUND, "at": hook})
         self.rng.shuffle(stations)
-        through = stations[: self.rng.choice([2, 3, 3, 4])]
+        path = stations[: self.rng.choice([2, 3, 3, 4])]
         length = sum(
-            float(np.linalg.norm(self.at(one["at"]) - self.at(two["at"])))
-            for one, two in pairwise(through)
+            float(np.linalg.norm(self.at(start["at"]) - self.at(stop["at"])))
+            for start, stop in pairwise(path)
         )
         rest = length * self.number(1.001 if self.quiet else 0.9, 1.05)
         friction = self.number(0.02, 0.3) if self.chance(0.6) else None
         reel = {"reel": self.number(0.0, 0.3), "curve": self.curve()} if self.chance(0.4) else {}
-        self.add("cables", self.name("cables", "k"), through=through, EA=self.number(20.0, 300.0),
+        self.add("cables", self.name("cables", "k"), through=path, EA=self.number(20.0, 300.0),
                  rest=rest, friction=friction, **reel)  # fmt: skip
 
     def world(self) -> None:
@@ -193,8 +194,8 @@ class Draw(Acting):
             self.structure["viscosity"] = self.number(0.05, 0.5)
         if self.chance(0.2):
             self.structure["damping"] = self.number(0.1, 1.0)
-        held = {"supports", "drives"} & self.structure.keys()
-        if not (self.quiet or held or self.chance(0.4)):
+        supports = {"supports", "drives"} & self.structure.keys()
+        if not (self.quiet or supports or self.chance(0.4)):
             self.move()
 
     def move(self) -> None:

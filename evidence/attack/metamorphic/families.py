@@ -13,20 +13,20 @@ from evidence.attack.metamorphic.image import Image, entries, scale
 from evidence.attack.metamorphic.openings import OPENINGS, openings_of, other_zeros, swapped
 from evidence.attack.metamorphic.parts import reversed_cables, split, with_inert
 from evidence.attack.metamorphic.space import mirrored, rotated
-from evidence.attack.metamorphic.written import Structure, changed
+from evidence.attack.metamorphic.written import Structure, map_numbers
 from fpm.structures.statements import GROUPS
 
 
 def reordered(structure: Structure, rng: random.Random) -> Image:
     """Everything stated in another order."""
-    out = copy.deepcopy(structure)
-    for group in out.keys() & {"points", *GROUPS}:
-        items = list(out[group].items())
+    clone = copy.deepcopy(structure)
+    for group in clone.keys() & {"points", *GROUPS}:
+        items = list(clone[group].items())
         rng.shuffle(items)
-        out[group] = dict(items)
-    for body in entries(out, "bodies").values():
+        clone[group] = dict(items)
+    for body in entries(clone, "bodies").values():
         rng.shuffle(body["points"])
-    return Image(out)
+    return Image(clone)
 
 
 def renamed(structure: Structure, rng: random.Random) -> Image:
@@ -42,35 +42,35 @@ def renamed(structure: Structure, rng: random.Random) -> Image:
         for end in ("_axis", "_other")
     }
 
-    def other(value: Any) -> Any:
+    def rename(value: Any) -> Any:
         if isinstance(value, dict):
-            return {names.get(key, key): other(entry) for key, entry in value.items()}
+            return {names.get(key, key): rename(entry) for key, entry in value.items()}
         if isinstance(value, list):
-            return [other(entry) for entry in value]
+            return [rename(entry) for entry in value]
         return names.get(value, value) if isinstance(value, str) else value
 
-    out = {key: other(value) if key != "name" else value for key, value in structure.items()}
-    return Image(out, names=names)
+    clone = {key: rename(value) if key != "name" else value for key, value in structure.items()}
+    return Image(clone, names=names)
 
 
 def rescaled(structure: Structure, rng: random.Random) -> Image:
     """In other units: lengths, masses and times in numbers that are some times as large."""
     units = tuple(10.0 ** rng.uniform(-1.0, 1.0) for _ in range(3))
-    return Image(changed(structure, lambda x, of: x * scale(units, of)), units=units)
+    return Image(map_numbers(structure, lambda x, unit: x * scale(units, unit)), units=units)
 
 
 def is_quiet(structure: Structure) -> bool:
     """Whether nothing happens before a curve or a release."""
-    moved = entries(structure, "initial_velocities") or "gravity" in structure
+    motions = entries(structure, "initial_velocities") or "gravity" in structure
     curved = all("curve" in load for load in entries(structure, "loads").values())
     slack = all(_is_slack(structure, cable) for cable in entries(structure, "cables").values())
     actions = entries(structure, "actions").values()
     at_rest = all(_is_at_rest(structure, action) for action in actions)
-    return not moved and curved and slack and at_rest
+    return not motions and curved and slack and at_rest
 
 
 def _is_slack(structure: Structure, cable: dict) -> bool:
-    points = np.array([structure["points"][one["at"]] for one in cable["through"]])
+    points = np.array([structure["points"][station["at"]] for station in cable["through"]])
     return cable["rest"] > np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
 
 
@@ -88,18 +88,18 @@ def _all_openings(structure: Structure) -> list[float]:
     return [x for joint in joints if joint["type"] in OPENINGS for x in openings_of(joint)]
 
 
-def later(structure: Structure, rng: random.Random, wait: float) -> Image | None:
+def delay(structure: Structure, rng: random.Random, wait: float) -> Image | None:
     """All that happens a time (s) later, where nothing does before."""
     if not is_quiet(structure):
         return None
-    out = copy.deepcopy(structure)
-    for curve in entries(out, "curves").values():
+    clone = copy.deepcopy(structure)
+    for curve in entries(clone, "curves").values():
         curve["times"] = [t + wait for t in curve["times"]]
-    for action in entries(out, "actions").values():
+    for action in entries(clone, "actions").values():
         if "time" in action:
             action["time"] += wait
     # A rate that begins at once is a blow, unless it is there at the start.
-    return Image(out, later=wait, is_exact=False, omits=frozenset({"energy"}), skips=1)
+    return Image(clone, delay=wait, is_exact=False, omits=frozenset({"energy"}), skips=1)
 
 
 FAMILIES: dict[str, Callable[[Structure, random.Random], Image | None]] = {
@@ -116,5 +116,5 @@ FAMILIES: dict[str, Callable[[Structure, random.Random], Image | None]] = {
 }
 """By name."""
 
-LATER = "later"
-"""The name of `later`, which takes a time besides."""
+DELAY = "later"
+"""The name of `delay`, which takes a time besides."""

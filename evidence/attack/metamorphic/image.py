@@ -28,21 +28,21 @@ class Image:
     matrix: np.ndarray = field(default_factory=lambda: np.eye(3))
     shift: np.ndarray = field(default_factory=lambda: np.zeros(3))
     units: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    turned: dict[str, tuple[float, float]] = field(default_factory=dict)
+    opening_maps: dict[str, tuple[float, float]] = field(default_factory=dict)
     names: dict[str, str] = field(default_factory=dict)
-    later: float = 0.0
+    delay: float = 0.0
     is_exact: bool = True
     omits: frozenset[str] = frozenset()
     skips: int = 0
 
-    def factor(self, of: str) -> float:
+    def factor(self, name: str) -> float:
         """What a unit's numbers grow by; `units`: those of kg, m and s."""
-        return scale(self.units, of)
+        return scale(self.units, name)
 
 
-def scale(units: tuple[float, float, float], of: str) -> float:
+def scale(units: tuple[float, float, float], name: str) -> float:
     """The factor of numbers in a unit where those in kg, m and s have `units`."""
-    powers = unit(of).dimension.powers
+    powers = unit(name).dimension.powers
     return float(np.prod([u**power for u, power in zip(units, powers, strict=True)]))
 
 

@@ -18,17 +18,18 @@ OPENINGS = {"revolute", "universal", SLIDE}
 
 def some_joints(structure: Structure, types: set[str], rng: random.Random) -> list[str]:
     """Some joints of these types, in any order; at least one where there is one."""
-    found = [n for n, joint in entries(structure, "joints").items() if joint["type"] in types]
-    return rng.sample(found, rng.randint(1, len(found))) if found else []
+    names = [n for n, joint in entries(structure, "joints").items() if joint["type"] in types]
+    return rng.sample(names, rng.randint(1, len(names))) if names else []
 
 
 def other_zeros(structure: Structure, rng: random.Random) -> Image | None:
     """Openings counted from another zero, or the other way round."""
-    out, turned = copy.deepcopy(structure), {}
+    clone, maps = copy.deepcopy(structure), {}
     for name in some_joints(structure, OPENINGS, rng):
-        joint, ends = out["joints"][name], ends_of(out["joints"][name])
+        joint, ends = clone["joints"][name], ends_of(clone["joints"][name])
         if any(
-            a["type"] == "contact" and a["joint"] == name for a in entries(out, "actions").values()
+            a["type"] == "contact" and a["joint"] == name
+            for a in entries(clone, "actions").values()
         ):
             continue
         sign = rng.choice([1.0, -1.0])
@@ -36,14 +37,14 @@ def other_zeros(structure: Structure, rng: random.Random) -> Image | None:
             if key in joint:
                 joint[key] = (sign * np.array(joint[key])).tolist()
         for end in ends:
-            turned[name + end] = sign, rng.uniform(-2.0, 2.0)
+            maps[name + end] = sign, rng.uniform(-2.0, 2.0)
         values = [
             s * x + c
-            for x, (s, c) in zip(openings_of(joint), (turned[name + e] for e in ends), strict=True)
+            for x, (s, c) in zip(openings_of(joint), (maps[name + e] for e in ends), strict=True)
         ]
         _set_openings(joint, values)
-    _turn_actions(out, turned)
-    return Image(out, turned=turned) if turned else None
+    _turn_actions(clone, maps)
+    return Image(clone, opening_maps=maps) if maps else None
 
 
 def ends_of(joint: dict) -> list[str]:
@@ -64,9 +65,9 @@ def _set_openings(joint: dict, values: list[float]) -> None:
 def swapped(structure: Structure, rng: random.Random) -> Image | None:
     """Parts of joints stated the other way round: with the axis turned round, the opening grows as
     before; else the other way."""
-    out, turned, names = copy.deepcopy(structure), {}, {}
+    clone, maps, names = copy.deepcopy(structure), {}, {}
     for name in some_joints(structure, {*OPENINGS, "spherical", "fixed"}, rng):
-        joint = out["joints"][name]
+        joint = clone["joints"][name]
         joint["parts"].reverse()
         if joint["type"] == "universal":
             joint["axis"], joint["other"] = [[-x for x in joint[k]] for k in ("other", "axis")]
@@ -75,59 +76,59 @@ def swapped(structure: Structure, rng: random.Random) -> Image | None:
         elif joint["type"] in OPENINGS:
             has_contact = any(
                 a["type"] == "contact" and a["joint"] == name
-                for a in entries(out, "actions").values()
+                for a in entries(clone, "actions").values()
             )
             if has_contact or rng.random() < 0.5:
                 joint["axis"] = [-x for x in joint["axis"]]
             else:
-                turned[name] = -1.0, 0.0
+                maps[name] = -1.0, 0.0
                 joint["opening"] *= -1.0
-    _turn_actions(out, turned)
-    for action in entries(out, "actions").values():
+    _turn_actions(clone, maps)
+    for action in entries(clone, "actions").values():
         for key in action.keys() & {"joint", "watch"}:
             action[key] = names.get(action[key], action[key])
         if "joints" in action:
-            action["joints"] = [names.get(one, one) for one in action["joints"]]
-    return Image(out, turned=turned, names=names)
+            action["joints"] = [names.get(joint, joint) for joint in action["joints"]]
+    return Image(clone, opening_maps=maps, names=names)
 
 
 SIDES = {"below": "above", "above": "below", "either": "either"}
 AFFINE = {"rest", "lower", "upper", "angle", "angles", "start", "hold"}
 ODD = {"preload", "moments", "turn", "rate", "torque"}
-HINGED = {there: here for here, there in ON_SLIDES.items() if here != "torque"}
+HINGED = {slide: hinge for hinge, slide in ON_SLIDES.items() if hinge != "torque"}
 
 
-def _turn_actions(out: Structure, turned: dict[str, tuple[float, float]]) -> None:
+def _turn_actions(structure: Structure, maps: dict[str, tuple[float, float]]) -> None:
     """Restate what acts on openings that are counted otherwise."""
-    for action in entries(out, "actions").values():
+    for action in entries(structure, "actions").values():
         if action["type"] == "loop":
-            signs = [turned.get(joint, (1.0, 0.0))[0] for joint in action["joints"]]
+            signs = [maps.get(joint, (1.0, 0.0))[0] for joint in action["joints"]]
             action["radii"] = [s * r for s, r in zip(signs, action["radii"], strict=True)]
             continue
-        sign, zero = turned.get(action.get("watch"), (1.0, 0.0))
+        sign, zero = maps.get(action.get("watch"), (1.0, 0.0))
         if "level" in action:
             action["level"] = sign * action["level"] + zero
-        sign, zero = turned.get(action["joint"], (1.0, 0.0))
+        sign, zero = maps.get(action["joint"], (1.0, 0.0))
         _turn_action(action, sign, zero)
 
 
 def _turn_action(action: dict, sign: float, zero: float) -> None:
     for key in list(action):
-        meant = key
+        role = key
         if action["type"] not in ("torque motor", "friction"):
-            meant = HINGED.get(key, key)
+            role = HINGED.get(key, key)
         elif action["type"] == "torque motor" and key == "force":
-            meant = "torque"
+            role = "torque"
         value = action[key]
-        if meant in AFFINE:
-            action[key] = _each(value, lambda x: sign * x + zero)
-        elif meant in ODD:
-            action[key] = _each(value, lambda x: sign * x)
+        if role in AFFINE:
+            action[key] = _apply(value, lambda x: sign * x + zero)
+        elif role in ODD:
+            action[key] = _apply(value, lambda x: sign * x)
     if sign < 0.0:
         _turnends_of(action)
 
 
-def _each(value: Any, change: Callable[[float], float]) -> Any:
+def _apply(value: Any, change: Callable[[float], float]) -> Any:
     return [change(x) for x in value] if isinstance(value, list) else change(value)
 
 

@@ -16,10 +16,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from evidence.attack.metamorphic.ballast import PREFIX
-from evidence.attack.metamorphic.families import FAMILIES, LATER, later
+from evidence.attack.metamorphic.families import DELAY, FAMILIES, delay
 from evidence.attack.metamorphic.image import Image
 from evidence.attack.metamorphic.runs import INSTANTS, STEPS, Curves, Run, simulate
-from evidence.attack.metamorphic.written import Structure, changed
+from evidence.attack.metamorphic.written import Structure, map_numbers
 
 ROUNDING = 1e-6
 """Of the largest value: hinges close to 2e-11 m and 2e-10 rad in a step, over some
@@ -33,14 +33,14 @@ ORDER = 3.0
 """The error of a first-order method is twice what half the step changes, on both sides."""
 
 AMID = frozenset(
-    f"{of}latch_{what}" for of in ("", "slide_") for what in ("rate", "impact", "impulse")
+    f"{prefix}latch_{kind}" for prefix in ("", "slide_") for kind in ("rate", "impact", "impulse")
 )
 """Of the instant at which a latch catches: interpolated in the step, from the axes of a side."""
 
 UNBALANCED = "the energy balance is off"
 """By more than all there is: the scale is wrong, or energy comes from nowhere."""
 
-BEGINS = frozenset({"motor_moment", "slide_motor_force"})
+UNRELIABLE_STARTS = frozenset({"motor_moment", "slide_motor_force"})
 """Of exact motors: at the first instant they follow from half a step before it, in the axes of a
 part, and are of second order (4e-6 of the force, a quarter with half the step); it says nothing."""
 
@@ -64,42 +64,42 @@ class Verdict:
 
 def expected(curves: Curves, image: Image, joints: dict[str, str]) -> Curves:
     """What an image does if it moves as the original does. joints: of actions, by name."""
-    found: Curves = {}
-    for (what, label), (values, of) in curves.items():
-        if what == "position":
+    result: Curves = {}
+    for (kind, label), (values, unit) in curves.items():
+        if kind == "position":
             values = values @ image.matrix.T + image.shift
-        elif what == "velocity":
+        elif kind == "velocity":
             values = values @ image.matrix.T
-        elif what != "energy":
-            sign, zero = image.turned.get(joints.get(label, label), (1.0, 0.0))
-            values = sign * values + (zero if what in ("opening", "slide_opening") else 0.0)
-        key = what, label if what == "energy" else image.names.get(label, label)
-        found[key] = image.factor(of) * values, of
-    return found
+        elif kind != "energy":
+            sign, zero = image.opening_maps.get(joints.get(label, label), (1.0, 0.0))
+            values = sign * values + (zero if kind in ("opening", "slide_opening") else 0.0)
+        key = kind, label if kind == "energy" else image.names.get(label, label)
+        result[key] = image.factor(unit) * values, unit
+    return result
 
 
 Sizes = dict[str, tuple[float, str]]
 """Of each kind of curve the largest difference, as a share of its largest value, and of what."""
 
 
-def differences(curves: Curves, others: Curves, image: Image) -> Sizes:
+def differences(curves: Curves, image_curves: Curves, image: Image) -> Sizes:
     """How far curves are from others."""
-    found: Sizes = {}
-    for (what, label), (values, of) in curves.items():
-        if what in image.omits or label.startswith(PREFIX):
+    sizes: Sizes = {}
+    for (kind, label), (values, unit) in curves.items():
+        if kind in image.omits or label.startswith(PREFIX):
             continue
-        alike = [np.abs(v).max() for (w, _), (v, _) in curves.items() if w == what]
-        scale, size = max(LEAST * image.factor(of), *alike), np.inf
-        if (what, label) in others:
-            skipped = max(image.skips, what in BEGINS)
-            size = np.abs(values - others[what, label][0])[skipped:].max() / scale
-        found[what] = max(found.get(what, (0.0, "")), (float(size), label))
-    return found
+        alike = [np.abs(v).max() for (w, _), (v, _) in curves.items() if w == kind]
+        scale, size = max(LEAST * image.factor(unit), *alike), np.inf
+        if (kind, label) in image_curves:
+            skipped = max(image.skips, kind in UNRELIABLE_STARTS)
+            size = np.abs(values - image_curves[kind, label][0])[skipped:].max() / scale
+        sizes[kind] = max(sizes.get(kind, (0.0, "")), (float(size), label))
+    return sizes
 
 
-def sums(*many: Sizes) -> dict[str, float]:
+def sums(*parts: Sizes) -> dict[str, float]:
     """The differences of each kind of curve added up."""
-    return {what: sum(sizes[what][0] for sizes in many if what in sizes) for what in many[0]}
+    return {kind: sum(sizes[kind][0] for sizes in parts if kind in sizes) for kind in parts[0]}
 
 
 # -- verdicts ---------------------------------------------------------------------------------
@@ -108,22 +108,22 @@ def sums(*many: Sizes) -> dict[str, float]:
 def nudged(structure: Structure, rng: random.Random) -> Structure:
     """All numbers a little off."""
 
-    def change(x: float, of: str) -> float:
+    def change(x: float, unit: str) -> float:
         return x * (1.0 + NUDGE * rng.uniform(-1.0, 1.0)) + NUDGE * rng.uniform(-1.0, 1.0) * (
-            of == "m"
+            unit == "m"
         )
 
-    return changed(structure, change)
+    return map_numbers(structure, change)
 
 
 @dataclass
 class Trial:
-    """The pairs of one structure. beside: what stands beside every structure that runs."""
+    """The pairs of one structure. add_ballast: adds what stands beside each that runs."""
 
     structure: Structure
     duration: float
     seed: str
-    beside: Callable[[Structure], Structure] = lambda structure: structure
+    add_ballast: Callable[[Structure], Structure] = lambda structure: structure
 
     def verdicts(self, families: Sequence[str]) -> Iterator[Verdict]:
         """What the pair of each family came to that has one."""
@@ -132,28 +132,28 @@ class Trial:
         base = self._original()
         nudges = [replace(base, structure=nudged(self.structure, rng)) for _ in range(NUDGES)]
         runs = {name: self._run(image) for name, image in images.items()}
-        simulate([base, *nudges, *runs.values()], self.beside)
+        simulate([base, *nudges, *runs.values()], self.add_ballast)
         if base.curves is None:
-            outcome = "wrong" if UNBALANCED in base.why else "failed"
+            outcome = "wrong" if UNBALANCED in base.reason else "failed"
             yield from (
-                Verdict(name, outcome, base.why, self.structure, self.structure) for name in runs
+                Verdict(name, outcome, base.reason, self.structure, self.structure) for name in runs
             )
             return
         growth = self._growth(base, nudges)
         for name, run in runs.items():
-            found = self._verdict(base, run, images[name], growth)
-            yield Verdict(name, *found, self.structure, run.structure)
+            result = self._verdict(base, run, images[name], growth)
+            yield Verdict(name, *result, self.structure, run.structure)
 
     def _growth(self, base: Run, nudges: list[Run]) -> dict[str, float]:
         """What nudges change, added up; infinite where one fails."""
         if any(run.curves is None for run in nudges):
-            return {what: np.inf for what, _ in base.curves}
+            return {kind: np.inf for kind, _ in base.curves}
         plain = Image(self.structure)
         return sums(*(differences(base.curves, run.curves, plain) for run in nudges))
 
     def _image(self, name: str, rng: random.Random) -> Image | None:
-        if name == LATER:
-            return later(self.structure, rng, 2 * self.duration / (INSTANTS - 1))
+        if name == DELAY:
+            return delay(self.structure, rng, 2 * self.duration / (INSTANTS - 1))
         return FAMILIES[name](self.structure, rng)
 
     def _original(self, finer: int = 1) -> Run:
@@ -162,10 +162,10 @@ class Trial:
     def _run(self, image: Image, finer: int = 1) -> Run:
         """The run of an image: as long as the original after it begins, in its units."""
         second, interval = image.factor("s"), self.duration / (INSTANTS - 1)
-        more = round(image.later / interval)
-        duration = (self.duration + more * interval) * second
+        delay_instants = round(image.delay / interval)
+        duration = (self.duration + delay_instants * interval) * second
         step = self.duration / STEPS * second / finer
-        return Run(image.structure, duration, step, INSTANTS + more)
+        return Run(image.structure, duration, step, INSTANTS + delay_instants)
 
     def _verdict(
         self, base: Run, run: Run, image: Image, growth: dict[str, float]
@@ -173,17 +173,17 @@ class Trial:
         if not growth["position"] < SENSITIVE:
             return "sensitive", f"a nudge changes positions by {growth['position']:.2g}"
         if run.curves is None:
-            return "wrong", run.why
-        wanted = expected(base.curves, image, self._joints())
-        sizes = differences(wanted, run.curves, image)
+            return "wrong", run.reason
+        reference = expected(base.curves, image, self._joints())
+        sizes = differences(reference, run.curves, image)
         steps = dict.fromkeys(sizes, 0.0)
-        over, text = _most_over(sizes, growth, steps)
-        if over > 1.0 and (not image.is_exact or sizes.keys() & AMID):
+        excess, text = _most_over(sizes, growth, steps)
+        if excess > 1.0 and (not image.is_exact or sizes.keys() & AMID):
             steps = self._by_step(base, run, image)
             if image.is_exact:
-                steps = {what: size for what, size in steps.items() if what in AMID}
-            over, text = _most_over(sizes, growth, steps)
-        return "right" if over <= 1.0 else "wrong", text
+                steps = {kind: size for kind, size in steps.items() if kind in AMID}
+            excess, text = _most_over(sizes, growth, steps)
+        return "right" if excess <= 1.0 else "wrong", text
 
     def _joints(self) -> dict[str, str]:
         actions = self.structure.get("actions", {})
@@ -191,12 +191,12 @@ class Trial:
 
     def _by_step(self, base: Run, run: Run, image: Image) -> dict[str, float]:
         """What half the step changes on both sides; infinite where that fails."""
-        half, other = self._original(2), self._run(image, 2)
-        simulate([half, other], self.beside)
-        if half.curves is None or other.curves is None:
-            return {what: np.inf for what, _ in base.curves}
+        half, half_image = self._original(2), self._run(image, 2)
+        simulate([half, half_image], self.add_ballast)
+        if half.curves is None or half_image.curves is None:
+            return {kind: np.inf for kind, _ in base.curves}
         return sums(
-            *(differences(a.curves, b.curves, image) for a, b in ((base, half), (run, other)))
+            *(differences(a.curves, b.curves, image) for a, b in ((base, half), (run, half_image)))
         )
 
 
@@ -206,9 +206,9 @@ def _most_over(
     """The largest difference as a share of what is allowed, and in words; of what a nudge changes
     much, none."""
     worst = 0.0, "all alike"
-    for what, (size, label) in sizes.items():
-        if growth[what] < SENSITIVE:
-            allowed = ROUNDING + GROWTH * growth[what] + ORDER * steps.get(what, 0.0)
-            text = f"{what} of {label} differs by {size:.3g} of its size, {allowed:.2g} allowed"
+    for kind, (size, label) in sizes.items():
+        if growth[kind] < SENSITIVE:
+            allowed = ROUNDING + GROWTH * growth[kind] + ORDER * steps.get(kind, 0.0)
+            text = f"{kind} of {label} differs by {size:.3g} of its size, {allowed:.2g} allowed"
             worst = max(worst, (size / allowed, text))
     return worst

@@ -18,51 +18,55 @@ from fpm.structures.statement import ON_SLIDES, SLIDE
 def split(structure: Structure, rng: random.Random) -> Image | None:
     """A body as two that are fixed to each other, each with a share of its mass; together with all
     their points where that share has the same centre, or side by side along x."""
-    driven = {one["part"] for one in entries(structure, "drives").values()}
+    drives = {entry["part"] for entry in entries(structure, "drives").values()}
     # What is held about one axis alone may be in no joint, and the two would be joined.
     tied = {
-        one["part"] for one in entries(structure, "supports").values() if one["rotations"] == "x"
+        entry["part"]
+        for entry in entries(structure, "supports").values()
+        if entry["rotations"] == "x"
     }
-    bodies = [name for name in entries(structure, "bodies") if name not in driven | tied]
+    bodies = [name for name in entries(structure, "bodies") if name not in drives | tied]
     if not bodies or any(map(_is_damped_for_its_parts, entries(structure, "actions").values())):
         return None
     name = rng.choice(bodies)
-    out = copy.deepcopy(structure)
-    one, two, other = out["bodies"][name], copy.deepcopy(out["bodies"][name]), f"{name}s"
+    clone = copy.deepcopy(structure)
+    first, second, twin = clone["bodies"][name], copy.deepcopy(clone["bodies"][name]), f"{name}s"
     share = rng.uniform(0.2, 0.8)
-    middle, apart = one["centre"], "inertia" in one and rng.random() < 0.5
-    held = any(part["part"] == name for part in entries(out, "supports").values())
-    apart = apart and not held
-    if apart:
+    middle, is_apart = first["centre"], "inertia" in first and rng.random() < 0.5
+    is_held = any(part["part"] == name for part in entries(clone, "supports").values())
+    is_apart = is_apart and not is_held
+    if is_apart:
         share = 0.5
-        _side_by_side(out, one, two, middle)
-    for body, part in ((one, 1.0 - share), (two, share)):
+        _side_by_side(clone, first, second, middle)
+    for body, part in ((first, 1.0 - share), (second, share)):
         body["mass"] *= part
         if "inertia" in body:
             body["inertia"] = [part * x for x in body["inertia"]]
-    out["bodies"][other] = two
+    clone["bodies"][twin] = second
     # The joint is where both have a point that is the centre of neither's particle, or of both.
-    out["joints"] = {
-        **entries(out, "joints"),
-        f"{name}s": {"type": "fixed", "parts": [name, other], "at": middle},
+    clone["joints"] = {
+        **entries(clone, "joints"),
+        f"{name}s": {"type": "fixed", "parts": [name, twin], "at": middle},
     }
-    moved = {point for point in one["points"] if point != middle and rng.random() < 0.5}
-    for joint_name, joint in out["joints"].items():
-        if joint_name != f"{name}s" and joint["at"] in moved:
-            joint["parts"] = [other if part == name else part for part in joint["parts"]]
+    moved_points = {point for point in first["points"] if point != middle and rng.random() < 0.5}
+    for joint_name, joint in clone["joints"].items():
+        if joint_name != f"{name}s" and joint["at"] in moved_points:
+            joint["parts"] = [twin if part == name else part for part in joint["parts"]]
     for group, cables in (("loads", False), ("record", False), ("cables", True)):
-        for entry in entries(out, group).values():
+        for entry in entries(clone, group).values():
             for station in entry["through"] if cables else [entry]:
-                if station["part"] == name and station["at"] in moved:
-                    station["part"] = other
+                if station["part"] == name and station["at"] in moved_points:
+                    station["part"] = twin
     if name_of := [
-        key for key, motion in entries(out, "initial_velocities").items() if motion["part"] == name
+        key
+        for key, motion in entries(clone, "initial_velocities").items()
+        if motion["part"] == name
     ]:
-        out["initial_velocities"][f"{name}s"] = out["initial_velocities"][name_of[0]] | {
-            "part": other
+        clone["initial_velocities"][f"{name}s"] = clone["initial_velocities"][name_of[0]] | {
+            "part": twin
         }
     # The work of damping is counted along the step's way of free bodies, at its end of joined ones.
-    return Image(out, is_exact=not apart and "damping" not in out)
+    return Image(clone, is_exact=not is_apart and "damping" not in clone)
 
 
 def _is_damped_for_its_parts(action: dict) -> bool:
@@ -70,30 +74,32 @@ def _is_damped_for_its_parts(action: dict) -> bool:
     return action["type"] == "friction" and not action.keys() & {"sticks", "damping"}
 
 
-def _side_by_side(out: Structure, one: dict, two: dict, middle: str) -> None:
+def _side_by_side(structure: Structure, first: dict, second: dict, middle: str) -> None:
     """Move halves of a body apart along its axis x, by a fifth of what its inertia allows."""
-    axis = np.array(one["x"]) / np.linalg.norm(one["x"])
-    inertia = np.array(one["inertia"])
+    axis = np.array(first["x"]) / np.linalg.norm(first["x"])
+    inertia = np.array(first["inertia"])
     room = max(0.0, min(inertia[1], inertia[2], 0.5 * (inertia[1] + inertia[2] - inertia[0])))
-    way = np.sqrt(0.2 * room / one["mass"])
-    for k, (body, sign) in enumerate(((one, 1.0), (two, -1.0))):
+    shift = np.sqrt(0.2 * room / first["mass"])
+    for k, (body, sign) in enumerate(((first, 1.0), (second, -1.0))):
         point = f"{middle}{'ab'[k]}"
-        out["points"][point] = (np.array(out["points"][middle]) + sign * way * axis).tolist()
+        structure["points"][point] = (
+            np.array(structure["points"][middle]) + sign * shift * axis
+        ).tolist()
         body["centre"], body["points"] = point, [*body["points"], middle]
-        body["inertia"] = (inertia - one["mass"] * way**2 * np.array([0.0, 1.0, 1.0])).tolist()
+        body["inertia"] = (inertia - first["mass"] * shift**2 * np.array([0.0, 1.0, 1.0])).tolist()
 
 
 def with_inert(structure: Structure, rng: random.Random) -> Image:
     """With what does nothing: springs without stiffness, latches and stops out of reach, slack
     cables, and a body of its own on a hinge to the ground."""
-    out = copy.deepcopy(structure)
-    out["points"] |= {"i0": [3.0, 1.0, 0.0], "i1": [3.0, 1.5, 0.0]}
-    actions = out.setdefault("actions", {})
-    hinged = some_joints(out, OPENINGS, rng)
-    for k, joint in enumerate(n + end for n in hinged for end in ends_of(out["joints"][n])):
-        slides = out["joints"].get(joint, {}).get("type") == SLIDE
-        here = {action["type"] for action in actions.values() if action.get("joint") == joint}
-        for kind in rng.sample([kind for kind in INERT if kind.split(",")[0] not in here], 2):
+    clone = copy.deepcopy(structure)
+    clone["points"] |= {"i0": [3.0, 1.0, 0.0], "i1": [3.0, 1.5, 0.0]}
+    actions = clone.setdefault("actions", {})
+    hinged = some_joints(clone, OPENINGS, rng)
+    for k, joint in enumerate(n + end for n in hinged for end in ends_of(clone["joints"][n])):
+        slides = clone["joints"].get(joint, {}).get("type") == SLIDE
+        present = {action["type"] for action in actions.values() if action.get("joint") == joint}
+        for kind in rng.sample([kind for kind in INERT if kind.split(",")[0] not in present], 2):
             entry = INERT[kind]
             if slides:
                 entry = {ON_SLIDES.get(key, key): value for key, value in entry.items()}
@@ -102,24 +108,24 @@ def with_inert(structure: Structure, rng: random.Random) -> Image:
                 actions[f"i{kind.split()[0][:3]}{k}"] = {"type": action, "joint": joint, **entry}
     if rng.random() < 0.5:
         body = {"mass": 1.0, "centre": "i1", "points": ["i0"], "inertia": [0.1, 0.1, 0.1]}
-        out.setdefault("bodies", {})["ib"] = body
+        clone.setdefault("bodies", {})["ib"] = body
         joint = {"type": "revolute", "parts": [GROUND, "ib"], "at": "i0", "axis": [0.0, 0.0, 1.0]}
-        out.setdefault("joints", {})["ij"] = joint
-    part, at = next(iter(entries(out, "record").values())).values()
-    stations = [{"part": part, "at": at}, {"part": GROUND, "at": "i0"}]
+        clone.setdefault("joints", {})["ij"] = joint
+    part, point = next(iter(entries(clone, "record").values())).values()
+    stations = [{"part": part, "at": point}, {"part": GROUND, "at": "i0"}]
     if rng.random() < 0.5:
-        out.setdefault("cables", {})["ik"] = {"through": stations, "EA": 10.0, "rest": 99.0}
-    return Image(out, omits=frozenset({"energy"}))
+        clone.setdefault("cables", {})["ik"] = {"through": stations, "EA": 10.0, "rest": 99.0}
+    return Image(clone, omits=frozenset({"energy"}))
 
 
-FAR = 40.0
+UNREACHED = 40.0
 INERT: dict[str, dict[str, Any]] = {
     "torsion spring": {"stiffness": 0.0},
     "damper": {"damping": 0.0},
     "friction, exact": {"moment": 0.0, "sticks": "exactly"},
-    "stop": {"upper": FAR, "stiffness": 10.0},
-    "latch": {"angle": FAR, "stiffness": 10.0},
-    "latch, exact": {"angle": FAR},
+    "stop": {"upper": UNREACHED, "stiffness": 10.0},
+    "latch": {"angle": UNREACHED, "stiffness": 10.0},
+    "latch, exact": {"angle": UNREACHED},
     "torque motor": {"torque": 0.0},
     "tabulated spring": {"angles": [0.0, 1.0], "moments": [0.0, 0.0]},
 }
@@ -127,9 +133,9 @@ INERT: dict[str, dict[str, Any]] = {
 
 def reversed_cables(structure: Structure, rng: random.Random) -> Image | None:
     """Cables without a winch stated from their other ends."""
-    out = copy.deepcopy(structure)
-    found = [one for one in entries(out, "cables").values() if "reel" not in one]
-    for cable in found:
+    clone = copy.deepcopy(structure)
+    cables = [cable for cable in entries(clone, "cables").values() if "reel" not in cable]
+    for cable in cables:
         cable["through"].reverse()
     # That of a cable which rubs is told at its first point.
-    return Image(out, is_exact=False, omits=frozenset({"cable_tension"})) if found else None
+    return Image(clone, is_exact=False, omits=frozenset({"cable_tension"})) if cables else None

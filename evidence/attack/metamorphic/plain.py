@@ -21,8 +21,8 @@ def store(array, row, field, value):
     """Write what `load` reads."""
     if isinstance(row, tuple):
         half = array.shape[2]
-        both = np.broadcast_to(value, (2 * half,))
-        array[row[0], field], array[row[1], field] = both[:half], both[half:]
+        pair = np.broadcast_to(value, (2 * half,))
+        array[row[0], field], array[row[1], field] = pair[:half], pair[half:]
     else:
         array[row, field] = value
 

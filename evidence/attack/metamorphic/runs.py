@@ -32,7 +32,7 @@ class Run:
     step: float
     instants: int = INSTANTS
     curves: Curves | None = None
-    why: str = ""
+    reason: str = ""
 
 
 def drawn(seed: str) -> tuple[Structure, float]:
@@ -54,14 +54,14 @@ def scene_of(structure: Structure) -> fpm.Scene:
     return loads(as_text(structure)).build()
 
 
-def simulate(runs: list[Run], beside: Callable[[Structure], Structure]) -> None:
-    """Run them all, side by side where they can be; beside: adds what is to stand beside each."""
+def simulate(runs: list[Run], add_ballast: Callable[[Structure], Structure]) -> None:
+    """Run all, side by side where they can be; add_ballast: adds what is to stand beside each."""
     batches: dict[tuple, list[tuple[Run, fpm.Scene]]] = {}
     for run in runs:
         try:
-            scene = scene_of(beside(run.structure))
+            scene = scene_of(add_ballast(run.structure))
         except (StructureError, SceneError) as error:
-            run.why = f"refused: {error}"
+            run.reason = f"refused: {error}"
             continue
         key = topology(scene), run.duration, run.instants, run.step
         batches.setdefault(key, []).append((run, scene))
@@ -79,29 +79,29 @@ def _simulate_alike(batch: list[tuple[Run, fpm.Scene]]) -> None:
         )  # fmt: skip
     except SceneError as error:
         if len(batch) == 1:
-            first.why = f"refused: {error}"
+            first.reason = f"refused: {error}"
         else:
-            for one in batch:
-                _simulate_alike([one])
+            for item in batch:
+                _simulate_alike([item])
         return
     for (run, _), outcome in zip(batch, outcomes, strict=True):
         if outcome.failure is None:
             run.curves = curves_of(outcome)
         else:
-            run.why = str(outcome.failure)
+            run.reason = str(outcome.failure)
 
 
 def curves_of(outcome: fpm.Outcome) -> Curves:
     """All that is compared."""
-    found: Curves = {}
+    curves: Curves = {}
     for name, (position, velocity) in outcome.points.items():
-        found["position", name] = position[-INSTANTS:], "m"
-        found["velocity", name] = velocity[-INSTANTS:], "m/s"
+        curves["position", name] = position[-INSTANTS:], "m"
+        curves["velocity", name] = velocity[-INSTANTS:], "m/s"
     for name, values in outcome.energies.items():
         if name != "balance":
-            found["energy", name] = values[-INSTANTS:], "J"
-    for name, recorded in outcome.recorded.items():
-        if recorded.labels:
-            for k, label in enumerate(recorded.labels):
-                found[name, label] = recorded.values[-INSTANTS:, k], recorded.unit
-    return found
+            curves["energy", name] = values[-INSTANTS:], "J"
+    for name, record in outcome.recorded.items():
+        if record.labels:
+            for k, label in enumerate(record.labels):
+                curves[name, label] = record.values[-INSTANTS:, k], record.unit
+    return curves

@@ -19,9 +19,13 @@ AXIAL = {"moment", "spin", "axis", "other"}
 
 def rotated(structure: Structure, rng: random.Random) -> Image | None:
     """Turned as a whole, and moved; where some global axes hold it, by a turn of the cube's."""
-    held = entries(structure, "supports").values()
+    supports = entries(structure, "supports").values()
     turns = Rotation.random(random_state=rng.randrange(2**32)).as_matrix()
-    if any(letters != "xyz" for one in held for letters in (one["translations"], one["rotations"])):
+    if any(
+        letters != "xyz"
+        for entry in supports
+        for letters in (entry["translations"], entry["rotations"])
+    ):
         turns = np.round(rng.choice(Rotation.create_group("O").as_matrix()))
     shift = np.array([rng.uniform(-2.0, 2.0) for _ in range(3)])
     return Image(_in_space(structure, turns, shift), turns, shift)
@@ -36,24 +40,24 @@ def mirrored(structure: Structure, rng: random.Random) -> Image:
 
 def _in_space(structure: Structure, matrix: np.ndarray, shift: np.ndarray) -> Structure:
     """Every vector times a matrix, those of turns times its determinant as well."""
-    out = copy.deepcopy(structure)
-    out["points"] = {n: (matrix @ at + shift).tolist() for n, at in out["points"].items()}
+    clone = copy.deepcopy(structure)
+    clone["points"] = {n: (matrix @ point + shift).tolist() for n, point in clone["points"].items()}
     polar, axial = matrix, np.linalg.det(matrix) * matrix
-    if "gravity" in out:
-        out["gravity"] = (polar @ out["gravity"]).tolist()
-    for group in out.keys() & GROUPS.keys():
-        for entry in out[group].values():
+    if "gravity" in clone:
+        clone["gravity"] = (polar @ clone["gravity"]).tolist()
+    for group in clone.keys() & GROUPS.keys():
+        for entry in clone[group].values():
             for key in entry.keys() & (POLAR | AXIAL):
                 if isinstance(entry[key], list):
                     is_polar = key in POLAR or (key == "axis" and entry["type"] == SLIDE)
                     entry[key] = ((polar if is_polar else axial) @ entry[key]).tolist()
             for key in entry.keys() & {"translations", "rotations"}:
                 entry[key] = _turned_letters(entry[key], matrix)
-    return out
+    return clone
 
 
 def _turned_letters(letters: str, matrix: np.ndarray) -> str:
     if letters in ("none", "xyz"):
         return letters
-    images = ["xyz"[int(np.abs(matrix[:, "xyz".index(one)]).argmax())] for one in letters]
+    images = ["xyz"[int(np.abs(matrix[:, "xyz".index(letter)]).argmax())] for letter in letters]
     return "".join(sorted(images))

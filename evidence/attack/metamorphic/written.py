@@ -32,27 +32,29 @@ def keys_of(structure: Structure, group: str, entry: dict) -> dict[str, Key]:
     return {name: kind for name, (_, kind) in statement.sliding(slides).items()}
 
 
-def changed(structure: Structure, change: Change) -> Structure:
+def map_numbers(structure: Structure, change: Change) -> Structure:
     """The structure with all its numbers changed; `change` is called with each and its unit."""
-    out = dict(structure)
+    clone = dict(structure)
     for key, kind in overall.keys.items():
-        if key in out:
-            out[key] = _changed(out[key], kind, change)
-    if "points" in out:
-        out["points"] = {n: [change(x, "m") for x in at] for n, at in out["points"].items()}
-    for group in out.keys() & GROUPS.keys():
-        out[group] = {
+        if key in clone:
+            clone[key] = _map_value(clone[key], kind, change)
+    if "points" in clone:
+        clone["points"] = {
+            n: [change(x, "m") for x in point] for n, point in clone["points"].items()
+        }
+    for group in clone.keys() & GROUPS.keys():
+        clone[group] = {
             name: {
-                key: _changed(value, keys.get(key), change)
+                key: _map_value(value, keys.get(key), change)
                 for keys in [keys_of(structure, group, entry)]
                 for key, value in entry.items()
             }
-            for name, entry in out[group].items()
+            for name, entry in clone[group].items()
         }
-    return out
+    return clone
 
 
-def _changed(value: Any, kind: Key | None, change: Change) -> Any:
+def _map_value(value: Any, kind: Key | None, change: Change) -> Any:
     if isinstance(kind, ListKey) and isinstance(kind.kind, NumberKey):
         return [change(x, kind.kind.unit) for x in value]
     if isinstance(kind, VectorKey):
@@ -69,5 +71,5 @@ class _Dumper(yaml.SafeDumper):
 
 def as_text(structure: Structure) -> str:
     """The structure as a file; angles say their unit."""
-    said = changed(structure, lambda x, unit: f"{x!r} rad" if unit == "rad" else x)
-    return yaml.dump(said, Dumper=_Dumper, sort_keys=False, default_flow_style=None, width=100)
+    numbers = map_numbers(structure, lambda x, unit: f"{x!r} rad" if unit == "rad" else x)
+    return yaml.dump(numbers, Dumper=_Dumper, sort_keys=False, default_flow_style=None, width=100)

@@ -17,7 +17,7 @@ from evidence.benchmark.peers.description import describe
 from evidence.benchmark.scenes import beam_count, linkages, runner
 from evidence.linkage.runs import curves
 from evidence.peers import interpreter
-from evidence.rows import Row, at_least, skipped, told
+from evidence.rows import Row, at_least, info, skipped
 
 GROUP = "Peers"
 COST = "cpu s per simulated s"
@@ -33,8 +33,8 @@ EXUDYN = [
 ]
 WHAT_EXUDYN = "fastest flexible run of Exudyn against ours, one sample of a batch of 32"
 ELASTICA = [
-    {"name": f"{what}, step {step:g} s", "rods": rods, "step": step}
-    for rods, what in ((1, "one rod of 40 elements"), (4, "4 rods of 10 elements, 3 hinges"))
+    {"name": f"{rod_text}, step {step:g} s", "rods": rods, "step": step}
+    for rods, rod_text in ((1, "one rod of 40 elements"), (4, "4 rods of 10 elements, 3 hinges"))
     for step in (4e-5, 2e-5, 1e-5, 5e-6)
 ]
 
@@ -46,10 +46,10 @@ def ask(python: str, script: str, task: dict) -> list[dict]:
         path.write_text(json.dumps(task))
         command = [python, str(Path(__file__).with_name(script)), str(path)]
         # In the folder, so that what a peer leaves behind goes away with it.
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
-    answers = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
+        process = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    answers = [json.loads(line) for line in process.stdout.splitlines() if line.startswith("{")]
     if not answers:
-        raise RuntimeError(f"{script} gave no answer:\n{done.stderr[-2000:]}")
+        raise RuntimeError(f"{script} gave no answer:\n{process.stderr[-2000:]}")
     return answers
 
 
@@ -75,10 +75,10 @@ def rms(a: np.ndarray, b: np.ndarray) -> float:
 def as_accurate(error: float, fine: np.ndarray, duration: float) -> tuple[int, float]:
     """Our coarsest mesh whose error is at most `error` (m), and its error; else the finest."""
     for elements in range(3, 4 * ELEMENTS):
-        found = rms(distances(elements, duration), fine)
-        if found <= error:
+        deviation = rms(distances(elements, duration), fine)
+        if deviation <= error:
             break
-    return elements, found
+    return elements, deviation
 
 
 def exudyn(duration: float, repeats: int, cases=None) -> list[Row]:
@@ -93,22 +93,22 @@ def exudyn(duration: float, repeats: int, cases=None) -> list[Row]:
     scene = linkages(1, ELEMENTS)[0]
     count = beam_count(scene)
     name = f"ours: 4 x {ELEMENTS} elements, a sample of a batch of 32"
-    rows = [told(name, cost, COST, f"BD off by {error:.2g} m (rms)")]
-    told_scene = describe(scene, without=("Contact",))
+    rows = [info(name, cost, COST, f"BD off by {error:.2g} m (rms)")]
+    told_scene = describe(scene, omitted=("Contact",))
     task = {"structure": told_scene, "duration": duration, "instants": 11, "runs": EXUDYN[:cases]}
     exact = []
     for answer in ask(python, "exudyn_script.py", task):
         name = f"Exudyn: {answer['name']}"
         if not answer["ok"]:
             note = "breaks down: " + answer.get("error", "not finite").splitlines()[0]
-            rows.append(told(name, "none", COST, note))
+            rows.append(info(name, "none", COST, note))
             continue
         b, d = (np.array(answer["points"][name]) for name in "BD")
-        off = rms(np.linalg.norm(b - d, axis=1), fine)
-        each = 1e9 * answer["cpu"] / answer["steps"] / count
-        note = f"BD off by {off:.2g} m (rms); {each:.0f} ns per element and step"
-        rows.append(told(name, answer["cpu"] / duration, COST, note))
-        exact.append((answer["cpu"] / duration, off, answer["version"]))
+        deviation = rms(np.linalg.norm(b - d, axis=1), fine)
+        nanoseconds = 1e9 * answer["cpu"] / answer["steps"] / count
+        note = f"BD off by {deviation:.2g} m (rms); {nanoseconds:.0f} ns per element and step"
+        rows.append(info(name, answer["cpu"] / duration, COST, note))
+        exact.append((answer["cpu"] / duration, deviation, answer["version"]))
     return rows + (_against_exudyn(exact, fine, duration, repeats, (cost, error)) if exact else [])
 
 
@@ -117,16 +117,18 @@ def _against_exudyn(
 ) -> list[Row]:
     """Our cost (cpu s per s) and error (m) against those of Exudyn's runs, with its version."""
     cost, error = ours
-    fastest, off, version = min(exact)
+    fastest, deviation, version = min(exact)
     name = f"{WHAT_EXUDYN} (Exudyn {version})"
-    elements, error_there = as_accurate(off, fine, duration)
+    elements, error_there = as_accurate(deviation, fine, duration)
     ratio = fastest / cost_of(elements, duration, repeats)
-    note = f"ours with 4 x {elements} elements, off by {error_there:.2g} m against {off:.2g} m"
-    best_off, seconds = min((off, seconds) for seconds, off, _ in exact)
+    note = (
+        f"ours with 4 x {elements} elements, off by {error_there:.2g} m against {deviation:.2g} m"
+    )
+    best_off, seconds = min((deviation, seconds) for seconds, deviation, _ in exact)
     return [
         at_least(f"{name}: as many elements", fastest / cost, 100.0, unit="x"),
         at_least(f"{name}: equal accuracy", ratio, 100.0, note=note, unit="x"),
-        told("Exudyn's most accurate run against ours", seconds / cost, "x",
+        info("Exudyn's most accurate run against ours", seconds / cost, "x",
              f"error {best_off:.2g} m against {error:.2g} m"),
     ]  # fmt: skip
 
@@ -134,32 +136,32 @@ def _against_exudyn(
 def elastica(duration: float, repeats: int, cases=None) -> list[Row]:
     """Rods in PyElastica of as many elements as ours, at the largest step that holds."""
     python = interpreter("elastica", "PYELASTICA_PYTHON")
-    what = "cpu per element and step, PyElastica against ours, one sample of a batch of 32"
+    title = "cpu per element and step, PyElastica against ours, one sample of a batch of 32"
     if python is None:
         reason = "not installed: pip install -e '.[peer-elastica]'"
-        return [skipped(f"PyElastica: {what}", reason, "x")]
+        return [skipped(f"PyElastica: {title}", reason, "x")]
     count = 4 * ELEMENTS
     task = {
         "elements": count, "length": 4 * 0.45, "side": 0.035, "E": 1e9, "nu": 0.3, "rho": 800.0,
         "duration": duration, "runs": ELASTICA[:cases],
     }  # fmt: skip
-    rows, each, done = [], [], set()
+    rows, costs, complete = [], [], set()
     for answer in ask(python, "elastica_script.py", task):
         name = f"PyElastica: {answer['name']}"
-        if answer["rods"] in done:
+        if answer["rods"] in complete:
             continue
         if not answer["ok"]:
-            rows.append(told(name, "none", COST, answer.get("error", "breaks down")))
+            rows.append(info(name, "none", COST, answer.get("error", "breaks down")))
             continue
-        done.add(answer["rods"])  # the first is the largest step that holds
-        each.append(1e9 * answer["cpu"] / answer["steps"] / count)
-        note = f"{each[-1]:.0f} ns per element and step, version {answer['version']}"
-        rows.append(told(name, answer["cpu"] / duration, COST, note))
-    if each:
+        complete.add(answer["rods"])  # the first is the largest step that holds
+        costs.append(1e9 * answer["cpu"] / answer["steps"] / count)
+        note = f"{costs[-1]:.0f} ns per element and step, version {answer['version']}"
+        rows.append(info(name, answer["cpu"] / duration, COST, note))
+    if costs:
         scenes = linkages(32, ELEMENTS)
         step = 0.85 * fpm.stable_step(scenes[0]).step
         seconds = best({"ours": runner(scenes, 4000, step)}, repeats)["ours"]
         mine = 1e9 * seconds / 4000 / count / 32
-        name = f"{what} ({mine:.3g} ns)"
-        rows.append(told(name, min(each) / mine, "x"))
+        name = f"{title} ({mine:.3g} ns)"
+        rows.append(info(name, min(costs) / mine, "x"))
     return rows

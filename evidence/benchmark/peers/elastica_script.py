@@ -23,12 +23,12 @@ class Simulator(ea.BaseSystemCollection, ea.Constraints, ea.Forcing, ea.Connecti
 
 def build(task, rods):
     simulator = Simulator()
-    each, length = task["elements"] // rods, task["length"] / rods
+    elements, length = task["elements"] // rods, task["length"] / rods
     shear = task["E"] / (2 * (1 + task["nu"]))
-    made = []
+    all_rods = []
     for k in range(rods):
         rod = ea.CosseratRod.straight_rod(
-            each,
+            elements,
             start=np.array([k * length, 0.0, 0.0]),
             direction=np.array([1.0, 0.0, 0.0]),
             normal=np.array([0.0, 0.0, 1.0]),
@@ -41,19 +41,19 @@ def build(task, rods):
         x = rod.position_collection[0]
         rod.velocity_collection[1] = np.sin(np.pi * x / task["length"])
         simulator.append(rod)
-        made.append(rod)
-    for first, second in pairwise(made):
+        all_rods.append(rod)
+    for first, second in pairwise(all_rods):
         joint = simulator.connect(
             first_rod=first, second_rod=second, first_connect_idx=-1, second_connect_idx=0
         )
         joint.using(ea.HingeJoint, k=1e6, nu=0.0, kt=1e2, normal_direction=np.array([0, 0, 1.0]))
     simulator.finalize()
-    return simulator, made
+    return simulator, all_rods
 
 
 def run(task, rods, step):
     """Cpu and wall seconds of a run after one of a few steps, which compiles."""
-    simulator, made = build(task, rods)
+    simulator, all_rods = build(task, rods)
     stepper = ea.PositionVerlet()
     warm = 10
     ea.integrate(stepper, simulator, final_time=warm * step, n_steps=warm, progress_bar=False)
@@ -61,7 +61,7 @@ def run(task, rods, step):
     wall, cpu = time.perf_counter(), time.process_time()
     ea.integrate(stepper, simulator, final_time=steps * step, n_steps=steps, progress_bar=False)
     wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
-    speeds = np.concatenate([rod.velocity_collection for rod in made], axis=1)
+    speeds = np.concatenate([rod.velocity_collection for rod in all_rods], axis=1)
     sane = bool(np.isfinite(speeds).all() and np.abs(speeds).max() < 10.0)
     return {"ok": sane, "wall": wall, "cpu": cpu, "steps": steps, "version": version("pyelastica")}
 

@@ -53,19 +53,19 @@ def run(task, options):
         kind = getattr(exu.DynamicSolverType, options["solver"])
     else:
         kind = exu.DynamicSolverType.GeneralizedAlpha
-    built = time.process_time()
-    solved = mbs.SolveDynamic(settings, solverType=kind)
-    cpu = time.process_time() - built
-    found = {name: mbs.GetSensorStoredData(sensor) for name, sensor in sensors.items()}
+    solver_start = time.process_time()
+    success = mbs.SolveDynamic(settings, solverType=kind)
+    cpu = time.process_time() - solver_start
+    curves = {name: mbs.GetSensorStoredData(sensor) for name, sensor in sensors.items()}
     times = np.linspace(0, duration, task["instants"])
     places = {
         name: np.column_stack([np.interp(times, rows[:, 0], x) for x in rows[:, 1:].T]).tolist()
-        for name, rows in found.items()
+        for name, rows in curves.items()
     }
     return {
-        "ok": bool(solved) and all(np.isfinite(rows).all() for rows in found.values()),
+        "ok": bool(success) and all(np.isfinite(rows).all() for rows in curves.values()),
         "cpu": cpu,
-        "building": built - start,
+        "building": solver_start - start,
         "steps": round(duration / step),
         "points": places,
         "version": exu.__version__,

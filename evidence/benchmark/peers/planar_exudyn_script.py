@@ -50,8 +50,8 @@ def _bodies(mbs, structure, nodes):
         n = body["node"]
         frame = np.array(structure["frame"][n])
         inertia = float(frame[2] ** 2 @ np.array(body["inertia"]))  # about z
-        made = item.ObjectRigidBody2D(mass=body["mass"], inertia=inertia, nodeNumber=nodes[n])
-        bodies[n] = mbs.AddObject(made)
+        rigid_body = item.ObjectRigidBody2D(mass=body["mass"], inertia=inertia, nodeNumber=nodes[n])
+        bodies[n] = mbs.AddObject(rigid_body)
     return bodies
 
 
@@ -59,16 +59,16 @@ def _beams(mbs, structure, nodes):
     added = []
     for element in structure["elements"]:
         frame = np.array(structure["frame"][element["nodes"][0]])
-        about = int(np.argmax(np.abs(frame[2])))  # the section's axis that is normal to the plane
+        normal = int(np.argmax(np.abs(frame[2])))  # the section's axis that is normal to the plane
         axial, shear_y, shear_z = element["stiffness"][:3]
         beam = item.ObjectBeamGeometricallyExact2D(
             nodeNumbers=[nodes[n] for n in element["nodes"]],
             length=element["length"],
             massPerLength=element["mass"],
-            crossSectionInertia=element["inertia"][about],
-            bendingStiffness=element["stiffness"][3 + about],
+            crossSectionInertia=element["inertia"][normal],
+            bendingStiffness=element["stiffness"][3 + normal],
             axialStiffness=axial,
-            shearStiffness=shear_y if about == 2 else shear_z,
+            shearStiffness=shear_y if normal == 2 else shear_z,
         )
         added.append(mbs.AddObject(beam))
     return added
@@ -81,8 +81,8 @@ def _supports(mbs, structure, nodes):
     for node, fixed in zip(nodes, structure["fixed"], strict=True):
         if all(fixed):
             continue
-        for coordinate, held in enumerate((fixed[0], fixed[1], fixed[5])):
-            if held:
+        for coordinate, is_fixed in enumerate((fixed[0], fixed[1], fixed[5])):
+            if is_fixed:
                 pair = [ground, _coordinate(mbs, node, coordinate)]
                 mbs.AddObject(item.ObjectConnectorCoordinate(markerNumbers=pair))
 
@@ -119,13 +119,13 @@ def _sense(structure, hinge):
 def _hinge(mbs, structure, nodes, bodies, hinge):
     """A joint with its spring and damper, which act on the turns of its two nodes."""
     pair = zip(hinge["nodes"], hinge["arms"], strict=True)
-    both = [_marker(mbs, structure, nodes, bodies, n, arm) for n, arm in pair]
-    mbs.AddObject(item.ObjectJointRevolute2D(markerNumbers=both))
+    markers = [_marker(mbs, structure, nodes, bodies, n, arm) for n, arm in pair]
+    mbs.AddObject(item.ObjectJointRevolute2D(markerNumbers=markers))
     if hinge["stiffness"] or hinge["damping"]:
-        held = [all(structure["fixed"][n]) for n in hinge["nodes"]]
+        grounded = [all(structure["fixed"][n]) for n in hinge["nodes"]]
         turns = [
             _coordinate(mbs, nodes[n], 0 if h else 2)
-            for n, h in zip(hinge["nodes"], held, strict=True)
+            for n, h in zip(hinge["nodes"], grounded, strict=True)
         ]
         spring = item.ObjectConnectorCoordinateSpringDamper(
             markerNumbers=turns,
@@ -141,9 +141,9 @@ def _loop(mbs, structure, nodes, loop):
     share = {}
     for number, radius, side in zip(loop["hinges"], loop["radii"], (1, -1), strict=True):
         hinge = structure["hinges"][number]
-        way = side * radius * _sense(structure, hinge)
+        lever = side * radius * _sense(structure, hinge)
         for n, sign in zip(hinge["nodes"], (-1, 1), strict=True):
-            share[n] = share.get(n, 0.0) + sign * way
+            share[n] = share.get(n, 0.0) + sign * lever
     row = np.zeros((len(share), 3))
     row[:, 2] = list(share.values())
     row = row.ravel()

@@ -97,20 +97,20 @@ def marker(mbs, body, arm, frame):
 def _hinges(mbs, structure, bodies, explicit):
     """Joints, their springs and the supports."""
     for hinge in structure["hinges"]:
-        both = [
+        markers = [
             marker(mbs, bodies[n], arm, np.array(frame))
             for n, arm, frame in zip(hinge["nodes"], hinge["arms"], hinge["frames"], strict=True)
         ]
         if explicit:
             stiff = np.diag([PENALTY] * 3 + [PENALTY * 1e-3] * 2 + [0.0])
             mbs.AddObject(
-                item.ObjectConnectorRigidBodySpringDamper(markerNumbers=both, stiffness=stiff)
+                item.ObjectConnectorRigidBodySpringDamper(markerNumbers=markers, stiffness=stiff)
             )
         else:
-            mbs.AddObject(item.ObjectJointRevoluteZ(markerNumbers=both))
+            mbs.AddObject(item.ObjectJointRevoluteZ(markerNumbers=markers))
         if hinge["stiffness"] or hinge["damping"]:
             spring = item.ObjectConnectorTorsionalSpringDamper(
-                markerNumbers=both,
+                markerNumbers=markers,
                 stiffness=hinge["stiffness"],
                 damping=hinge["damping"],
                 offset=hinge["rest"] - hinge["opening"],
@@ -127,12 +127,12 @@ def _support(mbs, structure, hinge, bodies, explicit):
     place = place + np.array(structure["frame"][node]) @ np.array(hinge["arms"][0])
     ground = mbs.AddNode(item.NodePointGround(referenceCoordinates=list(place)))
     ground = mbs.AddMarker(item.MarkerNodePosition(nodeNumber=ground))
-    held = [int(axis in hinge["support"]) for axis in "xyz"]
+    axes = [int(axis in hinge["support"]) for axis in "xyz"]
     if explicit:
         spring = item.ObjectConnectorCartesianSpringDamper(
-            markerNumbers=[ground, point], stiffness=[PENALTY * h for h in held]
+            markerNumbers=[ground, point], stiffness=[PENALTY * h for h in axes]
         )
         mbs.AddObject(spring)
     else:
-        joint = item.ObjectJointSpherical(markerNumbers=[ground, point], constrainedAxes=held)
+        joint = item.ObjectJointSpherical(markerNumbers=[ground, point], constrainedAxes=axes)
         mbs.AddObject(joint)

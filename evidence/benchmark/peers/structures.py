@@ -10,7 +10,7 @@ import fpm
 from evidence.benchmark.clock import best
 from evidence.benchmark.peers import compare
 from evidence.benchmark.peers.description import describe
-from evidence.rows import Row, at_least, at_most, skipped, told
+from evidence.rows import Row, at_least, at_most, info, skipped
 from fpm import structures
 from fpm.scenes.scene_type import SceneType
 
@@ -41,8 +41,8 @@ class Case:
     motion is compared over `duration` (s); planar: in Exudyn's items for the plane; step (s) of
     ours, 0.9 of the stable one if left out; steps (s) of Exudyn, the finest last; meshes: of
     Exudyn, elements beside those of `parameters`; finest: elements of our run that all are held
-    against, for rigid bodies one with a quarter of the step; without: kinds that do not act in
-    that time, and are not told.
+    against, for rigid bodies one with a quarter of the step; omitted: kinds that do not act in
+    that time, and are not described.
     """
 
     name: str
@@ -56,7 +56,7 @@ class Case:
     parameters: Mapping[str, float] = field(default_factory=dict)
     meshes: tuple[int, ...] = ()
     finest: int | None = None
-    without: tuple[str, ...] = ()
+    omitted: tuple[str, ...] = ()
 
     @property
     def tolerance(self) -> float:
@@ -73,7 +73,7 @@ class Case:
         meshes = [self.parameters, *({**self.parameters, "elements": n} for n in self.meshes)]
         return [
             {
-                "structure": describe(structure.build(**parameters), self.without),
+                "structure": describe(structure.build(**parameters), self.omitted),
                 "planar": self.planar,
                 "duration": self.duration,
                 "instants": INSTANTS,
@@ -97,7 +97,7 @@ def _mesh(parameters: Mapping[str, float]) -> str:
 
 CASES = (
     Case("solar_array", "solar array, 3 panels on a free hub, before a latch catches", "end", 3.0,
-         "k", (0.1, 0.05, 0.025, 0.01, 0.005, 0.001), without=("Friction", "Latch")),
+         "k", (0.1, 0.05, 0.025, 0.01, 0.005, 0.001), omitted=("Friction", "Latch")),
     Case("nfourbar", "two four-bars of rigid rods, through their singular position", "B0", 2.0,
          "v", (0.04, 0.02, 0.01, 0.005, 0.001), step=0.01),
     Case("scissor", "scissor mast, 3 units of elastic bars", "end", 0.6, "k",
@@ -121,14 +121,14 @@ def exudyn(repeats: int, cases=CASES, steps: int | None = None) -> list[Row]:
 class Ours:
     """A run, its places (instants, 3) m and how many steps it took, and seconds of cpu a sample.
 
-    batch: one of a batch, alone: by itself, set_up: packing and handing back one of a batch,
+    batch: one of a batch, single: by itself, set_up: packing and handing back one of a batch,
     building: making its scene from the file.
     """
 
     places: np.ndarray
     steps: int
     batch: float
-    alone: float
+    single: float
     set_up: float
     building: float
 
@@ -136,39 +136,39 @@ class Ours:
 def _rows(case: Case, python: str, repeats: int, steps: int | None) -> list[Row]:
     structure = structures.load(FOLDER / f"{case.name}.yaml")
     fine = _fine(case, structure)
-    way = float(np.linalg.norm(fine - fine[0], axis=1).max())
+    distance = float(np.linalg.norm(fine - fine[0], axis=1).max())
     ours, answers = _measure(case, structure, python, repeats, steps)
-    off = _off(ours.places, fine, way)
-    note = f"{ours.steps} steps{_mesh(case.parameters)}, off by {off:.2g} of the way; "
+    deviation = _deviation(ours.places, fine, distance)
+    note = f"{ours.steps} steps{_mesh(case.parameters)}, off by {deviation:.2g} of the way; "
     note += f"{ours.set_up / ours.batch:.0%} of it is set-up; {1e3 * ours.building:.2g} ms more to "
     note += "build the scene from its file"
     batch = f"{case.about}: ours, a sample of a batch of {SAMPLES}"
     rows = [
-        told(batch, ours.batch / case.duration, compare.COST, note),
-        told(f"{case.about}: ours, alone", ours.alone / case.duration, compare.COST),
+        info(batch, ours.batch / case.duration, compare.COST, note),
+        info(f"{case.about}: ours, alone", ours.single / case.duration, compare.COST),
     ]
     right = []
     for answer in answers:
         name = f"{case.about}: Exudyn, {answer['name']}"
         if not answer["ok"]:
             error = answer.get("error", "not finite").splitlines()[0]
-            rows.append(told(name, "none", compare.COST, f"breaks down: {error}"))
+            rows.append(info(name, "none", compare.COST, f"breaks down: {error}"))
             continue
-        theirs = _off(np.array(answer["points"][case.point]), fine, way)
+        theirs = _deviation(np.array(answer["points"][case.point]), fine, distance)
         right.append((theirs, answer))
         note = f"off by {theirs:.2g} of the way; {1e3 * answer['building']:.2g} ms more to build it"
-        rows.append(told(name, answer["cpu"] / case.duration, compare.COST, note))
-    what = f"{case.about}: motion of '{case.point}', Exudyn's most accurate run against ours"
+        rows.append(info(name, answer["cpu"] / case.duration, compare.COST, note))
+    text = f"{case.about}: motion of '{case.point}', Exudyn's most accurate run against ours"
     source = f"ours with {f'{case.finest} elements' if case.finest else 'a quarter of the step'}"
     best_off = min((theirs for theirs, _ in right), default=np.inf)
-    rows.append(at_most(what, best_off, case.tolerance, source, unit="of the way"))
-    return rows + _ratios(case, ours, off, right)
+    rows.append(at_most(text, best_off, case.tolerance, source, unit="of the way"))
+    return rows + _ratios(case, ours, deviation, right)
 
 
-def _ratios(case: Case, ours: Ours, off: float, right: list[tuple[float, dict]]) -> list[Row]:
+def _ratios(case: Case, ours: Ours, deviation: float, right: list[tuple[float, dict]]) -> list[Row]:
     """Exudyn's fastest run that agrees, and that is as accurate as ours, against ours.
 
-    off: our error; right: errors and answers of Exudyn's runs, shares of the way.
+    deviation: our error; right: errors and answers of Exudyn's runs, shares of the way.
     """
     agreeing = [pair for pair in right if pair[0] <= case.tolerance]
     if not agreeing:
@@ -177,19 +177,19 @@ def _ratios(case: Case, ours: Ours, off: float, right: list[tuple[float, dict]])
     name = f"{case.about}: Exudyn {fastest['version']} against ours"
     note = f"its {fastest['name']}, off by {theirs:.2g}, the fastest that agrees to "
     note += f"{case.tolerance:g}; ours with steps of {case.duration / ours.steps:.2g} s off by "
-    note += f"{off:.2g}"
+    note += f"{deviation:.2g}"
     loops = fastest["cpu"] / max(ours.batch - ours.set_up, 1e-9)
     whole = (fastest["cpu"] + fastest["building"]) / (ours.batch + ours.building)
     least = min(theirs for theirs, _ in agreeing)
-    accurate = [pair for pair in agreeing if pair[0] <= max(off, least)]
+    accurate = [pair for pair in agreeing if pair[0] <= max(deviation, least)]
     theirs, equal = min(accurate, key=lambda pair: pair[1]["cpu"])
     as_ours = f"its {equal['name']}, off by {theirs:.2g}"
-    as_ours += "; none is as accurate as ours" if theirs > off else ""
+    as_ours += "; none is as accurate as ours" if theirs > deviation else ""
     return [
         at_least(f"{name}, a sample of a batch", fastest["cpu"] / ours.batch, 100.0, "", note, "x"),
-        told(f"{name}, the time loops alone", loops, "x"),
-        told(f"{name}, with building the scenes", whole, "x"),
-        told(f"{name}, a sample alone", fastest["cpu"] / ours.alone, "x"),
+        info(f"{name}, the time loops alone", loops, "x"),
+        info(f"{name}, with building the scenes", whole, "x"),
+        info(f"{name}, a sample alone", fastest["cpu"] / ours.single, "x"),
         at_least(f"{name}, as accurate", equal["cpu"] / ours.batch, 100.0, "", as_ours, "x"),
     ]
 
@@ -208,9 +208,9 @@ def _places(case: Case, outcome: fpm.Outcome) -> np.ndarray:
     return outcome.points[case.point][0]
 
 
-def _off(places: np.ndarray, fine: np.ndarray, way: float) -> float:
+def _deviation(places: np.ndarray, fine: np.ndarray, distance: float) -> float:
     """Root mean square of the distance, as a share of the way."""
-    return float(np.sqrt(np.mean(np.sum((places - fine) ** 2, axis=1)))) / way
+    return float(np.sqrt(np.mean(np.sum((places - fine) ** 2, axis=1)))) / distance
 
 
 def _step(case: Case, scenes: list[fpm.Scene]) -> float:
@@ -229,27 +229,27 @@ def _measure(case: Case, structure: SceneType, python: str, repeats: int, steps:
     plain = structure.build(**case.parameters)
     (outcome,) = fpm.simulate(plain, duration=case.duration, instants=INSTANTS, step=step)
 
-    def run(some: list[fpm.Scene], duration: float, instants: int) -> None:
-        fpm.simulate(some, duration=duration, instants=instants, step=step)
+    def run(batch: list[fpm.Scene], duration: float, instants: int) -> None:
+        fpm.simulate(batch, duration=duration, instants=instants, step=step)
 
     calls = {
         "batch": lambda: run(scenes, case.duration, INSTANTS),
-        "alone": lambda: run(scenes[:1], case.duration, INSTANTS),
+        "single": lambda: run(scenes[:1], case.duration, INSTANTS),
         "set_up": lambda: run(scenes, step, 2),
         "building": lambda: build(0.0),
     }
     least, answers = dict.fromkeys(calls, np.inf), []
     tasks = case.tasks(structure, steps)
     for _ in range(repeats):
-        found = best(calls, 1)
-        least = {name: min(found[name], seconds) for name, seconds in least.items()}
-        new = [one for task in tasks for one in compare.ask(python, "exudyn_script.py", task)]
+        seconds_by_call = best(calls, 1)
+        least = {name: min(seconds_by_call[name], seconds) for name, seconds in least.items()}
+        new = [answer for task in tasks for answer in compare.ask(python, "exudyn_script.py", task)]
         answers = [_faster(*pair) for pair in zip(answers or new, new, strict=True)]
     for name in ("batch", "set_up"):
         least[name] /= SAMPLES
     return Ours(_places(case, outcome), outcome.steps, **least), answers
 
 
-def _faster(one: dict, two: dict) -> dict:
+def _faster(a: dict, b: dict) -> dict:
     """The same answer, with the lesser times of both."""
-    return one | {key: min(one[key], two[key]) for key in ("cpu", "building") if key in one}
+    return a | {key: min(a[key], b[key]) for key in ("cpu", "building") if key in a}

@@ -18,44 +18,44 @@ import numpy as np
 
 from deployable import campaign, intervals
 from deployable.campaign.folder import Folder
-from evidence.tradeoff.measure.asked_cases import Asked, scan
+from evidence.tradeoff.measure.asked_cases import AccuracyCase, scan
 
 MINUTES, RUNS = 0.2, 300
 """Budget of each: minutes of one core, and runs."""
 
 
-def measure_asked(case: Asked, tell: Callable[[str], object] = print) -> dict:
+def measure_asked(case: AccuracyCase, tell: Callable[[str], object] = print) -> dict:
     """What every accuracy and every rival of a case came to, as plain numbers."""
     with tempfile.TemporaryDirectory() as folder:
-        few = {"solver": {"duration": 1e-3, "instants": 2}}
-        _run(case, _merged(scan(2 + 2 ** len(case.config["intervals"])), few), Path(folder))
+        short = {"solver": {"duration": 1e-3, "instants": 2}}
+        _run(case, _merged(scan(2 + 2 ** len(case.config["intervals"])), short), Path(folder))
         reference, cpu, _ = _run(case, case.reference, Path(folder))
         tell(f"{case.name}: reference, {cpu:.3g} s of cpu time")
-        found = {"case": case.name, "title": case.title, "reference_cpu": cpu}
-        found |= {"responses": list(case.config["responses"]), "asked": [], "rivals": []}
+        record = {"case": case.name, "title": case.title, "reference_cpu": cpu}
+        record |= {"responses": list(case.config["responses"]), "asked": [], "rivals": []}
         for share in case.shares:
             change = {
                 "accuracy": {"tolerance": share, "max_core_minutes": MINUTES, "max_runs": RUNS}
             }
             row = _measure(case, change, reference, Path(folder))
-            found["asked"].append({"share": share, **row})
+            record["asked"].append({"share": share, **row})
             tell(f"{case.name}: accuracy {share}, {row['cpu']:.3g} s of cpu time")
         for name, change in case.rivals.items():
             row = _measure(case, change, reference, Path(folder))
-            found["rivals"].append({"name": name, **row})
+            record["rivals"].append({"name": name, **row})
             tell(f"{case.name}: {name}, {row['cpu']:.3g} s of cpu time")
-    return found
+    return record
 
 
-def _measure(case: Asked, change: Mapping, reference: Any, folder: Path) -> dict:
+def _measure(case: AccuracyCase, change: Mapping, reference: Any, folder: Path) -> dict:
     """The cost of a campaign, and its errors against the reference."""
     bounds, cpu, summary = _run(case, change, folder)
-    asked = summary.get("accuracy", {})
-    told = {key: asked.get(key) for key in ("met", "reason", "rounds", "mesh")}
+    accuracy = summary.get("accuracy", {})
+    outcome = {key: accuracy.get(key) for key in ("met", "reason", "rounds", "mesh")}
     return {
         "cpu": cpu,
-        "runs": asked.get("runs", summary["design"]["runs"]),
-        **told,
+        "runs": accuracy.get("runs", summary["design"]["runs"]),
+        **outcome,
         "errors": [judge(bounds, reference, i) for i in range(bounds.sizes["response"])],
     }
 
@@ -76,7 +76,7 @@ def judge(bounds: Any, reference: Any, i: int) -> dict[str, float]:
     }
 
 
-def _run(case: Asked, change: Mapping, folder: Path) -> tuple[Any, float, dict]:
+def _run(case: AccuracyCase, change: Mapping, folder: Path) -> tuple[Any, float, dict]:
     """Bounds of a campaign, its cpu time (s) and its summary; nothing of an earlier one is used."""
     config = _merged({"campaign": "asked", "jobs": {"keep": "responses"}, **case.config}, change)
     with tempfile.TemporaryDirectory(dir=folder) as results:

@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[3]
 
 
 @dataclass(frozen=True)
-class Asked:
+class AccuracyCase:
     """A case: a config without design and mesh; rivals, configs by name that say those; and the
     `reference`, one that is much finer."""
 
@@ -29,10 +29,10 @@ class Asked:
 
 def scan(samples: int, mesh: Mapping[str, int] | None = None, model: str = "spline") -> dict:
     """What a scan adds to a config, on a mesh."""
-    found: dict = {"design": {"method": "sobol", "samples": samples}, "bounds": {"model": model}}
+    change: dict = {"design": {"method": "sobol", "samples": samples}, "bounds": {"model": model}}
     if mesh:
-        found["scene"] = {"parameters": mesh}
-    return found
+        change["scene"] = {"parameters": mesh}
+    return change
 
 
 def sparse(order: int, held_out: int, mesh: Mapping[str, int] | None = None) -> dict:
@@ -59,8 +59,8 @@ def _links(count: int) -> dict[str, int]:
     return {"elements": count}
 
 
-ASKED = (
-    Asked(
+ACCURACY_CASES = (
+    AccuracyCase(
         "one", "Bennett linkage, a ± 1 %, 0.4 s",
         {
             "scene": {"name": "bennett"},
@@ -75,7 +75,7 @@ ASKED = (
         },
         scan(17, _links(24)),
     ),
-    Asked(
+    AccuracyCase(
         "three", "Bennett linkage, a ± 1 %, K_F ± 5 %, E ± 5 %, 0.4 s",
         {
             "scene": {"name": "bennett"},
@@ -95,7 +95,7 @@ ASKED = (
         },
         scan(256, _links(24)),
     ),
-    Asked(
+    AccuracyCase(
         "six", "Bennett linkage, all six parameters of config/six.yaml, 0.27 s",
         {
             "scene": {"name": "bennett"},
@@ -119,7 +119,7 @@ ASKED = (
         scan(1000, _links(16)),
         (0.2, 0.1, 0.05),
     ),
-    Asked(
+    AccuracyCase(
         "latch", "Rigid panel that a latch holds, k ± 10 %, angle ± 1°, 3 s",
         {
             "scene": _file("latch"),
@@ -133,7 +133,7 @@ ASKED = (
         {**_grids(), "scan 64": scan(64), "scan 256": scan(256)},
         scan(2000, model="polynomial") | {"solver": {"step": 2e-4}},
     ),
-    Asked(
+    AccuracyCase(
         "pendulum", "Flexible pendulum, L ± 1 %, angle ± 1°, 1 s",
         {
             "scene": _file("pendulum"),
@@ -147,7 +147,7 @@ ASKED = (
         {**_grids("elements"), "scan 16, 4 elements": scan(16, {"elements": 4})},
         scan(64, {"elements": 32}),
     ),
-    Asked(
+    AccuracyCase(
         "panel", "Panel that a spring unfolds, k ± 5 %, mass ± 2 %, 1 s",
         {
             "scene": _file("panel"),

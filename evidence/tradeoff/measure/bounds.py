@@ -24,9 +24,9 @@ def take_bounds(choice: Choice, design: intervals.Design, tested: np.ndarray, ru
     """The bounds as a campaign would take them, from the runs of the design and at `tested`."""
     samples = runs.samples(np.concatenate([design.points, tested]))
     start = time.process_time()
-    found = intervals.bounds_dataset(samples, design, model=choice.model)
+    dataset = intervals.bounds_dataset(samples, design, model=choice.model)
     cpu = time.process_time() - start
-    return Band(found["lower"].values, found["upper"].values, found["error"].values, cpu)
+    return Band(dataset["lower"].values, dataset["upper"].values, dataset["error"].values, cpu)
 
 
 def phases_of(runs: Runs) -> dict[str, np.ndarray]:
@@ -38,9 +38,9 @@ def phases_of(runs: Runs) -> dict[str, np.ndarray]:
     phases = {"all": np.ones(len(time), dtype=bool)}
     starts = [0.0]
     for j in range(2):
-        found = [float(times[j]) for times in runs.closures if len(times) > j]
-        if found:
-            starts.append(min(found))
+        closures = [float(times[j]) for times in runs.closures if len(times) > j]
+        if closures:
+            starts.append(min(closures))
     if len(starts) == 1:
         return phases
     ends = [*starts[1:], np.inf]
@@ -86,7 +86,7 @@ def judge_estimate(
     uncovered, as a share of the largest width.
     """
     truth = intervals.hausdorff(band.lower, band.upper, reference.lower, reference.upper)
-    found = []
+    rows = []
     for i, true in enumerate(truth):
         width = float((reference.upper[i] - reference.lower[i]).max())
         # what is below a millionth of the width is nobody's concern
@@ -99,8 +99,8 @@ def judge_estimate(
                 "ratio": float(np.trapezoid(band.error[i][mask], time[mask])) / max(total, 1e-300),
                 "worst": float(short[mask].max() / width),
             }
-        found.append(row)
-    return found
+        rows.append(row)
+    return rows
 
 
 def hull(runs: Runs, rows: slice | np.ndarray = slice(None)) -> Band:

@@ -77,12 +77,12 @@ class Case:
     instants: int = 2001
 
 
-def _each(method: str, orders, **more) -> tuple[Choice, ...]:
-    return tuple(Choice(method, n, **more) for n in orders)
+def _grids(method: str, orders, **options) -> tuple[Choice, ...]:
+    return tuple(Choice(method, n, **options) for n in orders)
 
 
-def _scans(*samples: int, **more) -> tuple[Choice, ...]:
-    return tuple(Choice("sobol", samples=n, **more) for n in samples)
+def _scans(*samples: int, **options) -> tuple[Choice, ...]:
+    return tuple(Choice("sobol", samples=n, **options) for n in samples)
 
 
 def _splines(*choices: Choice) -> tuple[Choice, ...]:
@@ -90,31 +90,31 @@ def _splines(*choices: Choice) -> tuple[Choice, ...]:
 
 
 _LINE = (
-    *_each("tensor_roots", (3, 5, 9, 17, 33)),
-    *_each("tensor_lobatto", (2, 4, 8, 16, 32)),
+    *_grids("tensor_roots", (3, 5, 9, 17, 33)),
+    *_grids("tensor_lobatto", (2, 4, 8, 16, 32)),
     *_scans(4, 8, 16, 32, 64),
-    *_splines(*_each("tensor_roots", (3,)), *_each("tensor_lobatto", (2, 4, 8))),
+    *_splines(*_grids("tensor_roots", (3,)), *_grids("tensor_lobatto", (2, 4, 8))),
     *_scans(4, 8, 16, 32, 64, model="spline"),
 )
-_FEW = (
-    *_each("tensor_roots", (3,)),
-    *_each("tensor_lobatto", (4, 8, 16)),
+_LINE_SHORT = (
+    *_grids("tensor_roots", (3,)),
+    *_grids("tensor_lobatto", (4, 8, 16)),
     *_scans(8, 16, 32),
-    *_splines(*_each("tensor_lobatto", (4, 8)), *_scans(8, 16, 32)),
+    *_splines(*_grids("tensor_lobatto", (4, 8)), *_scans(8, 16, 32)),
 )
 _SPACE = (
-    *_each("tensor_roots", (3,)),
-    *_each("tensor_lobatto", (2, 4)),
-    *_each("smolyak", (2, 4)),
+    *_grids("tensor_roots", (3,)),
+    *_grids("tensor_lobatto", (2, 4)),
+    *_grids("smolyak", (2, 4)),
     *_scans(16, 32, 64, 128, 256),
-    *_splines(*_each("smolyak", (2, 4))),
+    *_splines(*_grids("smolyak", (2, 4))),
     *_scans(16, 32, 64, 128, 256, model="spline"),
 )
-_SPACE_FEW = (
-    *_each("smolyak", (2, 4)),
-    *_each("tensor_lobatto", (2,)),
+_SPACE_SHORT = (
+    *_grids("smolyak", (2, 4)),
+    *_grids("tensor_lobatto", (2,)),
     *_scans(16, 32, 64),
-    *_splines(*_each("smolyak", (2, 4)), *_scans(16, 32, 64)),
+    *_splines(*_grids("smolyak", (2, 4)), *_scans(16, 32, 64)),
 )
 _BENNETT = {"scene": "bennett", "mesh": "elements", "responses": BENNETT}
 
@@ -123,10 +123,10 @@ CASES = (
         "one", "Bennett linkage, a ± 1 %", **_BENNETT, intervals={"a": 0.01}, held_out=4,
         levels=(
             Level(4, 0.9, 201, _LINE),
-            Level(8, 0.45, 0, _FEW),
+            Level(8, 0.45, 0, _LINE_SHORT),
             Level(8, 0.9, 401, _LINE),
             Level(16, 0.9, 201, _LINE),
-            Level(32, 0.9, 201, _FEW),
+            Level(32, 0.9, 201, _LINE_SHORT),
         ),
         trajectories=(
             (2, 0.9), (4, 0.9), (8, 0.9), (8, 0.45), (8, 0.225), (16, 0.9), (32, 0.9), (64, 0.9),
@@ -136,9 +136,9 @@ CASES = (
         "three", "Bennett linkage, a ± 1 %, E ± 5 %, K_C ± 10 %", **_BENNETT,
         intervals={"a": 0.01, "E": 0.05, "K_C": 0.10}, held_out=8,
         levels=(
-            Level(4, 0.9, 512, _SPACE_FEW, rounds=2),
+            Level(4, 0.9, 512, _SPACE_SHORT, rounds=2),
             Level(8, 0.9, 768, _SPACE, rounds=4),
-            Level(16, 0.9, 768, _SPACE_FEW + _each("smolyak", (8,)), rounds=5),
+            Level(16, 0.9, 768, _SPACE_SHORT + _grids("smolyak", (8,)), rounds=5),
         ),
     ),
     Case(
@@ -148,7 +148,7 @@ CASES = (
     Case(
         "smooth", "Pendulum of a stiff bar, L ± 1 %, g ± 1 %", "pendulum", "elements", PENDULUM,
         intervals={"L": 0.01, "g": 0.01}, fixed={"E": 2e10}, held_out=6, instants=1001,
-        levels=tuple(Level(n, 0.9, 2048, _SPACE_FEW) for n in (2, 4, 8)),
+        levels=tuple(Level(n, 0.9, 2048, _SPACE_SHORT) for n in (2, 4, 8)),
         trajectories=((2, 0.9), (4, 0.9), (4, 0.45), (8, 0.9), (16, 0.9)),
     ),
 )  # fmt: skip

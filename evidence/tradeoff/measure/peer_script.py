@@ -31,16 +31,16 @@ def openturns(data):
 
     k = data["points"].shape[1]
     start = time.perf_counter()
-    one = peer.Uniform(-1, 1)
+    uniform = peer.Uniform(-1, 1)
     basis = peer.OrthogonalProductPolynomialFactory(
-        [peer.StandardDistributionPolynomialFactory(one)] * k, peer.LinearEnumerateFunction(k)
+        [peer.StandardDistributionPolynomialFactory(uniform)] * k, peer.LinearEnumerateFunction(k)
     )
     size = basis.getEnumerateFunction().getBasisSizeFromTotalDegree(int(data["degree"]))
     inputs, outputs = (peer.Sample(data[key].tolist()) for key in ("points", "values"))
     algorithm = peer.FunctionalChaosAlgorithm(
         inputs,
         outputs,
-        peer.JointDistribution([one] * k),
+        peer.JointDistribution([uniform] * k),
         peer.FixedStrategy(basis, size),
         peer.LeastSquaresStrategy(),
     )
@@ -64,14 +64,14 @@ def pyuncertainnumber(data):
         "subinterval 32": {"interval_strategy": "subinterval", "n_sub": 32},
         "ga": {"interval_strategy": "ga"},
     }
-    found = {"version": version("pyuncertainnumber")}
+    result = {"version": version("pyuncertainnumber")}
     for name, options in methods.items():
         if "n_sub" in options:
             options["subinterval_style"] = "endpoints"
         bounds, calls, start = [], [], time.perf_counter()
         instants = data["curves"].T[:1] if name == "ga" else data["curves"].T
         for curve in instants:
-            model = Counted(data["line"], curve)
+            model = CountedCurve(data["line"], curve)
             propagate = getattr(module, "b2b", module)
             # the endpoints take two variables or more (one has no width), ga takes a lone one
             box = [pba.I(-1, 1)] if name == "ga" else [pba.I(-1, 1), pba.I(0, 0)]
@@ -79,30 +79,30 @@ def pyuncertainnumber(data):
             bounds.append([float(interval.lo), float(interval.hi)])
             calls.append(model.calls)
         key = name.replace(" ", "_")
-        found[f"{key}_bounds"] = np.array(bounds)
-        found[f"{key}_calls"] = np.mean(calls)
-        found[f"{key}_seconds"] = (time.perf_counter() - start) / len(instants)
-    return found
+        result[f"{key}_bounds"] = np.array(bounds)
+        result[f"{key}_calls"] = np.mean(calls)
+        result[f"{key}_seconds"] = (time.perf_counter() - start) / len(instants)
+    return result
 
 
-class Counted:
+class CountedCurve:
     """A curve over the parameter that counts the different points at which it is asked for."""
 
     def __init__(self, line, curve):
-        self.line, self.curve, self.seen = line, curve, set()
+        self.line, self.curve, self.points = line, curve, set()
 
     @property
     def calls(self):
         """Number of runs that the model would have cost."""
-        return len(self.seen)
+        return len(self.points)
 
     def __call__(self, x):
         x = np.atleast_2d(np.asarray(x, dtype=float))
-        self.seen.update(x[:, 0].tolist())
+        self.points.update(x[:, 0].tolist())
         return np.interp(x[:, 0], self.line, self.curve)
 
 
 if __name__ == "__main__":
-    with np.load(sys.argv[2]) as given:
-        result = globals()[sys.argv[1]](dict(given))
+    with np.load(sys.argv[2]) as data:
+        result = globals()[sys.argv[1]](dict(data))
     np.savez(sys.argv[3], **result)

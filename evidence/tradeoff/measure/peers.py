@@ -42,12 +42,12 @@ def measure_peers(tell: Callable[[str], object] = print) -> dict:
         points = np.concatenate([design.points, tested])
         line = scan_of(case, 401) if name == "one" else points[:0]
         runs = simulate(case, ELEMENTS, 0.9, np.concatenate([points, line]))
-        given = _problem(case, choice, design, runs, tested)
-        tell(f"peers: {len(given['points'])} runs of case {name}, {choice.label}")
-        fits.append({"by": "intervals", "case": name, **_own_fit(design, given)})
+        problem = _problem(case, choice, design, runs, tested)
+        tell(f"peers: {len(problem['points'])} runs of case {name}, {choice.label}")
+        fits.append({"by": "intervals", "case": name, **_own_fit(design, problem)})
         for peer in ("chaospy", "openturns"):
-            found = run_peer(peer, given)
-            row = found if "skipped" in found else _fit_error(found, given)
+            answer = run_peer(peer, problem)
+            row = answer if "skipped" in answer else _fit_error(answer, problem)
             fits.append({"by": peer, "case": name, **row})
         if name == "one":
             bounds = _bounds(case, runs, line)
@@ -68,38 +68,40 @@ def _problem(case: Case, choice: Choice, design, runs: Runs, tested: np.ndarray)
     }
 
 
-def _own_fit(design, given: dict) -> dict:
+def _own_fit(design, problem: dict) -> dict:
     start = time.perf_counter()
-    surrogate = intervals.fit(design, given["values"])
+    surrogate = intervals.fit(design, problem["values"])
     seconds = time.perf_counter() - start
-    return _fit_error({"seconds": seconds, "predicted": surrogate.evaluate(given["tested"])}, given)
-
-
-def _fit_error(found: dict, given: dict) -> dict:
-    """Seconds, and rms error at the tested points as a share of each response's spread, worst."""
-    off = (found["predicted"] - given["truth"]).reshape(
-        len(given["truth"]), len(given["scales"]), -1
+    return _fit_error(
+        {"seconds": seconds, "predicted": surrogate.evaluate(problem["tested"])}, problem
     )
-    error = np.sqrt((off**2).mean(axis=(0, 2))) / given["scales"]
+
+
+def _fit_error(answer: dict, problem: dict) -> dict:
+    """Seconds, and rms error at the tested points as a share of each response's spread, worst."""
+    errors = (answer["predicted"] - problem["truth"]).reshape(
+        len(problem["truth"]), len(problem["scales"]), -1
+    )
+    error = np.sqrt((errors**2).mean(axis=(0, 2))) / problem["scales"]
     return {
-        "seconds": float(found["seconds"]),
+        "seconds": float(answer["seconds"]),
         "error": float(error.max()),
-        "fits": int(given["values"].shape[1]),
-        "version": str(found.get("version", "")),
+        "fits": int(problem["values"].shape[1]),
+        "version": str(answer.get("version", "")),
     }
 
 
 def _bounds(case: Case, runs: Runs, line: np.ndarray) -> list[dict]:
     """Bounds of the velocity at a few instants between the closures: error and calls of methods."""
     rows = intervals.match_points(line, runs.unit)
-    at = np.linspace(0.45, 0.85, INSTANTS) * (len(runs.time) - 1)
-    curves = runs.values[rows, 1][:, at.astype(int)]
+    indices = np.linspace(0.45, 0.85, INSTANTS) * (len(runs.time) - 1)
+    curves = runs.values[rows, 1][:, indices.astype(int)]
     low, high = curves.min(axis=0), curves.max(axis=0)
     width = (high - low).mean()
 
-    def errors(found: np.ndarray) -> list[float]:
-        n = len(found)
-        return (intervals.hausdorff(*found.T, low[:n], high[:n]) / width).tolist()
+    def errors(bounds: np.ndarray) -> list[float]:
+        n = len(bounds)
+        return (intervals.hausdorff(*bounds.T, low[:n], high[:n]) / width).tolist()
 
     def runs_at(points: np.ndarray) -> np.ndarray:
         return np.array([np.interp(points[:, 0], line[:, 0], c) for c in curves.T]).T
@@ -124,24 +126,24 @@ def _bounds(case: Case, runs: Runs, line: np.ndarray) -> list[dict]:
             method = f"{name}, order {order}" if name == "polynomial" else "spline, even points"
             row = _row("intervals", method, order + 1, seconds[name], errors(ends))
             table.append({**row, "model": name})
-    found = run_peer("pyuncertainnumber", {"line": line[:, 0], "curves": curves})
-    if "skipped" in found:
-        return [*table, {"by": "pyuncertainnumber", **found}]
-    for key in found:
+    answer = run_peer("pyuncertainnumber", {"line": line[:, 0], "curves": curves})
+    if "skipped" in answer:
+        return [*table, {"by": "pyuncertainnumber", **answer}]
+    for key in answer:
         if key.endswith("_bounds"):
             name = key.removesuffix("_bounds")
-            calls, seconds = float(found[f"{name}_calls"]), float(found[f"{name}_seconds"])
+            calls, seconds = float(answer[f"{name}_calls"]), float(answer[f"{name}_seconds"])
             method = name.replace("_", " ")
-            table.append(_row("pyuncertainnumber", method, calls, seconds, errors(found[key])))
+            table.append(_row("pyuncertainnumber", method, calls, seconds, errors(answer[key])))
     return table
 
 
-def _row(by: str, method: str, calls: float, seconds: float, errors: list[float]) -> dict:
+def _row(tool: str, method: str, calls: float, seconds: float, errors: list[float]) -> dict:
     """Calls and seconds an instant; errors, shares of the mean width, of the first instants."""
-    return {"by": by, "method": method, "calls": calls, "seconds": seconds, "errors": errors}
+    return {"by": tool, "method": method, "calls": calls, "seconds": seconds, "errors": errors}
 
 
-def run_peer(peer: str, given: dict) -> dict:
+def run_peer(peer: str, problem: dict) -> dict:
     """What peer_script.py finds, or {"skipped": why}."""
     variable, command = PEERS[peer]
     python = interpreter(peer, variable)
@@ -149,14 +151,14 @@ def run_peer(peer: str, given: dict) -> dict:
         return {"skipped": f"not installed: {command} (any environment; {variable}=its python)"}
     with tempfile.TemporaryDirectory() as folder:
         files = [str(Path(folder) / name) for name in ("given.npz", "found.npz")]
-        np.savez(files[0], **given)
+        np.savez(files[0], **problem)
         script = Path(__file__).with_name("peer_script.py")
         try:
             call = [python, str(script), peer, *files]
-            done = subprocess.run(call, capture_output=True, text=True, timeout=120, check=False)
+            process = subprocess.run(call, capture_output=True, text=True, timeout=120, check=False)
         except (OSError, subprocess.TimeoutExpired) as error:
             return {"skipped": f"could not be run: {error}"}
-        if done.returncode:
-            return {"skipped": "failed: " + (done.stderr.strip().splitlines() or ["?"])[-1]}
-        with np.load(files[1]) as found:
-            return {key: found[key] for key in found}
+        if process.returncode:
+            return {"skipped": "failed: " + (process.stderr.strip().splitlines() or ["?"])[-1]}
+        with np.load(files[1]) as answer:
+            return {key: answer[key] for key in answer}

@@ -70,7 +70,7 @@ def _measure_level(
         tested = held_out_of(case, choice, design)
         band = bounds.take_bounds(choice, design, tested, runs)
         # a spline goes through the held-out runs too
-        used = design.runs + (len(tested) if choice.model == "spline" else 0)
+        count = design.runs + (len(tested) if choice.model == "spline" else 0)
         record = {
             "level": level.label,
             "elements": level.elements,
@@ -78,9 +78,9 @@ def _measure_level(
             "step": runs.step,
             "choice": choice.label,
             **asdict(choice),
-            "runs": used,
-            "held_out": design.runs + len(tested) - used,
-            "cpu": runs.cost(used) + band.cpu,
+            "runs": count,
+            "held_out": design.runs + len(tested) - count,
+            "cpu": runs.cost(count) + band.cpu,
             "cpu_batch": runs.cpu,
             "cpu_bounds": band.cpu,
             "lanes": LANES,
@@ -99,21 +99,21 @@ def _measure_trajectories(case: Case, phases: dict[str, np.ndarray], tell) -> li
     if not case.trajectories:
         return []
     points = np.linspace(-1.0, 1.0, LANES)[:, None] * np.ones(len(case.intervals))
-    found = []
+    all_runs = []
     for elements, safety in case.trajectories:
         tell(f"{case.name}: single runs with {elements} elements, {safety} of the stable step")
-        found.append(simulate(case, elements, safety, points))
+        all_runs.append(simulate(case, elements, safety, points))
     # what the step alone does: against the smallest step on the same mesh
     smallest = {}
-    for (elements, _), runs in zip(case.trajectories, found, strict=True):
-        kept = smallest.setdefault(elements, runs)
-        smallest[elements] = min(kept, runs, key=lambda r: r.step)
+    for (elements, _), runs in zip(case.trajectories, all_runs, strict=True):
+        best = smallest.setdefault(elements, runs)
+        smallest[elements] = min(best, runs, key=lambda r: r.step)
     rows = []
-    for (elements, safety), runs in zip(case.trajectories, found, strict=True):
+    for (elements, safety), runs in zip(case.trajectories, all_runs, strict=True):
         row = {"elements": elements, "safety": safety, "step": runs.step, "cpu": runs.cpu / LANES}
-        for key, exact in (("rms", found[-1]), ("rms_step", smallest[elements])):
-            off = runs.values - exact.values
-            row[key] = [bounds.rms(off[:, i], phases) for i in range(off.shape[1])]
+        for key, exact in (("rms", all_runs[-1]), ("rms_step", smallest[elements])):
+            errors = runs.values - exact.values
+            row[key] = [bounds.rms(errors[:, i], phases) for i in range(errors.shape[1])]
         rows.append(row)
     return rows
 

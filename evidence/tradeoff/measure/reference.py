@@ -14,13 +14,13 @@ def seek_runs(level: Level, runs: Runs) -> tuple[Runs, list[Runs]]:
     """The runs with those of the level's rounds, and what there was after each round."""
     rounds = [runs]
     for seed in range(level.rounds):
-        now = rounds[-1]
+        last = rounds[-1]
         points, _ = intervals.seek_points(
-            now.unit, now.values, SEEK, candidates=8192, seed=seed + 1
+            last.unit, last.values, SEEK, candidates=8192, seed=seed + 1
         )
         if not len(points):
             break
-        rounds.append(now.with_runs(simulate(now.case, level.elements, level.safety, points)))
+        rounds.append(last.with_runs(simulate(last.case, level.elements, level.safety, points)))
     return rounds[-1], rounds
 
 
@@ -38,16 +38,16 @@ def missing(case: Case, level: Level, rounds: list[Runs], phases: dict) -> list[
         rows = intervals.match_points(half, last.unit)
         return distance(last.time, hull(last, rows), hull(last), phases)
     first, second, third = map(hull, rounds[-3:])
-    before = distance(last.time, first, second, phases)
-    now = distance(last.time, second, third, phases)
+    previous = distance(last.time, first, second, phases)
+    current = distance(last.time, second, third, phases)
     return [
         {phase: _rest(b[phase], n[phase]) for phase in phases}
-        for b, n in zip(before, now, strict=True)
+        for b, n in zip(previous, current, strict=True)
     ]
 
 
-def _rest(before: dict[str, float], now: dict[str, float]) -> dict[str, float]:
+def _rest(previous: dict[str, float], current: dict[str, float]) -> dict[str, float]:
     key = "hausdorff_integrated"
-    ratio = now[key] / before[key] if before[key] > 0 else 0.5
+    ratio = current[key] / previous[key] if previous[key] > 0 else 0.5
     ratio = min(max(ratio, 0.5), 0.95)
-    return {key: now[key] * ratio / (1.0 - ratio)}
+    return {key: current[key] * ratio / (1.0 - ratio)}

@@ -46,13 +46,13 @@ class Runs:
         """Cpu time (s) of so many runs, in whole batches."""
         return math.ceil(runs / LANES) * self.cpu
 
-    def with_runs(self, more: Runs) -> Runs:
+    def with_runs(self, other_runs: Runs) -> Runs:
         """These runs and more of the same level; the cost of a batch stays that of these."""
         return replace(
             self,
-            unit=np.concatenate([self.unit, more.unit]),
-            values=np.concatenate([self.values, more.values]),
-            events=[*self.events, *more.events],
+            unit=np.concatenate([self.unit, other_runs.unit]),
+            values=np.concatenate([self.values, other_runs.values]),
+            events=[*self.events, *other_runs.events],
         )
 
     def samples(self, points: np.ndarray):
@@ -73,17 +73,17 @@ class Runs:
 def _impacts(events: np.ndarray, gap: float) -> np.ndarray:
     """Times of the events (e, 3) at which a contact closes after all have been open for longer
     than `gap` (s): contacts that close together, and chatter, count once."""
-    shut: set[float] = set()
-    last, found = -np.inf, []
-    for when, contact, closes in events[np.argsort(events[:, 0], kind="stable")]:
+    in_contact: set[float] = set()
+    last, times = -np.inf, []
+    for instant, contact, closes in events[np.argsort(events[:, 0], kind="stable")]:
         if closes:
-            if not shut and when - last > gap:
-                found.append(when)
-            shut.add(contact)
+            if not in_contact and instant - last > gap:
+                times.append(instant)
+            in_contact.add(contact)
         else:
-            shut.discard(contact)
-        last = when
-    return np.array(found)
+            in_contact.discard(contact)
+        last = instant
+    return np.array(times)
 
 
 def simulate(case: Case, elements: int, safety: float, unit: np.ndarray) -> Runs:

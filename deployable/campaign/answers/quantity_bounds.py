@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from deployable.campaign.answers.bench import SAME, Bench
-from deployable.campaign.answers.limits import Asked, judged
+from deployable.campaign.answers.evaluations import SAME_POINT, ModelEvaluator
+from deployable.campaign.answers.limits import LimitSpec, assess_limits
 
 _UNDECIDED = 1e-3  # volume fraction of the box at which the search for a surface stops
 _SURFACE = 8  # runs of an iteration about a limit-state surface: eight take what three do
 
 
 @dataclass(frozen=True)
-class Ends:
+class QuantityBounds:
     """Bounds of a quantity, by its surrogate and by the runs.
 
     surrogate: `intervals.scalars.ScalarSurrogate` from all runs; surrogate_range: the `Extremes` of
@@ -47,45 +47,49 @@ class Ends:
         return max((e.error for e in self.estimates), default=np.nan)
 
 
-def settle(bench: Bench, rounds: int, asked: Sequence[Asked] = ()) -> list[Ends]:
+def converge_bounds(
+    model: ModelEvaluator, max_iterations: int, specs: Sequence[LimitSpec] = ()
+) -> list[QuantityBounds]:
     """The bounds of all quantities, after at most so many iterations of further runs: at the bounds
     of the surrogates and where runs may still extend them, about limit-state surfaces of events,
     and at the points that decide the limits that are asked."""
-    mispredictions = np.zeros((len(bench.experiment.numbers), 2))
-    for number in range(rounds + 1):
-        surrogates = bench.surrogates()
-        bounds = [_bounds(bench, q, s, mispredictions[q]) for q, s in enumerate(surrogates)]
-        if number == rounds:
+    mispredictions = np.zeros((len(model.experiment.numbers), 2))
+    for iteration in range(max_iterations + 1):
+        surrogates = model.surrogates()
+        bounds = [_bounds(model, q, s, mispredictions[q]) for q, s in enumerate(surrogates)]
+        if iteration == max_iterations:
             break
-        points = [point for one in bounds for point in _infill(one)]
-        if asked:
-            places = judged(bench, surrogates, asked).places
-            points += [point for point in places if bench.nearest(point)[1] > SAME]
-        count = len(bench.unit)
-        bench.add(points)
-        if len(bench.unit) == count:
+        points = [point for b in bounds for point in _infill(b)]
+        if specs:
+            decisive = assess_limits(model, surrogates, specs).points
+            points += [point for point in decisive if model.nearest(point)[1] > SAME_POINT]
+        count = len(model.unit)
+        model.add(points)
+        if len(model.unit) == count:
             break
-        mispredictions = _mispredictions(bench, bounds, mispredictions)
+        mispredictions = _mispredictions(model, bounds, mispredictions)
     return bounds
 
 
-def _bounds(bench: Bench, q: int, surrogate: Any, mispredictions: np.ndarray) -> Ends:
+def _bounds(
+    model: ModelEvaluator, q: int, surrogate: Any, mispredictions: np.ndarray
+) -> QuantityBounds:
     from deployable.intervals.scalars import TOLERANCE, estimate_bounds
 
-    surrogate_range, values = surrogate.range(), bench.numbers[:, q]
+    surrogate_range, values = surrogate.range(), model.numbers[:, q]
     if not np.isfinite(values).any():
-        nowhere = np.full(bench.unit.shape[1], np.nan)
-        return Ends(surrogate, surrogate_range, np.nan, np.nan, nowhere, nowhere)
+        nowhere = np.full(model.unit.shape[1], np.nan)
+        return QuantityBounds(surrogate, surrogate_range, np.nan, np.nan, nowhere, nowhere)
     rows = int(np.nanargmin(values)), int(np.nanargmax(values))
     lower, upper = (float(values[row]) for row in rows)
-    estimates = estimate_bounds(surrogate, bench.unit, values, mispredictions)
+    estimates = estimate_bounds(surrogate, model.unit, values, mispredictions)
     tolerance = TOLERANCE * max(upper - lower, surrogate_range.width)
     unconverged = surrogate_range.low < lower - tolerance, surrogate_range.high > upper + tolerance
-    points = bench.unit[list(rows)]
-    return Ends(surrogate, surrogate_range, lower, upper, *points, estimates, unconverged)
+    points = model.unit[list(rows)]
+    return QuantityBounds(surrogate, surrogate_range, lower, upper, *points, estimates, unconverged)
 
 
-def _infill(bounds: Ends) -> list[np.ndarray]:
+def _infill(bounds: QuantityBounds) -> list[np.ndarray]:
     """Unit points (k) of the next runs for one quantity."""
     points = [point for estimate in bounds.estimates for point in estimate.points]
     occurrence = bounds.surrogate.occurrence
@@ -94,19 +98,21 @@ def _infill(bounds: Ends) -> list[np.ndarray]:
     return points
 
 
-def _mispredictions(bench: Bench, bounds: list[Ends], known: np.ndarray) -> np.ndarray:
+def _mispredictions(
+    model: ModelEvaluator, bounds: list[QuantityBounds], previous: np.ndarray
+) -> np.ndarray:
     """By how much (q, 2) the surrogates' bounds differ from the runs that were made there, infinite
     where these have no number; what was known before where no run was made."""
-    mispredictions = known.copy()
-    for q, one in enumerate(bounds):
-        ends = (
-            (one.surrogate_range.low, one.surrogate_range.argmin),
-            (one.surrogate_range.high, one.surrogate_range.argmax),
+    mispredictions = previous.copy()
+    for q, b in enumerate(bounds):
+        extremes = (
+            (b.surrogate_range.low, b.surrogate_range.argmin),
+            (b.surrogate_range.high, b.surrogate_range.argmax),
         )
-        for side, (value, point) in enumerate(ends):
-            if one.unconverged[side]:
-                row, distance = bench.nearest(point)
-                difference = abs(bench.numbers[row, q] - value)
-                if distance <= SAME:
+        for side, (value, point) in enumerate(extremes):
+            if b.unconverged[side]:
+                row, distance = model.nearest(point)
+                difference = abs(model.numbers[row, q] - value)
+                if distance <= SAME_POINT:
                     mispredictions[q, side] = difference if np.isfinite(difference) else np.inf
     return mispredictions

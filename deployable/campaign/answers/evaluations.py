@@ -23,17 +23,17 @@ from deployable.campaign.runs.progress import Tell, warm_up
 from deployable.campaign.runs.results import RunRecord
 from deployable.campaign.runs.store import open_store
 
-# In unit coordinates: places nearer than this have one run, or need none of their own.
-NEAR, SAME = 1e-6, 2e-4
+# In unit coordinates: points nearer than this have one run, or need none of their own.
+SAME_RUN, SAME_POINT = 1e-6, 2e-4
 
 
-class Bench:
-    """Runs of a plan's experiment at unit points `unit` (R, k), with the numbers (R, q) of their
-    quantities and by how much they have these, the `margins` (R, q); `further` are those that were
-    asked for here, `simulated` of which were not there.
+class ModelEvaluator:
+    """Model evaluations at unit points `unit` (R, k): quantity values `numbers` (R, q) and event
+    `margins` (R, q), positive where the event occurs; `further` are those that were requested
+    here, `simulated` of which were not stored.
 
-    Of a large scan it has some of the runs (`fitted_rows`): `others` (q) counts the rest of them
-    that have each number, `left_out` the rest.
+    Of a large scan it has some of the runs (`fitted_rows`): `unfitted` counts the rest of
+    them, `unfitted_with` (q) those of the rest that have each number.
     """
 
     def __init__(
@@ -46,34 +46,34 @@ class Bench:
         self.unit = np.zeros((0, len(plan.experiment.intervals)))
         self.numbers = np.zeros((0, len(plan.experiment.quantities)))
         self.margins = self.numbers
-        self.others, self.left_out = np.zeros(len(plan.experiment.quantities), int), 0
+        self.unfitted_with, self.unfitted = np.zeros(len(plan.experiment.quantities), int), 0
         self.further: list[PlannedRun] = []
         self.simulated = 0
 
     @classmethod
-    def of(
+    def from_folder(
         cls, folder: Folder, jobs: Jobs, tell: Tell, threads: int = 1, further: bool = False
-    ) -> Bench:
+    ) -> ModelEvaluator:
         """The runs of a campaign that was sampled, perhaps with the further ones of quantities."""
-        bench = cls(read_plan(folder.plan), jobs, folder, tell, threads)
+        model = cls(read_plan(folder.plan), jobs, folder, tell, threads)
         with open_netcdf(folder.samples) as samples:
             unit = samples["normalized"][:]
             numbers = np.zeros((len(unit), 0))
-            if bench.experiment.quantities:
+            if model.experiment.quantities:
                 numbers = samples["quantities"][:]
             rows = fitted_rows(numbers)
-            bench.margins = margins_of_samples(bench.experiment, samples, rows)
-        bench.unit, bench.numbers = unit[rows], numbers[rows]
-        bench.left_out = len(numbers) - len(rows)
-        bench.others = np.isfinite(np.delete(numbers, rows, axis=0)).sum(axis=0)
+            model.margins = margins_of_samples(model.experiment, samples, rows)
+        model.unit, model.numbers = unit[rows], numbers[rows]
+        model.unfitted = len(numbers) - len(rows)
+        model.unfitted_with = np.isfinite(np.delete(numbers, rows, axis=0)).sum(axis=0)
         if further:
             with open_netcdf(folder.further) as file:
                 if len(points := file["normalized"][:]):
-                    bench.unit = np.concatenate([bench.unit, points])
-                    bench.numbers = np.concatenate([bench.numbers, file["quantities"][:]])
-                    bench.margins = np.concatenate([bench.margins, file["margin"][:]])
-                    bench.further += runs_at(bench.plan, points)
-        return bench
+                    model.unit = np.concatenate([model.unit, points])
+                    model.numbers = np.concatenate([model.numbers, file["quantities"][:]])
+                    model.margins = np.concatenate([model.margins, file["margin"][:]])
+                    model.further += runs_at(model.plan, points)
+        return model
 
     @property
     def experiment(self) -> Experiment:
@@ -87,17 +87,17 @@ class Bench:
 
     def nearest(self, point: np.ndarray) -> tuple[int, float]:
         """The run nearest to a unit point (k), and how far it is (largest coordinate)."""
-        apart = np.abs(self.unit - point).max(axis=1)
-        at = int(apart.argmin())
-        return at, float(apart[at])
+        distances = np.abs(self.unit - point).max(axis=1)
+        row = int(distances.argmin())
+        return row, float(distances[row])
 
-    def place(self, at: np.ndarray, q: int) -> dict:
+    def describe_point(self, point: np.ndarray, q: int) -> dict:
         """A unit point (k) as parameter values `at`, whether there is a run there (`ran`), and what
         was `simulated` of quantity number `q`: None where there is no run, or no number."""
         box = self.experiment.box
-        values = dict(zip(box.names, map(float, box.from_unit(at)), strict=True))
-        run, apart = self.nearest(at)
-        ran = bool(apart <= SAME)
+        values = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
+        run, distance = self.nearest(point)
+        ran = bool(distance <= SAME_POINT)
         value = self.numbers[run, q] if ran else np.nan
         return {"at": values, "ran": ran, "simulated": number(value)}
 
@@ -106,21 +106,21 @@ class Bench:
 
         Raises `CampaignError` if one fails.
         """
-        wanted: list[np.ndarray] = []
+        additions: list[np.ndarray] = []
         for point in points:
-            known = np.array([*self.unit, *wanted]).reshape(-1, self.unit.shape[1])
-            if not (np.abs(known - point).max(axis=1) <= NEAR).any():
-                wanted.append(np.asarray(point, dtype=float))
-        if wanted:
-            numbers, margins = self.told(self.plan, wanted)
+            present = np.array([*self.unit, *additions]).reshape(-1, self.unit.shape[1])
+            if not (np.abs(present - point).max(axis=1) <= SAME_RUN).any():
+                additions.append(np.asarray(point, dtype=float))
+        if additions:
+            numbers, margins = self.evaluate(self.plan, additions)
             self.numbers = np.concatenate([self.numbers, numbers])
             self.margins = np.concatenate([self.margins, margins])
-            self.unit = np.concatenate([self.unit, wanted])
-            self.further += runs_at(self.plan, wanted)
+            self.unit = np.concatenate([self.unit, additions])
+            self.further += runs_at(self.plan, additions)
         return np.array([self.nearest(point)[0] for point in points], dtype=int)
 
     @property
-    def different(self) -> np.ndarray:
+    def distinct_rows(self) -> np.ndarray:
         """Rows of runs, each once: the nominal run may be a node, too."""
         return np.sort(np.unique(np.round(self.unit, 9) + 0.0, axis=0, return_index=True)[1])
 
@@ -129,18 +129,18 @@ class Bench:
         from deployable.intervals.scalars import fit_scalar
 
         end = self.experiment.solver.duration
-        asked = zip(self.numbers.T, self.margins.T, self.experiment.numbers, strict=True)
+        columns = zip(self.numbers.T, self.margins.T, self.experiment.numbers, strict=True)
         return [
             fit_scalar(self.unit, column, end if q.is_time else None, q.least, margin)
-            for column, margin, q in asked
+            for column, margin, q in columns
         ]
 
-    def told(self, plan: Plan, points: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    def evaluate(self, plan: Plan, points: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """Numbers and margins (P, q) of a plan's runs at unit points (P, k), simulated unless the
         store has them."""
-        found = self.records(plan, runs_at(plan, points))
-        margins = margins_of(self.experiment, np.array([one.values for one in found]))
-        return np.array([one.numbers for one in found]), margins
+        records = self.records(plan, runs_at(plan, points))
+        margins = margins_of(self.experiment, np.array([record.values for record in records]))
+        return np.array([record.numbers for record in records]), margins
 
     def records(self, plan: Plan, runs: Sequence[PlannedRun]) -> list[RunRecord]:
         """What there is of runs of a plan, simulated unless the store has them.
@@ -148,7 +148,7 @@ class Bench:
         Raises `CampaignError` if one fails.
         """
         store = open_store(self.keep, self.store, plan.experiment)
-        found, simulation = {}, Simulation(plan, self.jobs.group, self.threads)
+        records, simulation = {}, Simulation(plan, self.jobs.group, self.threads)
         for group in store.groups(Runs.of(runs).unique(), self.jobs.group):
             missing = store.missing(group)
             tell_again(store, self.tell)
@@ -157,10 +157,10 @@ class Bench:
                 scene = plan.experiment.build(plan.named(missing[0]))
                 warm_up(scene, self.tell, plan.experiment.record)
                 store.write(group, simulation.results(missing, store.previous_columns(missing)))
-            found |= store.read(group)
+            records |= store.read(group)
         self.simulated += simulation.count
         simulation.check()
-        return [found[run.id] for run in runs]
+        return [records[run.id] for run in runs]
 
 
 def runs_at(plan: Plan, points: Sequence[np.ndarray]) -> list[PlannedRun]:
@@ -168,8 +168,8 @@ def runs_at(plan: Plan, points: Sequence[np.ndarray]) -> list[PlannedRun]:
     experiment, runs = plan.experiment, []
     for point in points:
         values = tuple(map(float, experiment.box.from_unit(point)))
-        named = dict(zip(experiment.intervals, values, strict=True))
-        name = run_id(experiment, experiment.parameters(named), plan.time.step, plan.mechanics)
+        intervals = dict(zip(experiment.intervals, values, strict=True))
+        name = run_id(experiment, experiment.parameters(intervals), plan.time.step, plan.mechanics)
         runs.append(PlannedRun(name, "further", tuple(map(float, point)), values))
     return runs
 

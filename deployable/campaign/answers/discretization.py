@@ -1,0 +1,264 @@
+"""Discretization error of the bounds: runs at the extreme points are repeated, once with half the
+time step, and once with that on a mesh twice as fine.
+
+Each component begins with what changes beside the runs before: a finer mesh takes half the step
+anyway, which so counts once. The change is continued to what all further halvings would change, by
+the order at which it falls: a few runs with a quarter of the step, and on a mesh half as fine,
+show it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from deployable.campaign.answers.evaluations import ModelEvaluator, runs_at
+from deployable.campaign.answers.limit_states import estimate_limit_state_error
+from deployable.campaign.answers.quantity_bounds import QuantityBounds, converge_bounds
+from deployable.campaign.config.sections import Experiment, Jobs, Verify
+from deployable.campaign.errors import CampaignError
+from deployable.campaign.folder import Folder
+from deployable.campaign.plan.plan import Plan, TimeStep, choose_step
+from deployable.campaign.runs.progress import Tell
+from deployable.intervals.estimates import refinement_ratio, richardson_error
+
+MAX_POINTS = 8
+"""Points at which runs are repeated for the responses: eight side by side cost what three do."""
+
+_HALVINGS = 6
+"""Of the way on which finer runs cease to have a number."""
+
+MAX_POINT_DISTANCE = 0.1
+"""In unit coordinates: a planned run so near a point stands for it."""
+
+
+COMPONENTS = ("step", "mesh")
+
+
+def checked_components(plan: Plan, verify: Verify) -> tuple[str, ...]:
+    """Which of step and mesh the bounds of a plan are to be checked for."""
+    if plan.experiment.is_sought:
+        return plan.adaptive.check
+    return COMPONENTS if verify.discretization else ()
+
+
+def check_bounds(
+    folder: Folder,
+    bounds: Any,
+    jobs: Jobs,
+    tell: Tell,
+    threads: int = 1,
+    components: tuple = COMPONENTS,
+) -> Any:
+    """The bounds' dataset of a campaign in `folder` with the errors of `step` and `mesh` added.
+
+    Of an `accuracy`, whose rounds look at quantities too, it also has, over quantity,
+    ``quantity_error_<component>``.
+    """
+    from deployable import intervals
+
+    model = ModelEvaluator.from_folder(folder, jobs, tell, threads)
+    dataset = intervals.add_errors(bounds, _curve_errors(model, bounds, components))
+    if model.experiment.is_sought and model.experiment.quantities:
+        errors = estimate_discretization_errors(model, converge_bounds(model, 0), components)
+        text = "error of the ends by their {}".format
+        dataset = dataset.assign(
+            {
+                f"quantity_error_{name}": ("quantity", e.max(axis=1), {"long_name": text(name)})
+                for name, e in errors.items()
+            }
+        )
+    names = " and ".join(components)
+    tell(f"{model.experiment.name}: the places that decide were run again with a finer {names}")
+    return dataset
+
+
+class RefinementLevel(NamedTuple):
+    """Plans that show a component of the error: `finer` than the one before, and a `third`, half
+    as fine as that or twice as fine as the finer one (`ends_finest`); None where there is none."""
+
+    finer: Plan
+    third: Plan | None
+    ends_finest: bool
+
+    def ratio(self, coarse: np.ndarray, fine: np.ndarray, third: np.ndarray) -> np.ndarray:
+        """How many times less the later of two halvings changes numbers (..., T) or (...), by their
+        means over T; coarse, fine: without and with the finer mesh or step."""
+        levels = (coarse, fine, third) if self.ends_finest else (third, coarse, fine)
+        return refinement_ratio(*(_mean_size(change) for change in np.diff(levels, axis=0)))
+
+
+def _mean_size(change: np.ndarray) -> np.ndarray:
+    return np.abs(change) if change.ndim == 1 else np.abs(change).mean(axis=-1)
+
+
+def estimate_discretization_errors(
+    model: ModelEvaluator, bounds: list[QuantityBounds], components: tuple = COMPONENTS
+) -> dict[str, np.ndarray]:
+    """Errors (q, 2) of `step` and `mesh` by name: of the lower and upper bound of each quantity,
+    by the order at the one that a finer one changes most. Where the finer run at an end has no
+    number, by that of the one nearest to it that has. NaN where there is none; no mesh where no
+    parameter sets it.
+    """
+    points = np.array([point for b in bounds for point in (b.argmin, b.argmax)])
+    values = np.array([value for b in bounds for value in (b.lower, b.upper)])
+    q, errors = np.repeat(np.arange(len(bounds)), 2), {}
+
+    def numbers(plan: Plan, rows: np.ndarray) -> np.ndarray:
+        """Values at chosen points, by runs of the plan, of the quantity whose bound it is."""
+        results, finite = np.full(len(rows), np.nan), np.isfinite(points[rows]).all(axis=1)
+        if finite.any():
+            evaluated, _ = model.evaluate(plan, points[rows][finite])
+            results[finite] = evaluated[np.arange(len(evaluated)), q[rows][finite]]
+        return results
+
+    for name, level in _levels(model.plan, components).items():
+        finer_values = numbers(level.finer, np.arange(len(points)))
+        lost_rows = np.isfinite(values) & ~np.isfinite(finer_values)
+        if lost_rows.any():
+            points[lost_rows], finer_values[lost_rows] = _find_nearest_values(
+                model, level.finer, q[lost_rows], points[lost_rows]
+            )
+        change = np.abs(finer_values - values).reshape(-1, 2)
+        worst = 2 * np.arange(len(bounds)) + np.nan_to_num(change).argmax(axis=1)
+        ratio = _evaluate_third(model, level, lambda plan, worst=worst: numbers(plan, worst))
+        if ratio is not None:  # which tells no order beside a run at another place
+            ratio = level.ratio(
+                values[worst], finer_values[worst], np.where(lost_rows[worst], np.nan, ratio)
+            )
+        errors[name] = richardson_error(change, None if ratio is None else ratio[:, None])
+        values = finer_values
+    return errors
+
+
+def _find_nearest_values(
+    model: ModelEvaluator, plan: Plan, indices: np.ndarray, points: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Unit points (P, k) and numbers (P) of the runs of a plan that have quantities `indices` (P),
+    nearest to points at which they do not, on the way to the middle of all runs that have them."""
+    inner = np.array([model.unit[np.isfinite(model.numbers[:, q])].mean(axis=0) for q in indices])
+    values, _ = model.evaluate(plan, inner)
+    numbers, row = values[np.arange(len(indices)), indices], np.arange(len(indices))
+    for _ in range(_HALVINGS):
+        middle = (points + inner) / 2
+        current = model.evaluate(plan, middle)[0][row, indices]
+        exists = np.isfinite(current)
+        numbers = np.where(exists, current, numbers)
+        points, inner = (
+            np.where(exists[:, None], *pair) for pair in ((points, middle), (middle, inner))
+        )
+    return inner, numbers
+
+
+def estimate_fraction_errors(
+    model: ModelEvaluator, bounds: list[QuantityBounds], errors: dict[str, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """What the runs are wrong by (q,) by mesh and step, for shares of the box: the numbers, by the
+    errors of their bounds, and next to where they cease if that passes a bound; and the certainty
+    that there are any. Infinite where finer runs tell that it is wrong, not how much."""
+    numbers, shifts = np.zeros(len(bounds)), np.zeros(len(bounds))
+    if not errors:
+        return numbers, shifts
+    *_, finest = _levels(model.plan, tuple(errors)).values()
+    for q, b in enumerate(bounds):
+        if b.surrogate.fit is None:
+            continue
+        shifts[q], change = estimate_limit_state_error(
+            model, q, b.surrogate.occurrence, finest.finer
+        )
+        numbers[q] = np.sum([e[q] for e in errors.values()], axis=0).max()
+        values, _ = model.evaluate(finest.finer, [b.argmin, b.argmax])
+        if not np.isfinite(values[:, q]).all():
+            numbers[q] = np.nan_to_num(np.maximum(numbers[q], change), nan=np.inf)
+            shifts[q] = shifts[q] if b.surrogate.occurrence.is_mixed else np.inf
+    return numbers, shifts
+
+
+def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict[str, np.ndarray]:
+    """Errors (n, T) by component: what a finer step or mesh changes at points near which the bounds
+    are attained, which are those of planned runs where there are some nearby. At which order that
+    falls is taken at the point at which it is most."""
+    from deployable import intervals
+
+    box = model.experiment.box
+    attained = [box.to_unit(bounds[name].values) for name in ("argmin", "argmax")]
+    width = (bounds["upper"] - bounds["lower"]).values
+    points = intervals.deciding_places(*attained, width, MAX_POINTS)
+    planned = model.plan.runs.normalized
+    distances = np.abs(planned - points.unit[:, None]).max(axis=2)
+    nearest = distances.argmin(axis=1)
+    tested = np.where(
+        distances.min(axis=1)[:, None] <= MAX_POINT_DISTANCE, planned[nearest], points.unit
+    )
+    curves, errors = _curves(model, model.plan, tested), {}
+    for name, level in _levels(model.plan, components).items():
+        finer_curves = _curves(model, level.finer, tested)
+        change = np.abs(finer_curves - curves)
+        share = change.mean(axis=2) / np.maximum(change.mean(axis=(0, 2)), np.finfo(float).tiny)
+        worst = int(share.sum(axis=1).argmax())
+        third = _evaluate_third(
+            model, level, lambda plan, worst=worst: _curves(model, plan, tested[[worst]])[0]
+        )
+        ratio = (
+            None
+            if third is None
+            else level.ratio(curves[worst], finer_curves[worst], third)[:, None]
+        )
+        errors[name] = richardson_error(points.errors(change), ratio)
+        curves = finer_curves
+    return errors
+
+
+def _evaluate_third(
+    model: ModelEvaluator, level: RefinementLevel, evaluate: Callable[[Plan], np.ndarray]
+) -> np.ndarray | None:
+    """What the third plan of a level gives; None where it has none, or its mesh is too coarse."""
+    if level.third is None:
+        return None
+    try:
+        return evaluate(level.third)
+    except CampaignError as error:
+        name = model.experiment.name
+        model.tell(f"{name}: the order of an error is not measured, and counts as 1: {error}")
+        return None
+
+
+def _curves(model: ModelEvaluator, plan: Plan, unit: np.ndarray) -> np.ndarray:
+    """Responses (P, n, T) of a plan's runs at unit points (P, k)."""
+    return np.array([record.values for record in model.records(plan, runs_at(plan, unit))])
+
+
+def _levels(plan: Plan, components: tuple) -> dict[str, RefinementLevel]:
+    """The plan with half the step, and with that on a mesh twice as fine, those that are asked;
+    and with a quarter of the step, and on a mesh half as fine."""
+    time, experiment, levels = plan.time, plan.experiment, {}
+    if "step" in components:
+        time, quarter = _halved(plan.time), _halved(_halved(plan.time))
+        levels["step"] = RefinementLevel(
+            replace(plan, time=time), replace(plan, time=quarter), True
+        )
+    if "mesh" in components and (mesh := experiment.scene_type.mesh):
+        parameter = experiment.scene_type.parameters[mesh]
+        number = experiment.scene.parameters.get(mesh, parameter.default)
+
+        def with_mesh(number: float) -> Experiment:
+            parameters = {**experiment.scene.parameters, mesh: number}
+            return replace(experiment, scene=replace(experiment.scene, parameters=parameters))
+
+        refined = with_mesh(2 * number)
+        # The step may be too long for the finer mesh.
+        stable = choose_step(replace(refined, solver=replace(refined.solver, step="auto")))
+        step = min(time.step, stable.step)
+        finer = replace(plan, experiment=refined, time=replace(stable, step=step))
+        third = None
+        if number % 2 == 0 and number // 2 >= parameter.lower:
+            third = replace(plan, experiment=with_mesh(number // 2), time=time)
+        levels["mesh"] = RefinementLevel(finer, third, False)
+    return levels
+
+
+def _halved(time: TimeStep) -> TimeStep:
+    return replace(time, step=time.step / 2, steps_per_instant=2 * time.steps_per_instant)

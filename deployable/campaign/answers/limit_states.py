@@ -1,0 +1,103 @@
+"""What mesh and step add to the border of the part of the box in which something happens: runs near
+it again, with the finest of both.
+
+Where these agree about what happens, the border fits the finer runs as well as it does the others.
+Else it moves: by how much finer runs change what the border is told by, as the time of an event
+that may come too late; or, where runs only tell whether it happens, to where finer ones cease to
+differ. That is continued as if it fell at the first order: what happens or not tells no order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from deployable.campaign.answers.evaluations import ModelEvaluator
+from deployable.campaign.plan.plan import Plan
+from deployable.intervals.estimates import richardson_error
+
+_SIDE = 4  # runs at once on each side of a border: eight side by side cost what three do
+_HALVINGS = 3  # of the stretch on which a border lies
+
+
+def estimate_limit_state_error(
+    model: ModelEvaluator, q: int, occurrence: Any, finest: Plan
+) -> tuple[float, float]:
+    """How far the border of quantity `q` moves, as a change of the certainty; and the change of the
+    number next to it, NaN where no run there has it. Where all runs agree, by how much their
+    margins change; 0 where they have none."""
+    happens = np.isfinite(model.numbers[:, q])
+    if occurrence.is_mixed:
+        scores, score = occurrence.certainty(model.unit), occurrence.run_certainty
+    elif np.isfinite(model.margins[:, q]).all():
+        scores, score = model.margins[:, q], lambda numbers, margins: margins
+    else:
+        return 0.0, np.nan
+    shift, number, tested, differs = 0.0, np.nan, np.zeros(0, int), np.zeros(0, bool)
+    for rows in _iterate_rows(np.abs(scores), happens):
+        numbers, margins = (values[:, q] for values in model.evaluate(finest, model.unit[rows]))
+        previous = score(model.numbers[rows, q], model.margins[rows, q])
+        switched = np.isfinite(numbers) != happens[rows]
+        change = np.abs(score(numbers, margins) - previous)
+        size = switched * np.abs(scores[rows])
+        shift = max(shift, float(np.where(np.isfinite(change), change, size).max()))
+        number = np.fmax(number, np.fmax.reduce(np.abs(numbers - model.numbers[rows, q])))
+        tested, differs = np.concatenate([tested, rows]), np.concatenate([differs, switched])
+        if not switched.any() or (np.isfinite(change).all() and np.isfinite(number)):
+            break
+    if differs.any() and not np.isfinite(change).any():
+        segments = _find_segments(
+            model.unit[tested], happens[tested], differs, np.abs(scores[tested])
+        )
+        shift = max(shift, _bisect_segments(model, q, occurrence, finest, *segments))
+    shift, number = map(float, richardson_error(np.array([shift, number])))
+    return shift, number
+
+
+def _iterate_rows(size: np.ndarray, happens: np.ndarray) -> Iterator[np.ndarray]:
+    """Rows of runs on both sides of a border, by the size (R) of what tells where they lie: the
+    nearest first, then each time twice as far in their order."""
+    order = np.argsort(size, kind="stable")
+    sides = order[happens[order]], order[~happens[order]]
+    first, last = 0, _SIDE
+    while first < max(map(len, sides)):
+        stride = max(1, (last - first) // _SIDE)
+        yield np.concatenate([side[first:last:stride] for side in sides])
+        first, last = last, 2 * last
+
+
+def _find_segments(
+    unit: np.ndarray, happens: np.ndarray, differs: np.ndarray, size: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Unit points (P, k) at which finer runs differ, the farthest from the border, and next to each
+    one on its side at which none does."""
+    starts, stops = [], []
+    for row in np.flatnonzero(differs)[np.argsort(-size[differs], kind="stable")][: 2 * _SIDE]:
+        agreeing = np.flatnonzero(~differs & (happens == happens[row]))
+        if len(agreeing):
+            distances = np.linalg.norm(unit[agreeing] - unit[row], axis=1)
+            starts.append(unit[row])
+            stops.append(unit[agreeing[distances.argmin()]])
+    return np.array(starts).reshape(-1, unit.shape[1]), np.array(stops).reshape(-1, unit.shape[1])
+
+
+def _bisect_segments(
+    model: ModelEvaluator,
+    q: int,
+    occurrence: Any,
+    finest: Plan,
+    outer: np.ndarray,
+    inner: np.ndarray,
+) -> float:
+    """The largest size of the certainty at which finer runs differ, between points (P, k)."""
+    if not len(outer):
+        return 0.0
+    happens = occurrence.evaluate(outer)
+    for _ in range(_HALVINGS):
+        middle = (outer + inner) / 2
+        numbers, _ = model.evaluate(finest, middle)
+        switched = (np.isfinite(numbers[:, q]) != happens)[:, None]
+        outer, inner = np.where(switched, middle, outer), np.where(switched, inner, middle)
+    return float(np.abs(occurrence.certainty((outer + inner) / 2)).max())

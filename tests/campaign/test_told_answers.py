@@ -218,10 +218,8 @@ def test_choices_have_the_order_that_is_asked_for_them_and_others_their_own():
 def test_a_bound_is_unconverged_where_the_surrogate_exceeds_all_runs(
     low, high, unconverged, monkeypatch
 ):
-    def estimate_bound(surrogate, extremes, sign, attained, *arguments):
-        return SimpleNamespace(value=attained[0] + sign)
-
-    monkeypatch.setattr(scalars, "estimate_bound", estimate_bound)
+    estimates = SimpleNamespace(value=0.0), SimpleNamespace(value=3.0)
+    monkeypatch.setattr(scalars, "estimate_bounds", lambda *arguments: estimates)
     extremes = Extremes(low, high, np.array([-1.0]), np.array([1.0]))
     surrogate = SimpleNamespace(range=lambda: extremes)
     numbers = np.array([[1.5], [2.0], [np.nan], [1.0]])

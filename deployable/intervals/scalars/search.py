@@ -64,8 +64,8 @@ def estimate_bounds(
     rows = int(np.nanargmin(values)), int(np.nanargmax(values))
     tolerance = TOLERANCE * max(float(np.diff(values[list(rows)])[0]), surrogate_range.width)
     return tuple(
-        _estimate(surrogate, surrogate_range, sign, (values[row], points[row]), tolerance, known)
-        for sign, row, known in zip((-1.0, 1.0), rows, mispredictions, strict=True)
+        _estimate(surrogate, surrogate_range, sign, (values[row], points[row]), tolerance, miss)
+        for sign, row, miss in zip((-1.0, 1.0), rows, mispredictions, strict=True)
     )
 
 

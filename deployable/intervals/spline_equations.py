@@ -20,15 +20,16 @@ _COLUMNS = 512
 MIN_SPACING, MIN_SPACING_ON_LINE = 1e-4, 1e-6
 
 
-def distinct(points: np.ndarray) -> np.ndarray:
-    """Indices, rising, of runs at unit points (N, k) no two of which are nearly the same."""
+def distinct(points: np.ndarray, factor: float = 1.0) -> np.ndarray:
+    """Indices, rising, of runs at unit points (N, k) no two of which are nearly the same: nearer
+    than the least spacing times a factor."""
     on_line = (np.ptp(points, axis=0) > 0).sum() <= 1
     # equal runs in bulk first: a tree would list all their pairs
     _, first = np.unique(np.round(points, 9) + 0.0, axis=0, return_index=True)
     first = np.sort(first)
     keep = np.ones(len(first), dtype=bool)
     pairs = scipy.spatial.cKDTree(points[first]).query_pairs(
-        MIN_SPACING_ON_LINE if on_line else MIN_SPACING, output_type="ndarray"
+        factor * (MIN_SPACING_ON_LINE if on_line else MIN_SPACING), output_type="ndarray"
     )
     for i, j in pairs[np.lexsort(pairs.T[::-1])]:
         keep[j] &= not keep[i]

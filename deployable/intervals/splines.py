@@ -23,6 +23,11 @@ MAX_RUNS = 4000  # the spline's matrix is full
 _SCALE_RUNS = 400  # runs that choose the scales
 CHUNK = 1 << 20  # numbers at a time: memory that is used again is faster than fresh memory
 _MISFIT = 1e-6  # of the width of the runs' values at an instant: above it no spline is given
+_SPACINGS = (
+    1.0,
+    10.0,
+    100.0,
+)  # times the least: where rounding spoils the spline, nearer runs count once
 _SMALLEST = np.finfo(float).tiny / np.finfo(float).eps  # below it numbers have fewer digits
 
 
@@ -134,14 +139,30 @@ def check_spline_runs(points: np.ndarray) -> None:
 def fit_spline(points: np.ndarray, values: np.ndarray, scales: np.ndarray | None = None) -> Spline:
     """Spline through the values (N, ...) of runs at unit points (N, k).
 
-    Runs that are nearly the same (`solve.distinct`) count once, the first of them. `scales`
-    (k) default to those that `choose_scales` finds. Needs one run more than there are directions in
-    which the runs differ, not all in one plane. Raises `IntervalError` where runs with different
-    values are so close to each other that rounding keeps the spline from going through them.
+    Runs that are nearly the same (`solve.distinct`) count once, the first of them; where rounding
+    keeps the spline from going through the others, runs that are ten or a hundred times as far
+    apart do, too, and `misfit` says what that leaves. `scales` (k) default to those that
+    `choose_scales` finds. Needs one run more than there are directions in which the runs differ,
+    not all in one plane, and raises `IntervalError` otherwise.
     """
-    runs, shape = np.asarray(points, dtype=float), np.shape(values)[1:]
+    runs = np.asarray(points, dtype=float)
+    for factor in _SPACINGS:
+        rows = distinct(runs, factor)
+        if factor > 1:
+            check_spline_runs(runs[rows])
+        spline = _spline_of(runs, rows, values, scales)
+        if spline is not None:
+            return spline
+    need = "runs that are farther apart: rounding keeps the spline from going through these"
+    raise IntervalError("runs", len(runs), need)
+
+
+def _spline_of(
+    runs: np.ndarray, rows: np.ndarray, values: np.ndarray, scales: np.ndarray | None
+) -> Spline | None:
+    """The spline through the runs of some rows; None where rounding keeps it from that."""
+    shape = np.shape(values)[1:]
     samples = np.asarray(values, dtype=float).reshape(len(runs), -1)
-    rows = distinct(runs)
     points, flat = runs[rows], samples[rows]
     scales = choose_scales(points, flat) if scales is None else np.where(_spread(points), scales, 0)
     weights, left_out = _solve(points, scales, flat)
@@ -156,8 +177,7 @@ def fit_spline(points: np.ndarray, values: np.ndarray, scales: np.ndarray | None
     # at an instant at which all runs agree, rounding of their values is all there is
     allowed = _MISFIT * np.ptp(flat, axis=0) + 1e-12 * np.abs(flat).max(axis=0) + _SMALLEST
     if (misfit > allowed).any():
-        need = "runs that are farther apart: rounding keeps the spline from going through these"
-        raise IntervalError("runs", len(runs), need)
+        return None
     if len(extra):
         misfit = np.maximum(misfit, np.abs(_rest(spline, runs[extra], samples[extra])).max(axis=0))
     return replace(spline, misfit=misfit.reshape(shape))

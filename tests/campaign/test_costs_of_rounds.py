@@ -147,3 +147,18 @@ def test_what_is_accurate_enough_ends_once_it_is_checked(decided):
     _, after = decided(check=("step", "mesh"), step=0.01, **good)
     assert after.is_finished
     assert after.adaptive.met
+
+
+@pytest.mark.parametrize(
+    ("previous", "nodes", "stops"), [(0.2, 2, True), (0.3, 2, False), (0.2, 3, False)]
+)
+def test_an_error_that_does_not_fall_with_runs_ends_the_rounds(experiment, previous, nodes, stops):
+    """Four times as many runs, and nine tenths of the error: it jumps, or has an edge."""
+    plan = after(first_plan(experiment), "runs", nodes)
+    elements = _standing(plan, SHARES).cost.elements
+    shares = {name: {"surrogate": previous} for name in SHARES}
+    record = replace(plan.adaptive.rounds[0], shares=shares, elements=elements)
+    standing = _standing(replace(plan, adaptive=replace(plan.adaptive, rounds=(record,))), SHARES)
+    decision = standing.decide()
+    assert ("does not fall with more runs" in decision.reason) == stops
+    assert (decision.action == "runs") == (not stops)

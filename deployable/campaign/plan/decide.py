@@ -25,6 +25,10 @@ _HARDLY = 1.3
 """Factor by which the error of a mesh must fall for the next one to be worth its cost."""
 
 
+_STAGNANT, _STAGNANT_RUNS = 0.9, 4.0
+"""An error does not fall with runs if it is at least this many times what it was with a quarter of
+them: one that falls with the distance of runs is 0.7 times that in four directions."""
+
 _RATE, _RATES = 1.5, (0.75, 4.0)
 """The error of a surrogate is taken to fall like runs to the power of minus this, as long as no two
 rounds tell it; and between which it may be told."""
@@ -207,7 +211,7 @@ class Standing:
         cannot be had, runs help what its error leaves room for."""
         is_first = all(record.action in ("mesh", "step") for record in self.state.rounds)
         if not error.discretization > (_INITIAL_SHARE if is_first else _FINAL_SHARE) * error.aim:
-            return Need("runs")
+            return Need("runs", self._stagnation(error))
         action, cause = error.larger, self._too_dear(error.larger)
         if not (self.accuracy.mesh if action == "mesh" else self.step_is_free):
             cause = f"the config keeps its {action}"
@@ -215,6 +219,24 @@ class Standing:
             cause = "a finer mesh does not get there within the budget"
         is_needed = not cause or error.discretization >= error.aim
         return Need(action, cause) if is_needed else Need("runs")
+
+    def _stagnation(self, error: Errors) -> str:
+        """Why no more runs help: the surrogate's error has hardly fallen while they became four
+        times as many, as where a number jumps in the box; nothing where it has."""
+        nodes, share = self.cost.nodes, error.parts["surrogate"]
+        for record in self.state.rounds:
+            if record.elements == self.cost.elements and 0 < _STAGNANT_RUNS * record.nodes <= nodes:
+                previous = record.shares.get(error.name, {}).get("surrogate", math.inf)
+                if share >= _STAGNANT * previous:
+                    shares = (
+                        f"{_percent(previous)} of the width with {record.nodes} runs, "
+                        f"{_percent(share)} with {nodes}"
+                    )
+                    return (
+                        f"the surrogate's error of {error.name} does not fall with more runs "
+                        f"({shares}): it jumps, or has an edge, inside the box"
+                    )
+        return ""
 
     def _too_dear(self, action: str) -> str:
         """Why the budget does not allow an action; nothing where it does."""
@@ -259,6 +281,8 @@ class Standing:
 
     def _takes(self, error: Errors) -> str:
         """What it would take to bring one error down to its aim, by how parts fell so far."""
+        if self._stagnation(error):
+            return f"more runs do not help {error.name}"
         nodes, seconds, texts = self.cost.nodes, self.cost.run_seconds, []
         if error.discretization > _FINAL_SHARE * error.aim:
             fall = self._fall(error) or 2.0

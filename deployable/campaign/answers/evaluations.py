@@ -5,6 +5,7 @@ Further runs go through the campaign's store, so that they are found again.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
@@ -30,7 +31,7 @@ SAME_RUN, SAME_POINT = 1e-6, 2e-4
 class ModelEvaluator:
     """Model evaluations at unit points `unit` (R, k): quantity values `numbers` (R, q) and event
     `margins` (R, q), positive where the event occurs; `further` are those that were requested
-    here, `simulated` of which were not stored.
+    here, at most `max_further`, and `simulated` of which were not stored.
 
     Of a large scan it has some of the runs (`fitted_rows`): `unfitted` counts the rest of
     them, `unfitted_with` (q) those of the rest that have each number.
@@ -48,7 +49,7 @@ class ModelEvaluator:
         self.margins = self.numbers
         self.unfitted_with, self.unfitted = np.zeros(len(plan.experiment.quantities), int), 0
         self.further: list[PlannedRun] = []
-        self.simulated = 0
+        self.simulated, self.max_further = 0, math.inf
 
     @classmethod
     def from_folder(
@@ -102,14 +103,16 @@ class ModelEvaluator:
         return {"at": values, "ran": ran, "simulated": number(value)}
 
     def add(self, points: Sequence[np.ndarray]) -> np.ndarray:
-        """Indices of the runs at unit points (P, k), simulated unless they are there.
+        """Indices of the runs at unit points (P, k), or of the nearest ones where `max_further` is
+        reached; simulated unless they are there.
 
         Raises `CampaignError` if one fails.
         """
         additions: list[np.ndarray] = []
         for point in points:
             present = np.array([*self.unit, *additions]).reshape(-1, self.unit.shape[1])
-            if not (np.abs(present - point).max(axis=1) <= SAME_RUN).any():
+            is_new = not (np.abs(present - point).max(axis=1) <= SAME_RUN).any()
+            if is_new and len(self.further) + len(additions) < self.max_further:
                 additions.append(np.asarray(point, dtype=float))
         if additions:
             numbers, margins = self.evaluate(self.plan, additions)

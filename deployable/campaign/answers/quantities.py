@@ -34,6 +34,7 @@ from deployable.campaign.answers.limits import list_limits
 from deployable.campaign.answers.quantity_bounds import QuantityBounds, converge_bounds
 from deployable.campaign.config.sections import Jobs, Verify, plain_data
 from deployable.campaign.folder import Folder
+from deployable.campaign.plan.decide import CHECKED_RUNS
 from deployable.campaign.results.bounds import write_dataset
 from deployable.campaign.runs.progress import Tell
 from fpm.files.trajectory import CONVENTIONS
@@ -52,6 +53,10 @@ def answer(
     """Write quantities.nc and further.nc of a sampled campaign that has quantities, with the runs
     that requirements take."""
     model = ModelEvaluator.from_folder(folder, jobs, tell, threads)
+    if (rounds := model.plan.adaptive) is not None and rounds.rounds:
+        reserve = CHECKED_RUNS * len(model.experiment.quantities)
+        budget = model.experiment.accuracy.max_runs - rounds.rounds[-1].runs
+        model.max_further = max(0, budget - reserve)
     specs = list_limits(requirements, list(model.experiment.quantities))
     bounds = converge_bounds(model, verify.max_iterations, specs)
     if model.further:

@@ -18,7 +18,7 @@ import numpy as np
 from deployable import intervals
 from deployable.campaign.config.sections import Experiment, Solver
 from deployable.campaign.files import open_dataset
-from deployable.campaign.plan.decide import Resources, Standing
+from deployable.campaign.plan.decide import CHECKED_RUNS, Resources, Standing
 from deployable.campaign.plan.event_margins import margins_of_samples
 from deployable.campaign.plan.jobs import LANES, run_seconds
 from deployable.campaign.plan.plan import Plan, Round, Rounds, TimeStep, choose_step, make_plan
@@ -186,12 +186,13 @@ def _standing(plan: Plan, shares: Mapping, step_is_free: bool = True) -> Standin
         runs += checked
         seconds += _whole(checked) * factor[part] * time
     reserve = 2 * checked, 6 * checked * time  # the check of step and mesh at the end
+    answers = CHECKED_RUNS * len(plan.experiment.quantities)
     affordable = min(
-        target.max_runs - runs - reserve[0],
+        target.max_runs - runs - reserve[0] - answers,
         (60 * target.max_core_minutes - seconds - reserve[1]) / time,
     )
     elements = int(plan.experiment.scene.parameters.get(target.mesh, 0))
-    cost = Resources(runs, seconds, nodes, 0, checked, time, elements)
+    cost = Resources(runs, seconds, nodes, 0, checked, time, elements, answers)
     state = Standing(target, shares, plan.adaptive, cost, step_is_free)
     return replace(state, cost=replace(cost, next_runs=added(nodes, state.growth(), affordable)))
 

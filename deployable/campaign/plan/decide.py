@@ -42,6 +42,10 @@ it by little costs more than the runs that are too many."""
 
 _PARTS = ("step", "mesh")
 
+CHECKED_RUNS = 14
+"""Runs for each quantity after the rounds: six with other steps and meshes at its bounds, and eight
+beside its limit-state surface."""
+
 _ROUND = 0.5
 """Seconds of a core that a round takes beside its runs: a check that takes less is made at once
 where the errors are expected to be small enough after it."""
@@ -51,7 +55,7 @@ where the errors are expected to be small enough after it."""
 class Resources:
     """What was spent, `runs` and `seconds` of a core by estimate, and what is at hand: so many
     `nodes` with so many `elements`, `next_runs`, `checked` points in a check, a run takes
-    `run_seconds`."""
+    `run_seconds`; `reserved` runs are kept for the answers after the rounds."""
 
     runs: int
     seconds: float
@@ -60,6 +64,7 @@ class Resources:
     checked: int
     run_seconds: float
     elements: int
+    reserved: int = 0
 
     def of(self, action: str) -> tuple[int, float]:
         """Runs and seconds of the next round after an action, with the check that belongs to it,
@@ -242,8 +247,9 @@ class Standing:
         """Why the budget does not allow an action; nothing where it does."""
         cost, budget = self.cost, self.accuracy
         runs, seconds = cost.of(action)
-        if cost.runs + runs > budget.max_runs:
-            spent = f"{cost.runs} are spent, {2 * cost.checked} kept for the last check"
+        if cost.runs + runs + cost.reserved > budget.max_runs:
+            kept = 2 * cost.checked + cost.reserved
+            spent = f"{cost.runs} are spent, {kept} kept for the last check"
             return f"the budget of {budget.max_runs} runs does not allow more ({spent})"
         if cost.seconds + seconds > 60 * budget.max_core_minutes:
             spent = f"{duration_text(max(1.0, cost.seconds))} are spent"

@@ -37,6 +37,8 @@ class ModelEvaluator:
     them, `unfitted_with` (q) those of the rest that have each number.
     """
 
+    max_further: float = math.inf
+
     def __init__(
         self, plan: Plan, jobs: Jobs, folder: Folder, tell: Tell, threads: int = 1
     ) -> None:
@@ -49,7 +51,7 @@ class ModelEvaluator:
         self.margins = self.numbers
         self.unfitted_with, self.unfitted = np.zeros(len(plan.experiment.quantities), int), 0
         self.further: list[PlannedRun] = []
-        self.simulated, self.max_further = 0, math.inf
+        self.simulated = 0
 
     @classmethod
     def from_folder(

@@ -1,0 +1,128 @@
+"""Bounds of quantities by further runs, on boxes whose bounds are known in closed form."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from deployable.intervals.designs import scan_points
+from deployable.intervals.scalars import estimate_bounds, fit_scalar
+
+ITERATIONS = 6
+
+
+def crossing(u):
+    """Time at which a sin(w t) first reaches 1, and by how much it exceeds it: a root's edge."""
+    amplitude, rate = 1 + 0.3 * u[:, 0] - 0.1 * u[:, 1] ** 2, 1 + 0.2 * u[:, 1]
+    with np.errstate(invalid="ignore"):
+        time = np.arcsin(1 / np.maximum(amplitude, 1.0)) / rate
+    return np.where(amplitude > 1, time, np.nan), amplitude - 1
+
+
+def silent(function):
+    """The same without margins."""
+    return lambda u: (function(u)[0], np.full(len(u), np.nan))
+
+
+def race(u):
+    """The first of two latches, either of which may miss: a jump."""
+    early, late = crossing(u)[0], 2.2 + 0.2 * u[:, 1]
+    return np.fmin(early, late), np.full(len(u), np.nan)
+
+
+def humps(u):
+    low = np.exp(-6 * ((u[:, 0] + 0.6) ** 2 + (u[:, 1] + 0.5) ** 2))
+    return 0.9 * low + np.exp(-6 * ((u[:, 0] - 0.5) ** 2 + (u[:, 1] - 0.4) ** 2)), np.nan * low
+
+
+def stop(u):
+    value = np.minimum(1 + 0.5 * u[:, 0] + 0.2 * u[:, 1] ** 2, 1.2)
+    return value, np.nan * value
+
+
+def plane(u):
+    return u[:, 0] + 0.3 * u[:, 1], np.nan * u[:, 0]
+
+
+LAST = np.pi / 2 / 0.8  # where the amplitude falls to 1, at the least rate
+
+
+def exact(function):
+    """Bounds by a fine grid, but for the edge of a crossing, which a grid does not reach."""
+    line = np.linspace(-1, 1, 1201)
+    grid = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
+    values = function(grid)[0]
+    return np.nanmin(values), np.nanmax(values) if function in SMOOTH else LAST
+
+
+MUTE = silent(crossing)
+SMOOTH = race, humps, stop, plane
+
+
+def search(function, is_time=False, iterations=ITERATIONS):
+    """Runs (N, 2), their values and the estimates, after so many iterations."""
+    free = np.ones(2, bool)
+    unit = np.concatenate([np.zeros((1, 2)), scan_points(free, 15)])
+    for number in range(iterations + 1):
+        values, margins = function(unit)
+        surrogate = fit_scalar(unit, values, 10.0 if is_time else None, None, margins)
+        estimates = estimate_bounds(surrogate, unit, values)
+        points = np.concatenate([estimate.points for estimate in estimates])
+        if number == iterations or not len(points):
+            return unit, values, estimates
+        unit = np.concatenate([unit, points])
+
+
+def test_a_time_beside_the_surface_where_it_ceases_has_the_exact_bounds():
+    """By the root of its margin: to a thousandth of the width, in a few runs."""
+    unit, _, (lower, upper) = search(crossing, is_time=True)
+    assert upper.value == pytest.approx(LAST, abs=1e-3)
+    assert lower.value == pytest.approx(exact(crossing)[0], abs=1e-3)
+    assert max(lower.error, upper.error) < 0.02 * (LAST - lower.value)
+    assert len(unit) < 50
+
+
+@pytest.mark.parametrize("function", [crossing, MUTE, *SMOOTH])
+@pytest.mark.parametrize("iterations", [1, 3, ITERATIONS])
+def test_true_bounds_lie_within_the_errors_and_no_bound_is_worse_than_the_runs(
+    function, iterations
+):
+    _, values, estimates = search(function, function in (crossing, race), iterations)
+    truth = exact(function)
+    width = truth[1] - truth[0]
+    for sign, estimate, true in zip((-1, 1), estimates, truth, strict=True):
+        attained = np.nanmax(sign * values) * sign
+        assert abs(estimate.value - true) <= estimate.error + 0.02 * width
+        assert abs(estimate.value - true) <= abs(attained - true) + 1e-9
+        assert estimate.error >= 0
+
+
+def test_what_is_linear_takes_no_more_runs_than_its_corners():
+    unit, _, (lower, upper) = search(plane)
+    assert (lower.value, upper.value) == (pytest.approx(-1.3), pytest.approx(1.3))
+    assert len(unit) <= 18
+
+
+def test_no_quantity_has_no_bounds():
+    unit = scan_points(np.ones(2, bool), 15)
+    surrogate = fit_scalar(unit, np.full(len(unit), np.nan))
+    assert estimate_bounds(surrogate, unit, np.full(len(unit), np.nan)) == ()
+
+
+def test_a_value_has_no_bound_beyond_what_is_possible():
+    """Distances are not below 0, whatever the surrogate says."""
+    unit = scan_points(np.ones(2, bool), 15)
+    values = np.maximum(unit[:, 0], 0.0)
+    lower, _ = estimate_bounds(fit_scalar(unit, values, least=0.0), unit, values)
+    assert (lower.value, lower.error) == (0.0, 0.0)
+
+
+def test_a_surrogate_that_runs_refuted_is_no_bound():
+    """A misprediction of the last run there counts as its error."""
+    unit = scan_points(np.ones(2, bool), 15, corners=False)
+    values = plane(unit)[0]
+    trusted = estimate_bounds(fit_scalar(unit, values), unit, values)[1]
+    refuted = estimate_bounds(fit_scalar(unit, values), unit, values, (0.0, np.inf))[1]
+    assert trusted.value == pytest.approx(1.3) and trusted.error < 1e-6
+    assert refuted.value == values.max()
+    assert refuted.error == pytest.approx(1.3 - values.max(), rel=1e-6)

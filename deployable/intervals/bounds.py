@@ -114,7 +114,7 @@ def _curves(
         ("nominal", centre, label),
         ("error", error.total, "estimated error of the bounds"),
         ("error_held_out", error.held_out, "largest error at the held-out runs"),
-        ("error_decay", error.decay, "error foretold by the coefficients"),
+        ("error_decay", error.decay, "error extrapolated from the coefficients"),
     ]
     variables = {
         name: (("response", "time"), values, {"long_name": text})

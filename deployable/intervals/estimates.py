@@ -25,7 +25,7 @@ from .chebyshev import Surrogate, product_basis
 WINDOW = 0.01  # share of the duration
 
 MAX_TAIL_RATIO = 10.0
-"""How many times what held-out runs show of the next coefficients a foretold tail may be. On the
+"""Largest accepted ratio of the extrapolated tail to the tail fitted to the validation runs. On the
 paper's campaign, whose decay is right, it is at most 2.7 times."""
 
 RATIOS = 2.0, 16.0
@@ -98,7 +98,7 @@ def decay_estimate(
     """Size of the first neglected coefficients, extrapolated from the last ones, (..., T).
 
     In each direction the shells S_l = sum of |c_i| with i_j = l are formed, and the next two are
-    foretold from the shells two and four places before them, S_(n+2) = S_n S_n / S_(n-2): two
+    extrapolated from the shells two and four places before them, S_(n+2) = S_n S_n / S_(n-2): two
     places at a time, since odd or even functions have every second coefficient zero. Where total
     degree limits the basis, its shells stand for all directions at once.
 

@@ -69,7 +69,7 @@ def test_an_error_that_is_small_enough_is_checked_before_it_is_believed():
     assert decided(good).action == "check"
     found = decided({**good, "step": 0.01}, done("check"), check=("step", "mesh"))
     assert (found.action, found.met) == ("stop", True)
-    assert "x 8 % of the width (surrogate 3 %, mesh 4 %, step 1 %), asked for 10 %" in found.reason
+    assert "x 8 % of the width (surrogate 3 %, mesh 4 %, step 1 %), tolerance 10 %" in found.reason
 
 
 def test_the_part_that_is_too_large_decides_what_comes_next():

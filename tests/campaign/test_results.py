@@ -244,7 +244,7 @@ def test_an_error_that_no_run_shows_is_told_to_be_foretold(tmp_path):
     with netCDF4.Dataset(tmp_path / "bounds.nc") as bounds:
         row = {"units": "m", "extrapolated_error": _extrapolated_error(bounds, 0, 0)}
         assert "misses the 3 runs that were not fitted by at most 0.01 m" in sentence(
-            "foretold", row
+            "extrapolated", row
         )
         assert _extrapolated_error(bounds, 0, 1) == {}
 

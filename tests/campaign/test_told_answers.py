@@ -70,11 +70,11 @@ def test_an_interval_has_the_digits_that_its_error_leaves(changes, text):
     ("foretold", "text", "named"),
     [
         ([], "simulated", ""),
-        (["upper"], "upper foretold, simulated to 1.5", ", upper end foretold"),
+        (["upper"], "upper predicted, attained by a run to 1.5", ", upper end predicted"),
         (
             ["lower", "upper"],
-            "lower foretold, simulated to 1.2; upper foretold, simulated to 1.5",
-            ", lower and upper end foretold",
+            "lower predicted, attained by a run to 1.2; upper predicted, attained by a run to 1.5",
+            ", lower and upper end predicted",
         ),
     ],
 )

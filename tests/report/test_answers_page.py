@@ -70,7 +70,7 @@ def test_the_page_has_verdicts_intervals_and_tables(opened):
 def test_an_end_that_no_run_reached_is_not_told_as_one_that_did(opened):
     """Not in bold, and said in the headline: without rounds, say, it may be below all runs."""
     (row,) = (row for row in opened.facts["quantities"] if row["name"] == "t_open")
-    assert "foretold" not in render(opened).split("</style>")[1]
+    assert "predicted" not in render(opened).split("</style>")[1]
     row = row | {"predicted_ends": ["lower"], "lower": row["lower"] - 0.01}
     data = replace(opened, facts=opened.facts | {"quantities": [row]})
     assert "is 1.858 to 1.964 s, lower end foretold." in sentence("ranges", data.facts)

@@ -95,7 +95,7 @@ def quantities_dataset(
         variables.put("error_whole", _DIM, whole, "errors of surrogate, step and mesh together")
         text = "errors by step and mesh of {}, for shares of the box".format
         variables.put("error_limit", _DIM, number_errors, text("the number"))
-        variables.put("error_border", _DIM, shifts, text("what tells where it happens"))
+        variables.put("error_border", _DIM, shifts, text("the event margin"))
     _put_occurrence(variables, model, bounds, shifts)
     _put_shares(variables, model, bounds)
     times = [int(quantity.is_time) for quantity in model.experiment.numbers]

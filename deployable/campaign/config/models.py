@@ -192,7 +192,7 @@ class Verify(ConfigSection):
 
     max_iterations: Annotated[int, Rule(ge=0, le=50)] = 6
     """Most iterations of further runs: where the surrogate of a quantity has the ends of its
-    interval, until it promises no more than 0.1 % of the width beyond what was simulated, where
+    interval, until it exceeds the runs by no more than 0.1 % of the width, where
     requirements are decided, and about where something ceases to happen, eight in each. 0 makes
     none; a quantity takes one or two runs in most campaigns."""
     discretization: bool = False

@@ -123,7 +123,7 @@ class Errors:
     def __str__(self) -> str:
         components = ", ".join(f"{part} {_percent(share)}" for part, share in self.parts.items())
         whole, aim = _percent(self.whole), _percent(self.aim)
-        return f"{self.name} {whole} of the width ({components}), asked for {aim}"
+        return f"{self.name} {whole} of the width ({components}), tolerance {aim}"
 
 
 @dataclass(frozen=True)
@@ -182,7 +182,7 @@ class Standing:
         if not self.unmet:
             if "step" in self.state.check:
                 closest = max(self._all, key=lambda error: error.whole / error.aim)
-                reason = f"the whole error is as small as asked for; nearest to that is {closest}"
+                reason = f"no error exceeds its tolerance; nearest to it is {closest}"
                 return Decision("stop", reason, met=True)
             reason = "the surrogate's error is small enough"
             return Decision(

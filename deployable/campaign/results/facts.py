@@ -291,7 +291,7 @@ def grade(error: float | None, width: float) -> str:
 
 def _extrapolated_error(bounds: Any, i: int, instant: int) -> dict[str, float]:
     """By how much the fit of response `i` misses runs at an instant, and how many, where the
-    error is foretold by its coefficients and is far beyond that; else nothing."""
+    error is extrapolated from its coefficients and is far beyond that; else nothing."""
     if "polynomial" not in bounds.bounds_kind:
         return {}
     decay, residual = (float(bounds[f"error_{name}"][i][instant]) for name in ("decay", "held_out"))

@@ -18,7 +18,8 @@ BROKEN = (OSError, ValueError, TypeError, KeyError, IndexError, AssertionError, 
 
 
 class NetcdfVariable(NamedTuple):
-    """An array of numbers or text, the names of its dimensions, and its attributes."""
+    """A variable of a netCDF file: names of its dimensions, array of numbers or text, attributes by
+    name."""
 
     dims: tuple[str, ...]
     values: np.ndarray
@@ -28,7 +29,8 @@ class NetcdfVariable(NamedTuple):
 def write(
     path: str | os.PathLike, attributes: Mapping[str, Any], variables: Mapping[str, NetcdfVariable]
 ) -> None:
-    """Write a file; attributes are text or numbers.
+    """Write a netCDF file in the classic format; attributes: global ones, text or numbers;
+    variables: by name. Raises ValueError for integers of more than 32 bits.
 
     Text takes one more dimension, `<name>_width`, as characters. The format has no empty
     dimensions: variables without values are left out.
@@ -52,7 +54,8 @@ def write(
 def read(
     path: str | os.PathLike, content: bytes | None = None
 ) -> tuple[dict[str, Any], dict[str, NetcdfVariable]]:
-    """Read attributes and variables of a file in the classic format; text stays characters.
+    """Global attributes and variables, both by name, of a file in the classic format; text stays
+    characters.
 
     content: the file's bytes, if read before. Raises OSError if the file is not in this format, or
     not whole.

@@ -157,7 +157,7 @@ def number_hint(text: str, with_unit: bool = True) -> str:
     """Hint for a message about text that is no number: `" (did you mean x?)"` for a percentage, a
     decimal comma, a power written `^` or a foreign unit; "" for anything else.
 
-    with_unit: whether a unit may stand behind the number; if not, its unit is named as superfluous.
+    with_unit: whether a unit may stand behind the number; if not, the hint says so.
     """
     comma = re.sub(r"^([-+]?\d+),(\d+)", r"\1.\2", text.strip())
     match = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", comma)

@@ -60,7 +60,7 @@ class Outcome(Curves):
         The stable step; None if the step was given.
     failure
         None, the InstabilityError of a run whose numbers mean nothing, or the SceneError of a
-        travel that cannot be made.
+        quasi-static opening (fpm/travel) that has no solution.
     largest
         Largest values of the failure criteria by name (`bend`, the largest sine of the angle
         between an element's chord and its ends, or of its twist; `strain` at the surface of an
@@ -85,8 +85,8 @@ class Outcome(Curves):
 
     @property
     def gap(self) -> np.ndarray:
-        """Largest distance (t,) of any hinge between its two particles' points, a constraint error,
-        m."""
+        """Largest constraint error (t,) in position of all hinges, m: distance of the two
+        particles' points, or of the point to where it is held."""
         return self._recorded_or_zero("hinge_gap")
 
     @property

@@ -101,8 +101,7 @@ def did_you_mean(name: str, names: Iterable[str]) -> str:
 
 
 def renamed(name: object, names: Iterable[str]) -> str:
-    """`" (it is now x)"` if `name` is the former name (RENAMED) of x, one of the allowed `names`;
-    else ""."""
+    """`" (it is now x)"` if `name` is the former name (RENAMED) of x, one of `names`; else ""."""
     name = RENAMED.get(name) if isinstance(name, str) else None
     return f" (it is now {name})" if name in names else ""
 
@@ -155,10 +154,8 @@ _FOREIGN = {
 
 def number_hint(text: str, with_unit: bool = True) -> str:
     """Hint for a message about text that is no number: `" (did you mean x?)"` for a percentage, a
-    decimal comma, a power written `^` or a foreign unit; "" for anything else.
-
-    with_unit: whether a unit may stand behind the number; if not, the hint says so.
-    """
+    decimal comma, a power written `^` or a foreign unit; else "". with_unit: whether a unit is
+    allowed."""
     comma = re.sub(r"^([-+]?\d+),(\d+)", r"\1.\2", text.strip())
     match = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", comma)
     number, unit = (float(match[1]), (match[2] or "").replace("^", "")) if match else (0.0, "")

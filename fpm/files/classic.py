@@ -18,8 +18,7 @@ BROKEN = (OSError, ValueError, TypeError, KeyError, IndexError, AssertionError, 
 
 
 class NetcdfVariable(NamedTuple):
-    """A variable of a netCDF file: names of its dimensions, array of numbers or text, attributes by
-    name."""
+    """A netCDF variable: names of its dimensions, array of numbers or text, attributes by name."""
 
     dims: tuple[str, ...]
     values: np.ndarray
@@ -29,8 +28,7 @@ class NetcdfVariable(NamedTuple):
 def write(
     path: str | os.PathLike, attributes: Mapping[str, Any], variables: Mapping[str, NetcdfVariable]
 ) -> None:
-    """Write a netCDF file in the classic format; attributes: global ones, text or numbers;
-    variables: by name. Raises ValueError for integers of more than 32 bits.
+    """Write a netCDF file, classic format; attributes: global, text or numbers; variables: by name.
 
     Text takes one more dimension, `<name>_width`, as characters. The format has no empty
     dimensions: variables without values are left out.
@@ -54,8 +52,7 @@ def write(
 def read(
     path: str | os.PathLike, content: bytes | None = None
 ) -> tuple[dict[str, Any], dict[str, NetcdfVariable]]:
-    """Global attributes and variables, both by name, of a file in the classic format; text stays
-    characters.
+    """Global attributes and variables of a classic netCDF file, by name; text stays characters.
 
     content: the file's bytes, if read before. Raises OSError if the file is not in this format, or
     not whole.

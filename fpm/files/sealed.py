@@ -69,8 +69,7 @@ def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
     """Verify a sealed file's digest and, if `name` is given, its name; returns the facts in its
     seal.
 
-    Raises DamagedError if the file is not whole or of another name, FileNotFoundError if it does
-    not exist.
+    Raises DamagedError if either does not hold, FileNotFoundError if there is no file.
     """
     path = Path(path)
     if path.suffix == ".json":
@@ -110,7 +109,7 @@ _AT_ONCE = getattr(os, "O_NONBLOCK", 0)
 
 
 def unsealed(path: str | os.PathLike) -> bytes:
-    """Verified content of a sealed file without its seal; raises DamagedError if the file is not
+    """Verified content of a sealed file without its seal; raises DamagedError if it is not
     whole."""
     content = read_bytes(path)
     check_content(path, content)

@@ -79,8 +79,7 @@ class Curves:
         return {**self.labelled("opening"), **self.labelled("slide_opening")}
 
     def labelled(self, variable: str) -> dict[str, np.ndarray]:
-        """Columns (t,) of one recorded variable, such as "cable_tension", by label, here the
-        cable's name."""
+        """Columns (t,) of a recorded variable by label: of "cable_tension" by cable."""
         return {label: x for (name, label), x in self.columns.items() if name == variable}
 
     def times(self, event: str, places: Iterable[str]) -> np.ndarray:
@@ -229,8 +228,7 @@ def _responses(outcome, responses) -> dict[str, classic.NetcdfVariable]:
 
 
 def to_dataset(outcome, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":
-    """The `contents` of an outcome as an xarray.Dataset; arguments and errors are those of
-    `contents`."""
+    """The `contents` of an outcome as an xarray.Dataset; arguments and errors as of `contents`."""
     import xarray
 
     attributes, variables = contents(outcome, responses, attributes, parameters)
@@ -247,8 +245,7 @@ def _is_coordinate(name: str, variable: classic.NetcdfVariable) -> bool:
 
 
 def check_finite(variables: Mapping[str, classic.NetcdfVariable]) -> None:
-    """Raise a ValueError that names the first of `variables`, by name, with a value that is not
-    finite."""
+    """Raise a ValueError that names the first of `variables` with a value that is not finite."""
     for name, variable in variables.items():
         if variable.values.dtype.kind == "f" and not np.isfinite(variable.values).all():
             raise ValueError(f"{name} has values that are not finite; nothing is written")

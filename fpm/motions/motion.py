@@ -95,10 +95,8 @@ def whole_motion(
 
 def chosen_instants(duration: float, instants: int, frames: int, times=()) -> np.ndarray:
     """Indices (k,), increasing, of the recorded instants to return: `frames` evenly spread ones,
-    and those nearest to `times` (s).
-
-    duration: of the run (s); instants: number of recorded ones, evenly spread from 0 to `duration`.
-    """
+    and those nearest to `times` (s). instants: number of recorded ones, evenly spread from 0 to
+    `duration` (s)."""
     even = np.linspace(0, instants - 1, min(frames, instants)).round().astype(int)
     nearest = np.round(np.asarray(times, float) / duration * (instants - 1)).astype(int)
     return np.unique(np.concatenate([even, nearest.clip(0, instants - 1)]))

@@ -82,10 +82,7 @@ def shapes_of(scene: Scene, corners: np.ndarray) -> Shapes:
 
 def to_dataset(motion: RecordedMotion, corners: np.ndarray, attributes: dict) -> "xarray.Dataset":
     """The motion at its instants `rows` as an xarray.Dataset, rigid bodies among the elements.
-
-    corners (m, 2, 4, 3) m: of the sections at both ends of each beam element, in the particles'
-    frames; attributes: further global ones of the dataset.
-    """
+    corners (m, 2, 4, 3) m: as of `shapes_of`; attributes: further global ones of the dataset."""
     import xarray
 
     scene, outcome, rows = motion.scene, motion.outcome, motion.rows

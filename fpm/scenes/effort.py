@@ -56,8 +56,7 @@ COMPILE, COMPILE_KIND, COMPILE_JOINTS = 4.0, 1.0, 4.0
 
 
 def compile_seconds(scene: Scene) -> float:
-    """Estimated seconds to compile the time loop for the element types of a scene, once on a
-    machine."""
+    """Estimated seconds to compile the time loop of a scene's element types, once on a machine."""
     return COMPILE + sum(COMPILE_JOINTS if k is Joint else COMPILE_KIND for k in kinds_of([scene]))
 
 

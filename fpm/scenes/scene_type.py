@@ -58,8 +58,7 @@ class Parameter:
         return " ".join([noun, " and ".join(bounds)]).strip() + unit
 
     def check(self, name: str, value: object) -> None:
-        """Check a value, in `unit`; raises SceneError if it is not allowed. name: in its
-        message."""
+        """Raise SceneError if a value, in `unit`, is not allowed; name: in its message."""
         if value is None and self.default is None:
             return
         right = isinstance(value, int | float) and not isinstance(value, bool)
@@ -110,8 +109,7 @@ class SceneType:
 
     @cached_property
     def energies(self) -> tuple[str, ...]:
-        """Names of the energies that its runs record: "kinetic", those of its element types,
-        "balance"."""
+        """Names of the energies of its runs: kinetic, its element types', balance."""
         own = (energy.name for energy in energies_of(self.sample.kinds))
         return ("kinetic", *own, "balance")
 

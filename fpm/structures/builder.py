@@ -33,8 +33,7 @@ class Body:
         self.particles: np.ndarray = np.zeros(0, int)
 
     def particle(self, point: str) -> int:
-        """Index of the particle that carries a point (name); SceneError for a point that is not the
-        body's."""
+        """Index of the particle that carries a point (name); SceneError if none does."""
         if point not in self.points:
             raise SceneError(
                 "at", point, f"a point of {self.name}: {', '.join(self.points)} (or let it carry "
@@ -82,26 +81,22 @@ class Builder:
             ) from None
 
     def point(self, name: str) -> np.ndarray:
-        """Position (3,) m at the start of the point of this full name; SkippedError if it has
-        none."""
+        """Position (3,) m, at the start, of a point (full name), or SkippedError."""
         return self.get("points", name).position
 
     def keep(self, group: str, name: str, value: Any) -> None:
-        """Store what was built for the entry `name` (full) of a `group` of the file, such as
-        "bars"."""
+        """Store what was built for the entry `name` (full) in `group`, such as "bars"."""
         self._values[group, name] = value
 
     def get(self, group: str, name: str) -> Any:
-        """What was stored for the entry `name` (full) of a group; SkippedError if it could not be
-        built."""
+        """What was stored for the entry `name` (full) in `group`; SkippedError if nothing was."""
         try:
             return self._values[group, name]
         except KeyError:
             raise SkippedError(name) from None
 
     def only_part_with(self, point: str, key: str) -> Body:
-        """The only bar or body that has a point (name); SceneError about `key` if none or several
-        have it."""
+        """The only bar or body with this point; SceneError about `key` if none, or several."""
         parts = [value for (group, _), value in self._values.items() if group == "parts"]
         matches = [part for part in parts if point in part.points]
         if len(matches) != 1:

@@ -67,8 +67,7 @@ Measure = Callable[[Mapping[str, Dimension]], Dimension]
 
 
 class ExpressionError(ValueError):
-    """Raised for text that is no arithmetic, and for arithmetic without a finite value; its text
-    says why."""
+    """Raised for text that is no arithmetic, or without a finite value; its text says why."""
 
 
 class Expression:
@@ -102,8 +101,7 @@ class Expression:
         return not self.names and self.dimension({}).bare
 
     def value(self, names: Mapping[str, float]) -> float:
-        """Value in SI units, given those of its `names`; ExpressionError if it is no finite
-        number."""
+        """Value in SI units, given those of `names`; ExpressionError if it is not finite."""
         try:
             number = float(self._value(names))
         except ExpressionError:

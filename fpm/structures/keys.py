@@ -85,8 +85,7 @@ class NumberKey(Key):
 
 @dataclass(frozen=True)
 class WholeKey(Key):
-    """A whole number from 1 to MOST, known before samples: counts of units and elements depend on
-    it."""
+    """A whole number, 1 to MOST, known before samples: counts of units and elements need it."""
 
     allowed = f"a whole number from 1 to {MOST}, of parameters with `whole: true`"
 
@@ -130,8 +129,7 @@ class VectorKey(Key):
 
 @dataclass(frozen=True)
 class DirectionKey(Key):
-    """A direction, as unit vector (3,): a letter, three numbers of one dimension, or from one point
-    to another."""
+    """A unit vector (3,): by a letter, three numbers of one dimension, or from point to point."""
 
     allowed = "x, y, z, -x, -y, -z, [x, y, z], or {from: P, to: Q} with two points"
 

@@ -40,7 +40,9 @@ MOST_STATEMENTS = 20_000
     ),
 )  # fmt: skip
 def overall(build, args):
-    """What holds for the whole structure."""
+    """What holds for the whole structure.
+
+    build: Builder of the sample; args: the keys' values (SI). Returns the Scene, still empty."""
     build.hold = args.assemble
     scene = Scene(args.name, args.gravity, args.damping)
     if args.viscosity:

@@ -198,8 +198,7 @@ class Names:
 
 @dataclass(frozen=True)
 class Place:
-    """Where a value is written: its dotted key, for messages, the table's context, and the file's
-    names."""
+    """Where a value is written: its dotted key, the table's context, and the file's names."""
 
     key: str
     context: Context
@@ -215,8 +214,7 @@ class Place:
         return replace(self, key=dotted(self.key, *keys))
 
     def refuse(self, node: Node, allowed: str) -> None:
-        """Note that the node's value is not allowed here, and raise SkippedError; allowed: in
-        words."""
+        """Note that the node's value is not allowed here, and raise SkippedError."""
         self.problems.refuse(node.line, self.key, node.plain, allowed)
         raise SkippedError(self.key)
 

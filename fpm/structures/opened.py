@@ -86,8 +86,7 @@ class FileRecord:
             _THREAD.record = outer
 
     def note(self, file: Any, flags: int) -> None:
-        """Note a file (path) that is opened with `flags` of os.open; installed files do not
-        count."""
+        """Note a file (path) opened with os.open's `flags`; installed files do not count."""
         if not isinstance(file, str | bytes | os.PathLike):
             return  # by its number: it was opened before
         name = os.path.realpath(os.fsdecode(file))
@@ -102,8 +101,7 @@ class FileRecord:
             self._states_now.setdefault(path, _state(path))
 
     def imported(self, path: Path, content: bytes) -> None:
-        """Note a file of code with its content as it is imported; ChangedError if it was another
-        before."""
+        """Note a file of imported code and its content; ChangedError if that changed."""
         path = Path(os.path.realpath(path))
         self._states_now.pop(path, None)
         digest = sources.content_digest(content, path)
@@ -147,8 +145,7 @@ class FileRecord:
                 raise ChangedError(str(path))
 
     def is_same(self) -> bool:
-        """Whether all files, and those that DATA stands for, are what they were when it was
-        sealed."""
+        """Whether all files, those of DATA among them, are as they were when sealed."""
         return all(map(self._is_same, self.files)) and self._data_files() <= set(self.files)
 
     def _is_same(self, path: Path) -> bool:
@@ -164,8 +161,7 @@ class FileRecord:
                     raise ChangedError(str(path))
 
     def files_of(self, pattern: str) -> set[Path]:
-        """Paths of the files that a glob pattern of DATA stands for, from the structure's
-        folder."""
+        """Files that a glob pattern of DATA stands for, from the structure's folder."""
         names = glob.glob(str(self.folder / pattern), recursive=True, include_hidden=True)
         return {path.resolve() for path in map(Path, names) if path.is_file()}
 
@@ -196,8 +192,7 @@ class Build:
         self.function, self.record = function, record
 
     def __call__(self, **values: Any) -> Any:
-        """The scene at values of parameters; SceneError where it opens what is not in its
-        digest."""
+        """The scene at values of parameters; SceneError if it opens an undigested file."""
         with self.record.recording():
             scene = self.function(**values)
         self.record.check(values)
@@ -224,8 +219,7 @@ class _Finder:
 
 
 class Loader(SourceFileLoader):
-    """Import loader that always compiles the source file, never a cached bytecode, and notes it in
-    `record`."""
+    """Import loader that compiles the source, never taking cached bytecode, and notes it."""
 
     def __init__(self, name: str, path: str, record: FileRecord):
         super().__init__(name, path)

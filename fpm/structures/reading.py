@@ -23,7 +23,7 @@ LARGEST = 1 << 20
 
 
 class Problem(NamedTuple):
-    """One thing that is wrong with a file: its line (0: none), and a sentence that starts with the
+    """One thing that is wrong in a file: its line (0: none), a sentence that starts with the
     key."""
 
     line: int
@@ -108,8 +108,7 @@ class Node:
 
 
 class Problems:
-    """Collects what is wrong with one file, `source`; what recurs in units of a repeat counts
-    once."""
+    """What is wrong with one file, `source`; what recurs in units of a repeat counts once."""
 
     def __init__(self, source: str):
         self.source = source
@@ -125,8 +124,7 @@ class Problems:
         self._problems.setdefault((line, text), Problem(line, sentence))
 
     def refuse(self, line: int, key: str, value: object, allowed: str) -> None:
-        """Note on a line that `key` has a value which is not allowed; allowed: what is, in
-        words."""
+        """Note on a line that `key` has a value which is not allowed; allowed: in words."""
         self.say(line, f"{key}: {show(value)} is not allowed; allowed: {allowed}")
 
     def no_key(self, line: int, key: str, keys: Iterable[str], hint: str) -> None:
@@ -160,8 +158,7 @@ def dotted(*parts: str) -> str:
 
 
 def read(text: str, problems: Problems) -> Node:
-    """Parse a YAML text into its table, as a Node; StructureError with all `problems` if it holds
-    none."""
+    """The table that a YAML text holds; StructureError with all `problems` if it holds none."""
     try:
         root = yaml.compose(text, _TextLoader)
     except yaml.MarkedYAMLError as error:
@@ -192,8 +189,7 @@ _NOT_YAML = (  # what PyYAML says, whether it is where that begins, and what to 
 
 
 def why_not_yaml(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
-    """Position (None: unknown) at which a text is not YAML, and what is wrong or to be done, in
-    words."""
+    """Position (None: unknown) at which a text is not YAML, and what is wrong or to be done."""
     problem = ", ".join(part for part in (error.context, error.problem) if part)
     for pattern, is_context, words in _NOT_YAML:
         if re.search(pattern, problem):

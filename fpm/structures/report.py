@@ -38,8 +38,7 @@ class RunCost(NamedTuple):
 
 
 def bodies(scene: Scene) -> np.ndarray:
-    """Number (n,) of the body to which each particle belongs: particles joined by beams are one
-    body."""
+    """Number (n,) of each particle's body: all particles that beams join are one body."""
     count = len(scene.position)
     nodes = np.concatenate([np.zeros((0, 2), int), *(beams.nodes for beams in scene.beams)])
     links = coo_array((np.ones(len(nodes)), (nodes[:, 0], nodes[:, 1])), shape=(count, count))
@@ -107,8 +106,7 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
 
 
 def redundant(scene: Scene) -> list[str]:
-    """Names of the joints and supports whose constraints depend linearly on those of others, at the
-    start."""
+    """Names of joints and supports whose constraints depend linearly on others, at the start."""
     rows, names = jacobian(scene)
     shares = dependence(rows)[1]
     return list(dict.fromkeys(n for n, share in zip(names, shares, strict=True) if share > 1e-6))

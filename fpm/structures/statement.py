@@ -78,10 +78,8 @@ class Statement:
 
 
 def statement(group: str, type: str = "", text: str = "", /, **keys: Key) -> Callable:
-    """Decorator that makes a Statement of its build function, and registers it in GROUPS.
-
-    text: what it is, by default the first line of the function's docstring; keys: by name.
-    """
+    """Decorator that registers a build function as a Statement. text: what it is, by default the
+    first line of the function's docstring; keys: by name."""
 
     def register(build: Callable[[Builder, SimpleNamespace], Any]) -> Statement:
         words = text or (build.__doc__ or "").split("\n")[0]
@@ -158,8 +156,7 @@ def acting(
 
 
 def whole(kind: type[ElementType]) -> Statement:
-    """Make the Statement of an element type that acts on a joint and has its fields as keys, no
-    others."""
+    """Statement of an element type that acts on a joint, whose only keys are its fields."""
     text = (kind.__doc__ or "").split("\n")[0]
     return acting(kind, text)(lambda build, args: build.scene.add(element(kind, args)))
 
@@ -180,8 +177,7 @@ class Entry:
     read: dict[str, Value]
 
     def values(self, build: Builder) -> SimpleNamespace:
-        """Values of all keys in one sample, defaults included, as attributes beside `name` and
-        `key`."""
+        """Values of all keys in one sample, with defaults, as attributes; also name and key."""
         args = SimpleNamespace(name=self.name, key=self.key)
         for name, key in self.statement.keys.items():
             setattr(args, name, self.read[name](build) if name in self.read else key.default)
@@ -191,12 +187,9 @@ class Entry:
 def read_entry(
     kinds: dict[str, Statement], name: str, node: Node, line: int, place: Place
 ) -> Entry | None:
-    """Read one entry of a group; None if it is wrong, which is noted, or refers to a missing
-    neighbour.
-
-    kinds: the group's statements by type; name: full; node, line: the entry and where its key
-    stands; place: of the entry.
-    """
+    """Read one entry of a group; None if it is wrong, which is noted, or its neighbour is missing.
+    kinds: the group's statements by type; name: full; node, line: the entry, and where its key
+    stands; place: of the entry."""
     try:
         if not node.is_table:
             value = node.value if isinstance(node.value, str) else "a list"

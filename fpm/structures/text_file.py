@@ -42,8 +42,7 @@ PARAMETER_KEYS = ("value", "unit", "range", "description", "whole")
 
 @dataclass(frozen=True)
 class GivenParameter:
-    """A parameter of a YAML file with the unit that it is given in, and the line where it
-    stands."""
+    """A parameter of a YAML file, the unit that it is given in, and the line where it stands."""
 
     parameter: Parameter
     unit: Unit

@@ -42,7 +42,8 @@ MOST_STATEMENTS = 20_000
 def overall(build, args):
     """What holds for the whole structure.
 
-    build: Builder of the sample; args: the keys' values (SI). Returns the Scene, still empty."""
+    build: Builder of the sample; args: values (SI) of the keys above. Returns the Scene, still
+    empty."""
     build.hold = args.assemble
     scene = Scene(args.name, args.gravity, args.damping)
     if args.viscosity:

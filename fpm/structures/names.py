@@ -20,7 +20,8 @@ NEIGHBOURS = ("next", "previous")
 
 @dataclass(frozen=True)
 class Context:
-    """Where something is written: in the file, or in one unit of a repeat.
+    """Where something is written in a file, by which short names are found: at the top, or in one
+    unit of a repeat.
 
     prefix: "" or `bay3.`; adjacent: the prefixes of the neighbours, None at a row's end; ends: the
     prefixes of all repeats' first and last units, by `bay.first` and `bay.last`.

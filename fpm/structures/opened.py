@@ -169,7 +169,7 @@ class FileRecord:
         return set().union(*map(self.files_of, self.data or ()))
 
     def adopt(self, record: "FileRecord") -> None:
-        """Note the files of another structure that this one loads."""
+        """Note the files of another structure's `record`, which this one loads, as opened."""
         self._states_now |= {p: record._states[p] for p in record.files if p not in self.files}
 
     def hidden(self) -> list[str]:

@@ -108,7 +108,8 @@ class UnitError(ValueError):
 
 
 def is_unit(name: str) -> bool:
-    """Whether a name reads as a unit, so that nothing else may be called so."""
+    """Whether a name reads as a unit, such as `mm` or `m2`, so that nothing else may be called
+    so."""
     return re.fullmatch(rf"(?:{_NAME})[234]?", name) is not None
 
 

@@ -65,7 +65,7 @@ SPRING = {
 def torsion_spring(build, args):
     """Turns a joint towards an opening.
 
-    build: Builder of the sample; args: the keys' values (SI). Adds a TorsionSpring."""
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a TorsionSpring."""
     rest = args.rest
     if args.preload is not None:
         if rest != 0.0:
@@ -98,7 +98,8 @@ whole(Damper)
 def friction(build, args):
     """Dry (Coulomb) friction in a joint.
 
-    build: Builder of the sample; args: the keys' values (SI). Adds a Friction or RigidFriction."""
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a Friction or
+    RigidFriction."""
     slides = build.scene.hinges[args.joint].slides
     if args.sticks == "exactly":
         if args.bristle_deflection is not None or args.damping is not None:
@@ -135,7 +136,8 @@ def _deflection(scene, hinge: int) -> float:
 def bearing(build, args):
     """Friction by the force that a joint itself bears.
 
-    build: Builder of the sample; args: the keys' values (SI). Adds a Friction, or a bearing."""
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a Friction, or a
+    bearing."""
     scene, lever = build.scene, args.mu * (1.0 if args.radius is None else args.radius)
     if scene.hinges[args.joint].slides == (args.radius is not None):
         build.refuse("radius", args.radius, "a length on a hinge, and none on a slide")
@@ -162,7 +164,7 @@ def bearing(build, args):
 def stop(build, args):
     """Keeps the opening of a joint from going further; never pulls.
 
-    build: Builder of the sample; args: the keys' values (SI). Adds one or two Stops."""
+    build: Builder of the sample; args: values (SI) of the keys above. Adds one or two Stops."""
     if args.lower is None and args.upper is None:
         build.refuse("lower", None, "`lower`, `upper`, or both")
     if args.lower is not None and args.upper is not None and args.lower >= args.upper:
@@ -183,7 +185,8 @@ def stop(build, args):
 def latch(build, args):
     """Catches a joint at an opening and holds it from then on.
 
-    build: Builder of the sample; args: the keys' values (SI). Adds a Latch or RigidLatch."""
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a Latch or
+    RigidLatch."""
     one_sided = args.holds == "one way"
     rigid = _rigid(build, args, damping=args.damping > 0, holds=one_sided)
     build.scene.add(element(RigidLatch if rigid else Latch, args, one_sided=one_sided))
@@ -212,8 +215,8 @@ MOMENTS = ListKey(
 def tabulated_spring(build, args):
     """Moves a joint by a moment, or force, that a table gives: a tape spring, a harness.
 
-    build: Builder of the sample; args: the keys' values (SI). Adds a TableSpring, the mean of
-    `moments` and `back`, and for their difference a Friction with hysteresis."""
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a TableSpring, the mean
+    of `moments` and `back`, and for their difference a Friction with hysteresis."""
     scene, loading = build.scene, np.array(args.moments)
     unloading = loading if args.back is None else np.array(args.back)
     if len(unloading) != len(loading) or np.any(unloading < loading):
@@ -236,7 +239,7 @@ def tabulated_spring(build, args):
 def loop(build, args):
     """A closed cable over pulleys on two joints, which so open in the ratio of the radii.
 
-    build: Builder of the sample; args: the keys' values (SI). Adds a SyncLoop."""
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a SyncLoop."""
     rest = [_at_start(build, hinge) for hinge in args.joints] if args.rest is None else args.rest
     build.scene.add(element(SyncLoop, args, hinges=args.joints, rest=rest))
 
@@ -253,7 +256,8 @@ def loop(build, args):
 def motor(build, args):
     """Prescribes the opening of a joint, exactly or through an elastic drive train.
 
-    build: Builder of the sample; args: the keys' values (SI). Adds a Motor or RigidMotor."""
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a Motor or
+    RigidMotor."""
     start = _at_start(build, args.joint) if args.start is None else args.start
     if (args.turn is None) == (args.rate is None):
         build.refuse("turn", args.turn, "by how much it moves, or a `rate`, not both")
@@ -276,7 +280,8 @@ whole(TorqueMotor)
 def release(build, args):
     """Holds a joint until a time, or until another has opened so far; the first counts.
 
-    build: Builder of the sample; args: the keys' values (SI). Adds a Release or RigidRelease."""
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a Release or
+    RigidRelease."""
     if args.time is None and args.watch is None:
         build.refuse("time", None, "a time, or a joint to `watch`")
     if (args.watch is None) != (args.level is None):

@@ -22,7 +22,7 @@ CURVE = ReferenceKey(None, "scales it with time; left out: constant", group="cur
 def curve(build, args):
     """A curve of time, straight between the values given and constant outside them.
 
-    build: Builder of the sample; args: the keys' values (SI). Returns its index."""
+    build: Builder of the sample; args: values (SI) of the keys above. Returns its index."""
     return build.scene.add_curve(args.times, args.values)
 
 
@@ -42,7 +42,7 @@ def _index(curve: int | None) -> int:
 def load(build, args):
     """A force and a moment in global axes at a point of a part.
 
-    build: Builder of the sample; args: the keys' values (SI). Adds a Load."""
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a Load."""
     beam = build.scene.arm_to(args.part.particle(args.at.name), args.at.position)
     build.scene.add(Load(beam, args.force, args.moment, _index(args.curve)))
 
@@ -63,7 +63,7 @@ def load(build, args):
 def cable(build, args):
     """Pulls its points together where it is tight, and runs through those between its ends.
 
-    build: Builder of the sample; args: the keys' values (SI). Returns the cable's index."""
+    build: Builder of the sample; args: values (SI) of the keys above. Returns the cable's index."""
     points = [(part.particle(point.name), point.position) for part, point in args.through]
     for particle, _ in points:
         build.joints_of.setdefault(particle, [])
@@ -87,7 +87,7 @@ def cable(build, args):
 def drive(build, args):
     """Prescribes how a point of a part moves and turns.
 
-    build: Builder of the sample; args: the keys' values (SI). Adds a Drive."""
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a Drive."""
     particle = args.part.particle(args.at.name)
     arm = build.scene.arm_to(particle, args.at.position)
     distance = float(np.linalg.norm(arm.arm))
@@ -108,7 +108,7 @@ def drive(build, args):
 def motion(build, args):
     """How a part moves at the start, as a rigid body.
 
-    build: Builder of the sample; args: the keys' values (SI). Sets velocities."""
+    build: Builder of the sample; args: values (SI) of the keys above. Sets velocities."""
     scene, particles = build.scene, args.part.particles
     arms = scene.position[particles] - args.about.position
     scene.velocity[particles] = args.velocity + np.cross(args.spin, arms)
@@ -121,5 +121,5 @@ def motion(build, args):
 def record(build, args):
     """A point of a part whose motion is recorded under this name.
 
-    build: Builder of the sample; args: the keys' values (SI). Adds a point."""
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a point."""
     build.scene.add_point(args.name, args.part.particle(args.at.name), args.at.position)

@@ -22,8 +22,8 @@ class SceneError(ValueError):
 
 
 class ChangedError(SceneError):
-    """Raised for a file that changed since this process read it, so that digests of it name no
-    numbers; `key` is the file."""
+    """Raised for a file that changed since this process read it, so that its digest no longer
+    identifies the code behind the results; `key` is the file's path."""
 
     def __init__(self, file: str):
         self.key, self.value = file, "changed since it was imported"
@@ -87,8 +87,8 @@ class InstabilityError(RuntimeError):
 
 
 def did_you_mean(name: str, names: Iterable[str]) -> str:
-    """`" (did you mean x?)"` when a known name is close, or colon or point are missing behind one;
-    else an empty string."""
+    """Hint for a message about an unknown `name`: `" (did you mean x?)"`, x the closest of `names`,
+    or what punctuation is missing, as a colon behind a known name; "" if there is no guess."""
     names = list(names)
     head, sign, value = re.match(r"(\w*)([ :]?)(.*)", name, re.DOTALL).groups()
     if name[:1].isdigit():
@@ -101,13 +101,14 @@ def did_you_mean(name: str, names: Iterable[str]) -> str:
 
 
 def renamed(name: object, names: Iterable[str]) -> str:
-    """`" (it is now x)"` where a name is that of before of one of these; else an empty string."""
+    """`" (it is now x)"` if `name` is the former name (RENAMED) of x, one of `names`; else ""."""
     name = RENAMED.get(name) if isinstance(name, str) else None
     return f" (it is now {name})" if name in names else ""
 
 
 def likely(name: str, names: Iterable[str]) -> str:
-    """The known name that is close, or another word for the same; "" where none is."""
+    """The one of the allowed `names` that an unknown `name` most likely means: its new name, a
+    synonym, or one of like spelling; "" if there is none."""
     names = list(names)
     close = [RENAMED[name]] if RENAMED.get(name) in names else []
     close += [word for word in names if word.lower() == name.lower()]
@@ -152,8 +153,9 @@ _FOREIGN = {
 
 
 def number_hint(text: str, with_unit: bool = True) -> str:
-    """`" (did you mean x?)"` for a text that is no number here: a percentage, a comma, a power, a
-    unit that is not known (or none is allowed); else an empty string."""
+    """Hint for a message about text that is no number: `" (did you mean x?)"` for a percentage, a
+    decimal comma, a power written `^` or a foreign unit; else "". with_unit: whether a unit is
+    allowed."""
     comma = re.sub(r"^([-+]?\d+),(\d+)", r"\1.\2", text.strip())
     match = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", comma)
     number, unit = (float(match[1]), (match[2] or "").replace("^", "")) if match else (0.0, "")

@@ -18,7 +18,7 @@ BROKEN = (OSError, ValueError, TypeError, KeyError, IndexError, AssertionError, 
 
 
 class NetcdfVariable(NamedTuple):
-    """An array of numbers or text, the names of its dimensions, and its attributes."""
+    """A netCDF variable: names of its dimensions, array of numbers or text, attributes by name."""
 
     dims: tuple[str, ...]
     values: np.ndarray
@@ -28,7 +28,7 @@ class NetcdfVariable(NamedTuple):
 def write(
     path: str | os.PathLike, attributes: Mapping[str, Any], variables: Mapping[str, NetcdfVariable]
 ) -> None:
-    """Write a file; attributes are text or numbers.
+    """Write a netCDF file, classic format; attributes: global, text or numbers; variables: by name.
 
     Text takes one more dimension, `<name>_width`, as characters. The format has no empty
     dimensions: variables without values are left out.
@@ -52,7 +52,7 @@ def write(
 def read(
     path: str | os.PathLike, content: bytes | None = None
 ) -> tuple[dict[str, Any], dict[str, NetcdfVariable]]:
-    """Read attributes and variables of a file in the classic format; text stays characters.
+    """Global attributes and variables of a classic netCDF file, by name; text stays characters.
 
     content: the file's bytes, if read before. Raises OSError if the file is not in this format, or
     not whole.

@@ -36,7 +36,8 @@ class Motion(NamedTuple):
 def eventful(
     scene: Scene, kinds: Iterable[type[ElementType]] | None = None
 ) -> tuple[Eventful, ...]:
-    """Elements of a scene that have events; kinds: of these element types only."""
+    """Elements of a scene that have events, in the order in which event records number them; kinds:
+    element types that are looked at, None: all of the scene."""
     kinds = kinds_of([scene]) if kinds is None else kinds
     return tuple(element for kind in kinds for element in kind.eventful(scene))
 
@@ -59,7 +60,7 @@ class Outcome(Curves):
         The stable step; None if the step was given.
     failure
         None, the InstabilityError of a run whose numbers mean nothing, or the SceneError of a
-        travel that cannot be made.
+        quasi-static opening (fpm/travel) that has no solution.
     largest
         Largest values of the failure criteria by name (`bend`, the largest sine of the angle
         between an element's chord and its ends, or of its twist; `strain` at the surface of an
@@ -84,12 +85,14 @@ class Outcome(Curves):
 
     @property
     def gap(self) -> np.ndarray:
-        """Largest gap (t,) of all hinges, m."""
+        """Largest constraint error (t,) in position of all hinges, m: distance of the two
+        particles' points, or of the point to where it is held."""
         return self._recorded_or_zero("hinge_gap")
 
     @property
     def axis_gap(self) -> np.ndarray:
-        """Largest sine (t,) of the angle between the axes of a hinge, rad where small."""
+        """Largest sine (t,) of the angle between the axes that any hinge has on its two particles,
+        a constraint error; rad where small."""
         return self._recorded_or_zero("hinge_axis_gap")
 
     def _recorded_or_zero(self, name: str) -> np.ndarray:
@@ -111,7 +114,8 @@ class Outcome(Curves):
 
 
 def columns_of(records: Mapping[str, Series]) -> dict[Column, np.ndarray]:
-    """Columns (t,) of all recorded series with a dimension, by variable and label."""
+    """Columns (t,) by (variable, label) of recorded series (t, k) with k labels; records: series by
+    variable, of which those without labels are left out."""
     return {
         (name, label): record.values[:, i]
         for name, record in records.items()

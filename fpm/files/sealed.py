@@ -43,7 +43,8 @@ class DamagedError(OSError):
 
 
 def seal(path: str | os.PathLike, facts: Mapping[str, str]) -> None:
-    """Append the seal to a complete file; facts: its `name`, and further ones for readers.
+    """Append a seal to a complete file: a line with its digest and `facts`, which are `name` (what
+    the file is) and whatever else its readers need, as text.
 
     A JSON file must be an object over several lines.
     """
@@ -65,9 +66,10 @@ def _json(data: Mapping) -> str:
 
 
 def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
-    """Facts of a sealed file that is whole and, if `name` is given, of this name.
+    """Verify a sealed file's digest and, if `name` is given, its name; returns the facts in its
+    seal.
 
-    Raises DamagedError if the file is not, FileNotFoundError if it does not exist.
+    Raises DamagedError if either does not hold, FileNotFoundError if there is no file.
     """
     path = Path(path)
     if path.suffix == ".json":
@@ -84,9 +86,9 @@ def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
 
 
 def read_bytes(path: str | os.PathLike, most: int = _MOST) -> bytes:
-    """Content of a plain file of at most `most` bytes; raises DamagedError if it is none.
+    """Content of a plain file of at most `most` bytes; raises DamagedError if it is none or longer.
 
-    A device, or a pipe, is not waited for; what a kernel makes up while it is read is no file.
+    A device, or a pipe, is refused without waiting, and so is what lies below /proc and /sys.
     """
     if os.path.realpath(path).startswith(("/proc/", "/sys/")):
         raise DamagedError(path, "the system makes it up; allowed: a plain file, such as a copy")
@@ -107,15 +109,16 @@ _AT_ONCE = getattr(os, "O_NONBLOCK", 0)
 
 
 def unsealed(path: str | os.PathLike) -> bytes:
-    """Content of a sealed file without its seal; raises DamagedError if the file is not whole."""
+    """Verified content of a sealed file without its seal; raises DamagedError if it is not
+    whole."""
     content = read_bytes(path)
     check_content(path, content)
     return _split(path, content)[1]
 
 
 def check_content(path: str | os.PathLike, content: bytes, name: str | None = None) -> dict:
-    """Facts of a sealed file, as `check`, from its whole content that was read before; path: its
-    name in messages."""
+    """Verify the whole `content` of a sealed file that was read before; returns facts and raises as
+    `check` does. path: tells the format, and is named in messages."""
     facts, rest = _split(path, content)
     _compare(path, facts, hashlib.sha256(rest), name)
     return facts
@@ -180,9 +183,10 @@ def _hash(path: Path, size: int):
 
 @contextmanager
 def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) -> Iterator[Path]:
-    """A temporary path beside `path` that takes its name when the block ends without an error.
+    """Context manager for a file that appears whole or not at all: gives a temporary path beside
+    `path`, which is renamed to it when the block ends, and removed on an error.
 
-    With `facts` it is sealed before.
+    facts: if given, the file is sealed with them before (`seal`).
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -199,7 +203,8 @@ def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) 
 
 
 def sweep(folder: str | os.PathLike) -> list[Path]:
-    """Remove what processes of this machine that are no more have left half written in a folder."""
+    """Remove temporary files in a folder that were left by processes of this machine that have
+    ended; returns their paths."""
     paths = []
     with suppress(FileNotFoundError, NotADirectoryError):
         for entry in os.scandir(folder):

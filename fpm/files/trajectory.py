@@ -79,19 +79,20 @@ class Curves:
         return {**self.labelled("opening"), **self.labelled("slide_opening")}
 
     def labelled(self, variable: str) -> dict[str, np.ndarray]:
-        """The columns of a variable by their labels."""
+        """Columns (t,) of a recorded variable by label: of "cable_tension" by cable."""
         return {label: x for (name, label), x in self.columns.items() if name == variable}
 
     def times(self, event: str, places: Iterable[str]) -> np.ndarray:
-        """Times (s), in order, of an event of elements with the given names."""
+        """Times (s), increasing, at which any of the named elements had an event; event: its name,
+        such as "latches"; places: the elements' names."""
         numbers = [e.events.index(event) if e.name in places and event in e.events else -1
                    for e in self.eventful]  # fmt: skip
         rows = self.events[:, 2] == np.array(numbers)[self.events[:, 1].astype(int)]
         return np.sort(self.events[rows, 0])
 
     def impacts(self, pairs: Mapping[str, str] = IMPACTS) -> Impacts:
-        """Impacts, by pairs of names of the events that begin and end one; there responses bend or
-        jump.
+        """Impacts, at whose times responses bend or jump; pairs: name of the event that begins an
+        impact -> name of the one that ends it.
 
         A latch closes and opens at once: it does not stand in the way of the impacts that follow.
         """
@@ -227,7 +228,7 @@ def _responses(outcome, responses) -> dict[str, classic.NetcdfVariable]:
 
 
 def to_dataset(outcome, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":
-    """The `contents` of an outcome as an xarray Dataset."""
+    """The `contents` of an outcome as an xarray.Dataset; arguments and errors as of `contents`."""
     import xarray
 
     attributes, variables = contents(outcome, responses, attributes, parameters)
@@ -244,17 +245,17 @@ def _is_coordinate(name: str, variable: classic.NetcdfVariable) -> bool:
 
 
 def check_finite(variables: Mapping[str, classic.NetcdfVariable]) -> None:
-    """ValueError that names the first variable with a value that is not finite."""
+    """Raise a ValueError that names the first of `variables` with a value that is not finite."""
     for name, variable in variables.items():
         if variable.values.dtype.kind == "f" and not np.isfinite(variable.values).all():
             raise ValueError(f"{name} has values that are not finite; nothing is written")
 
 
 def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike) -> None:
-    """Write a trajectory, under a temporary name until it is complete, and sealed.
+    """Write a trajectory to a sealed netCDF file, under a temporary name until it is complete.
 
-    Its attribute `run_id`, if it has one, is its name. ValueError if any value is not
-    finite; then, and when the write breaks off, no file is left.
+    Its attribute `run_id`, if it has one, is its name. ValueError if any value is not finite; then,
+    and when the write breaks off, no file is left.
     """
     if not isinstance(trajectory, Contents):
         variables = {

@@ -94,7 +94,9 @@ def whole_motion(
 
 
 def chosen_instants(duration: float, instants: int, frames: int, times=()) -> np.ndarray:
-    """Indices of `frames` of all instants, evenly spread, and of those nearest to times (s)."""
+    """Indices (k,), increasing, of the recorded instants to return: `frames` evenly spread ones,
+    and those nearest to `times` (s). instants: number of recorded ones, evenly spread from 0 to
+    `duration` (s)."""
     even = np.linspace(0, instants - 1, min(frames, instants)).round().astype(int)
     nearest = np.round(np.asarray(times, float) / duration * (instants - 1)).astype(int)
     return np.unique(np.concatenate([even, nearest.clip(0, instants - 1)]))
@@ -103,12 +105,13 @@ def chosen_instants(duration: float, instants: int, frames: int, times=()) -> np
 def element_strains(
     scene: Scene, position: np.ndarray, frame: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Axial strain (t, m) and the largest bending strain at the surface (t, m) of all elements.
+    """Axial strain (t, m), > 0 in tension, and largest bending strain at the surface (t, m), >= 0,
+    of m beam elements at t instants.
 
-    position (t, n, 3) m and frame (t, n, 3, 3) of the particles. The moments at an element's ends
-    are the gradient of its energy (elements/bars/beam.py), 2 EI/l0 (2 th_a + th_b) and its mirror
-    image; the larger end counts, at the corner of a rectangle with the section's area and second
-    moments.
+    position (t, n, 3) m and frame (t, n, 3, 3), axes as columns, of the scene's n particles. The
+    moments at an element's ends are the gradient of its energy (elements/bars/beam.py), 2 EI/l0 (2
+    th_a + th_b) and its mirror image; the larger end counts, at the corner of a rectangle with the
+    section's area and second moments.
     """
     if not scene.beams:
         return np.zeros((len(position), 0)), np.zeros((len(position), 0))

@@ -22,10 +22,11 @@ BOX_CORNERS = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 
 
 class RecordedMotion(NamedTuple):
-    """A run with n particles and m elements: at all its instants (t), and those at `rows` (k,).
+    """Motion of n particles and m beam elements in one run: at all t instants, and at k of them.
 
-    position (t, n, 3) m and frame (t, n, 3, 3), axes as columns; velocity (k, n, 3) m/s; axial,
-    bending (k, m): strains. outcome holds the scene's own points and the events.
+    rows (k,): indices of the k instants; position (t, n, 3) m and frame (t, n, 3, 3), axes as
+    columns; velocity (k, n, 3) m/s; axial, bending (k, m): strains. outcome holds the scene's own
+    points and the events.
     """
 
     scene: Scene
@@ -39,10 +40,10 @@ class RecordedMotion(NamedTuple):
 
 
 class Shapes(NamedTuple):
-    """What can be seen of a scene: its m elements of bars, then its rigid bodies.
+    """Shapes to draw of a scene: its m beam elements, then its rigid bodies as boxes.
 
-    names (m,); nodes (m, 2): the particles at their ends, a body's own twice; length (m,) and
-    half (m, 2) m: half widths and heights; corners (m, 2, 4, 3) m, in the particles' frames.
+    names (m,); nodes (m, 2): the particles at their ends, a body's own twice; length (m,) and half
+    (m, 2) m: half widths and heights; corners (m, 2, 4, 3) m, in the particles' frames.
     """
 
     names: list[str]
@@ -53,11 +54,12 @@ class Shapes(NamedTuple):
 
 
 def shapes_of(scene: Scene, corners: np.ndarray) -> Shapes:
-    """The shapes of a scene, of whose elements the sections have these corners (m, 2, 4, 3), m.
+    """The shapes to draw of a scene; corners (m, 2, 4, 3) m: of the sections at both ends of its m
+    beam elements, in the particles' frames.
 
     A rigid body is a particle that is on no bar, and free to move in some way, or has a name of a
-    body. It is drawn as the box that has its mass and principal inertias: with edges a, b, c,
-    b² + c² = 12 I/m and so on.
+    body. It is drawn as the box that has its mass and principal inertias: with edges a, b, c, b² +
+    c² = 12 I/m and so on.
     """
     nodes, length, half = elements_of(scene.beams)
     names = [f"{b.name}[{i}]" for b in scene.beams for i in range(len(b.length))]
@@ -79,7 +81,8 @@ def shapes_of(scene: Scene, corners: np.ndarray) -> Shapes:
 
 
 def to_dataset(motion: RecordedMotion, corners: np.ndarray, attributes: dict) -> "xarray.Dataset":
-    """The motion at the instants chosen; corners (m, 2, 4, 3) m of the sections at their ends."""
+    """The motion at its instants `rows` as an xarray.Dataset, rigid bodies among the elements.
+    corners (m, 2, 4, 3) m: as of `shapes_of`; attributes: further global ones of the dataset."""
     import xarray
 
     scene, outcome, rows = motion.scene, motion.outcome, motion.rows

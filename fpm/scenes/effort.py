@@ -56,12 +56,13 @@ COMPILE, COMPILE_KIND, COMPILE_JOINTS = 4.0, 1.0, 4.0
 
 
 def compile_seconds(scene: Scene) -> float:
-    """Seconds to compile the time loop for the element types of a scene, once on a machine."""
+    """Estimated seconds to compile the time loop of a scene's element types, once on a machine."""
     return COMPILE + sum(COMPILE_JOINTS if k is Joint else COMPILE_KIND for k in kinds_of([scene]))
 
 
 def step_seconds(scene: Scene) -> float:
-    """Core time (s) of one step of eight runs of a scene side by side."""
+    """Estimated core time (s) of one time step of eight runs of a scene side by side, on the
+    tabulated machine (`machine` is the factor to this one)."""
     cost = STEP
     elements = sum(len(beams.length) for beams in scene.beams)
     on_beams = {int(p) for beams in scene.beams for p in np.unique(beams.nodes)}
@@ -72,8 +73,8 @@ def step_seconds(scene: Scene) -> float:
 
 
 def run_seconds(scene: Scene, steps: int, instants: int) -> float:
-    """Core time (s) of one of eight runs side by side, with given numbers of steps and recorded
-    instants."""
+    """Estimated core time (s) of one run, an eighth of eight computed side by side, on the
+    tabulated machine; steps: of time; instants: recorded ones."""
     packing = PACKING + PER_STATEMENT * sum(map(len, scene.kinds.values()))
     return (steps * step_seconds(scene) + instants * 1e-9 * INSTANT) / 8 + packing
 
@@ -99,10 +100,11 @@ def _of_kind(kind: type[ElementType], scene: Scene) -> float:
 
 
 def elimination_of(scene: Scene) -> tuple[int, float]:
-    """Conditions of the joints that are solved together, and multiply-adds of their elimination.
+    """Number of scalar constraints of all joints that are solved together, and of the multiply-adds
+    that eliminate them in one step.
 
-    A joint of c conditions that is coupled to others of a sum of d, when its turn comes, takes
-    c³/6 for its own block, c² d/2 for those below it, and c d²/2 for those of the others.
+    A joint of c conditions that is coupled to others of a sum of d, when its turn comes, takes c³/6
+    for its own block, c² d/2 for those below it, and c d²/2 for those of the others.
     """
     from fpm.elements.joints.joint_pattern import elimination, neighbours
 
@@ -119,8 +121,8 @@ def elimination_of(scene: Scene) -> tuple[int, float]:
 
 @cache
 def machine() -> float:
-    """Factor on all costs for this machine: with 512 bits a step took a 2.9th of what is
-    tabulated."""
+    """Factor from tabulated core times to those of this machine, by the width of its vector units:
+    1 with 256 bits, 1/2.9 (measured) with 512, 2 below."""
     from llvmlite.binding import get_host_cpu_features
 
     has = get_host_cpu_features()

@@ -67,7 +67,10 @@ def _elements(kind: type[ElementType]) -> property:
 class Scene:
     """Particles of one sample at their start, and the elements between and on them.
 
-    `kinds` has the list of elements by element type (fpm/elements).
+    Arrays of its n particles: position (n, 3) m; frame (n, 3, 3), own axes as columns; velocity
+    (n, 3) m/s; spin (n, 3) rad/s; mass (n,) kg; inertia (n, 3) kg m²; fixed (n, 6), held
+    translations and rotations. kinds: lists of elements by element type (fpm/elements); curves:
+    times (s) and values; points: named ones, for responses.
 
     Parameters
     ----------
@@ -116,7 +119,7 @@ class Scene:
 
     @property
     def gravity(self) -> np.ndarray:
-        """Sum (3,) of all accelerations by gravity (m/s²); may be set."""
+        """Acceleration of gravity (3,), m/s², in global axes, all summed; may be set, for all."""
         return sum((g.acceleration for g in self.kinds.get(Gravity, [])), np.zeros(3))
 
     @gravity.setter
@@ -125,7 +128,7 @@ class Scene:
 
     @property
     def damping(self) -> float:
-        """Sum of all damping rates (1/s); may be set."""
+        """Mass-proportional damping rate (1/s), all summed; may be set, for all."""
         return float(sum(d.rate for d in self.kinds.get(Damping, [])))
 
     @damping.setter
@@ -495,9 +498,9 @@ class Scene:
         self.points[name] = self.arm_to(int(particle), position)
 
     def arm_to(self, particle: int, point=None) -> VirtualBeam:
-        """The rigid offset from a particle (index) to a point (3,) m; None: the particle itself.
+        """Rigid offset from a particle (index) to a point (3,) m at the start; None: no offset.
 
-        Of a scene that was assembled, both are taken where they lay before.
+        In a scene that was assembled, `point` and particle are taken where they lay before that.
         """
         position, frame = (
             value if unstrained is None else unstrained

@@ -13,7 +13,7 @@ from fpm.scenes.scene import Scene
 
 
 def one_line(text: str) -> str:
-    """A description as one line without control characters: it goes into comments and tables."""
+    """A text as one line without control characters, as comments and tables need it."""
     return "".join(c for c in " ".join(text.split()) if c.isprintable())
 
 
@@ -58,7 +58,7 @@ class Parameter:
         return " ".join([noun, " and ".join(bounds)]).strip() + unit
 
     def check(self, name: str, value: object) -> None:
-        """Check a value of the parameter; raises SceneError if it is not allowed."""
+        """Raise SceneError if a value, in `unit`, is not allowed; name: in its message."""
         if value is None and self.default is None:
             return
         right = isinstance(value, int | float) and not isinstance(value, bool)
@@ -103,13 +103,13 @@ class SceneType:
 
     @cached_property
     def sample(self) -> Scene:
-        """The scene at `values`, for names of points, hinges and elements, which no parameter
+        """Scene built at `values`, for the names of points, hinges and elements, which no parameter
         changes."""
         return self.build(**self.values)
 
     @cached_property
     def energies(self) -> tuple[str, ...]:
-        """Names of the energies that its runs have."""
+        """Names of the energies of its runs: kinetic, its element types', balance."""
         own = (energy.name for energy in energies_of(self.sample.kinds))
         return ("kinetic", *own, "balance")
 

@@ -39,7 +39,8 @@ DENSE = 100
 
 
 class StableStep(NamedTuple):
-    """Limit of the time step (s), the highest angular frequency (rad/s), the limiting element."""
+    """Stability limit of a scene: the largest stable time step (s), the highest angular frequency
+    (rad/s), and the name of the element with most energy in that mode."""
 
     step: float
     frequency: float
@@ -49,9 +50,10 @@ class StableStep(NamedTuple):
 def deformation_modes(
     scene: Scene, step: float = np.inf
 ) -> tuple[Deformations, np.ndarray, list[str]]:
-    """Deformations of all elements, the kind (r,) of each row, and the elements' names.
+    """All elements' deformations in r rows (Deformations), the index of the element type (r,) of
+    each row among the scene's types, and the elements' names.
 
-    step (s): dampers are among them, as the springs that they are at such a step.
+    step (s): if finite, dampers C count too, as springs of stiffness 4 C/step.
     """
     blocks, kind_of, names = [], [], []
     for number, kind in enumerate(kinds_of([scene])):
@@ -72,10 +74,11 @@ def deformation_modes(
 
 
 def scaled_modes(scene: Scene):
-    """Sparse matrix (r, dofs) of sqrt(k) times the deformation rows times M^-1/2; element (r,).
+    """Scaled deformation matrix sqrt(k) D M^-1/2 (r, dofs), sparse, of a scene without its hinges;
+    the element's index (r,) of each row; the inverse masses and inertias (dofs,), 0 where held.
 
-    Its singular values are the angular frequencies (rad/s) of the scene with its hinges cut. Third:
-    the inverse masses (dofs,).
+    r: deformations of elements, with stiffnesses k; dofs: six of each particle. The singular values
+    of the matrix are the angular frequencies (rad/s).
     """
     deformations = deformation_modes(scene)[0]
     return _scaled(scene, deformations)
@@ -97,7 +100,8 @@ def _scaled(scene: Scene, deformations: Deformations):
 
 
 def fastest(modes) -> tuple[float, np.ndarray]:
-    """Square of the highest frequency and the share (r,) of each row in its mode's energy."""
+    """Square of the highest angular frequency (rad²/s²) and what each row adds to it (r,), in
+    proportion to the strain energy in that mode; modes: as of `scaled_modes` (r, dofs)."""
     if modes.shape[0] == 0 or modes.nnz == 0:
         return 0.0, np.zeros(modes.shape[0])
     matrix = modes.T @ modes

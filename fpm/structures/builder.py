@@ -18,21 +18,22 @@ POINT_TOL = 1e-9
 
 @dataclass(frozen=True)
 class Point:
-    """A named point: where it is at the start, (3,) m."""
+    """A named point of a sample: its full name, and where it is at the start, (3,) m."""
 
     name: str
     position: np.ndarray
 
 
 class Body:
-    """A bar or rigid body: the particle that carries each of its points."""
+    """A bar or rigid body of a sample; points: index of the particle that carries each of its named
+    points; particles (k,): indices of all of its own."""
 
     def __init__(self, name: str, points: Mapping[str, int]):
         self.name, self.points = name, dict(points)
         self.particles: np.ndarray = np.zeros(0, int)
 
     def particle(self, point: str) -> int:
-        """The particle that carries a point; SceneError for a point that is not the part's."""
+        """Index of the particle that carries a point (name); SceneError if none does."""
         if point not in self.points:
             raise SceneError(
                 "at", point, f"a point of {self.name}: {', '.join(self.points)} (or let it carry "
@@ -42,18 +43,19 @@ class Body:
 
 
 class Ground(Body):
-    """The ground, which does not move; every point can be one of its points."""
+    """The ground, particle 0, which does not move; every point can be one of its points."""
 
     def particle(self, point: str) -> int:
         return 0
 
 
 class Builder:
-    """One sample in the making; `sample.build` adds to it statement by statement.
+    """One sample's scene in the making; `sample.build_sample` adds to it statement by statement.
 
     scene: complete when no problem was found; numbers: all named numbers in SI units; size (m): the
-    largest extent of the structure; joints_of: the joints at each particle; hold(builder): hinges
-    that are held while parts are forced together, None where they are not.
+    largest extent of the structure; joints_of: names of the joints at each particle; hold(builder):
+    hinges (indices) whose openings are held while parts are forced together, None where they are
+    not.
     """
 
     hold: Callable[["Builder"], list[int]] | None = None
@@ -67,7 +69,8 @@ class Builder:
         self._values: dict[tuple[str, str], Any] = {}
 
     def number(self, bound: Bound, key: str) -> float:
-        """The value of an expression; SkippedError if what it refers to has none."""
+        """Value of an expression in SI units; key: names it in errors. SkippedError if a number
+        that it refers to has no value, SceneError if it has none itself."""
         try:
             return bound.value(self.numbers)
         except KeyError:
@@ -78,22 +81,22 @@ class Builder:
             ) from None
 
     def point(self, name: str) -> np.ndarray:
-        """Where a point is at the start, (3,) m."""
+        """Position (3,) m, at the start, of a point (full name), or SkippedError."""
         return self.get("points", name).position
 
     def keep(self, group: str, name: str, value: Any) -> None:
-        """Keep what was built for a name."""
+        """Store what was built for the entry `name` (full) in `group`, such as "bars"."""
         self._values[group, name] = value
 
     def get(self, group: str, name: str) -> Any:
-        """What was built for a name; SkippedError if it could not be."""
+        """What was stored for the entry `name` (full) in `group`; SkippedError if nothing was."""
         try:
             return self._values[group, name]
         except KeyError:
             raise SkippedError(name) from None
 
     def only_part_with(self, point: str, key: str) -> Body:
-        """The part that has a point, and is the only one."""
+        """The only bar or body with this point; SceneError about `key` if none, or several."""
         parts = [value for (group, _), value in self._values.items() if group == "parts"]
         matches = [part for part in parts if point in part.points]
         if len(matches) != 1:
@@ -104,5 +107,5 @@ class Builder:
         return matches[0]
 
     def refuse(self, key: str, value: object, allowed: str) -> None:
-        """Raise that a value is not allowed."""
+        """Raise SceneError: `value` of `key` is not allowed; allowed: what is, in words."""
         raise SceneError(key, value, allowed)

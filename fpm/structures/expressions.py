@@ -67,14 +67,14 @@ Measure = Callable[[Mapping[str, Dimension]], Dimension]
 
 
 class ExpressionError(ValueError):
-    """An expression that is no arithmetic, or has no value; the text says why."""
+    """Raised for text that is no arithmetic, or without a finite value; its text says why."""
 
 
 class Expression:
-    """Arithmetic, read once.
+    """An arithmetic expression with units, parsed once: `value(names)` gives it in SI units.
 
-    names: what it refers to, points' coordinates as `P.x`; dimension(names): that of the value from
-    those of the names, ExpressionError where they clash. ExpressionError for anything else.
+    names: those it uses (`P.x`: a coordinate of point P); dimension(names): its physical dimension,
+    given theirs, ExpressionError where they clash. ExpressionError for text that is not arithmetic.
     """
 
     def __init__(self, text: str):
@@ -97,11 +97,11 @@ class Expression:
 
     @cached_property
     def bare(self) -> bool:
-        """Whether it is made of plain numbers only."""
+        """Whether it is made of plain numbers only, without names and units."""
         return not self.names and self.dimension({}).bare
 
     def value(self, names: Mapping[str, float]) -> float:
-        """The value in SI units; ExpressionError if it is no finite number."""
+        """Value in SI units, given those of `names`; ExpressionError if it is not finite."""
         try:
             number = float(self._value(names))
         except ExpressionError:
@@ -252,5 +252,5 @@ def _dotted(node: ast.AST) -> str:
 
 @lru_cache(maxsize=10_000)
 def parse(text: str) -> Expression:
-    """The expression of a text, read once however often it occurs."""
+    """The Expression of a text, from a cache where it occurred before; raises ExpressionError."""
     return Expression(text)

@@ -31,7 +31,8 @@ Value = Callable[[Builder], Any]
 
 @dataclass(frozen=True)
 class Key:
-    """One key of a statement. `default`: its value when it is left out, or REQUIRED."""
+    """One key that a statement takes. default: its value when it is left out, NO_VALUE if it must
+    not be; text: what it means, for the documentation."""
 
     default: Any = NO_VALUE
     text: str = ""
@@ -42,20 +43,21 @@ class Key:
         raise NotImplementedError
 
     def sliding(self, joints: Container[str]) -> "Key":
-        """The key where `joints`, keys of the statement, name slides: with units of lengths."""
+        """This key with units of lengths, if `joints` (keys of the entry that name slides) has the
+        key that names its joint; else unchanged."""
         return self
 
     def read(self, node: Node, place: Place) -> Value:
-        """The value of a node as a function of the Builder; raises SkippedError after noting what
-        is wrong."""
+        """Read the YAML `node` of this key at a `place`; returns a function of the Builder that
+        gives the value in a sample. Raises SkippedError after noting what is wrong in
+        `place.problems`."""
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
 class NumberKey(Key):
-    """A number in a unit; `least` (allowed) or `above` (not allowed) is its lower end. joint: the
-    key that names the joint whose opening it may be about.
-    """
+    """A number with a unit of the dimension of `unit`, in SI units, >= `least` or > `above`. joint:
+    the key that names the joint whose opening it may be about, so that on slides rad becomes m."""
 
     unit: str = ""
     least: float | None = None
@@ -83,7 +85,7 @@ class NumberKey(Key):
 
 @dataclass(frozen=True)
 class WholeKey(Key):
-    """A whole number, which decides the structure's topology."""
+    """A whole number, 1 to MOST, known before samples: counts of units and elements need it."""
 
     allowed = f"a whole number from 1 to {MOST}, of parameters with `whole: true`"
 
@@ -109,7 +111,7 @@ def _checked(bound: Bound, place: Place, allowed: str, right: Callable[[float], 
 
 @dataclass(frozen=True)
 class VectorKey(Key):
-    """Three numbers in a unit, along x, y and z."""
+    """Three numbers along x, y and z, (3,) in SI units, of the dimension of `unit`."""
 
     unit: str = ""
 
@@ -127,7 +129,7 @@ class VectorKey(Key):
 
 @dataclass(frozen=True)
 class DirectionKey(Key):
-    """A direction: a letter, three numbers of one dimension, or from one point to another."""
+    """A unit vector (3,): by a letter, three numbers of one dimension, or from point to point."""
 
     allowed = "x, y, z, -x, -y, -z, [x, y, z], or {from: P, to: Q} with two points"
 
@@ -157,11 +159,8 @@ class DirectionKey(Key):
 
 
 class GroupMember(NamedTuple):
-    """The name of a member of a group; called with a Builder, it returns what was built for the
-    name.
-
-    number: of a universal joint, the hinge of that number.
-    """
+    """Reference to the member `name` (full) of a group; called with a Builder, it returns what was
+    built for it. number: to be added to an index, 1 for a universal joint's second hinge."""
 
     group: str
     name: str
@@ -174,10 +173,8 @@ class GroupMember(NamedTuple):
 
 @dataclass(frozen=True)
 class ReferenceKey(Key):
-    """The name of something in a group; its value is what was built for it.
-
-    ground: whether that is one of `parts` here.
-    """
+    """The name of something in the `group` of the file; its value is what was built for it. ground:
+    whether `ground` is allowed, in the group `parts`."""
 
     group: str = ""
     ground: bool = False
@@ -197,7 +194,8 @@ class ReferenceKey(Key):
 
 @dataclass(frozen=True)
 class OpeningKey(Key):
-    """The opening of a joint, of one of some types: its value is the index of the hinge."""
+    """The name of a joint with an opening; its value is the index of the hinge. types: of joints
+    that are allowed; hint: words added to what is allowed."""
 
     types: tuple[str, ...] = ("revolute", "prismatic", "universal")
     hint: str = ""
@@ -228,7 +226,8 @@ class OpeningKey(Key):
 
 @dataclass(frozen=True)
 class PointKey(Key):
-    """A point of a part or the ground: both names, or the point's where only one part has it."""
+    """A point of a part or the ground, as (Body, Point): both names, or the point's where only one
+    part has it."""
 
     part = ReferenceKey(group="parts", ground=True)
     allowed = f"{{part: {part.allowed}, at: one of its points}}, or a point that only one part has"
@@ -246,7 +245,7 @@ class PointKey(Key):
 
 @dataclass(frozen=True)
 class ListKey(Key):
-    """A list of values of one key, `least` to `most` of them, each name once.
+    """A list of `least` to `most` values of the key `kind`, each once.
 
     units: whether {each: REPEAT, through: [...]} may represent the values of all units of a repeat.
     """
@@ -295,10 +294,8 @@ class ListKey(Key):
 
 @dataclass(frozen=True)
 class MapKey(Key):
-    """A mapping from names of a group to values of one key; its value is keyed by full names.
-
-    single: whether one value for all may stand in its place.
-    """
+    """A mapping from names in a `group` to values of the key `kind`; its value is keyed by full
+    names. single: whether one value for all may stand in its place."""
 
     group: str = "parts"
     kind: Key | None = None
@@ -325,7 +322,8 @@ class MapKey(Key):
 
 @dataclass(frozen=True)
 class AssemblyKey(Key):
-    """Whether parts are forced together: None, or the hinges that are held then."""
+    """Whether parts are forced together: None, or a function of the Builder that gives the indices
+    of the hinges whose openings are held then."""
 
     allowed = "true, false, or {hold: [joints]}"
 
@@ -340,7 +338,7 @@ class AssemblyKey(Key):
 
 @dataclass(frozen=True)
 class ChoiceKey(Key):
-    """One of a few words."""
+    """One word out of `options`."""
 
     options: tuple[str, ...] = ()
 
@@ -356,7 +354,7 @@ class ChoiceKey(Key):
 
 @dataclass(frozen=True)
 class LettersKey(Key):
-    """Global axes."""
+    """Global axes, as text such as "xz"; "" for `none`."""
 
     allowed = "letters out of xyz, or none"
 

@@ -40,7 +40,10 @@ MOST_STATEMENTS = 20_000
     ),
 )  # fmt: skip
 def overall(build, args):
-    """What holds for the whole structure."""
+    """What holds for the whole structure.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Returns the Scene, still
+    empty."""
     build.hold = args.assemble
     scene = Scene(args.name, args.gravity, args.damping)
     if args.viscosity:
@@ -52,7 +55,8 @@ KEYS = (*TEXTS, *overall.keys, "parameters", "let", "points", *GROUPS, "repeat")
 
 
 class Sheet(NamedTuple):
-    """A table with points, bars and so on: the file's, or one unit's. number: of the unit, or 0."""
+    """One table with points, bars and so on: the file's, or one repeat unit's. context: where names
+    are looked up; key: dotted path of the table; number: of the unit from 1, 0 for the file."""
 
     context: Context
     table: Node
@@ -61,8 +65,8 @@ class Sheet(NamedTuple):
 
 
 class FileStatements:
-    """All statements of a structure file. `entries`: in the order in which they are built;
-    `points`: names.
+    """All statements of a structure file, units of repeats written out; `entries` in the order in
+    which they are built, `points` by full name.
 
     table: the file; inputs: its parameters (text_file.GivenParameter); counts: values of the whole
     ones. What is wrong is noted in `problems`, and left out.

@@ -20,7 +20,8 @@ NEIGHBOURS = ("next", "previous")
 
 @dataclass(frozen=True)
 class Context:
-    """Where something is written: in the file, or in one unit of a repeat.
+    """Where something is written in a file, by which short names are found: at the top, or in one
+    unit of a repeat.
 
     prefix: "" or `bay3.`; adjacent: the prefixes of the neighbours, None at a row's end; ends: the
     prefixes of all repeats' first and last units, by `bay.first` and `bay.last`.
@@ -31,7 +32,8 @@ class Context:
     adjacent: Mapping[str, str | None] = field(default_factory=dict)
 
     def find(self, name: str, names: Container[str]) -> str:
-        """The full name of what `name` means here; KeyError if there is no such thing.
+        """Full name, out of `names`, of what is written `name` here; KeyError if there is no such
+        thing.
 
         SkippedError for the neighbour of a row's last unit.
         """
@@ -53,7 +55,7 @@ class Context:
         raise KeyError(name)
 
     def visible(self, names: Iterable[str]) -> list[str]:
-        """Those names that can be seen from here, as they are written here."""
+        """Those of `names` (full) that can be seen from here, as they are written here."""
         if not self.prefix:
             return list(names)
         units = tuple(unit for units in self.units().values() for unit in units)
@@ -61,7 +63,7 @@ class Context:
         return own + [name for name in names if not name.startswith(units)]
 
     def units(self) -> dict[str, list[str]]:
-        """The prefixes of the units of all repeats, in order, by the repeats' names."""
+        """Prefixes (`bay1.`, ...) of the units of each repeat, in order, by the repeat's name."""
         lasts = {end.removesuffix(".last"): u for end, u in self.ends.items() if ".last" in end}
         counts = {name: int(unit.removeprefix(name)[:-1]) for name, unit in lasts.items()}
         return {name: [f"{name}{i + 1}." for i in range(n)] for name, n in counts.items()}
@@ -69,17 +71,18 @@ class Context:
 
 @dataclass(frozen=True)
 class Bound:
-    """An expression whose names are tied to full names."""
+    """An expression with the full name, by `full`, of each name that is written in it."""
 
     expression: Expression
     full: dict[str, str]
 
     def value(self, numbers: Mapping[str, float]) -> float:
-        """Its value in SI units, from those of the full names."""
+        """Value of the expression in SI units; numbers: values in SI units by full name."""
         return self.expression.value({name: numbers[full] for name, full in self.full.items()})
 
     def dimension(self, numbers: Mapping[str, "NamedNumber"]) -> Dimension:
-        """Its dimension; SkippedError if one of its names has none, being wrong itself."""
+        """Dimension of the expression; numbers: by full name. SkippedError if one has no dimension,
+        being wrong itself."""
         dimensions = {name: numbers[full].dimension for name, full in self.full.items()}
         if None in dimensions.values():
             raise SkippedError(self.expression.text)
@@ -88,10 +91,11 @@ class Bound:
 
 @dataclass
 class NamedNumber:
-    """A number with a name: a parameter, a repeat's index (`given`), or derived by `bound`.
+    """A number with a name in a file: a parameter, a repeat's index (`given`), or derived by
+    `bound`.
 
-    dimension: None while it is unknown, or if it is wrong; whole: it depends on whole numbers only,
-    so that counts may depend on it.
+    key, line: where it is defined; dimension: None while it is unknown, or if it is wrong; whole:
+    it depends on whole numbers only, so that counts may depend on it.
     """
 
     key: str
@@ -103,10 +107,11 @@ class NamedNumber:
 
 
 class Names:
-    """All names of a file: numbers (parameters, let, coordinates of points), and what is built.
+    """All names of a file: `numbers` (parameters, let, coordinates of points), and what is built,
+    by group in `groups` with the line of each.
 
-    things: lines by name, by group; types: of joints, "" where nobody can tell; angles: joint and
-    number of those of universal joints; absent: (group, name) of what is wrong, or at a row's end;
+    types: of joints, "" where nobody can tell; angles: of universal joints, joint and number (0, 1)
+    by name; uses: names referred to; absent: (group, name) of what is wrong, or at a row's end;
     order: of numbers, so that they can be computed.
     """
 
@@ -121,7 +126,8 @@ class Names:
         self.order: list[str] = []
 
     def allows(self, name: str, key: str, line: int, number: bool = False) -> bool:
-        """Whether something, or a number, may be called so; a problem if not."""
+        """Whether `name` may be given to something, or to a `number`; if not, a problem is noted
+        for `key`, on its line."""
         reserved = name in (*NEIGHBOURS, "first", "last", "ground")
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or reserved:
             hint = "letters, digits and _ after a letter; not ground, next, previous, first, last"
@@ -135,7 +141,8 @@ class Names:
         return False
 
     def unknown(self, line: int, key: str, name: str, options: Iterable[str], noun: str) -> None:
-        """Note that a name means nothing, or something else, or is that of a part of a repeat."""
+        """Note that `name`, referred to by `key`, is none of the `options`, with a hint at what may
+        be meant; noun: what it should name."""
         unit_names = [full for full in options if full.endswith(f".{name}")]
         group = next((g for g, names in self.groups.items() if g != "parts" and name in names), "")
         hint = did_you_mean(name, options)
@@ -186,13 +193,13 @@ class Names:
         number.dimension = target or actual
 
     def is_whole(self, bound: Bound) -> bool:
-        """Whether an expression depends on nothing but whole numbers."""
+        """Whether all names in an expression stand for whole numbers."""
         return all(self.numbers[full].whole for full in bound.full.values())
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where a value is written: its key, in sentences, and what is known there."""
+    """Where a value is written: its dotted key, the table's context, and the file's names."""
 
     key: str
     context: Context
@@ -200,20 +207,21 @@ class Place:
 
     @property
     def problems(self) -> Problems:
-        """Where to note what is wrong."""
+        """The file's problems, where what is wrong is noted."""
         return self.names.problems
 
     def child(self, *keys: str) -> "Place":
-        """The place of a key in this one."""
+        """The place of a key below this one; several are joined by dots."""
         return replace(self, key=dotted(self.key, *keys))
 
     def refuse(self, node: Node, allowed: str) -> None:
-        """Note that this place's value is not allowed, and leave out what it belongs to."""
+        """Note that the node's value is not allowed here, and raise SkippedError."""
         self.problems.refuse(node.line, self.key, node.plain, allowed)
         raise SkippedError(self.key)
 
     def bind(self, node: Node, allowed: str) -> Bound:
-        """The expression at this place with its names found."""
+        """The node's expression with its names found; else the problem is noted, and SkippedError
+        raised. allowed: what the value may be, in words."""
         if not node.text:
             self.refuse(node, allowed)
         try:
@@ -234,7 +242,8 @@ class Place:
         return Bound(expression, full)
 
     def number(self, node: Node, dimension: Dimension | None, allowed: str, angle=False) -> Bound:
-        """An expression of the dimension that is wanted; an angle's unit must be said."""
+        """The node's expression, as of `bind`, if it has the `dimension` (None: any); angle:
+        whether its unit must be said, but for 0."""
         bound = self.bind(node, allowed)
         try:
             actual = bound.dimension(self.names.numbers)
@@ -248,7 +257,7 @@ class Place:
         return bound
 
     def whole(self, node: Node, allowed: str) -> Bound:
-        """An expression of whole numbers, from parameters that are."""
+        """The node's expression, as of `bind`, if all names in it stand for whole numbers."""
         bound = self.number(node, NUMBER, allowed)
         if not self.names.is_whole(bound):
             self.refuse(node, allowed)
@@ -260,7 +269,8 @@ class Place:
         raise SkippedError(self.key) from None
 
     def reference(self, node: Node, group: str) -> str:
-        """The full name of something in a group."""
+        """Full name of the member of a `group` that the node names; else a problem is noted, and
+        SkippedError raised."""
         noun = group.removesuffix("s")
         if not isinstance(node.value, str):
             self.refuse(node, f"the name of a {noun}")

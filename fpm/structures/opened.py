@@ -46,10 +46,10 @@ _PROGRAM = tuple(str(sources.PACKAGE.parent / name) for name in ("fpm", "deploya
 
 
 class FileRecord:
-    """The files of one structure, in `path`: all that it opened so far, by digest.
+    """Digests of all files that the structure in the file `path` opened so far, its own among them.
 
     What is opened later on, by a build at other values, has to be among them as it was; else a
-    SceneError says so, since the structure has a name already.
+    SceneError says so, since the structure's digest is fixed by then.
     """
 
     def __init__(self, path: Path):
@@ -66,8 +66,8 @@ class FileRecord:
 
     @contextmanager
     def recording(self) -> Iterator[None]:
-        """See what this thread opens, with modules of the structure's own: another structure, or
-        who loads it, may have others of the same names, or of the same files as they were."""
+        """Context manager that records the files this thread opens, with a set of imported modules
+        of the structure's own: other structures may have others of equal names."""
         _hook()
         outer, _THREAD.record = current_record(), self
         own_modules = _own_modules()
@@ -86,7 +86,7 @@ class FileRecord:
             _THREAD.record = outer
 
     def note(self, file: Any, flags: int) -> None:
-        """Note a file that is opened."""
+        """Note a file (path) opened with os.open's `flags`; installed files do not count."""
         if not isinstance(file, str | bytes | os.PathLike):
             return  # by its number: it was opened before
         name = os.path.realpath(os.fsdecode(file))
@@ -101,7 +101,7 @@ class FileRecord:
             self._states_now.setdefault(path, _state(path))
 
     def imported(self, path: Path, content: bytes) -> None:
-        """Note a file of code as it is imported."""
+        """Note a file of imported code and its content; ChangedError if that changed."""
         path = Path(os.path.realpath(path))
         self._states_now.pop(path, None)
         digest = sources.content_digest(content, path)
@@ -111,10 +111,10 @@ class FileRecord:
     # -- afterwards -----------------------------------------------------------------------------
 
     def seal(self, data: Iterable[str] | None) -> str:
-        """The digest of the structure, when it has been loaded and built at its defaults.
+        """Fix and return the structure's digest, when it has been loaded and built at its defaults.
 
-        data: patterns of the files that it says to read, None if it says nothing. ChangedError
-        where a file is not what was read.
+        data: its DATA, patterns of the files that it reads; None if it has none. ChangedError where
+        a file is not what was read.
         """
         self.data = None if data is None else tuple(data)
         code = sources.own_sources(self.path, *(p for p in self.files if p.suffix == ".py"))
@@ -129,8 +129,8 @@ class FileRecord:
         return hashlib.sha256(repr(digests).encode()).hexdigest()[:16]
 
     def check(self, values: Mapping[str, Any]) -> None:
-        """SceneError where a build at some values opened what had not been opened before, or is
-        another now."""
+        """SceneError if a build at `values`, by parameter, opened a file that is not in the digest;
+        ChangedError if it changed since."""
         paths, self._states_now = {*self._states_now, *self._data_files()}, {}
         if self.unseen and self.data is None:
             raise SceneError(f"{self.path.name} at {dict(values)}", self.unseen, DATA_HINT)
@@ -145,15 +145,15 @@ class FileRecord:
                 raise ChangedError(str(path))
 
     def is_same(self) -> bool:
-        """Whether all files are what they were."""
+        """Whether all files, those of DATA among them, are as they were when sealed."""
         return all(map(self._is_same, self.files)) and self._data_files() <= set(self.files)
 
     def _is_same(self, path: Path) -> bool:
         return _state(path) == self._states.get(path, ()) or _digest(path) == self.files[path]
 
     def follow(self, previous: "FileRecord") -> None:
-        """ChangedError where the same code, loaded before, opened a file that changed, and does not
-        open it any more: what it gives is what some library has in memory."""
+        """ChangedError where the same code, by the record of a `previous` load, opened a file that
+        changed, and opens it no more: some library gives it from memory."""
         code = [path for path in previous.files if path.suffix == ".py"]
         if all(self.files.get(path) == previous.files[path] for path in code):
             for path in previous.files.keys() - self.files.keys():
@@ -161,7 +161,7 @@ class FileRecord:
                     raise ChangedError(str(path))
 
     def files_of(self, pattern: str) -> set[Path]:
-        """The files that a pattern of DATA stands for."""
+        """Files that a glob pattern of DATA stands for, from the structure's folder."""
         names = glob.glob(str(self.folder / pattern), recursive=True, include_hidden=True)
         return {path.resolve() for path in map(Path, names) if path.is_file()}
 
@@ -169,12 +169,12 @@ class FileRecord:
         return set().union(*map(self.files_of, self.data or ()))
 
     def adopt(self, record: "FileRecord") -> None:
-        """Note the files of another structure that this one loads."""
+        """Note the files of another structure's `record`, which this one loads, as opened."""
         self._states_now |= {p: record._states[p] for p in record.files if p not in self.files}
 
     def hidden(self) -> list[str]:
-        """By what its code may read files unseen, if it does not say which it reads: packages that
-        it imports anywhere, and other programs."""
+        """Means by which its code may read files unseen: imports of packages, and other programs,
+        as text; none if it has DATA."""
         if self.data is not None:
             return []
         readers = sorted(set(self.unseen))
@@ -186,13 +186,13 @@ class FileRecord:
 
 
 class Build:
-    """The `build` of a structure, watched."""
+    """Callable that builds a structure by its function and has the files that it opens checked."""
 
     def __init__(self, function: Callable, record: FileRecord):
         self.function, self.record = function, record
 
     def __call__(self, **values: Any) -> Any:
-        """The scene at some values; SceneError where it opens what is not in its digest."""
+        """The scene at values of parameters; SceneError if it opens an undigested file."""
         with self.record.recording():
             scene = self.function(**values)
         self.record.check(values)
@@ -219,18 +219,18 @@ class _Finder:
 
 
 class Loader(SourceFileLoader):
-    """Compiles what the file holds, whatever older compiled code says of seconds and sizes."""
+    """Import loader that compiles the source, never taking cached bytecode, and notes it."""
 
     def __init__(self, name: str, path: str, record: FileRecord):
         super().__init__(name, path)
         self.record = record
 
     def path_stats(self, path: str) -> Mapping[str, Any]:
-        """None: without them, compiled code is neither read nor kept."""
+        """Raises OSError, at which compiled code is neither read from the cache nor kept."""
         raise OSError
 
     def get_data(self, path: str) -> bytes:
-        """The source, which is noted."""
+        """The source's bytes, which are noted in the record."""
         content = super().get_data(path)
         self.record.imported(Path(path), content)
         return content
@@ -241,7 +241,7 @@ _THREAD = threading.local()
 
 
 def current_record() -> FileRecord | None:
-    """For whom this thread's files are noted."""
+    """Record in which the files that this thread opens are noted now; None: in none."""
     return getattr(_THREAD, "record", None)
 
 

@@ -29,7 +29,8 @@ USUAL = {
 
 
 def warnings(scene: Scene, duration: float | None = None) -> list[str]:
-    """Sentences about a scene at its start; duration (s): of a run, which may be too short."""
+    """Sentences on what is allowed in a scene but hardly meant, at most MOST and a count of the
+    rest; duration (s): of a run, which may be too short for latches; None: unknown."""
     sentences = [*_sizes(scene), *_support(scene)]
     moving = {friction.hinge for friction in Friction.of(scene) if friction.load is not None}
     sentences += [
@@ -142,6 +143,6 @@ def _inertia(scene: Scene, hinge: Hinge) -> float:
 
 
 def opening_text(hinge: Hinge, opening: float) -> str:
-    """An opening of a hinge, in degrees, or of a slide; what rounding leaves is none."""
+    """Text of an opening: rad in degrees, on a slide m; what rounding leaves (1e-9) is 0."""
     opening = round(opening, 9) + 0.0
     return f"{opening:.4g} m" if hinge.slides else f"{np.degrees(opening):.4g} deg"

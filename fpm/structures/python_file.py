@@ -15,16 +15,17 @@ from fpm.structures.reading import Problem, StructureError, read_text
 
 
 def load_python(path: Path) -> SceneType:
-    """The structure of a Python file with `PARAMETERS` and `build`, and, if it has them, `MESH` and
-    `DATA`.
+    """Load the structure of a Python file, which is run: it has `PARAMETERS` and `build`, and may
+    have `MESH` and `DATA`. Raises StructureError for anything else.
 
     PARAMETERS: dict of fpm.scenes.scene_type.Parameter; build(**parameters) -> fpm.Scene; MESH: the
     name of the parameter that sets the mesh; DATA: patterns of files, from its folder, that it
     reads at other values only or unseen (`fpm.structures.opened`). The docstring is its
     description.
-    StructureError otherwise. Its digest is of all files that are opened while it is loaded and
-    built at its defaults, of those below its folder that its code imports, and of DATA. It is
-    loaded once, and again when one of these has changed.
+
+    Its digest is of all files that are opened while it is loaded and built at its defaults, of
+    those below its folder that its code imports, and of DATA. It is loaded once, and again when one
+    of these has changed.
     """
     read_text(path)  # which tells what is no file, before Python waits for it
     place = path.absolute()

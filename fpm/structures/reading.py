@@ -23,7 +23,8 @@ LARGEST = 1 << 20
 
 
 class Problem(NamedTuple):
-    """One thing that is wrong: its line (0: none), a sentence that starts with the key."""
+    """One thing that is wrong in a file: its line (0: none), a sentence that starts with the
+    key."""
 
     line: int
     text: str
@@ -50,7 +51,7 @@ class StructureError(SceneError):
 
 
 def read_text(path: str | Path) -> str:
-    """The text of a plain file of limited size; StructureError where it is none."""
+    """The text of a plain UTF-8 file of at most LARGEST bytes; StructureError where it is none."""
     try:
         text = read_bytes(path, LARGEST).decode("utf-8")
         return text.replace("\r\n", "\n").replace("\r", "\n")
@@ -62,11 +63,12 @@ def read_text(path: str | Path) -> str:
 
 
 class ExcessError(Exception):
-    """A file has too much of something."""
+    """Raised for a file that holds too many values."""
 
 
 class SkippedError(Exception):
-    """Something is left out because what it refers to is wrong, or is no neighbour of the last."""
+    """Raised to leave out an entry because what it refers to is wrong, which is noted, or would be
+    the neighbour after the last unit of a row."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +108,7 @@ class Node:
 
 
 class Problems:
-    """What is wrong with one file; the same once, in whichever units of a repeat it is."""
+    """What is wrong with one file, `source`; what recurs in units of a repeat counts once."""
 
     def __init__(self, source: str):
         self.source = source
@@ -116,46 +118,47 @@ class Problems:
         return bool(self._problems)
 
     def say(self, line: int, sentence: str) -> None:
-        """Note a sentence, which starts with its key, about a line."""
+        """Note a problem on a line (0: none); sentence: what is wrong, beginning with its key."""
         sentence = re.sub(r"\S{100,}", lambda word: f"{word[0][:97]}...", sentence)
         text = re.sub(r"\d[\d.e+-]*", "", sentence) if sentence.startswith("repeat.") else sentence
         self._problems.setdefault((line, text), Problem(line, sentence))
 
     def refuse(self, line: int, key: str, value: object, allowed: str) -> None:
-        """Note that `key` has a value which is not allowed."""
+        """Note on a line that `key` has a value which is not allowed; allowed: in words."""
         self.say(line, f"{key}: {show(value)} is not allowed; allowed: {allowed}")
 
     def no_key(self, line: int, key: str, keys: Iterable[str], hint: str) -> None:
-        """Note a key that means nothing; hint: what may be meant."""
+        """Note an unknown key, dotted; keys: those allowed; hint: what may be meant, or ""."""
         allowed = commas(keys, 6 if hint else 99)
         self.say(line, f"{key}: there is no such key{hint}; allowed: {allowed}")
 
     def stop(self) -> None:
-        """Raise them as one StructureError, by lines, if there are any."""
+        """Raise all problems as one StructureError, sorted by line, if there are any."""
         if self._problems:
             raise StructureError(self.source, sorted(self._problems.values()))
 
 
 def show(value: object) -> str:
-    """A value as short text."""
+    """A value as text for messages, of at most 60 characters."""
     text = f"{value:.9g}" if isinstance(value, float) else repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
 
 
 def commas(names: Iterable[str], most: int = 12, rest: str = ", and {} more") -> str:
-    """Names as a list in a sentence, cut short."""
+    """Names as a list in a sentence, the first `most` of them; rest: what follows then, {} the
+    number of the others."""
     names = list(names)
     text = ", ".join(names[:most]) or "(there is none)"
     return text if len(names) <= most else text + rest.format(len(names) - most)
 
 
 def dotted(*parts: str) -> str:
-    """Keys with dots between them."""
+    """Keys joined by dots, empty ones left out."""
     return ".".join(part for part in parts if part)
 
 
 def read(text: str, problems: Problems) -> Node:
-    """The table that a file's text holds; raises StructureError when it holds none."""
+    """The table that a YAML text holds; StructureError with all `problems` if it holds none."""
     try:
         root = yaml.compose(text, _TextLoader)
     except yaml.MarkedYAMLError as error:
@@ -186,7 +189,7 @@ _NOT_YAML = (  # what PyYAML says, whether it is where that begins, and what to 
 
 
 def why_not_yaml(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
-    """Where a text is not YAML, and what to do about it."""
+    """Position (None: unknown) at which a text is not YAML, and what is wrong or to be done."""
     problem = ", ".join(part for part in (error.context, error.problem) if part)
     for pattern, is_context, words in _NOT_YAML:
         if re.search(pattern, problem):
@@ -239,7 +242,8 @@ def _convert(node: yaml.Node, problems: Problems, depth: int) -> Node:
 
 
 def table_at(node: Node, name: str, key: str, problems: Problems) -> Node:
-    """The table under a key; an empty one if there is none, or, with a problem, no table."""
+    """Entry `name` of a table, which has to be a table itself; an empty one if absent or, with a
+    problem noted, of another kind. key: dotted path of `node`, for messages."""
     table = node.entries.get(name, Node({}))
     if not table.is_table:
         problems.refuse(table.line, dotted(key, name), table.plain, "a mapping from names")
@@ -247,14 +251,15 @@ def table_at(node: Node, name: str, key: str, problems: Problems) -> Node:
 
 
 def check_keys(node: Node, key: str, keys: tuple[str, ...], problems: Problems) -> None:
-    """Note the keys that mean nothing."""
+    """Note each key of a table that is none of the allowed `keys`; key: dotted path of `node`."""
     for name in node.entries.keys() - set(keys):
         hint = did_you_mean(name, keys)
         problems.no_key(node.lines[name], dotted(key, name), keys, hint)
 
 
 def as_meant(node: Node, keys: tuple[str, ...], problems: Problems) -> Node:
-    """The table with keys that are likely others under those: told, but not what follows of it."""
+    """The table with its misspelt keys renamed to those of `keys` that are likely meant, and the
+    misspelling noted in `problems`."""
     check_keys(node, "", keys, problems)
     fixes = {name: likely(name, keys) for name in node.entries.keys() - set(keys)}
     names = {n: n if fixes.get(n, n) in node.entries else fixes[n] or n for n in node.entries}

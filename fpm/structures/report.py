@@ -15,9 +15,9 @@ from fpm.scenes.timestep import stable_step
 
 
 class Mobility(NamedTuple):
-    """parts: rigid ones that are not held altogether; conditions: of joints, supports and drives;
-    redundant: conditions that others imply; degrees: ways to move that are left, at the start.
-    """
+    """Counts of a mechanism. parts: rigid ones that are not held altogether; conditions: scalar
+    constraints of joints, supports and drives; redundant: those that others imply; degrees: of
+    freedom left at the start."""
 
     parts: int
     conditions: int
@@ -26,8 +26,9 @@ class Mobility(NamedTuple):
 
 
 class RunCost(NamedTuple):
-    """step (s) with its limiting element, number of steps, and of steps times elements; seconds of
-    a core of this machine for one of eight runs side by side, without what is recorded."""
+    """Cost of a run: stable step (s), the element that limits it, number of steps, and of steps
+    times elements; seconds of a core of this machine for one of eight runs side by side, without
+    what is recorded."""
 
     step: float
     element: str
@@ -37,7 +38,7 @@ class RunCost(NamedTuple):
 
 
 def bodies(scene: Scene) -> np.ndarray:
-    """The part (n,) to which each particle belongs; beams make particles one part."""
+    """Number (n,) of each particle's body: all particles that beams join are one body."""
     count = len(scene.position)
     nodes = np.concatenate([np.zeros((0, 2), int), *(beams.nodes for beams in scene.beams)])
     links = coo_array((np.ones(len(nodes)), (nodes[:, 0], nodes[:, 1])), shape=(count, count))
@@ -53,7 +54,7 @@ def _own_particles(scene: Scene) -> np.ndarray:
 
 
 def mass(scene: Scene) -> float:
-    """Total mass, kg."""
+    """Total mass of a structure, kg, without the ground."""
     return float(scene.mass[_own_particles(scene)].sum())
 
 
@@ -64,7 +65,7 @@ def centre(scene: Scene) -> np.ndarray:
 
 
 def mobility(scene: Scene) -> Mobility:
-    """Ways in which the parts can move as rigid bodies, by the rank of the joints' Jacobian.
+    """Degrees of freedom of a scene's parts as rigid bodies, by the rank of the joints' Jacobian.
 
     Elastic bars are taken as rigid. The rank is that at the start; in a singular position, such as
     a mechanism that is folded flat, more ways are open than in the motion that follows.
@@ -75,10 +76,11 @@ def mobility(scene: Scene) -> Mobility:
 
 
 def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
-    """Conditions (c, 6 parts) on the parts' velocities and spins, and the joint or support of each.
+    """Jacobian (c, 6 b) of c scalar constraints by the velocities of b moving bodies, and the name
+    of the joint or support of each row.
 
-    A part's columns are its velocity at the structure's middle, and its spin times the structure's
-    size; parts that are held altogether have none.
+    A body's columns are its velocity at the structure's middle, and its spin times the structure's
+    size; bodies that are held altogether have none.
     """
     own, rules, count = bodies(scene), conditions_of(scene), len(scene.position)
     is_fixed = np.isin(own, own[scene.fixed.all(axis=1)])
@@ -104,17 +106,17 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
 
 
 def redundant(scene: Scene) -> list[str]:
-    """Names of the joints and supports whose conditions depend on other ones."""
+    """Names of joints and supports whose constraints depend linearly on others, at the start."""
     rows, names = jacobian(scene)
     shares = dependence(rows)[1]
     return list(dict.fromkeys(n for n, share in zip(names, shares, strict=True) if share > 1e-6))
 
 
 def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, float]]:
-    """The parameters by which a stable step (s) of the defaults grows most, at most three.
+    """Up to three changes (parameter, value, ratio of stable steps) that lengthen the stable step
+    `step` (s) of the default values most, the longest first.
 
-    Each with a value a tenth away, or half of a whole number, and how many times as long the step
-    is there.
+    Each value is a tenth away from the default, or half of a whole number.
     """
     changes = []
     for name, parameter in structure.parameters.items():
@@ -133,7 +135,7 @@ def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, fl
 
 
 def cost(scene: Scene, duration: float, safety: float = 0.9) -> RunCost:
-    """Cost of a run over `duration` (s), at `safety` times the stable step."""
+    """Estimated cost of a run over `duration` (s), at `safety` times the stable step."""
     limit = stable_step(scene)
     steps = max(1, math.ceil(duration / (safety * limit.step))) if limit.step < np.inf else 1
     seconds = machine() * run_seconds(scene, steps, 0)

@@ -19,7 +19,8 @@ FIRST_GROUPS = ("materials", "sections", *PARTS, "masses", "supports", "joints")
 
 
 def build_sample(model: FileStatements, values: Mapping[str, float], problems: Problems) -> Builder:
-    """Build a model at given values; its `scene` is complete where no problem was found."""
+    """Build the scene of a file's statements at given values. values: of parameters, in SI units,
+    by name; problems: gets what is wrong, and if it is empty the Builder's `scene` is complete."""
     build = Builder(problems)
     with np.errstate(all="ignore"):
         _number(build, model, values)

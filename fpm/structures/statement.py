@@ -50,12 +50,12 @@ GROUPS: dict[str, dict[str, "Statement"]] = {group: {} for group in ORDER}
 
 @dataclass(frozen=True)
 class Statement:
-    """A kind of thing in a group of the file.
+    """A kind of thing that a group of the file may hold, as "revolute" in `joints`.
 
     group: the file's key; type: the entry's `type`, "" in groups of one kind; keys: what it takes,
-    by name; build(build, it): puts one into the scene of a Builder and returns what others get that
-    refer to it, `it` having the full `name` and the values of all keys; SceneError for what cannot
-    be. text: what it is, as docs/structures.md says.
+    by name; build(builder, args): adds one to the Builder's scene and returns what entries that
+    refer to it get, `args` having the full `name` and the values of all keys in SI units;
+    SceneError for what cannot be. text: what it is, as docs/structures.md says.
     """
 
     group: str
@@ -65,19 +65,21 @@ class Statement:
     text: str
 
     def sliding(self, joints: Container[str]) -> dict[str, tuple[str, Key]]:
-        """Names in `it` and kinds of the keys where `joints`, of its keys, name slides."""
+        """Keys as an entry writes them -> (name in `args`, Key), where `joints`, keys of the entry,
+        name slides: `force` stands for `moment`, and lengths for angles."""
         names = ON_SLIDES if "joint" in joints else {}
         return {names.get(n, n): (n, key.sliding(joints)) for n, key in self.keys.items()}
 
     @cached_property
     def openings(self) -> dict[str, OpeningKey]:
-        """The keys that may name slides."""
+        """Keys, by name, that may name a slide."""
         keys = {n: k for n, k in self.keys.items() if isinstance(k, OpeningKey)}
         return {name: key for name, key in keys.items() if SLIDE in key.types}
 
 
 def statement(group: str, type: str = "", text: str = "", /, **keys: Key) -> Callable:
-    """Make a kind of statement of the function that builds it, which says what it is."""
+    """Decorator that registers a build function as a Statement. text: what it is, by default the
+    first line of the function's docstring; keys: by name."""
 
     def register(build: Callable[[Builder, SimpleNamespace], Any]) -> Statement:
         words = text or (build.__doc__ or "").split("\n")[0]
@@ -98,10 +100,8 @@ CLASS = {"class": ChoiceKey(None, "in margins; left out: by what it is", options
 
 
 def key_of(kind: type[ElementType], name: str, left_out: str = "", **changes: Any) -> Key:
-    """The key for a field of an element type, with changes.
-
-    left_out: meaning of a key that is left out, which the field does not allow by itself.
-    """
+    """The Key for a field, by `name`, of an element type. left_out: what leaving it out means,
+    where the field has no default; changes: of attributes of the Key."""
     field = specs(kind)[name]
     default = {f.name: f.default for f in fields(kind)}[name]
     default = NO_VALUE if default is MISSING else default
@@ -124,7 +124,8 @@ def key_of(kind: type[ElementType], name: str, left_out: str = "", **changes: An
 
 
 def element(kind: type[ElementType], args: SimpleNamespace, **extra: Any) -> ElementType:
-    """An element of a kind, from what its keys gave and from `extra`; None: a field's default."""
+    """Make an element of a type from the values of an entry's keys and from `extra`, which
+    overrides them; fields that are None or missing take their defaults."""
     values = {**vars(args), "hinge": getattr(args, "joint", None), **extra}
     own = {f.name: values.get(f.name) for f in fields(kind)}
     own = {name: tuple(x) if isinstance(x, list) else x for name, x in own.items()}
@@ -139,10 +140,11 @@ def acting(
     left_out: Mapping[str, str] | None = None,
     **extra: Key,
 ) -> Callable:
-    """The statement of a kind that acts on a joint: its fields are keys, those required first.
+    """Decorator that makes a Statement of `actions` for an element type: its fields are keys, those
+    required first.
 
-    excluded: fields that are none; left_out: what some mean where they are left out, as the field
-    does not allow by itself; more: further keys, or others of fields.
+    text: as of `statement`; excluded: fields that are no keys; left_out: by field without default,
+    what leaving it out means; extra: further keys, or others for fields.
     """
     names = [name for name in specs(kind) if name not in excluded]
     own = {name: key_of(kind, name, (left_out or {}).get(name, "")) for name in names}
@@ -154,7 +156,7 @@ def acting(
 
 
 def whole(kind: type[ElementType]) -> Statement:
-    """The statement of a kind that acts on a joint, which is said by its fields alone."""
+    """Statement of an element type that acts on a joint, whose only keys are its fields."""
     text = (kind.__doc__ or "").split("\n")[0]
     return acting(kind, text)(lambda build, args: build.scene.add(element(kind, args)))
 
@@ -164,7 +166,8 @@ def whole(kind: type[ElementType]) -> Statement:
 
 @dataclass(frozen=True)
 class Entry:
-    """A statement as a file makes it. `read`: what its keys mean; `lines`: of the keys."""
+    """One entry of a file as a Statement reads it. name: full; key, line: where it stands; lines:
+    of its keys; read: functions of the Builder that give its keys' values."""
 
     statement: Statement
     name: str
@@ -174,7 +177,7 @@ class Entry:
     read: dict[str, Value]
 
     def values(self, build: Builder) -> SimpleNamespace:
-        """The values of all keys in one sample."""
+        """Values of all keys in one sample, with defaults, as attributes; also name and key."""
         args = SimpleNamespace(name=self.name, key=self.key)
         for name, key in self.statement.keys.items():
             setattr(args, name, self.read[name](build) if name in self.read else key.default)
@@ -184,7 +187,9 @@ class Entry:
 def read_entry(
     kinds: dict[str, Statement], name: str, node: Node, line: int, place: Place
 ) -> Entry | None:
-    """The entry of a node, or None if it is wrong, or belongs to a neighbour that is not there."""
+    """Read one entry of a group; None if it is wrong, which is noted, or its neighbour is missing.
+    kinds: the group's statements by type; name: full; node, line: the entry, and where its key
+    stands; place: of the entry."""
     try:
         if not node.is_table:
             value = node.value if isinstance(node.value, str) else "a list"

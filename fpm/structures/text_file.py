@@ -42,7 +42,7 @@ PARAMETER_KEYS = ("value", "unit", "range", "description", "whole")
 
 @dataclass(frozen=True)
 class GivenParameter:
-    """A parameter with its unit and the line where it stands."""
+    """A parameter of a YAML file, the unit that it is given in, and the line where it stands."""
 
     parameter: Parameter
     unit: Unit
@@ -54,7 +54,7 @@ class GivenParameter:
         return self.parameter.kind == "integer"
 
     def si(self, value: float) -> float:
-        """A value in SI units."""
+        """A value of the parameter, given in its unit, in SI units."""
         return self.unit.si(float(value))
 
 

@@ -11,7 +11,8 @@ from fpm.errors import did_you_mean
 
 
 class Dimension(NamedTuple):
-    """Powers of kg, m and s. `bare`: of a plain number, which is in SI units whatever it is for."""
+    """Physical dimension: powers of kg, m and s. bare: of a plain number without unit, which fits
+    any dimension and is in SI units."""
 
     mass: float = 0
     length: float = 0
@@ -20,11 +21,11 @@ class Dimension(NamedTuple):
 
     @property
     def powers(self) -> tuple[float, float, float]:
-        """Without the mark of a bare number."""
+        """Powers of kg, m and s, without the mark `bare`."""
         return self[:3]
 
     def fits(self, dimension: "Dimension") -> bool:
-        """Whether a number of this dimension may stand for one of another."""
+        """Whether a number of this dimension may stand where `dimension` is required."""
         return self.bare or self.powers == dimension.powers
 
     def __str__(self) -> str:
@@ -45,18 +46,19 @@ BARE = Dimension(bare=True)
 
 
 def power(dimension: Dimension, exponent: float) -> Dimension:
-    """The dimension of a power of something."""
+    """Dimension of a quantity of a given dimension raised to `exponent`."""
     return Dimension(*(exponent * p for p in dimension.powers), dimension.bare)
 
 
 def product(first: Dimension, second: Dimension, sign: int = 1) -> Dimension:
-    """The dimension of a product, or of a quotient with sign -1."""
+    """Dimension of a product of two quantities; sign -1: of the quotient."""
     powers = (p + sign * q for p, q in zip(first.powers, second.powers, strict=True))
     return Dimension(*powers, first.bare and second.bare)
 
 
 class Unit(NamedTuple):
-    """`value * numerator / denominator` is in SI units; `udunits`: as netCDF files spell it."""
+    """A unit of measure: `value * numerator / denominator` is in SI units. udunits: its spelling in
+    netCDF files."""
 
     numerator: float
     denominator: float
@@ -64,7 +66,7 @@ class Unit(NamedTuple):
     udunits: str
 
     def si(self, value: float) -> float:
-        """A value in this unit, in SI units."""
+        """Convert a value in this unit to SI units."""
         return value * self.numerator / self.denominator
 
 
@@ -102,16 +104,18 @@ _FACTOR = re.compile(rf"\s*(/?)\s*({_NAME})(-?[1-4])?(?![A-Za-z])")
 
 
 class UnitError(ValueError):
-    """Something that is no unit."""
+    """Raised for text that is no unit."""
 
 
 def is_unit(name: str) -> bool:
-    """Whether a name reads as a unit, so that nothing else may be called so."""
+    """Whether a name reads as a unit, such as `mm` or `m2`, so that nothing else may be called
+    so."""
     return re.fullmatch(rf"(?:{_NAME})[234]?", name) is not None
 
 
 def unit(text: str) -> Unit:
-    """The unit written as `N m/rad` or `N m rad-1`; "" and "1" for none. UnitError otherwise."""
+    """Parse a unit such as `N m/rad` or `N m rad-1`; "" and "1" are the unit of pure numbers.
+    Raises UnitError for anything else."""
     rest = re.sub(r"^\s*1?\s*(?=/|$)", "", text)
     top = bottom = 1.0
     dimension, spelt = NUMBER, []

@@ -63,7 +63,9 @@ SPRING = {
     **SPRING,
 )
 def torsion_spring(build, args):
-    """Turns a joint towards an opening."""
+    """Turns a joint towards an opening.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a TorsionSpring."""
     rest = args.rest
     if args.preload is not None:
         if rest != 0.0:
@@ -94,7 +96,10 @@ whole(Damper)
     ),
 )  # fmt: skip
 def friction(build, args):
-    """Dry (Coulomb) friction in a joint."""
+    """Dry (Coulomb) friction in a joint.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a Friction or
+    RigidFriction."""
     slides = build.scene.hinges[args.joint].slides
     if args.sticks == "exactly":
         if args.bristle_deflection is not None or args.damping is not None:
@@ -129,7 +134,10 @@ def _deflection(scene, hinge: int) -> float:
     ),
 )  # fmt: skip
 def bearing(build, args):
-    """Friction by the force that a joint itself bears."""
+    """Friction by the force that a joint itself bears.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a Friction, or a
+    bearing."""
     scene, lever = build.scene, args.mu * (1.0 if args.radius is None else args.radius)
     if scene.hinges[args.joint].slides == (args.radius is not None):
         build.refuse("radius", args.radius, "a length on a hinge, and none on a slide")
@@ -154,7 +162,9 @@ def bearing(build, args):
     upper=NumberKey(None, "opening above which it acts", unit="rad"),
 )
 def stop(build, args):
-    """Keeps the opening of a joint from going further; never pulls."""
+    """Keeps the opening of a joint from going further; never pulls.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Adds one or two Stops."""
     if args.lower is None and args.upper is None:
         build.refuse("lower", None, "`lower`, `upper`, or both")
     if args.lower is not None and args.upper is not None and args.lower >= args.upper:
@@ -173,7 +183,10 @@ def stop(build, args):
                  options=("both ways", "one way")),
 )  # fmt: skip
 def latch(build, args):
-    """Catches a joint at an opening and holds it from then on."""
+    """Catches a joint at an opening and holds it from then on.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a Latch or
+    RigidLatch."""
     one_sided = args.holds == "one way"
     rigid = _rigid(build, args, damping=args.damping > 0, holds=one_sided)
     build.scene.add(element(RigidLatch if rigid else Latch, args, one_sided=one_sided))
@@ -202,8 +215,8 @@ MOMENTS = ListKey(
 def tabulated_spring(build, args):
     """Moves a joint by a moment, or force, that a table gives: a tape spring, a harness.
 
-    With `back` the mean of both is the spring's, and what depends on the sense is hysteresis.
-    """
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a TableSpring, the mean
+    of `moments` and `back`, and for their difference a Friction with hysteresis."""
     scene, loading = build.scene, np.array(args.moments)
     unloading = loading if args.back is None else np.array(args.back)
     if len(unloading) != len(loading) or np.any(unloading < loading):
@@ -224,7 +237,9 @@ def tabulated_spring(build, args):
     joints=ListKey(kind=TURNING, least=2, most=2, text="the two on which its pulleys sit"),
 )
 def loop(build, args):
-    """A closed cable over pulleys on two joints, which so open in the ratio of the radii."""
+    """A closed cable over pulleys on two joints, which so open in the ratio of the radii.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a SyncLoop."""
     rest = [_at_start(build, hinge) for hinge in args.joints] if args.rest is None else args.rest
     build.scene.add(element(SyncLoop, args, hinges=args.joints, rest=rest))
 
@@ -239,7 +254,10 @@ def loop(build, args):
     curve=ReferenceKey(text="of the opening, or of its rate", group="curves"),
 )
 def motor(build, args):
-    """Prescribes the opening of a joint, exactly or through an elastic drive train."""
+    """Prescribes the opening of a joint, exactly or through an elastic drive train.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a Motor or
+    RigidMotor."""
     start = _at_start(build, args.joint) if args.start is None else args.start
     if (args.turn is None) == (args.rate is None):
         build.refuse("turn", args.turn, "by how much it moves, or a `rate`, not both")
@@ -260,7 +278,10 @@ whole(TorqueMotor)
     level=NumberKey(None, "opening of the joint that is watched", unit="rad", joint="watch"),
 )
 def release(build, args):
-    """Holds a joint until a time, or until another has opened so far; the first counts."""
+    """Holds a joint until a time, or until another has opened so far; the first counts.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a Release or
+    RigidRelease."""
     if args.time is None and args.watch is None:
         build.refuse("time", None, "a time, or a joint to `watch`")
     if (args.watch is None) != (args.level is None):

@@ -91,8 +91,8 @@ def _further(args, particles) -> Iterator[tuple[str, tuple[int, int], list[int]]
 def revolute(build, args):
     """A hinge: parts share a point and an axis, and turn freely about it.
 
-    The opening is that of the first two parts. Further ones are hinged to the first.
-    """
+    build: Builder of the sample; args: values (SI) of the keys above. Returns the index of the
+    hinge of the first two parts, whose opening it is. Further parts are hinged to the first."""
     particles, points = _meet(build, args)
     axes, refs, scene = _axes(build, args), args.references, build.scene
     if refs is not None:
@@ -123,13 +123,17 @@ def _join(build, args, type: str) -> None:
 
 @statement("joints", "spherical", parts=PARTS, at=POINT)
 def spherical(build, args):
-    """A ball and socket: parts share a point."""
+    """A ball and socket: parts share a point.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Adds joints."""
     _join(build, args, "spherical")
 
 
 @statement("joints", "fixed", parts=PARTS, at=POINT)
 def fixed(build, args):
-    """Parts that neither move nor turn against each other there."""
+    """Parts that neither move nor turn against each other there.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Adds joints."""
     _join(build, args, "fixed")
 
 
@@ -148,7 +152,10 @@ def fixed(build, args):
     ),
 )  # fmt: skip
 def universal(build, args):
-    """Cardan's joint: parts share a point, and a cross about two axes that stay normal."""
+    """Cardan's joint: parts share a point, and a cross about two axes that stay normal.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Returns the first hinge's
+    index."""
     if abs(args.axis @ args.other) > 1e-6:
         build.refuse("other", args.other.tolist(), f"a direction normal to {args.axis.tolist()}")
     axis2 = unit(args.other - (args.axis @ args.other) * args.axis, "other")
@@ -170,7 +177,9 @@ def universal(build, args):
     ),
 )
 def prismatic(build, args):
-    """A slider: the second part moves along an axis of the first, and does not turn on it."""
+    """A slider: the second part moves along an axis of the first, and does not turn on it.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Returns the hinge's index."""
     particles, points = _meet(build, args)
     return build.scene.add_slide(args.name, particles, points, args.axis, args.opening)
 
@@ -183,7 +192,9 @@ def prismatic(build, args):
     rotations=LettersKey("xyz", "axes about which it is held"),
 )
 def support(build, args):
-    """Holds a point of a part along and about global axes."""
+    """Holds a point of a part along and about global axes.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Holds its particle."""
     scene, particle = build.scene, args.part.particle(args.at.name)
     scene.supports[args.name] = scene.arm_to(particle, args.at.position)
     distance = np.linalg.norm(args.at.position - scene.position[particle])

@@ -20,7 +20,9 @@ CURVE = ReferenceKey(None, "scales it with time; left out: constant", group="cur
     values=ListKey(kind=NumberKey(), text="one for each time"),
 )
 def curve(build, args):
-    """A curve of time, straight between the values given and constant outside them."""
+    """A curve of time, straight between the values given and constant outside them.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Returns its index."""
     return build.scene.add_curve(args.times, args.values)
 
 
@@ -38,7 +40,9 @@ def _index(curve: int | None) -> int:
     **CLASS,
 )
 def load(build, args):
-    """A force and a moment in global axes at a point of a part."""
+    """A force and a moment in global axes at a point of a part.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a Load."""
     beam = build.scene.arm_to(args.part.particle(args.at.name), args.at.position)
     build.scene.add(Load(beam, args.force, args.moment, _index(args.curve)))
 
@@ -57,7 +61,9 @@ def load(build, args):
     **CLASS,
 )
 def cable(build, args):
-    """Pulls its points together where it is tight, and runs through those between its ends."""
+    """Pulls its points together where it is tight, and runs through those between its ends.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Returns the cable's index."""
     points = [(part.particle(point.name), point.position) for part, point in args.through]
     for particle, _ in points:
         build.joints_of.setdefault(particle, [])
@@ -79,7 +85,9 @@ def cable(build, args):
     curve=CURVE,
 )
 def drive(build, args):
-    """Prescribes how a point of a part moves and turns."""
+    """Prescribes how a point of a part moves and turns.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a Drive."""
     particle = args.part.particle(args.at.name)
     arm = build.scene.arm_to(particle, args.at.position)
     distance = float(np.linalg.norm(arm.arm))
@@ -98,7 +106,9 @@ def drive(build, args):
     about=ReferenceKey(group="points", text="any point"),
 )
 def motion(build, args):
-    """How a part moves at the start, as a rigid body."""
+    """How a part moves at the start, as a rigid body.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Sets velocities."""
     scene, particles = build.scene, args.part.particles
     arms = scene.position[particles] - args.about.position
     scene.velocity[particles] = args.velocity + np.cross(args.spin, arms)
@@ -109,5 +119,7 @@ def motion(build, args):
     "record", part=ReferenceKey(group="parts", text="what carries it", ground=True), at=POINT
 )
 def record(build, args):
-    """A point of a part whose motion is recorded under this name."""
+    """A point of a part whose motion is recorded under this name.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Adds a point."""
     build.scene.add_point(args.name, args.part.particle(args.at.name), args.at.position)

@@ -36,7 +36,9 @@ def _size(text: str, unit: str = "m") -> NumberKey:
     rho=_size("density", "kg/m3"),
 )
 def material(build, args):
-    """A linear elastic material."""
+    """A linear elastic material.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Returns a Material."""
     return Material(args.E, args.nu, args.rho)
 
 
@@ -102,7 +104,9 @@ for _type, _text, _sizes, _build in SECTIONS:
     ),
 )  # fmt: skip
 def bar(build, args):
-    """An elastic bar through points, each stretch between two of them straight."""
+    """An elastic bar through points, each stretch between two of them straight.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Returns a Body."""
     for key in ("strain", "curvature"):
         if getattr(args, key) and build.hold is None:
             build.refuse(key, getattr(args, key), "0, or `assemble: true`")
@@ -226,7 +230,9 @@ def _sum_inertias(parts) -> tuple[np.ndarray, np.ndarray]:
     up=DirectionKey(np.array([0.0, 0.0, 1.0]), "its third principal axis, normal to x"),
 )  # fmt: skip
 def body(build, args):
-    """A rigid body, free until something joins or holds it."""
+    """A rigid body, free until something joins or holds it.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Returns a Body."""
     if (args.box is None) == (args.inertia is None):
         pair = None if args.box is None else [list(args.box), list(args.inertia)]
         build.refuse("box", pair, "either `box` or `inertia`")
@@ -259,7 +265,9 @@ def body(build, args):
     inertia=NumberKey(0.0, "its moment of inertia, about every axis", unit="kg m2", least=0),
 )
 def mass(build, args):
-    """A mass at a point of a part, with its centre there."""
+    """A mass at a point of a part, with its centre there.
+
+    build: Builder of the sample; args: values (SI) of the keys above. Adds to its particle."""
     scene, particle = build.scene, args.part.particle(args.at.name)
     distance = float(np.linalg.norm(args.at.position - scene.position[particle]))
     if distance > POINT_TOL * build.size:

@@ -12,12 +12,14 @@ import numpy as np
 
 @dataclass(frozen=True)
 class VirtualBeam:
-    """`particle` index and `arm` (3,), the vector to its free end in the particle's frame (m)."""
+    """A rigid, massless offset: `particle` index and `arm` (3,), the vector (m) to its free end in
+    the particle's frame."""
 
     particle: int
     arm: np.ndarray
 
     @staticmethod
     def to_point(particle: int, position, frame, point) -> "VirtualBeam":
-        """The arm from a particle at `position` (3,) with axes `frame` (3, 3) to `point` (3,)."""
+        """The virtual beam from a particle to a point. particle: index; position (3,) m; frame (3,
+        3): the particle's axes as columns; point (3,) m, in global axes like the position."""
         return VirtualBeam(particle, np.asarray(frame).T @ (np.asarray(point) - position))

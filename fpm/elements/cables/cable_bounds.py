@@ -26,7 +26,9 @@ Piece = tuple[Sequence[VirtualBeam], float]
 
 
 def bounding_springs(scene, cables: Iterable[Iterable[Piece]]) -> Deformations | None:
-    """Springs from the points of cables, in pieces, to the ground; None if all points are held."""
+    """Springs from the points of cables to the ground, at least as stiff as the cables in every
+    position, for the stable step. cables: of each cable its pieces (Piece); None if all points are
+    held."""
     rows = []
     for number, pieces in enumerate(cables):
         for beams, stiffness in pieces:

@@ -81,7 +81,8 @@ class Turns(NamedTuple):
 
 
 class Joints(NamedTuple):
-    """Joint j has the sides 2j and 2j + 1, in the order of elimination."""
+    """Arrays of joints that are solved together; joint j has the sides 2j and 2j + 1, in the order
+    of elimination. Sizes: j joints, b bodies, r conditions, t held openings."""
 
     types: np.ndarray  # (j,)
     names: np.ndarray  # (j,) number of each in the scene
@@ -109,4 +110,5 @@ class Joints(NamedTuple):
 
 
 class TurnedJoints(Joints):
-    """Joints among which some hold openings exactly."""
+    """Arrays of joints among which some hold openings exactly, so that `turns` to `turn_at` are
+    given."""

@@ -140,12 +140,11 @@ class RigidRelease(AnyRelease, Rigid):
 
 @dataclass(frozen=True)
 class RigidLatch(AnyLatch, Rigid):
-    """A latch that holds the opening of a hinge (index) exactly once it has caught it; named as the
+    """A latch that holds the opening of a hinge (index) exactly where it caught it; named as the
     hinge if `name` is "".
 
-    angle: opening (rad) at which it holds; capture_range: how far from it (rad) it catches; side:
-    of the opening before it is caught, "below", "above" or "either"; max_capture_rate: above which
-    (rad/s) it does not catch.
+    It catches within `capture_range` (rad) of `angle` (rad), coming from `side` ("below", "above"
+    or "either"), and at no more than max_capture_rate (rad/s); on a slide in m.
     """
 
     hinge: int = on_hinge()

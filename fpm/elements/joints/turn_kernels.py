@@ -213,9 +213,8 @@ def move(part, world, timing):
 
 @hook(TurnedJoints)
 def look_back(part, world, timing):
-    """Close the joints half a step before the start, with held openings where their motion,
-    reflected at its rate, began. part: joint arrays; world: solver state; timing: times of the
-    first step."""
+    """Close the joints a step before the start, with held openings where their motion, reflected at
+    its rate, began. part: joint arrays; world: solver state; timing: times of the first step."""
     state, start, b = world.state, world.start_state, part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]

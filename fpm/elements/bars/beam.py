@@ -194,8 +194,8 @@ class Beams(ElementType):
 
     @classmethod
     def names(cls, scene):
-        """Names of all beam elements of a scene: the name of the link with the number of the
-        element on it, as `link[0]`."""
+        """Names of all beam elements of a scene: name of the link and number on it, as
+        `link[0]`."""
         return [f"{b.name}[{i}]" for b in cls.of(scene) for i in range(len(b.length))]
 
     @classmethod

@@ -107,8 +107,7 @@ def _end_axes(part, state, e):
 @kernel
 def chord_of(part, state, e):
     """Direction of the chord of element e (unit vector from end a to b), inverse of its length
-    (1/m), and axial force (N, tension above 0). part: element arrays; state: of the particles
-    (World.state)."""
+    (1/m), and axial force (N, tension above 0). part: element arrays; state: of the particles."""
     chord = get3(state, part.nodes[e, 1], X) - get3(state, part.nodes[e, 0], X)
     length = sqrt(dot(chord, chord))
     inverse = 1.0 / length
@@ -169,8 +168,8 @@ def shape_of(part, state, e):
 
 @kernel
 def strain_energy(part, e, shape):
-    """Strain energy (J) of element e. part: element arrays; shape: the element's deformation, as
-    `shape_of` returns it."""
+    """Strain energy (J) of element e. part: element arrays; shape: of the element, by
+    `shape_of`."""
     force, sines, twist = shape
     ta2, ta3 = angle(sines[0])[0], angle(sines[1])[0]
     tb2, tb3 = angle(sines[2])[0], angle(sines[3])[0]
@@ -221,8 +220,8 @@ def stored(part, world):
 
 @kernel
 def list_energies(part, world):
-    """Store the strain energy (J) of each beam element in `part.rows`. part: element arrays; world:
-    solver state."""
+    """Store the strain energy (J) of each element in `part.rows`. part: element arrays; world:
+    state."""
     for e in range(part.nodes.shape[0]):
         store(part.rows, e, 0, strain_energy(part, e, shape_of(part, world.state, e)))
 

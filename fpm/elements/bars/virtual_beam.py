@@ -12,8 +12,8 @@ import numpy as np
 
 @dataclass(frozen=True)
 class VirtualBeam:
-    """A rigid, massless offset: `particle` index and `arm` (3,), the vector (m) to its free end in
-    the particle's frame."""
+    """Rigid, massless offset: `particle` index, and vector `arm` (3,), m, in the particle's
+    frame."""
 
     particle: int
     arm: np.ndarray

@@ -28,8 +28,7 @@ from fpm.errors import SceneError
 @dataclass(frozen=True)
 class Viscosity(ElementType):
     """Bulk viscosity of all beam elements of a scene: a damper along each. share: fraction of
-    critical damping of an element's highest axial mode, finite and >= 0; those of several add
-    up."""
+    critical damping of an element's highest axial mode, >= 0; several viscosities add up."""
 
     share: float
 
@@ -37,8 +36,7 @@ class Viscosity(ElementType):
     resists_as = ""
 
     def check(self, scene):
-        """Check that `share` is a finite number >= 0; raises SceneError if not. scene: to which it
-        is added."""
+        """Check that `share` is a finite number >= 0; raises SceneError if not. scene: not used."""
         if not (np.isfinite(self.share) and self.share >= 0):
             raise SceneError("viscosity", self.share, "a finite number >= 0")
 

@@ -164,8 +164,7 @@ class Cable(ElementType):
 
     @classmethod
     def deformations(cls, scene):
-        """Springs at least as stiff as the cables in every position, for the stable step
-        (`bounding_springs`)."""
+        """Springs as stiff as the cables can be, for the stable step (`bounding_springs`)."""
         return bounding_springs(scene, (cable.pieces(scene) for cable in cls.of(scene)))
 
     @classmethod
@@ -229,7 +228,7 @@ def _with_friction(part, batch):
 
 
 def length_through(scene, beams: Sequence[VirtualBeam]) -> float:
-    """Sum (m) of the distances from each virtual beam's free end to the next, in the scene's
-    present position."""
+    """Sum (m) of the distances from each virtual beam's free end to the next, as the scene stands
+    now."""
     places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
     return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())

@@ -151,8 +151,7 @@ def pull_on(part, c, excess, turn, slack):
 @kernel
 def find_tensions(part, world, timing, c):
     """Store the tension (N) of every stretch of cable c, which has friction: its lengths, slip over
-    its points, and pulls. part: cable arrays; world: solver state; timing: times of the step
-    (s)."""
+    its points, and pulls. part: cable arrays; world: solver state; timing: times (s)."""
     length, rest = lay(part, world.state, c), unstrained_now(part, world, timing, c)
     last, excess = load(part.state, c, LONGER), length - rest
     reeled = rest - load(part.state, c, UNSTRAINED)
@@ -210,8 +209,7 @@ def work_before(part, world, timing):
 
 @hook(RubbingCables)
 def energy_of(part, world, c):
-    """Strain energy (J) of cable c, summed over its stretches if it has friction. part: cable
-    arrays; world: not used."""
+    """Strain energy (J) of cable c, of all its stretches. part: cable arrays; world: not used."""
     total = energy_of_cable(part, c)
     if part.rubs[c]:
         total = 0.0 * total

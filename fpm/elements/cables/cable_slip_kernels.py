@@ -41,8 +41,7 @@ def positive(x):
 @kernel
 def handed_on(part, first, j, strain):
     """Unstrained length (m) that slips out of stretches `first` to j over the point after j, if
-    stretch j has this strain, and its derivative by the strain. part: cable arrays
-    (RubbingCables)."""
+    stretch j has this strain, and its derivative by the strain. part: cable arrays."""
     flow, follows = 0.0 * strain, 0.0 * strain + 1.0
     slope, linked = flow, follows
     for k in range(j, first - 1, -1):

@@ -115,8 +115,8 @@ def turn_little(state, i, turn):
 
 @kernel
 def coarse(time, size):
-    """Factor (1/m) by which a gap (m), or its rate (m/s) times `time` (s), exceeds 1 where another
-    round is due; size (m): characteristic length of the scene."""
+    """Factor (1/m): times a gap (m), or with `time` (s) times its rate (m/s), it gives more than 1
+    where another round is due. size (m): characteristic length of the scene."""
     return (time / COARSE_GAP) / where_negative(size - 1.0, size, 0.0 * size + 1.0)
 
 
@@ -131,14 +131,12 @@ def watch(part, gap2, tilt2):
 
 
 def report_gaps(arrays, find):
-    """Register the hooks that report gaps for an element type with these arrays (NamedTuple);
-    find(part, state, i) gives the squares of the gaps of element i, of points (m) and of directions
-    (sines)."""
+    """Register the hooks that report gaps for an element type with these arrays (NamedTuple).
+    find(part, state, i): squares of the gaps of element i, of points (m) and directions (sines)."""
 
     @hook(arrays)
     def record(part, world, row):
-        """Record the largest gap (m) and tilt (sine) of all elements in row `row`. part: the
-        arrays."""
+        """Record the largest gap (m) and tilt (sine) of all elements in row `row`."""
         gap2 = 0.0 * load(world.state, 0, X)
         tilt2 = gap2
         for i in range(part.names.shape[0]):
@@ -150,8 +148,7 @@ def report_gaps(arrays, find):
 
     @hook(arrays)
     def list_excess(part, world):
-        """Store for each element the sum of the squares of gap and tilt as fractions of what is
-        allowed."""
+        """Store for each element the summed squares of gap and tilt as fractions of the allowed."""
         for i in range(part.names.shape[0]):
             gap2, tilt2 = find(part, world.state, i)
             size = MOST_GAP * load(world.size, 0, 0)

@@ -58,7 +58,7 @@ class JointBase(ElementType):
 
     @property
     def particles(self) -> tuple[int, ...]:
-        """Indices of the particles that the joint keeps together, one per virtual beam."""
+        """Indices of the particles that the joint keeps together, (1,) or (2,)."""
         return tuple(beam.particle for beam in self.beams)
 
     @property
@@ -77,8 +77,8 @@ class JointBase(ElementType):
         return any(kind.reads_impulses(scene) for kind in scene.kinds)
 
     def check(self, scene):
-        """Check that no hinge or joint of a scene has the same name; raises SceneError if one
-        has."""
+        """Check that the name is new among the scene's hinges and joints; else raises
+        SceneError."""
         if {self.name, self.joint} & names_taken(scene):
             raise SceneError(type(self).__name__.lower(), self.joint, "a name not yet used")
 
@@ -89,8 +89,7 @@ class JointBase(ElementType):
 
     @classmethod
     def moved(cls, scene):
-        """Indices of the particles of all elements, one per side; driven ones are another type's to
-        move."""
+        """Indices of the particles of all elements, side by side; driven ones move otherwise."""
         return [p for element in cls.of(scene) for p in element.particles]
 
     @classmethod
@@ -180,13 +179,11 @@ class Hinge(JointBase):
 
     @classmethod
     def of(cls, scene):
-        """Hinges of a scene that are solved alone; the others are solved with the joints
-        (joint.py)."""
+        """Hinges of a scene that are solved alone; the others are among the joints (joint.py)."""
         return [hinge for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True) if lone]
 
     def topology(self):
-        """What must be equal in scenes that run side by side: name, type, particles and held
-        axes."""
+        """What must be equal in scenes that run side by side: name, type, particles, held axes."""
         return self.name, self.type, self.particles, self.support
 
     @classmethod
@@ -220,7 +217,7 @@ class Hinge(JointBase):
 
 
 def names_taken(scene) -> set[str]:
-    """Names of a scene's joints and hinges, of universal joints also without those of their
+    """Names of a scene's joints and hinges; of universal joints also without those of their
     angles."""
     names = {e.name for kind, elements in scene.kinds.items() if kind.joins for e in elements}
     return names | {hinge.joint for hinge in scene.hinges}
@@ -247,8 +244,7 @@ def held_axes(letters: str) -> list[bool]:
 
 
 def places_of(scene, joints: Sequence[JointBase]) -> np.ndarray:
-    """Positions (j, 3), m, of the ends of the joints' first virtual beams in a scene's present
-    state."""
+    """Positions (j, 3), m, of the ends of the joints' first virtual beams at the start."""
     beams = [element.beams[0] for element in joints]
     return np.array([scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams])
 
@@ -314,8 +310,7 @@ def _is_regular(support: str, fixed1: bytes, fixed2: bytes) -> bool:
 
 
 def unit(vector, noun: str) -> np.ndarray:
-    """The vector (3,) scaled to length one; SceneError, about `noun`, if it is zero or not
-    finite."""
+    """The vector (3,) scaled to length 1; SceneError, about `noun`, if it is zero or infinite."""
     vector = np.asarray(vector, float)
     size = length(vector)
     if not size > 0 or not math.isfinite(size):

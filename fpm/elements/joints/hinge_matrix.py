@@ -131,8 +131,8 @@ def prepare_supports(part):
 
 @kernel
 def hold_point(part, h):
-    """Add the support impulses of hinge h to the impulses that close it (FORCE1, FORCE2, MP). part:
-    hinge arrays."""
+    """Add support impulses of hinge h to those that close it (FORCE1, FORCE2, MP). part: hinge
+    arrays."""
     axes, w = part.fixed_axes, part.hinge_scratch
     force, mp, mq = get3(w, h, FORCE1), load(w, h, MP), load(w, h, MP + 1)
     for axis in range(3):
@@ -199,8 +199,7 @@ def point_response(inverse_mass, spins, r):
 @kernel
 def prepare_bodies(world, part, kick):
     """Save each body's state, kick it over the time `kick` (s), and find its response; of the first
-    of a hinge also the two directions normal to the axis. world: solver state; part: hinge
-    arrays."""
+    of a hinge also the two directions normal to the axis. part: hinge arrays."""
     state, bodies, w = world.state, part.bodies, part.body_scratch
     for r in range(part.ends.shape[0]):
         i = part.ends[r]
@@ -233,8 +232,8 @@ def prepare_bodies(world, part, kick):
 
 @kernel
 def pair_sum(b, h, field):
-    """Sum of a symmetric matrix (6), at `field` of the bodies' scratch b, over the two bodies of
-    hinge h."""
+    """Sum over both bodies of hinge h of a symmetric matrix (6), at `field` of the bodies' scratch
+    b."""
     first, second = get6(b, 2 * h, field), get6(b, 2 * h + 1, field)
     return (
         first[0] + second[0],

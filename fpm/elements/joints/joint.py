@@ -119,8 +119,8 @@ class Joint(JointBase):
 
     @staticmethod
     def slide(scene, name, particles, point, axis, opening: float) -> Hinge:
-        """A slide with its opening (m) between two particles of a scene, as a Hinge; arguments: as
-        of Scene.add_slide."""
+        """A slide between two particles of a scene, as a Hinge; arguments: as of
+        Scene.add_slide."""
         joint = Joint.create(scene, name, "prismatic", particles, point, axis)
         check_number(f"opening of slide {name}", opening, Number(), "m")
         hinge = Hinge(
@@ -130,8 +130,7 @@ class Joint(JointBase):
 
     @staticmethod
     def universal(scene, name, particles, point, axis, axis2, openings) -> tuple[Hinge, Hinge]:
-        """The two angles (rad) of a universal joint, each a Hinge; arguments: as of
-        Scene.add_universal."""
+        """Both angles of a universal joint, each a Hinge; arguments: as of Scene.add_universal."""
         joint = Joint.create(scene, name, "universal", particles, point, axis, axis2)
         u, w = (scene.frame[p] @ a for p, a in zip(joint.particles, joint.axes, strict=True))
         hinges = []
@@ -174,8 +173,7 @@ class Joint(JointBase):
         return self.type in ("opening", "slid")
 
     def topology(self):
-        """What must be equal in scenes that run side by side: name, type, particles and held
-        axes."""
+        """What must be equal in scenes that run side by side: name, type, particles, held axes."""
         return self.name, self.type, self.particles, self.support_axes
 
     @classmethod

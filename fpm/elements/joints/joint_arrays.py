@@ -110,5 +110,5 @@ class Joints(NamedTuple):
 
 
 class TurnedJoints(Joints):
-    """Arrays of joints among which some hold openings exactly, so that `turns` to `turn_at` are
-    given."""
+    """Arrays of joints among which some hold openings exactly: with `turns`, `turn_of`,
+    `turn_at`."""

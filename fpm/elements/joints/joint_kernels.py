@@ -75,8 +75,7 @@ from fpm.kernels.vectors import (
 @hook(Joints)
 def prepare(part, world, timing):
     """Kick the bodies of all joints (update their momenta by the forces), and apply the aimed
-    impulses; all forces must be summed. part: joint arrays (Joints); timing: times of the step
-    (s)."""
+    impulses; all forces must be summed. part: joint arrays (Joints); timing: times (s)."""
     clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
     find_rows(part, world.state)
@@ -147,8 +146,7 @@ def push_all(part, state):
 
 @kernel
 def find_impulses(part, factor):
-    """Find the impulses that change the rates of gaps by `factor` times RESIDUAL. part: joint
-    arrays.
+    """Find impulses that change the rates of gaps by `factor` times RESIDUAL. part: joint arrays.
 
     They are stored in IMPULSE, and by body in FORCE (N s) and MOMENT (N m s).
     """

@@ -32,10 +32,7 @@ def neighbours(slots: np.ndarray, movable: np.ndarray) -> list[set[int]]:
 
 def elimination(graph: Sequence[set[int]]) -> tuple[list[int], list[list[int]]]:
     """Order of elimination of joints (indices), and for each joint in it the later ones that it is
-    coupled to then. graph: of each joint its `neighbours`.
-
-    The later ones come as places in the order, sorted.
-    """
+    coupled to then, as sorted places in the order. graph: of each joint its `neighbours`."""
     active = {joint: set(members) for joint, members in enumerate(graph)}
     by_degree: dict[int, set[int]] = {}
     for joint, members in active.items():

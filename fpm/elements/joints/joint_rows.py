@@ -145,10 +145,8 @@ def find_rows(part, state):
 @kernel
 def find_gaps(part, state, j):
     """Store the gaps of joint j in RESIDUAL: of points (m), and of directions, cosines of angles
-    that should be right. part: joint arrays; state: of the particles.
-
-    Returns the sums of their squares.
-    """
+    that should be right; returns the sums of their squares. part: joint arrays; state: of the
+    particles."""
     if is_opening(part.turns, part, j):
         gap = opening_gap(part.turns, part, state, j)
         store(part.rows, part.pattern.first[j], RESIDUAL, gap)
@@ -205,7 +203,7 @@ def find_gaps(part, state, j):
 
 @kernel
 def put_gap(rows, r, gap):
-    """Store the three components (m) of a gap as RESIDUAL of rows r, r + 1, r + 2; rows:
+    """Store the three components of a gap (m) as RESIDUAL of rows r, r + 1, r + 2 of
     Joints.rows."""
     store(rows, r, RESIDUAL, gap.x)
     store(rows, r + 1, RESIDUAL, gap.y)
@@ -217,7 +215,7 @@ def put_gap(rows, r, gap):
 
 @kernel
 def is_opening(turns, part, j):
-    """Whether joint j holds an opening. turns: Joints.turns, None where no joint does; part: joint
+    """Whether joint j holds an opening. turns: Joints.turns, None if no joint does; part: joint
     arrays."""
     if turns is None:
         return False

@@ -96,8 +96,7 @@ class RigidMotor(AnyMotor, Rigid):
         return float(self.start + self.turn * travelled)
 
     def rate_at_start(self, scene) -> float:
-        """Prescribed rate (rad/s; m/s on a slide) of the opening just after the start; 0 where the
-        curve is constant."""
+        """Prescribed rate (rad/s; m/s on a slide) of the opening just after the start."""
         times, values = scene.curves[self.curve] if self.curve >= 0 else CONSTANT
         if self.by_rate:
             return float(self.turn * np.interp(0.0, times, values))
@@ -107,8 +106,7 @@ class RigidMotor(AnyMotor, Rigid):
         return float(self.turn * (values[k] - values[k - 1]) / (times[k] - times[k - 1]))
 
     def check(self, scene):
-        """Check that the motor fits into a scene and begins where its hinge is, to AT_START; raises
-        SceneError if not."""
+        """Check that the motor begins where its hinge is, to AT_START; else raises SceneError."""
         super().check(scene)
         hinge = scene.hinges[self.hinge]
         if abs(self.target(scene, 0.0) - hinge.opening) > AT_START:
@@ -181,8 +179,7 @@ class RigidFriction(Rigid):
 
     @classmethod
     def led(cls, scene):
-        """Frictions with a bristle that represent these in the quasi-static travel of an opening
-        (fpm/travel)."""
+        """Frictions with a bristle in place of these, for quasi-static travel (fpm/travel)."""
         return [Friction(f.hinge, f.moment, AT_ONCE, 0.0) for f in cls.of(scene)]
 
     def held_at_start(self, scene):
@@ -192,8 +189,7 @@ class RigidFriction(Rigid):
 
     @classmethod
     def held_round(cls, scene):
-        """Sum (N m) of all friction moments: in a loop that holds itself, friction may stick with
-        any."""
+        """Sum of all friction moments (N m): in a closed loop, friction may stick with any."""
         return float(sum(friction.moment for friction in cls.of(scene)))
 
     @classmethod

@@ -144,8 +144,7 @@ def slipping(part, i, full, timing):
 @kernel
 def change(part, world, timing, i, slips, turns, sticks):
     """Slip, reverse or stick element i in the lanes where slips, turns, sticks are below 0, and
-    have the joints solved again. part: friction arrays; world: solver state; timing: times of the
-    step (s)."""
+    have the joints solved again. part: friction arrays; world: state; timing: times (s)."""
     t, h, most = part.turn[i], part.on[i], load(part.numbers, i, 0)
     old, last = load(part.state, i, SIGN), load(part.state, i, BRAKE)
     sign = where_negative(needed_by(part, i, timing), -1.0, 1.0)

@@ -134,8 +134,7 @@ def work_after(part, world, timing):
 @hook(RigidLatches)
 def record_step(part, world, row, timing):
     """Record of each latch the moment (N m), its impulse from the start to this instant (N m s),
-    rate at the catch (rad/s), and impulse of the catch (N m s). part: latch arrays; row: of the
-    instant."""
+    rate at the catch (rad/s), and impulse of the catch (N m s). row: of the instant."""
     count = part.on.shape[0]
     for i in range(count):
         index, moment = row * count + i, load(part.state, i, MOMENT)

@@ -19,9 +19,8 @@ STATE = HOLD_FIELDS
 
 
 class RigidMotors(NamedTuple):
-    """Arrays of m rigid motors. on, turn, curve, by_rate: (m,) hinges, held openings, indices of
-    curves, and whether these are rates; numbers: (m, 2, lanes) start, turn; state: (m, STATE,
-    lanes)."""
+    """Arrays of m rigid motors. on, turn, curve, by_rate: (m,) hinges, held openings, curves,
+    whether these are rates; numbers: (m, 2, lanes) start, turn; state: (m, STATE, lanes)."""
 
     on: np.ndarray
     turn: np.ndarray
@@ -61,8 +60,7 @@ def work_after(part, world, timing):
 
 @hook(RigidMotors)
 def record_step(part, world, row, timing):
-    """Record the moment (N m) of each motor. part: motor arrays; world, timing: not used; row: of
-    the recorded instant."""
+    """Record the moment (N m) of each motor. part: motor arrays; row: of the recorded instant."""
     count = part.on.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, WORKS + HELD_BY))

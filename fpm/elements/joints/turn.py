@@ -28,15 +28,14 @@ class Turn(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """The elements of a scene that hold openings exactly, of all element types that do, in the
-        order of their conditions."""
+        """The elements of a scene that hold openings exactly, of all types, in their conditions'
+        order."""
         holding = [kind for kind in scene.kinds if issubclass(kind, HoldsHinge)]
         return [element for kind in holding for element in scene.kinds[kind]]
 
     @classmethod
     def topology_of(cls, scene):
-        """What must be equal in scenes that run side by side: element type and hinge of each
-        condition."""
+        """What must be equal in scenes that run side by side: type and hinge of each condition."""
         return tuple((type(holder), holder.hinge) for holder in cls.of(scene))
 
     @classmethod
@@ -61,8 +60,7 @@ class Turn(ElementType):
 
 class HoldsHinge(OnHinge):
     """Base class of motors, releases, latches and friction that constrain an opening exactly,
-    without a penalty spring. Its subclasses are frozen dataclasses with the field `hinge`, an
-    index."""
+    without a penalty spring. Each has the field `hinge`, an index."""
 
     reads: ClassVar = (Opening, Turn)
     resists_as: ClassVar = ""

@@ -73,8 +73,7 @@ def work_on(openings, h, moment):
 
 @kernel
 def give(world, account, work):
-    """Add work (lanes, J) to an energy account. world: solver state; account: index of the
-    account."""
+    """Add work (lanes, J) to energy account number `account`. world: solver state."""
     store(world.accounts, 0, account, load(world.accounts, 0, account) + work)
 
 
@@ -88,8 +87,7 @@ def moment_of(turns, t, timing):
 @kernel
 def tell_late(moments, openings, h, moment):
     """Add a moment (N m) of the last kick, and its work (J), to the component of opening h that
-    belongs to the element type of `openings`. moments: rows (h components); None: not recorded by
-    component."""
+    belongs to the type of `openings`. moments: rows (h components), or None: not recorded."""
     if moments is not None:
         row = h * openings.parts + openings.part
         store(moments, row, ACTING, load(moments, row, ACTING) + moment)

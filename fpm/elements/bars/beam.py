@@ -121,7 +121,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Beams(ElementType):
-    """m beam elements of one section and material.
+    """m beam elements of one section and material, between particles of a scene.
 
     nodes (m, 2) particle indices; length (m,) undeformed lengths (m); triad (m, 3, 3) initial axes
     as columns (first along the chord); name: prefix of the elements' names; bow (rad): rotation of
@@ -194,7 +194,7 @@ class Beams(ElementType):
 
     @classmethod
     def names(cls, scene):
-        """Names of all beam elements of a scene: name of the link and number on it, as
+        """Names of all beam elements of a scene: the link's name and a number on it, as
         `link[0]`."""
         return [f"{b.name}[{i}]" for b in cls.of(scene) for i in range(len(b.length))]
 
@@ -203,8 +203,8 @@ class Beams(ElementType):
         """Deformations of all beam elements of a scene with their stiffness, for the stable step.
 
         Per element six rows: stretch, twist, and sum and difference of the end rotations in either
-        bending plane, so that the stiffness is diagonal. Without strain the particles lie as in
-        scene.unstrained, if given.
+        bending plane, so that the stiffness is diagonal. The particles' axes without strain are
+        scene.unstrained, if given, else scene.frame.
         """
         frame = scene.frame if scene.unstrained is None else scene.unstrained
         modes, count = [], 0

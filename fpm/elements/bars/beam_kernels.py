@@ -168,8 +168,7 @@ def shape_of(part, state, e):
 
 @kernel
 def strain_energy(part, e, shape):
-    """Strain energy (J) of element e. part: element arrays; shape: of the element, by
-    `shape_of`."""
+    """Strain energy (J) of element e. part: element arrays; shape: its deformation (`shape_of`)."""
     force, sines, twist = shape
     ta2, ta3 = angle(sines[0])[0], angle(sines[1])[0]
     tb2, tb3 = angle(sines[2])[0], angle(sines[3])[0]
@@ -220,8 +219,7 @@ def stored(part, world):
 
 @kernel
 def list_energies(part, world):
-    """Store the strain energy (J) of each element in `part.rows`. part: element arrays; world:
-    state."""
+    """Store the strain energy (J) of each beam element in `part.rows`. part: element arrays."""
     for e in range(part.nodes.shape[0]):
         store(part.rows, e, 0, strain_energy(part, e, shape_of(part, world.state, e)))
 

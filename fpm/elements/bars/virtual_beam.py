@@ -12,8 +12,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class VirtualBeam:
-    """Rigid, massless offset: `particle` index, and vector `arm` (3,), m, in the particle's
-    frame."""
+    """Rigid offset from a particle: its index, and a vector `arm` (3,), m, in its own frame."""
 
     particle: int
     arm: np.ndarray

@@ -208,7 +208,8 @@ def _with_friction(part, batch):
     from fpm.elements.cables.cable_slip_kernels import MATERIAL, RUBBED
 
     def material(scene) -> np.ndarray:
-        """At one strain all along."""
+        """Unstrained lengths (m) of all stretches at the start, at one strain all along each
+        cable."""
         array = np.zeros((len(part.on), RUBBED))
         for first, cable in zip(part.start, Cable.of(scene), strict=False):
             lengths = cable.lengths(scene)
@@ -228,7 +229,6 @@ def _with_friction(part, batch):
 
 
 def length_through(scene, beams: Sequence[VirtualBeam]) -> float:
-    """Sum (m) of the distances from each virtual beam's free end to the next, as the scene stands
-    now."""
+    """Sum (m) of the distances from each virtual beam's free end to the next, as the scene is."""
     places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
     return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())

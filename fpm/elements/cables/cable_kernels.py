@@ -43,7 +43,7 @@ class Cables(NamedTuple):
     """Arrays of all cables, one after the other: (c,) per cable, (p,) per point. on: the points'
     particles; curve: indices, -1 for none; arms: of the points in their particles' frames; cables:
     constants EA, REST, REEL; stretches, state: scratch by the fields above; watched: largest
-    elongation ratio; rows: those of all cables."""
+    elongation ratio so far; rows: the ratio of each cable, by `list_excess`."""
 
     start: np.ndarray  # (c + 1,) first point of each
     on: np.ndarray  # (p,) particles

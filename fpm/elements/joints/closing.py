@@ -33,8 +33,8 @@ ALL = -1.0
 
 @kernel
 def clear(sums):
-    """Set the summed impulses to 0 at the start of a step. sums: (rows, fields, lanes), or None:
-    impulses are not summed, and nothing is done; so below."""
+    """Set the impulses summed over a step to 0, at its start. sums: (rows, fields, lanes), or None
+    where impulses are not summed; then nothing is done."""
     if sums is not None:
         for r in range(sums.shape[0]):
             for k in range(sums.shape[1]):
@@ -43,8 +43,8 @@ def clear(sums):
 
 @kernel
 def count_hinge(sums, part, h, condition):
-    """Add the impulses last found for hinge h to its sums in the lanes where `condition` is below
-    0. sums, part: of the hinges (Hinges)."""
+    """Add the impulses last found for hinge h to row h of `sums` (None: nothing is done) in the
+    lanes where `condition` is below 0. part: hinge arrays (Hinges)."""
     if sums is not None:
         w, b = part.hinge_scratch, part.body_scratch
         lanes = condition + 0.0 * load(sums, h, 0)

@@ -38,7 +38,7 @@ ANGLES = "_axis", "_other"
 
 
 def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Watch]:
-    """Failure criteria for the gaps (m) and tilts (rad) of hinges or joints.
+    """Two failure criteria, for the gaps (m) and the tilts (rad) of hinges or joints.
 
     noun: "hinge" or "joint"; gap, tilt: names of the two criteria; remedy: sentence for messages.
     """
@@ -50,8 +50,8 @@ def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Wat
 
 
 class JointBase(ElementType):
-    """Base class of hinges and joints: `type`, and virtual `beams` whose free ends are kept
-    together."""
+    """Base class of hinges and joints. They have a `name`, a `type` (as "revolute"), and virtual
+    `beams`, one or two, whose free ends are kept together or held."""
 
     joins = True
     gaps: ClassVar[dict[str, str]]  # recorded: the largest of points and of directions, in words
@@ -68,7 +68,7 @@ class JointBase(ElementType):
 
     @property
     def joint(self) -> str:
-        """Name of the element as a joint."""
+        """Name of the joint that the element is, or is an opening of; here its own."""
         return self.name
 
     @staticmethod
@@ -77,8 +77,7 @@ class JointBase(ElementType):
         return any(kind.reads_impulses(scene) for kind in scene.kinds)
 
     def check(self, scene):
-        """Check that the name is new among the scene's hinges and joints; else raises
-        SceneError."""
+        """Check that no other hinge or joint of a scene has this name; SceneError if one has."""
         if {self.name, self.joint} & names_taken(scene):
             raise SceneError(type(self).__name__.lower(), self.joint, "a name not yet used")
 
@@ -94,8 +93,8 @@ class JointBase(ElementType):
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """Recorded largest gap (m) and tilt (rad) of one sample at every instant. part: kernel
-        arrays; lane: of the sample in its batch."""
+        """Recorded largest gap (m) and tilt (rad) over all elements, at every instant of one
+        sample. part: kernel arrays; lane: of the sample in its batch."""
         columns = zip(cls.gaps.items(), part.gaps[:, :, lane].T, ("m", "rad"), strict=True)
         return {name: Series(values, unit, words) for (name, words), values, unit in columns}
 
@@ -217,8 +216,7 @@ class Hinge(JointBase):
 
 
 def names_taken(scene) -> set[str]:
-    """Names of a scene's joints and hinges; of universal joints also without those of their
-    angles."""
+    """Names of joints and hinges of a scene; of universal joints also without their angles'."""
     names = {e.name for kind, elements in scene.kinds.items() if kind.joins for e in elements}
     return names | {hinge.joint for hinge in scene.hinges}
 
@@ -310,7 +308,7 @@ def _is_regular(support: str, fixed1: bytes, fixed2: bytes) -> bool:
 
 
 def unit(vector, noun: str) -> np.ndarray:
-    """The vector (3,) scaled to length 1; SceneError, about `noun`, if it is zero or infinite."""
+    """The vector (3,) scaled to length 1; SceneError about `noun` if it is zero or not finite."""
     vector = np.asarray(vector, float)
     size = length(vector)
     if not size > 0 or not math.isfinite(size):

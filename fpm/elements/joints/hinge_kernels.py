@@ -125,8 +125,8 @@ def push_where_far(state, i, r, b, condition):
 
 @kernel
 def gaps(part, state, h):
-    """Point of hinge h on body 1 (m), its gap (m) to that on body 2, and sines of the tilts of the
-    axis about p and q. part: hinge arrays; state: of the particles."""
+    """Constraint residuals of hinge h: its point on body 1 (m), the gap (m) to that on body 2, and
+    sines of the tilts of the axis about p and q. part: hinge arrays; state: of the particles."""
     row1, row2 = 2 * h, 2 * h + 1
     bodies, i, k = part.bodies, part.ends[row1], part.ends[row2]
     first, second = frame(state, i), frame(state, k)
@@ -217,8 +217,8 @@ def move(part, world, timing):
 
 @hook(Hinges)
 def look_back(part, world, timing):
-    """Close the hinges a step before the start as well, in the first step (joint_kernels.py). part:
-    hinge arrays; world: solver state; timing: times (s)."""
+    """Close the hinges a step before the start as well, in the first step only (joint_kernels.py).
+    part: hinge arrays; world: solver state; timing: times (s)."""
     start, ends, b = world.start_state, part.ends, part.body_scratch
     part.open[:] = True
     for h in range(part.hinge_scratch.shape[0]):
@@ -251,8 +251,9 @@ def gap_squares(part, state, h):
 
 @kernel
 def distance(w, h, step, size):
-    """Below 0 where the GOAL of hinge h is too large for `nudge`. w: scratch of the hinges; step
-    (s); size: characteristic length of the scene (m)."""
+    """Margin (1: none needed; below 0: in such lanes hinge h needs another round, as its GOAL is
+    too large for `nudge`). w: scratch of the hinges; step (s); size: characteristic length of the
+    scene (m)."""
     most = coarse(step, size)
     gap, gap2 = get3(w, h, GOAL), get3(w, h, GOAL + 5)
     ep, eq = load(w, h, GOAL + 3), load(w, h, GOAL + 4)

@@ -131,8 +131,7 @@ def prepare_supports(part):
 
 @kernel
 def hold_point(part, h):
-    """Add support impulses of hinge h to those that close it (FORCE1, FORCE2, MP). part: hinge
-    arrays."""
+    """Add support impulses of hinge h to those that close it, FORCE1 and MP. part: hinge arrays."""
     axes, w = part.fixed_axes, part.hinge_scratch
     force, mp, mq = get3(w, h, FORCE1), load(w, h, MP), load(w, h, MP + 1)
     for axis in range(3):
@@ -232,8 +231,7 @@ def prepare_bodies(world, part, kick):
 
 @kernel
 def pair_sum(b, h, field):
-    """Sum over both bodies of hinge h of a symmetric matrix (6), at `field` of the bodies' scratch
-    b."""
+    """Sum over both bodies of hinge h of a symmetric matrix (6) at `field` of their scratch b."""
     first, second = get6(b, 2 * h, field), get6(b, 2 * h + 1, field)
     return (
         first[0] + second[0],

@@ -40,8 +40,8 @@ from fpm.errors import SceneError
 
 
 class JointType(NamedTuple):
-    """Type of joint: its number (joint_arrays.py), and its number of conditions; None: not fixed,
-    or it cannot be stated as a joint of two particles."""
+    """Type of joint: its number (joint_arrays.py), and how many conditions (constraint equations)
+    it has; None: not fixed, or not a type that a user states."""
 
     number: int
     conditions: int | None = None
@@ -119,8 +119,7 @@ class Joint(JointBase):
 
     @staticmethod
     def slide(scene, name, particles, point, axis, opening: float) -> Hinge:
-        """A slide between two particles of a scene, as a Hinge; arguments: as of
-        Scene.add_slide."""
+        """A slide between two particles of a scene; arguments: as of Scene.add_slide."""
         joint = Joint.create(scene, name, "prismatic", particles, point, axis)
         check_number(f"opening of slide {name}", opening, Number(), "m")
         hinge = Hinge(
@@ -243,7 +242,8 @@ class Joint(JointBase):
 
 
 def as_joints(hinge: Hinge) -> Sequence[Joint]:
-    """A hinge as a joint, and its support as another; of a universal joint's angles the first."""
+    """Joints that do what a hinge does: itself as a joint and, if it has one, its support; none for
+    the second angle of a universal joint, which is one with the first."""
     if hinge.type == "cross":
         return []
     name, axes = hinge.joint, hinge.axes

@@ -74,7 +74,8 @@ class Pattern(NamedTuple):
 
 
 class Turns(NamedTuple):
-    """State shared by the joints' solver and the elements that hold openings exactly."""
+    """State shared by the joints' solver and the elements that hold t openings exactly; its fields
+    are HOLDS to SOLVED_IMPULSE."""
 
     state: np.ndarray  # (t, TURN, lanes)
     blow: np.ndarray  # (1, 1, lanes) when a blow comes, in steps from the start of this one
@@ -110,5 +111,4 @@ class Joints(NamedTuple):
 
 
 class TurnedJoints(Joints):
-    """Arrays of joints among which some hold openings exactly: with `turns`, `turn_of`,
-    `turn_at`."""
+    """Arrays of joints among which some hold openings exactly: `turns` is given."""

@@ -88,8 +88,8 @@ def prepare(part, world, timing):
 
 @kernel
 def kick_bodies(part, state, kick):
-    """Save the bodies' state, kick all that are not driven over the time `kick` (s), and store
-    their inverse inertias. part: joint arrays; state: of the particles."""
+    """Save the bodies' state, kick all over the time `kick` (s) except those that a drive moves,
+    and store their inverse inertias. part: joint arrays; state: of the particles."""
     bodies, b = part.bodies, part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]
@@ -118,8 +118,9 @@ def find_spin(part, state, s):
 
 @kernel
 def find_rates(part, state):
-    """Store in RESIDUAL the rates of all gaps (m/s, rad/s) that the impulses have to cancel, with
-    what was missing in the step before (MISS). part: joint arrays; state: of the particles."""
+    """Store in RESIDUAL the rates (m/s, rad/s) of all gaps, the constraint residuals, that the
+    impulses have to cancel, with what was missing in the step before (MISS). part: joint arrays;
+    state: of the particles."""
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
     for s in range(part.on.shape[0]):
         put3(b, s, SPIN, find_spin(part, state, s))
@@ -268,7 +269,7 @@ def move(part, world, timing):
 @hook(Joints)
 def look_back(part, world, timing):
     """Close the joints a step before the start as well, by the momenta half a step before it.
-    Called once, in the first step.
+    Called once, in the first step. part: joint arrays; world: solver state; timing: times (s).
 
     The impulses of the first kick also close gaps of the third order in the step. As those of all
     other steps do so before and after an instant, alike, the momenta change over an instant by what
@@ -371,8 +372,8 @@ def record_sums(sums, part, row, timing):
     """Record the impulses summed over the step, divided by the kick, as forces (N) and moments (N
     m) in the scene's order of joints.
 
-    sums: part.sums, or None where they are not recorded; part: joint arrays; row: of the instant.
-    Only moments about axes about which a body may turn are recorded.
+    sums: part.sums, or None where they are not recorded; part: joint arrays; row: of the instant;
+    timing: times of the step (s). Only moments about axes about which a body may turn count.
     """
     if sums is not None:
         rows, pattern, count = part.rows, part.pattern, part.types.shape[0]

@@ -94,8 +94,8 @@ def factorise(part):
 
 @kernel
 def substitute(part):
-    """Replace the right side in IMPULSE by the impulses, A^-1 times it. part: joint arrays,
-    factorised."""
+    """Replace the right side in IMPULSE by the impulses, A^-1 times it. part: joint arrays, with
+    the factors of A."""
     pattern, rows, matrix = part.pattern, part.rows, part.matrix
     count = pattern.count.shape[0]
     for j in range(count):

@@ -144,9 +144,9 @@ def find_rows(part, state):
 
 @kernel
 def find_gaps(part, state, j):
-    """Store the gaps of joint j in RESIDUAL: of points (m), and of directions, cosines of angles
-    that should be right; returns the sums of their squares. part: joint arrays; state: of the
-    particles."""
+    """Store the gaps (constraint residuals) of joint j in RESIDUAL: of points (m), and of
+    directions, cosines of angles that should be right; returns the sum of squares of either. part:
+    joint arrays; state: of the particles."""
     if is_opening(part.turns, part, j):
         gap = opening_gap(part.turns, part, state, j)
         store(part.rows, part.pattern.first[j], RESIDUAL, gap)
@@ -203,8 +203,7 @@ def find_gaps(part, state, j):
 
 @kernel
 def put_gap(rows, r, gap):
-    """Store the three components of a gap (m) as RESIDUAL of rows r, r + 1, r + 2 of
-    Joints.rows."""
+    """Store the three components of a gap (m) as RESIDUAL of the conditions r, r + 1, r + 2."""
     store(rows, r, RESIDUAL, gap.x)
     store(rows, r + 1, RESIDUAL, gap.y)
     store(rows, r + 2, RESIDUAL, gap.z)
@@ -215,8 +214,7 @@ def put_gap(rows, r, gap):
 
 @kernel
 def is_opening(turns, part, j):
-    """Whether joint j holds an opening. turns: Joints.turns, None if no joint does; part: joint
-    arrays."""
+    """Whether joint j holds an opening. turns, part: joint arrays, turns None if no joint does."""
     if turns is None:
         return False
     return part.turn_of[j] >= 0

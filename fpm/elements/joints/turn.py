@@ -28,8 +28,7 @@ class Turn(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """The elements of a scene that hold openings exactly, of all types, in their conditions'
-        order."""
+        """The elements of a scene, of all types, that hold openings exactly, one per condition."""
         holding = [kind for kind in scene.kinds if issubclass(kind, HoldsHinge)]
         return [element for kind in holding for element in scene.kinds[kind]]
 
@@ -59,8 +58,9 @@ class Turn(ElementType):
 
 
 class HoldsHinge(OnHinge):
-    """Base class of motors, releases, latches and friction that constrain an opening exactly,
-    without a penalty spring. Each has the field `hinge`, an index."""
+    """Base class of motors, releases, latches and friction that constrain an opening (angle of a
+    hinge, length of a slide) exactly, without a penalty spring. Each has the field `hinge`, an
+    index."""
 
     reads: ClassVar = (Opening, Turn)
     resists_as: ClassVar = ""

@@ -112,8 +112,8 @@ def account(arrays, first, sign):
 
     @hook(arrays)
     def work_due(part, world, energies, row):
-        """Add the work (J) that `end_work` counted to a row recorded before it. part: element
-        arrays; energies: Record.energies; row: of the instant."""
+        """Add the work (J) that `end_work` counted, due up to an instant, to its recorded row.
+        part: element arrays; energies: Record.energies; row: of the instant."""
         for i in range(part.on.shape[0]):
             account = ACCOUNTS + part.account
             total = load(energies, row, account) + load(part.state, i, first + WORK_DUE)
@@ -153,8 +153,9 @@ def prepare(part, world, timing):
 
 @hook(TurnedJoints)
 def solve(part, world, timing):
-    """Find the impulses of all joints, with the openings that are held in this round; called again
-    after `decide` where that changed any. part: joint arrays; timing: times of the step (s)."""
+    """Find the impulses of all joints, with the openings that are held now; repeated after `decide`
+    where that changed any. part: joint arrays; world: solver state; timing: times of the step
+    (s)."""
     find_rows(part, world.state)
     build(part)
     factorise(part)

@@ -113,7 +113,7 @@ class Section:
 
     @staticmethod
     def tube(outer: float, inner: float) -> "Section":
-        """Round tube with outer and inner radius (m)."""
+        """Round tube; outer, inner: its radii (m), inner 0 for a solid circle."""
         inertia = np.pi / 4 * (outer**4 - inner**4)
         area = np.pi * (outer**2 - inner**2)
         return Section(area, inertia, inertia, 2 * inertia, "round", 2 * outer, 2 * outer)
@@ -121,7 +121,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Beams(ElementType):
-    """Beam elements of one section and material.
+    """m beam elements of one section and material, between particles of a scene.
 
     nodes (m, 2) particle indices; length (m,) undeformed lengths (m); triad (m, 3, 3) initial axes
     as columns (first along the chord); name: prefix of the elements' names; bow (rad): rotation of
@@ -142,7 +142,13 @@ class Beams(ElementType):
 
     @staticmethod
     def create(scene, nodes, section, material, normal, name) -> "Beams":
-        """Elements between particles of a scene, unstressed as they lie (Scene.add_beams)."""
+        """Elements between particles of a scene, unstressed in their present positions
+        (Scene.add_beams).
+
+        nodes (m, 2): particle indices; section (Section); material (Material); normal: vector in
+        the plane of the local x and z axes, (3,) for all elements or (m, 3), not along one; name:
+        prefix of the elements' names. SceneError if particles do not exist or coincide.
+        """
         nodes = np.atleast_2d(np.asarray(nodes, int))
         if nodes.shape[1] != 2 or nodes.min() < 0 or nodes.max() >= len(scene.position):
             raise SceneError(f"nodes of {name}", nodes.tolist(), "(m, 2) indices of particles")
@@ -155,14 +161,16 @@ class Beams(ElementType):
         return Beams(nodes, length, axes, section, material, name)
 
     def with_strain(self, strain: float, curvature: float | None) -> "Beams":
-        """Elements of equal length that are longer and curved (1/m) without stress; curvature above
-        0: the side of the third axis is the longer one."""
+        """A copy whose stress-free shape is longer and curved; its elements must be of equal
+        length. strain: relative elongation; curvature (1/m): above 0 if the side of the third axis
+        is the longer one; None: straight in all samples."""
         length = self.length * (1.0 + strain)
         bow = None if curvature is None else float(curvature * length[0] / 2)
         return replace(self, length=length, bow=bow)
 
     def end_axes(self) -> np.ndarray:
-        """Axes 2 and 3 of both ends (2, m, 3, 2) as they are square to the chord without stress."""
+        """Local axes 2 and 3 of both ends without stress, (2, m, 3, 2): end, element, global
+        component, axis. They are square to the chord unless the elements have a bow."""
         axes = np.stack([self.triad[:, :, 1:]] * 2)
         if self.bow:
             turn = np.array([self.bow, -self.bow])[:, None, None]
@@ -180,18 +188,23 @@ class Beams(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """The particles, and whether all elements lie along their particles' axes."""
+        """What must be equal in scenes that run side by side: the particles of all elements, and
+        whether elements have axes of their own (`framed`)."""
         return tuple(tuple(b.nodes.ravel()) for b in cls.of(scene)), framed(scene)
 
     @classmethod
     def names(cls, scene):
-        """The name of the link, and the number of the element on it."""
+        """Names of all beam elements of a scene: the link's name and a number on it, as
+        `link[0]`."""
         return [f"{b.name}[{i}]" for b in cls.of(scene) for i in range(len(b.length))]
 
     @classmethod
     def deformations(cls, scene):
-        """Per beam stretch, two bending planes in sum and difference (so that their stiffness is
-        diagonal), twist.
+        """Deformations of all beam elements of a scene with their stiffness, for the stable step.
+
+        Per element six rows: stretch, twist, and sum and difference of the end rotations in either
+        bending plane, so that the stiffness is diagonal. The particles' axes without strain are
+        scene.unstrained, if given, else scene.frame.
         """
         frame = scene.frame if scene.unstrained is None else scene.unstrained
         modes, count = [], 0
@@ -201,7 +214,9 @@ class Beams(ElementType):
         return Deformations(*(np.concatenate(x) for x in zip(*modes, strict=True)))
 
     def modes(self, frame: np.ndarray) -> list[Deformations]:
-        """Deformations of the elements; frame (n, 3, 3) of all particles without strain."""
+        """Deformations of these elements, a list: stretch, twist, and sum and difference of the end
+        rotations in both planes, m rows each; frame (n, 3, 3): axes of all particles without
+        strain, as columns."""
         table, (a, b) = self.stiffness(), self.nodes.T
         six = np.arange(6)
         dofs = np.concatenate([6 * a[:, None] + six, 6 * b[:, None] + six], axis=1)
@@ -254,7 +269,8 @@ ALIGNED = np.array([0.0, 1, 0, 0, 0, 1] * 2)
 
 
 def framed(scene) -> bool:
-    """Whether some element's axes are not those of its particles (to rounding), or may not be.
+    """Whether some beam element's axes are not those of its particles (to rounding), or may not be,
+    as with a bow.
 
     The kernels take another path then. It must follow from the scene alone: a choice for a whole
     batch would let a sample's last digits depend on its neighbours.
@@ -264,7 +280,8 @@ def framed(scene) -> bool:
 
 
 def end_axes(scene) -> np.ndarray:
-    """Axes 2 and 3 of every element in the frames of its ends (m, 12)."""
+    """Stress-free local axes 2 and 3 of all m beam elements of a scene at both ends, in the frames
+    of their particles: rows (m, 12) of a2, a3, b2, b3."""
     frame = scene.frame if scene.unstrained is None else scene.unstrained
     nodes = np.concatenate([beams.nodes for beams in Beams.of(scene)])
     axes = np.concatenate([beams.end_axes() for beams in Beams.of(scene)], axis=1)
@@ -274,7 +291,8 @@ def end_axes(scene) -> np.ndarray:
 
 
 def triad(direction: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    """Right-handed axes (3, 3) as columns: x along `direction`, z in the plane with `normal`."""
+    """Right-handed orthonormal axes (3, 3) as columns: x along `direction` (3,), z in the plane of
+    it and `normal` (3,), on its side. SceneError if the two are parallel."""
     x = np.asarray(direction, float)
     x = x / length(x)
     y = cross(normal, x)
@@ -286,7 +304,8 @@ def triad(direction: np.ndarray, normal: np.ndarray) -> np.ndarray:
 
 
 def elements_of(groups: Sequence[Beams]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Elements of all groups: nodes (m, 2), lengths (m,) m, half widths and heights (m, 2) m.
+    """Elements of several groups, one after the other: nodes (m, 2) particle indices, undeformed
+    lengths (m,), half widths and heights (m, 2), all in metres.
 
     Width and height are those of a rectangle with the section's area and second moments.
     """

@@ -33,8 +33,9 @@ BEND, STRAIN = 0, 1  # watched
 
 
 class StraightElements(NamedTuple):
-    """Arrays of beam elements whose local axes are the axes of their particles, as on straight
-    bars."""
+    """Arrays of m beam elements whose local axes are their particles' axes, as on straight bars.
+    beams: constants LENGTH to TWIST; watched: largest BEND and STRAIN so far; rows: a number per
+    element, for `list_energies`."""
 
     nodes: np.ndarray  # (m, 2) particles
     beams: np.ndarray  # (m, BEAM, lanes)
@@ -43,7 +44,8 @@ class StraightElements(NamedTuple):
 
 
 class FramedElements(NamedTuple):
-    """Arrays of beam elements with local axes of their own, in the frames of their particles."""
+    """Arrays of beam elements as StraightElements, and `axes`: local axes 2 and 3 of their own at
+    both ends, in the frames of their particles."""
 
     nodes: np.ndarray
     beams: np.ndarray
@@ -54,16 +56,16 @@ class FramedElements(NamedTuple):
 
 @kernel
 def angle(s):
-    """Six times the angle (rad) with sine s, by the series s + s³/6 to fifth order; and twice its
-    derivative by s."""
+    """Six times the angle th (rad) with sine s, and twice the derivative dth/ds; th = s + s³/6,
+    wrong from the fifth order on."""
     slope = s * s + 2.0
     return s * (slope + 4.0), slope
 
 
 @kernel
 def twist_of(a2, a3, b2, b3):
-    """Twice the sine of the twist of an element, b2 . a3 - b3 . a2; the axes of either end are
-    normal to each other."""
+    """Twice the sine of an element's twist, b2 . a3 - b3 . a2, by its unit axes 2 and 3 at the ends
+    a and b (global components), normal to each other at either end."""
     return dot(b2 - a2, a3 + b3)
 
 
@@ -87,7 +89,8 @@ def _framed_axes(part, state, e):
 
 
 def end_axes(part, state, e):
-    """Local axes 2 and 3 of element e at its ends a and b, in global components: a2, a3, b2, b3."""
+    """Local axes 2 and 3 of element e at its ends a and b, unit vectors in global components: a2,
+    a3, b2, b3. part: StraightElements or FramedElements; state: of the particles (World.state)."""
     return _axes_for(type(part))(part, state, e)
 
 
@@ -103,7 +106,8 @@ def _end_axes(part, state, e):
 
 @kernel
 def chord_of(part, state, e):
-    """Direction of the chord of element e, inverse of its length (1/m), and axial force (N)."""
+    """Direction of the chord of element e (unit vector from end a to b), inverse of its length
+    (1/m), and axial force (N, tension above 0). part: element arrays; state: of the particles."""
     chord = get3(state, part.nodes[e, 1], X) - get3(state, part.nodes[e, 0], X)
     length = sqrt(dot(chord, chord))
     inverse = 1.0 / length
@@ -113,10 +117,11 @@ def chord_of(part, state, e):
 
 @kernel
 def forces(part, world, timing):
-    """Add forces (N) and moments (N m) of all elements to their end particles.
+    """Add forces (N) and moments (N m) of all beam elements to their end particles.
 
-    The chord of the next element is found beside the forces of each: its root and quotient take
-    long, and leave the multipliers idle.
+    part: element arrays; world: solver state; timing: not used. The chord of the next element is
+    found beside the forces of each: its root and quotient take long, and leave the multipliers
+    idle.
     """
     state, beams = world.state, part.beams
     last = part.nodes.shape[0] - 1
@@ -150,11 +155,11 @@ def forces(part, world, timing):
 
 @kernel
 def shape_of(part, state, e):
-    """Axial force (N) of element e, four sines of the angles between chord and axes (a2, a3, b2,
-    b3), and twice the sine of its twist.
+    """Deformation of element e: its axial force (N), four sines of the angles between chord and
+    axes (a2, a3, b2, b3), and twice the sine of its twist.
 
-    Each sine is the scalar product of the chord's direction with the axis, which is normal to the
-    chord where the element is straight.
+    part: element arrays; state: of the particles (World.state). Each sine is the scalar product of
+    the chord's direction with the axis, which is normal to the chord where the element is straight.
     """
     a2, a3, b2, b3 = end_axes(part, state, e)
     n, _, force = chord_of(part, state, e)
@@ -163,7 +168,7 @@ def shape_of(part, state, e):
 
 @kernel
 def strain_energy(part, e, shape):
-    """Strain energy (J) of element e, by its `shape_of`."""
+    """Strain energy (J) of element e. part: element arrays; shape: its deformation (`shape_of`)."""
     force, sines, twist = shape
     ta2, ta3 = angle(sines[0])[0], angle(sines[1])[0]
     tb2, tb3 = angle(sines[2])[0], angle(sines[3])[0]
@@ -177,10 +182,11 @@ def strain_energy(part, e, shape):
 
 @kernel
 def larger_strains(part, e, shape, bend, strain):
-    """The larger of `bend` (square of a sine) and of element e's; the larger of `strain` and of its
-    largest surface strain.
+    """Raise the running maxima `bend` and `strain` to those of element e; returns both.
 
-    The height is that of a rectangle with the element's radius of gyration, sqrt(12 I/A).
+    bend: squared sine of the largest bend or twist; strain: at the surface of a rectangle with the
+    element's radius of gyration, of height sqrt(12 I/A). part: element arrays; shape: as `shape_of`
+    returns it.
     """
     beams = part.beams
     force, (sa2, sa3, sb2, sb3), twist = shape
@@ -198,7 +204,8 @@ def larger_strains(part, e, shape, bend, strain):
 
 @kernel
 def stored(part, world):
-    """Strain energy (J) of all elements; the largest bend and strain are watched."""
+    """Strain energy (J) of all beam elements; raises `part.watched` to their largest bend (sine)
+    and surface strain. part: element arrays; world: solver state."""
     total = 0.0 * load(world.state, 0, X)
     bend, strain = 0.0 * load(part.watched, 0, BEND), load(part.watched, 0, STRAIN)
     for e in range(part.nodes.shape[0]):
@@ -212,7 +219,7 @@ def stored(part, world):
 
 @kernel
 def list_energies(part, world):
-    """Strain energy of each element (J)."""
+    """Store the strain energy (J) of each beam element in `part.rows`. part: element arrays."""
     for e in range(part.nodes.shape[0]):
         store(part.rows, e, 0, strain_energy(part, e, shape_of(part, world.state, e)))
 

@@ -30,9 +30,11 @@ SMALLEST_END = 0.1
 
 
 def end_weights(elements: int, order: int | None = None) -> np.ndarray:
-    """Shares (n+1,) of an element's mass at the particles of a slender link of n elements.
+    """Masses (n+1,) of the particles of a slender link of n elements, as fractions of one element's
+    mass.
 
-    order: of the last differences in the end corrections; None: the best for so many elements.
+    elements: n, at least 1; order: of the last differences in the end corrections, 0 for none (the
+    trapezium rule), at most 4; None: the best for so many elements.
     """
     return np.array(_end_weights(elements, order))
 
@@ -55,10 +57,11 @@ def _end_weights(elements: int, order: int | None) -> tuple[float, ...]:
 def lump(length: float, elements: int, section, material, scale: float = 1.0):
     """Particle masses (n+1,) in kg and principal inertias (n+1, 3) in kg m² of a straight link.
 
-    length (m) of the link; `scale` the factor f on the section's transverse rotational inertia.
-    The link's mass, centre and inertia tensor are those of a uniform bar, exactly, for two elements
-    or more; a single element keeps mass, centre and polar inertia only. SceneError if `scale` is
-    below 1 or so large that no positive end mass makes up for it.
+    length (m): of the whole link; elements: n; section (Section), material (Material): the same all
+    along; scale: factor f >= 1 on the section's transverse rotational inertia. The link's mass,
+    centre and inertia tensor are those of a uniform bar, exactly, for two elements or more; a
+    single element keeps mass, centre and polar inertia only. SceneError if `elements` is no whole
+    number above 0, or `scale` below 1 or so large that no positive end mass makes up for it.
     """
     if elements < 1 or int(elements) != elements:
         raise SceneError("elements", elements, "a whole number, at least 1")

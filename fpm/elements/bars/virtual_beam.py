@@ -12,12 +12,13 @@ import numpy as np
 
 @dataclass(frozen=True)
 class VirtualBeam:
-    """`particle` index and `arm` (3,), the vector to its free end in the particle's frame (m)."""
+    """Rigid offset from a particle: its index, and a vector `arm` (3,), m, in its own frame."""
 
     particle: int
     arm: np.ndarray
 
     @staticmethod
     def to_point(particle: int, position, frame, point) -> "VirtualBeam":
-        """The arm from a particle at `position` (3,) with axes `frame` (3, 3) to `point` (3,)."""
+        """The virtual beam from a particle to a point. particle: index; position (3,) m; frame (3,
+        3): the particle's axes as columns; point (3,) m, in global axes like the position."""
         return VirtualBeam(particle, np.asarray(frame).T @ (np.asarray(point) - position))

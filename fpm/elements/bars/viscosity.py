@@ -27,8 +27,8 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class Viscosity(ElementType):
-    """Bulk viscosity of all beam elements of a scene: `share`, the fraction of critical damping of
-    each element's stretch."""
+    """Bulk viscosity of all beam elements of a scene: a damper along each. share: fraction of
+    critical damping of an element's highest axial mode, >= 0; several viscosities add up."""
 
     share: float
 
@@ -36,23 +36,24 @@ class Viscosity(ElementType):
     resists_as = ""
 
     def check(self, scene):
-        """The share must be finite and not negative."""
+        """Check that `share` is a finite number >= 0; raises SceneError if not. scene: not used."""
         if not (np.isfinite(self.share) and self.share >= 0):
             raise SceneError("viscosity", self.share, "a finite number >= 0")
 
     @classmethod
     def of(cls, scene):
-        """The viscosities of a scene; an empty list where there are no beams."""
+        """The viscosities of a scene, a list; empty where the scene has no beams."""
         return scene.kinds.get(cls, []) if scene.beams else []
 
     @classmethod
     def names(cls, scene):
-        """Names of the beam elements."""
+        """Names of all beam elements of a scene, in their order (Beams.names)."""
         return Beams.names(scene)
 
     @classmethod
     def dampings(cls, scene):
-        """The stretches of all elements."""
+        """Stretches of all beam elements of a scene, with damping (N s/m) in place of stiffness,
+        for the stable step."""
         frame = scene.frame if scene.unstrained is None else scene.unstrained
         stretches = [beams.modes(frame)[0] for beams in Beams.of(scene)]
         counts = np.cumsum([0, *(len(beams.length) for beams in Beams.of(scene))])

@@ -16,7 +16,9 @@ HISTORY = 3
 
 
 class Viscous(NamedTuple):
-    """nodes (m, 2) particles; damping (m, 1, lanes) N s/m; past (m, HISTORY, lanes); account."""
+    """Arrays for the dampers of m beam elements. nodes: (m, 2) particles of both ends; damping: (m,
+    1, lanes) N s/m; past: (m, HISTORY, lanes) rate (m/s), tension (N) and length (m) of the last
+    step; account: index of the energy account of the loss."""
 
     nodes: np.ndarray
     damping: np.ndarray
@@ -26,10 +28,12 @@ class Viscous(NamedTuple):
 
 @hook(Viscous)
 def forces(part, world, timing):
-    """Add tensions (N) against the rates of the elements' lengths, extrapolated as dampers' rates
-    are, and their losses (J).
+    """Add to the end particles of all elements the tension (N) of their dampers, damping times rate
+    of length, and the loss (J) of the step that ends to the account.
 
-    The trapezium rule of the losses is what leapfrog does (losses_kernels.py).
+    part: element arrays (Viscous); world: solver state (World); timing: times of the step (s). The
+    rate is extrapolated as other dampers' (losses_kernels.py), and losses are summed by the
+    trapezium rule, which is what leapfrog does.
     """
     state, history = world.state, part.past
     loss = load(world.accounts, 0, part.account)

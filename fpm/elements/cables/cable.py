@@ -67,7 +67,13 @@ class Cable(ElementType):
 
     @staticmethod
     def create(scene, name, points, stiffness, rest, preload, reel, curve, friction) -> "Cable":
-        """A cable through points of a scene, as it stands (Scene.add_cable)."""
+        """A cable through points of a scene in its present position (Scene.add_cable).
+
+        points: pairs of a particle's index and a position (3,) m; stiffness: EA (N); rest:
+        unstrained length before reeling (m), or preload: tension at the start (N), the other one
+        None; reel (m), curve: length that a winch takes in, times the curve of that index (-1:
+        none); friction: coefficient or None. SceneError if points or numbers do not fit.
+        """
         count = len(scene.position)
         particles = [particle for particle, _ in points]
         if len(points) < 2 or not all(0 <= p < count for p in particles):
@@ -86,7 +92,8 @@ class Cable(ElementType):
         return Cable(name, beams, stiffness, float(rest), reel, curve, friction)
 
     def check(self, scene):
-        """Stiffness and lengths, also while it is reeled; names are for messages and files."""
+        """Check that the cable fits into a scene: its numbers, a name of its own, points of two
+        particles, an unstrained length above 0 at all times; raises SceneError if not."""
         super().check(scene)
         owner = f"of {self.title(scene)}"
         if self.name in Cable.names_of(scene):
@@ -104,12 +111,12 @@ class Cable(ElementType):
         return f"cable {self.name}"
 
     def rest_at(self, scene, time: float) -> float:
-        """The unstrained length (m) at a time (s)."""
+        """Unstrained length (m) at a time (s), less what the winch has taken in by then."""
         factor = np.interp(time, *scene.curves[self.curve]) if self.curve >= 0 else 0.0
         return float(self.rest - self.reel * factor)
 
     def shortest(self, scene) -> float:
-        """The least unstrained length (m) at any time."""
+        """Least unstrained length (m) at any time, over all points of the winch's curve."""
         factors = scene.curves[self.curve][1] if self.curve >= 0 else np.zeros(1)
         return float(self.rest - np.max(self.reel * factors))
 
@@ -119,13 +126,14 @@ class Cable(ElementType):
         return self.friction is not None and len(self.beams) > 2
 
     def lengths(self, scene) -> np.ndarray:
-        """The ways (m) from point to point, as the scene stands."""
+        """Distances (m) from each of the cable's n points to the next (n - 1,), in the scene's
+        present position."""
         places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in self.beams]
         return np.linalg.norm(np.diff(places, axis=0), axis=1)
 
     def pieces(self, scene) -> Iterator[Piece]:
-        """Parts of the cable with one tension each, as beams and stiffness (N/m): the whole cable,
-        or each stretch of one with friction."""
+        """Parts of the cable with one tension each, as (virtual beams, stiffness in N/m): the whole
+        cable, or each stretch from point to point if it has friction."""
         shortest = self.shortest(scene)
         if not self.rubs:
             yield self.beams, self.stiffness / shortest
@@ -135,12 +143,13 @@ class Cable(ElementType):
             yield self.beams[i : i + 2], self.stiffness * lengths.sum() / (shortest * length)
 
     def topology(self):
-        """Name, particles, curve, and whether it rubs."""
+        """What must be equal in scenes that run side by side: name, particles, curve, and whether
+        it has friction."""
         return self.name, tuple(beam.particle for beam in self.beams), self.curve, self.rubs
 
     @classmethod
     def names_of(cls, scene) -> tuple[str, ...]:
-        """The cables' own names."""
+        """Names of a scene's cables as stated, in their order."""
         return tuple(cable.name for cable in cls.of(scene))
 
     @classmethod
@@ -149,12 +158,13 @@ class Cable(ElementType):
 
     @classmethod
     def led(cls, scene):
-        """The cables without friction, which is a component of its own (fpm/travel)."""
+        """Copies of a scene's cables without friction, for the quasi-static travel of an opening
+        (fpm/travel), where friction is a component of its own."""
         return [replace(cable, friction=None) for cable in cls.of(scene)]
 
     @classmethod
     def deformations(cls, scene):
-        """Bounds that hold wherever the cables' points move to (cable_bounds.py)."""
+        """Springs as stiff as the cables can be, for the stable step (`bounding_springs`)."""
         return bounding_springs(scene, (cable.pieces(scene) for cable in cls.of(scene)))
 
     @classmethod
@@ -181,7 +191,8 @@ class Cable(ElementType):
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """Tensions and lengths."""
+        """Recorded tension (N) and strained length (m) of all cables of one sample, (instants,
+        cables) each. part: kernel arrays (Cables); lane: of the sample in its batch."""
         names = cls.names_of(scene)
         tension, length = part.track[:, :, lane].T.reshape(2, -1, len(names))
         return {
@@ -197,7 +208,8 @@ def _with_friction(part, batch):
     from fpm.elements.cables.cable_slip_kernels import MATERIAL, RUBBED
 
     def material(scene) -> np.ndarray:
-        """At one strain all along."""
+        """Unstrained lengths (m) of all stretches at the start, at one strain all along each
+        cable."""
         array = np.zeros((len(part.on), RUBBED))
         for first, cable in zip(part.start, Cable.of(scene), strict=False):
             lengths = cable.lengths(scene)
@@ -217,6 +229,6 @@ def _with_friction(part, batch):
 
 
 def length_through(scene, beams: Sequence[VirtualBeam]) -> float:
-    """The way (m) from each beam's free end to the next, as the scene stands."""
+    """Sum (m) of the distances from each virtual beam's free end to the next, as the scene is."""
     places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
     return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())

@@ -26,7 +26,9 @@ Piece = tuple[Sequence[VirtualBeam], float]
 
 
 def bounding_springs(scene, cables: Iterable[Iterable[Piece]]) -> Deformations | None:
-    """Springs from the points of cables, in pieces, to the ground; None if all points are held."""
+    """Springs from the points of cables to the ground, as stiff as the cables can be in any
+    position, for the stable step; None if all points are held. cables: of each its pieces
+    (Piece)."""
     rows = []
     for number, pieces in enumerate(cables):
         for beams, stiffness in pieces:

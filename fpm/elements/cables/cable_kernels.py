@@ -40,7 +40,10 @@ TINY = 1e-30
 
 
 class Cables(NamedTuple):
-    """Arrays of all cables, one after the other: (c,) per cable, (p,) per point."""
+    """Arrays of all cables, one after the other: (c,) per cable, (p,) per point. on: the points'
+    particles; curve: indices, -1 for none; arms: of the points in their particles' frames; cables:
+    constants EA, REST, REEL; stretches, state: scratch by the fields above; watched: largest
+    elongation ratio so far; rows: the ratio of each cable, by `list_excess`."""
 
     start: np.ndarray  # (c + 1,) first point of each
     on: np.ndarray  # (p,) particles
@@ -58,8 +61,8 @@ class Cables(NamedTuple):
 
 @kernel
 def lay(part, state, c):
-    """Store directions and lengths (m) of the stretches of cable c; returns its whole length
-    (m)."""
+    """Store directions and lengths (m) of the stretches of cable c, for the present positions;
+    returns its whole length (m). part: cable arrays; state: of the particles (World.state)."""
     first, last = part.start[c], part.start[c + 1] - 1
     total = 0.0 * load(part.cables, c, REST)
     for j in range(first, last + 1):
@@ -78,7 +81,8 @@ def lay(part, state, c):
 
 @kernel
 def unstrained_now(part, world, timing, c):
-    """Unstrained length (m) of cable c at timing.time, less what its winch has taken in."""
+    """Unstrained length (m) of cable c at timing.time, less what its winch has taken in. part:
+    cable arrays; world: solver state, with the curves."""
     rest = load(part.cables, c, REST)
     if part.curve[c] >= 0:
         rest = rest - curve_value(world, part.curve[c], timing.time) * load(part.cables, c, REEL)
@@ -87,8 +91,9 @@ def unstrained_now(part, world, timing, c):
 
 @kernel
 def missing(new, old):
-    """Correction (m) of the stretch `new` of a cable that turned tight or slack in the step that
-    ends now, else 0. old: the stretch a step ago; below 0: slack.
+    """Correction (m), to be added to the elongation `new`, of a cable that turned tight or slack in
+    the step that ends now, else 0. new, old: length less unstrained length now and a step ago (m),
+    below 0 where slack.
 
     Where a cable turns tight or slack between two steps, the force of either is not that of the way
     between them, k s²/2 on the way from -b to s. The half of what is missing is added at the later
@@ -101,7 +106,8 @@ def missing(new, old):
 
 @kernel
 def find_pull(part, world, timing, c):
-    """Find stretch (m) and tension (N) of cable c, equal in all its stretches."""
+    """Store elongation (m) and tension (N) of cable c, one tension in all its stretches. part:
+    cable arrays; world: solver state; timing: times of the step (s)."""
     length = lay(part, world.state, c)
     store(part.state, c, LONGER_BEFORE, load(part.state, c, LONGER))
     store(part.state, c, UNSTRAINED_BEFORE, load(part.state, c, UNSTRAINED))
@@ -119,8 +125,8 @@ def find_pull(part, world, timing, c):
 
 @kernel
 def pull_points(part, state, c):
-    """Add forces (N) and moments (N m) to the particles of cable c, at each point towards its
-    neighbours."""
+    """Add the tensions (PULL) of cable c as forces (N) and moments (N m) to its particles, at each
+    point towards its neighbours. part: cable arrays; state: of the particles (World.state)."""
     first, last = part.start[c], part.start[c + 1] - 1
     for j in range(first, last + 1):
         force = 0.0 * get3(part.stretches, j, DIRECTION)
@@ -135,7 +141,8 @@ def pull_points(part, state, c):
 
 @hook(Cables)
 def forces(part, world, timing):
-    """Add the forces (N) and moments (N m) of all cables on their particles."""
+    """Add the forces (N) and moments (N m) of all cables to their particles. part: cable arrays;
+    world: solver state; timing: times of the step (s)."""
     for c in range(part.curve.shape[0]):
         find_pull(part, world, timing, c)
         pull_points(part, world.state, c)
@@ -143,7 +150,8 @@ def forces(part, world, timing):
 
 @hook(Cables)
 def note_events(part, world, timing):
-    """Note events of cables that turned tight or slack since the last step."""
+    """Log an event for each cable that turned tight or slack since the last step, at the strain
+    TAUT. part: cable arrays; timing: times of the step (s)."""
     for c in range(part.curve.shape[0]):
         new = load(part.state, c, LONGER) - TAUT * load(part.state, c, UNSTRAINED)
         old = load(part.state, c, LONGER_BEFORE) - TAUT * load(part.state, c, UNSTRAINED_BEFORE)
@@ -157,14 +165,16 @@ def note_events(part, world, timing):
 
 @kernel
 def work_of_winch(part, c):
-    """Work (J) of the winch of cable c over the step that ends now."""
+    """Work (J) that the winch of cable c gave over the step that ends now, above 0 where it takes
+    tight cable in. part: cable arrays."""
     reeled = load(part.state, c, UNSTRAINED_BEFORE) - load(part.state, c, UNSTRAINED)
     return 0.5 * reeled * (load(part.state, c, WINCH) + load(part.state, c, WINCH_BEFORE))
 
 
 @hook(Cables)
 def work_before(part, world, timing):
-    """Add the work (J) of the winches over the step that ends now."""
+    """Add the work (J) of all winches over the step that ends now to their energy account. part:
+    cable arrays; world: solver state; timing: not used."""
     work = load(world.accounts, 0, part.account)
     for c in range(part.curve.shape[0]):
         if part.curve[c] >= 0:
@@ -174,27 +184,28 @@ def work_before(part, world, timing):
 
 @kernel
 def strain_of(part, c):
-    """Strain of cable c, zero where it is slack."""
+    """Strain of cable c, 0 where it is slack, by the elongation last stored. part: cable arrays."""
     strain = load(part.state, c, LONGER) / load(part.state, c, UNSTRAINED)
     return where_negative(strain, 0.0, strain)
 
 
 @kernel
 def energy_of_cable(part, c):
-    """Strain energy of cable c (J)."""
+    """Strain energy (J) of cable c, with one strain in all its stretches. part: cable arrays."""
     strain = strain_of(part, c)
     return 0.5 * load(part.cables, c, EA) * load(part.state, c, UNSTRAINED) * strain * strain
 
 
 @hook(Cables)
 def energy_of(part, world, c):
-    """Strain energy of cable c (J)."""
+    """Strain energy (J) of cable c. part: cable arrays; world: not used."""
     return energy_of_cable(part, c)
 
 
 @kernel
 def crowding(part, c):
-    """Elongation of cable c over the length of its shortest stretch; 0 where it is slack."""
+    """Elongation ratio of cable c: its elongation over the length of its shortest stretch, 0 where
+    it is slack; a run fails above 1. part: cable arrays."""
     longer = where_negative(load(part.state, c, LONGER), 0.0, load(part.state, c, LONGER))
     most = 0.0 * longer
     for j in range(part.start[c], part.start[c + 1] - 1):
@@ -204,12 +215,8 @@ def crowding(part, c):
 
 @kernel
 def record_cable(part, c, row):
-    """Record tension (N) and length (m) of cable c in row `row`, and update the largest elongation
-    ratio.
-
-    elongation ratio: elongation over the length of the shortest stretch (`crowding`); a run fails
-    above 1.
-    """
+    """Record tension (N) and length (m) of cable c in row `row` of part.track, and raise the
+    largest elongation ratio (`crowding`) to its own. part: cable arrays."""
     store(part.track, row, 0, load(part.cables, c, EA) * strain_of(part, c))
     store(part.track, row, 1, load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED))
     store(part.watched, 0, 0, larger(load(part.watched, 0, 0), crowding(part, c)))
@@ -217,7 +224,8 @@ def record_cable(part, c, row):
 
 @hook(Cables)
 def record(part, world, row):
-    """Record tension (N) and length (m) of each cable, and watch the largest elongation ratio."""
+    """Record tension (N) and strained length (m) of each cable, and watch the largest elongation
+    ratio. part: cable arrays; world: not used; row: of the recorded instant."""
     count = part.curve.shape[0]
     for c in range(count):
         record_cable(part, c, row * count + c)
@@ -225,6 +233,7 @@ def record(part, world, row):
 
 @hook(Cables)
 def list_excess(part, world):
-    """Store the elongation ratio (`crowding`) of each cable."""
+    """Store the elongation ratio (`crowding`) of each cable in part.rows, to name the worst when a
+    run fails. part: cable arrays; world: not used."""
     for c in range(part.curve.shape[0]):
         store(part.rows, c, 0, crowding(part, c))

@@ -34,14 +34,14 @@ FLOOR = 1e-200
 
 @kernel
 def positive(x):
-    """x, or 0 where x is below 0."""
+    """The larger of x and 0; x: a number or lanes."""
     return where_negative(x, 0.0, x)
 
 
 @kernel
 def handed_on(part, first, j, strain):
-    """Unstrained length (m) that slips out of stretches `first` to j over the point after j at a
-    strain of stretch j, and its derivative by that strain."""
+    """Unstrained length (m) that slips out of stretches `first` to j over the point after j, if
+    stretch j has this strain, and its derivative by the strain. part: cable arrays."""
     flow, follows = 0.0 * strain, 0.0 * strain + 1.0
     slope, linked = flow, follows
     for k in range(j, first - 1, -1):
@@ -63,11 +63,12 @@ def handed_on(part, first, j, strain):
 @kernel
 def strain_alone(part, first, j, tight, slope, close):
     """Strain of stretch j > first if nothing could slip over the point after it, 0 if slack; and
-    the derivative `slope` for the stretches up to j.
+    the derivative of `handed_on` there.
 
     At this strain `handed_on`, which grows with it, is 0: by Newton's method between bounds, from
-    the solution to first order. tight: length less unstrained length of the stretches up to j (m);
-    slope: derivative for the stretches before j (m); close: allowed rest (m).
+    the solution to first order. part: cable arrays; tight: length less unstrained length of the
+    stretches up to j (m); slope: derivative for the stretches before j (m); close: allowed rest
+    (m).
     """
     start, length = load(part.rubbed, j, START), load(part.stretches, j, LENGTH)
     free_strain, stuck = load(part.rubbed, j - 1, FREE_STRAIN), positive((length - start) / start)
@@ -96,7 +97,8 @@ def strain_alone(part, first, j, tight, slope, close):
 
 @kernel
 def strain_before(part, j, strain):
-    """Strain of the stretch before point j, by the strain of the stretch after the point."""
+    """Strain of the stretch before point j, by the `strain` of the stretch after the point and the
+    law of friction. part: cable arrays, with FREE_STRAIN of the stretch before."""
     least, most = load(part.rubbed, j, INVERSE) * strain, load(part.rubbed, j, RATIO) * strain
     free_strain = load(part.rubbed, j - 1, FREE_STRAIN)
     return larger(least, where_negative(most - free_strain, most, free_strain))
@@ -104,8 +106,8 @@ def strain_before(part, j, strain):
 
 @kernel
 def find_alone(part, first, last, close):
-    """Store the strains FREE_STRAIN of all stretches between the points first and last; close:
-    allowed rest of unstrained length (m)."""
+    """Store the strains FREE_STRAIN of all stretches between the points `first` and `last` of a
+    cable. part: cable arrays; close: allowed rest of unstrained length (m)."""
     start, length = load(part.rubbed, first, START), load(part.stretches, first, LENGTH)
     tight = length - start
     strain, slope = positive(tight) / larger(start, 0.0 * start + TINY), length

@@ -33,7 +33,8 @@ ALL = -1.0
 
 @kernel
 def clear(sums):
-    """Begin a step."""
+    """Set the impulses summed over a step to 0, at its start. sums: (rows, fields, lanes), or None
+    where impulses are not summed; then nothing is done."""
     if sums is not None:
         for r in range(sums.shape[0]):
             for k in range(sums.shape[1]):
@@ -42,7 +43,8 @@ def clear(sums):
 
 @kernel
 def count_hinge(sums, part, h, condition):
-    """Count the impulses last found for hinge h in the lanes where `condition` is negative."""
+    """Add the impulses last found for hinge h to row h of `sums` (None: nothing is done) in the
+    lanes where `condition` is below 0. part: hinge arrays (Hinges)."""
     if sums is not None:
         w, b = part.hinge_scratch, part.body_scratch
         lanes = condition + 0.0 * load(sums, h, 0)
@@ -55,14 +57,15 @@ def count_hinge(sums, part, h, condition):
 @kernel
 def count_joints(part, condition):
     """Add the impulses last found for all conditions of joints, and for held openings, to their
-    sums, in the lanes where `condition` is below 0."""
+    sums, in the lanes where `condition` is below 0. part: joint arrays."""
     count_conditions(part.sums, part, condition)
     count_turns(part.turns, part, condition)
 
 
 @kernel
 def count_conditions(sums, part, condition):
-    """Add what was last found for all conditions."""
+    """Add the impulses last found for all conditions to `sums` (None: nothing is done), in the
+    lanes where `condition` is below 0. part: joint arrays."""
     if sums is not None:
         for r in range(sums.shape[0]):
             total = load(sums, r, 0)
@@ -72,7 +75,8 @@ def count_conditions(sums, part, condition):
 
 @kernel
 def count_turns(turns, part, condition):
-    """Add what was last found for all openings that are held."""
+    """Add the impulses last found for all held openings to TURN_IMPULSE of `turns` (None: nothing
+    is done), in the lanes where `condition` is below 0. part: joint arrays."""
     if turns is not None:
         sums = turns.state
         for t in range(sums.shape[0]):
@@ -84,7 +88,8 @@ def count_turns(turns, part, condition):
 
 @kernel
 def keep(b, r, state, i, axes):
-    """Keep the position of particle i and the directors of its frame in row r of the bodies."""
+    """Save the position of particle i and the directors of its frame in row r of the bodies'
+    scratch b. state: of the particles; axes: the frame's three."""
     put3(b, r, OLD_X, get3(state, i, X))
     put3(b, r, OLD_D2, axes[1])
     put3(b, r, OLD_D3, axes[2])
@@ -92,7 +97,8 @@ def keep(b, r, state, i, axes):
 
 @kernel
 def restore(b, r, state, i):
-    """Bring particle i, row r of the bodies (or pairs of them), back to the start of the step."""
+    """Bring particle i back to its saved position and directors at the start of the step, from row
+    r of the bodies' scratch b; i, r: indices or pairs of them. state: of the particles."""
     put3(state, i, X, get3(b, r, OLD_X))
     put3(state, i, D2, get3(b, r, OLD_D2))
     put3(state, i, D3, get3(b, r, OLD_D3))
@@ -100,7 +106,8 @@ def restore(b, r, state, i):
 
 @kernel
 def turn_little(state, i, turn):
-    """Turn particle i (or a pair) by so small an angle (3) that its square does not show."""
+    """Rotate particle i (or a pair) by a rotation vector `turn` (rad, 3, global) so small that its
+    square does not show. state: of the particles."""
     for k in (D2, D3):
         axis = get3(state, i, k)
         put3(state, i, k, axis + cross(turn, axis))
@@ -108,16 +115,15 @@ def turn_little(state, i, turn):
 
 @kernel
 def coarse(time, size):
-    """1/m: a gap (or its rate times `time`) by this is more than 1 where another round is due;
-    size (m) of the scene.
-    """
+    """Factor (1/m): times a gap (m), or with `time` (s) times its rate (m/s), it gives more than 1
+    where another round is due. size (m): characteristic length of the scene."""
     return (time / COARSE_GAP) / where_negative(size - 1.0, size, 0.0 * size + 1.0)
 
 
 @kernel
 def watch(part, gap2, tilt2):
-    """Raise the watched gaps to those of a hinge or joint, by their squares; returns gap (m) and
-    tilt (sine)."""
+    """Raise the watched maxima to the gaps of a hinge or joint, given by their squares; returns gap
+    (m) and tilt (sine). part: hinge or joint arrays."""
     gap, tilt = sqrt(gap2), sqrt(tilt2)
     store(part.watched, 0, GAP, larger(load(part.watched, 0, GAP), gap))
     store(part.watched, 0, TILT, larger(load(part.watched, 0, TILT), tilt))
@@ -125,12 +131,12 @@ def watch(part, gap2, tilt2):
 
 
 def report_gaps(arrays, find):
-    """Register the hooks that report gaps for an element type with these arrays; find(part, state,
-    i) gives the squares of the gaps of element i, of points (m) and of directions (sines)."""
+    """Register the hooks that report gaps for an element type with these arrays (NamedTuple).
+    find(part, state, i): squares of the gaps of element i, of points (m) and directions (sines)."""
 
     @hook(arrays)
     def record(part, world, row):
-        """The largest gaps of all."""
+        """Record the largest gap (m) and tilt (sine) of all elements in row `row`."""
         gap2 = 0.0 * load(world.state, 0, X)
         tilt2 = gap2
         for i in range(part.names.shape[0]):
@@ -142,7 +148,7 @@ def report_gaps(arrays, find):
 
     @hook(arrays)
     def list_excess(part, world):
-        """Squares of either gap as shares of what is allowed."""
+        """Store for each element the summed squares of gap and tilt as fractions of the allowed."""
         for i in range(part.names.shape[0]):
             gap2, tilt2 = find(part, world.state, i)
             size = MOST_GAP * load(world.size, 0, 0)

@@ -38,8 +38,10 @@ ANGLES = "_axis", "_other"
 
 
 def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Watch]:
-    """Failure criteria of hinges or joints, under two names: gaps of points (m), and sines of the
-    tilts of directions."""
+    """Two failure criteria, for the gaps (m) and the tilts (rad) of hinges or joints.
+
+    noun: "hinge" or "joint"; gap, tilt: names of the two criteria; remedy: sentence for messages.
+    """
 
     def failure(values: dict[str, float]) -> tuple[str, str]:
         return f"a {noun} gapes by {values[gap]:.2g} m and {values[tilt]:.2g} rad", remedy
@@ -48,34 +50,34 @@ def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Wat
 
 
 class JointBase(ElementType):
-    """Base class of hinges and joints: `type`, and virtual `beams` whose free ends are kept
-    together."""
+    """Base class of hinges and joints. They have a `name`, a `type` (as "revolute"), and virtual
+    `beams`, one or two, whose free ends are kept together or held."""
 
     joins = True
     gaps: ClassVar[dict[str, str]]  # recorded: the largest of points and of directions, in words
 
     @property
     def particles(self) -> tuple[int, ...]:
-        """Indices of the joint's particles."""
+        """Indices of the particles that the joint keeps together, (1,) or (2,)."""
         return tuple(beam.particle for beam in self.beams)
 
     @property
     def slides(self) -> bool:
-        """Whether it is a slide, so that its opening is a length."""
+        """Whether the joint is a slide, so that its opening is a length (m)."""
         return self.type == "prismatic"
 
     @property
     def joint(self) -> str:
-        """Name as a joint."""
+        """Name of the joint that the element is, or is an opening of; here its own."""
         return self.name
 
     @staticmethod
     def are_impulses_read(scene) -> bool:
-        """Whether some kind needs the sums of impulses."""
+        """Whether some element type in a scene needs the joints' impulses summed over each step."""
         return any(kind.reads_impulses(scene) for kind in scene.kinds)
 
     def check(self, scene):
-        """One name, one hinge or joint."""
+        """Check that no other hinge or joint of a scene has this name; SceneError if one has."""
         if {self.name, self.joint} & names_taken(scene):
             raise SceneError(type(self).__name__.lower(), self.joint, "a name not yet used")
 
@@ -86,12 +88,13 @@ class JointBase(ElementType):
 
     @classmethod
     def moved(cls, scene):
-        """Their particles; driven ones are another's."""
+        """Indices of the particles of all elements, side by side; driven ones move otherwise."""
         return [p for element in cls.of(scene) for p in element.particles]
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """The largest gaps."""
+        """Recorded largest gap (m) and tilt (rad) over all elements, at every instant of one
+        sample. part: kernel arrays; lane: of the sample in its batch."""
         columns = zip(cls.gaps.items(), part.gaps[:, :, lane].T, ("m", "rad"), strict=True)
         return {name: Series(values, unit, words) for (name, words), values, unit in columns}
 
@@ -133,7 +136,8 @@ class Hinge(JointBase):
 
     @staticmethod
     def create(scene, name, particles, point, axis, references, opening, support) -> "Hinge":
-        """A hinge between two particles of a scene, where it stands (Scene.add_hinge)."""
+        """A hinge between two particles of a scene in its present position; arguments: as of
+        Scene.add_hinge. Raises SceneError if they do not fit."""
         pair = two_of(scene, particles, f"hinge {name}")
         if set(support) - set(AXES):
             raise SceneError(f"support of hinge {name}", support, "letters out of 'xyz'")
@@ -174,11 +178,11 @@ class Hinge(JointBase):
 
     @classmethod
     def of(cls, scene):
-        """The hinges that are solved alone; the others are joints (joint.py)."""
+        """Hinges of a scene that are solved alone; the others are among the joints (joint.py)."""
         return [hinge for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True) if lone]
 
     def topology(self):
-        """Name, type, particles and held axes."""
+        """What must be equal in scenes that run side by side: name, type, particles, held axes."""
         return self.name, self.type, self.particles, self.support
 
     @classmethod
@@ -212,7 +216,7 @@ class Hinge(JointBase):
 
 
 def names_taken(scene) -> set[str]:
-    """Names of joints and hinges, of universal joints also without those of their angles."""
+    """Names of joints and hinges of a scene; of universal joints also without their angles'."""
     names = {e.name for kind, elements in scene.kinds.items() if kind.joins for e in elements}
     return names | {hinge.joint for hinge in scene.hinges}
 
@@ -233,12 +237,12 @@ def _places(scene, hinges: Sequence[Hinge]) -> np.ndarray:
 
 
 def held_axes(letters: str) -> list[bool]:
-    """Whether each global axis is among some letters."""
+    """Whether each of the global axes x, y, z is among some letters, as "xz"."""
     return [axis in letters for axis in AXES]
 
 
 def places_of(scene, joints: Sequence[JointBase]) -> np.ndarray:
-    """Where the ends of the first virtual beams are at the start (j, 3), m."""
+    """Positions (j, 3), m, of the ends of the joints' first virtual beams at the start."""
     beams = [element.beams[0] for element in joints]
     return np.array([scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams])
 
@@ -266,7 +270,8 @@ def are_alone(scene) -> list[bool]:
 
 
 def two_of(scene, particles, owner: str) -> tuple[int, int]:
-    """The indices of two particles that something joins; SceneError unless there are two."""
+    """Indices of two particles that something joins; SceneError unless they are two different ones
+    of the scene. particles: a pair; owner: name of what joins them, for the message."""
     first, second = (int(p) for p in particles)
     count = len(scene.position)
     if first == second or not (0 <= first < count and 0 <= second < count):
@@ -275,18 +280,19 @@ def two_of(scene, particles, owner: str) -> tuple[int, int]:
 
 
 def arms(scene, particles, point) -> tuple[VirtualBeam, VirtualBeam]:
-    """Virtual beams from two particles to a point (3,), or each to its own (2, 3)."""
+    """Virtual beams from two particles (indices) to a point (3,) m, or each to its own (2, 3)."""
     return tuple(scene.arm_to(p, q) for p, q in zip(particles, of_both(point), strict=True))
 
 
 def of_both(vector) -> Sequence[np.ndarray]:
-    """A vector (3,) for both particles, or one for each (2, 3)."""
+    """A pair of vectors for two particles: one (3,) for both, or one for each (2, 3)."""
     vector = np.asarray(vector, float)
     return (vector, vector) if vector.ndim == 1 else np.broadcast_to(vector, (2, 3))
 
 
 def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:
-    """Whether the impulses of a hinge all move something; fixed (n, 6): axes held by particle."""
+    """Whether a hinge's own matrix is regular: every impulse moves something. fixed (n, 6): whether
+    each particle is held along the global axes, and about them."""
     return _is_regular(hinge.support, *(fixed[p].tobytes() for p in hinge.particles))
 
 
@@ -302,7 +308,7 @@ def _is_regular(support: str, fixed1: bytes, fixed2: bytes) -> bool:
 
 
 def unit(vector, noun: str) -> np.ndarray:
-    """The vector (3,) at length one; SceneError if it has none."""
+    """The vector (3,) scaled to length 1; SceneError about `noun` if it is zero or not finite."""
     vector = np.asarray(vector, float)
     size = length(vector)
     if not size > 0 or not math.isfinite(size):

@@ -46,7 +46,7 @@ GAP, TILT = 0, 1  # watched, and recorded
 
 
 class Hinges(NamedTuple):
-    """Hinge h has the bodies 2h and 2h + 1."""
+    """Arrays of the h hinges that are solved alone; hinge h has the bodies 2h and 2h + 1."""
 
     ends: np.ndarray  # (2h,) particles of the bodies
     bodies: np.ndarray  # (2h, BODY, lanes)

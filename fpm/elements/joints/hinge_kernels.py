@@ -74,8 +74,8 @@ from fpm.kernels.vectors import (
 
 @hook(Hinges)
 def prepare(part, world, timing):
-    """Kick the particles of all hinges, and apply the aimed impulses (`aim`); all forces must be
-    summed."""
+    """Kick the particles of all hinges (update their momenta by the forces), and apply the aimed
+    impulses (`aim`); all forces must be summed. part: hinge arrays (Hinges); timing: times (s)."""
     clear(part.sums)
     prepare_bodies(world, part, timing.kick)
     prepare_matrices(part)
@@ -87,7 +87,7 @@ def prepare(part, world, timing):
 @kernel
 def aim(part, state):
     """Apply the impulses that would keep every hinge closed if the rates of its gaps were constant
-    over the step."""
+    over the step. part: hinge arrays; state: of the particles."""
     ends, b, w = part.ends, part.body_scratch, part.hinge_scratch
     part.open[:] = True
     for h in range(w.shape[0]):
@@ -110,23 +110,23 @@ def aim(part, state):
 
 @kernel
 def push(state, i, r, b):
-    """Add the changes DV (m/s) and DP (N m s) of bodies r, a pair of rows of b, to the momenta of
-    particles i."""
+    """Add the changes DV (m/s) and DP (N m s) of bodies r, a row or pair of rows of the scratch b,
+    to the momenta of particles i."""
     add3(state, i, V, get3(b, r, DV))
     add3(state, i, P, get3(b, r, DP))
 
 
 @kernel
 def push_where_far(state, i, r, b, condition):
-    """Add DV and DP as `push` does, in the lanes where `condition` is below 0."""
+    """Add DV and DP to particles i as `push` does, in the lanes where `condition` is below 0."""
     for k, change in ((V, DV), (P, DP)):
         add_where(state, i, k, get3(b, r, change), condition)
 
 
 @kernel
 def gaps(part, state, h):
-    """Point of hinge h on body 1 (m), its gap (m) to that on body 2, and sines of the tilts of the
-    axis about p and q."""
+    """Constraint residuals of hinge h: its point on body 1 (m), the gap (m) to that on body 2, and
+    sines of the tilts of the axis about p and q. part: hinge arrays; state: of the particles."""
     row1, row2 = 2 * h, 2 * h + 1
     bodies, i, k = part.bodies, part.ends[row1], part.ends[row2]
     first, second = frame(state, i), frame(state, k)
@@ -140,7 +140,8 @@ def gaps(part, state, h):
 
 @kernel
 def move_bodies(state, particles, pair, step):
-    """Move two particles, the indices `pair`, by a step (s) with their momenta."""
+    """Move two particles, the indices `pair`, by a step (s) with their momenta. state, particles:
+    of the particles (World)."""
     put3(state, pair, X, step * get3(state, pair, V) + get3(state, pair, X))
     axes = frame(state, pair)
     half = half_turn(to_local(axes, get3(state, pair, P)), get3(particles, pair, HALF))
@@ -149,8 +150,8 @@ def move_bodies(state, particles, pair, step):
 
 @kernel
 def nudge(state, i, r, b, step):
-    """Push bodies r by DV and DP (`push`), and move the particles i by these changes over a step
-    (s)."""
+    """Push bodies r, rows of the scratch b, by DV and DP (`push`), and move their particles i by
+    these changes over a step (s)."""
     push(state, i, r, b)
     put3(state, i, X, step * get3(b, r, DV) + get3(state, i, X))
     turn_little(state, i, step * symmetric(get6(b, r, INVERSE), get3(b, r, DP)))
@@ -159,7 +160,7 @@ def nudge(state, i, r, b, step):
 @kernel
 def ask(part, state, h, rate):
     """Set GOAL of hinge h to the rates that close its gaps within 1/rate (s): of the point (m/s),
-    of the sines of tilts (1/s), and of the support (m/s)."""
+    of the sines of tilts (1/s), and of the support (m/s). part: hinge arrays."""
     w = part.hinge_scratch
     point, gap, ep, eq = gaps(part, state, h)
     put3(w, h, GOAL, -rate * gap)
@@ -173,7 +174,8 @@ def ask(part, state, h, rate):
 def move(part, world, timing):
     """Move the particles of all hinges by a step, and close the hinges at its end.
 
-    Gaps that the last round leaves are watched.
+    part: hinge arrays; world: solver state; timing: times of the step (s). Gaps that the last round
+    leaves are watched.
     """
     state, ends, open_ = world.state, part.ends, part.open
     b, w = part.body_scratch, part.hinge_scratch
@@ -215,7 +217,8 @@ def move(part, world, timing):
 
 @hook(Hinges)
 def look_back(part, world, timing):
-    """Close the hinges half a step before the start as well (joint_kernels.py)."""
+    """Close the hinges a step before the start as well, in the first step only (joint_kernels.py).
+    part: hinge arrays; world: solver state; timing: times (s)."""
     start, ends, b = world.start_state, part.ends, part.body_scratch
     part.open[:] = True
     for h in range(part.hinge_scratch.shape[0]):
@@ -237,7 +240,7 @@ def look_back(part, world, timing):
 @kernel
 def gap_squares(part, state, h):
     """Square of the gap of hinge h (m²), or of its distance from its support if larger, and squared
-    sine of the angle between its axes."""
+    sine of the angle between its axes. part: hinge arrays; state: of the particles."""
     point, gap, ep, eq = gaps(part, state, h)
     gap2 = dot(gap, gap)
     if part.supported:
@@ -248,8 +251,9 @@ def gap_squares(part, state, h):
 
 @kernel
 def distance(w, h, step, size):
-    """Below 0 where the GOAL of hinge h is too large for `nudge`; size: characteristic length of
-    the scene (m)."""
+    """Margin (1: none needed; below 0: in such lanes hinge h needs another round, as its GOAL is
+    too large for `nudge`). w: scratch of the hinges; step (s); size: characteristic length of the
+    scene (m)."""
     most = coarse(step, size)
     gap, gap2 = get3(w, h, GOAL), get3(w, h, GOAL + 5)
     ep, eq = load(w, h, GOAL + 3), load(w, h, GOAL + 4)
@@ -263,14 +267,15 @@ report_gaps(Hinges, gap_squares)
 
 @hook(Hinges)
 def record_step(part, world, row, timing):
-    """Record the constraint forces of the step, where they are recorded."""
+    """Record the constraint forces (N) and moments (N m) of the step, where they are recorded.
+    part: hinge arrays; row: of the instant; timing: times of the step (s)."""
     record_sums(part.sums, part.forces, row, timing)
 
 
 @kernel
 def record_sums(sums, forces, row, timing):
-    """Record the summed impulses of the step, divided by the kick, as forces (N) and moments (N
-    m)."""
+    """Record the summed impulses of the step, divided by the kick, as forces (N) and moments (N m).
+    sums, forces: those of Hinges, or None: not recorded; row: of the instant."""
     if sums is not None:
         count = sums.shape[0]
         for h in range(count):

@@ -59,7 +59,8 @@ from fpm.kernels.vectors import (
 
 @kernel
 def solve(w, h, g, ep, eq):
-    """Impulse (3) and moment impulses about p and q that change the gap rates by g, ep, eq."""
+    """Impulse (3) and moment impulses about p and q that change the gap rates of hinge h by g (m/s,
+    3), ep and eq (rad/s, of the tilts). w: scratch of the hinges."""
     cpp, cqq, cpq = load(w, h, C), load(w, h, C + 1), load(w, h, C + 2)
     rp, rq = get3(w, h, E), get3(w, h, E + 3)
     yp, yq = cpp * ep + cpq * eq, cpq * ep + cqq * eq
@@ -70,20 +71,21 @@ def solve(w, h, g, ep, eq):
 
 @kernel
 def is_held(part, h):
-    """Whether the point of hinge h is held along any axis."""
+    """Whether the point of hinge h is held along any global axis. part: hinge arrays (Hinges)."""
     axes = part.fixed_axes
     return axes[h, 0] + axes[h, 1] + axes[h, 2] > 0
 
 
 @kernel
 def entry(i, k):
-    """Where element i, k of a symmetric matrix (xx, yy, zz, xy, xz, yz) stands."""
+    """Index of element i, k of a symmetric matrix stored as (xx, yy, zz, xy, xz, yz)."""
     return i if i == k else 2 + i + k
 
 
 @kernel
 def response(b, h, axis):
-    """Velocity of the point of hinge h on body 1 by a unit impulse there along a global axis."""
+    """Velocity (3, m/s) of the point of hinge h on body 1 by a unit impulse there along a global
+    axis (0 to 2). b: scratch of the bodies."""
     x, y, z = entry(axis, 0), entry(axis, 1), entry(axis, 2)
     row, k = 2 * h, RESPONSE
     return vector(load(b, row, k + x), load(b, row, k + y), load(b, row, k + z))
@@ -91,9 +93,9 @@ def response(b, h, axis):
 
 @kernel
 def moved(part, h, axis, force, mp, mq):
-    """Velocity along an axis of the held point of hinge h by impulses at the hinge: force (3) on
-    body 1, mp and mq about p and q. By symmetry also what a support along that axis does to the
-    tilts."""
+    """Velocity along a global axis (0 to 2) of the held point of hinge h by impulses at the hinge:
+    force (3, N s) on body 1, mp and mq about p and q (N m s). By symmetry also what a support along
+    that axis does to the tilts. part: hinge arrays."""
     w = part.hinge_scratch
     p, q = load(w, h, TILTS + 2 * axis), load(w, h, TILTS + 2 * axis + 1)
     return dot(response(part.body_scratch, h, axis), force) + (p * mp + q * mq)
@@ -101,7 +103,8 @@ def moved(part, h, axis, force, mp, mq):
 
 @kernel
 def prepare_supports(part):
-    """Schur complement of the support impulses."""
+    """Build and invert the matrix of the support impulses of all hinges, a Schur complement, for
+    the step. part: hinge arrays."""
     axes, b, w = part.fixed_axes, part.body_scratch, part.hinge_scratch
     for h in range(w.shape[0]):
         if not is_held(part, h):
@@ -128,7 +131,7 @@ def prepare_supports(part):
 
 @kernel
 def hold_point(part, h):
-    """Add the support impulses of hinge h to the impulses that close it."""
+    """Add support impulses of hinge h to those that close it, FORCE1 and MP. part: hinge arrays."""
     axes, w = part.fixed_axes, part.hinge_scratch
     force, mp, mq = get3(w, h, FORCE1), load(w, h, MP), load(w, h, MP + 1)
     for axis in range(3):
@@ -150,7 +153,8 @@ def hold_point(part, h):
 
 @kernel
 def world_inverse(axes, j):
-    """Inverse inertia in global components (xx, yy, zz, xy, xz, yz); j: along the three axes."""
+    """Inverse inertia in global components (xx, yy, zz, xy, xz, yz). axes: the body's principal
+    axes, global; j: inverse inertias about them (3)."""
     a, b, _ = axes
     # The dyads of the three axes add up to the unit matrix, which spares the third.
     ja, jb = (j.x - j.z) * a, (j.y - j.z) * b
@@ -166,7 +170,8 @@ def world_inverse(axes, j):
 
 @kernel
 def spins(j, r):
-    """Spins by unit impulses along the global axes e at arm r: J^-1 (r x e)."""
+    """Angular velocities J^-1 (r x e) by unit impulses along the three global axes e at arm r (m,
+    3). j: inverse inertia J^-1 (6, global)."""
     xx, yy, zz, xy, xz, yz = j
     return (
         vector(xy * r.z - xz * r.y, yy * r.z - yz * r.y, yz * r.z - zz * r.y),
@@ -177,7 +182,8 @@ def spins(j, r):
 
 @kernel
 def point_response(inverse_mass, spins, r):
-    """Velocity of a point at arm r per unit impulse there, of which the spins are known (6)."""
+    """Velocity of a point at arm r (m, 3) by unit impulses there: a symmetric matrix (6).
+    inverse_mass: along the global axes (3); spins: of `spins` at r."""
     ux, uy, uz = spins
     return (
         inverse_mass.x + (r.z * ux.y - r.y * ux.z),
@@ -191,9 +197,8 @@ def point_response(inverse_mass, spins, r):
 
 @kernel
 def prepare_bodies(world, part, kick):
-    """Keep each body's state, kick it, and find its response; of the first of a hinge also the two
-    directions normal to the axis.
-    """
+    """Save each body's state, kick it over the time `kick` (s), and find its response; of the first
+    of a hinge also the two directions normal to the axis. part: hinge arrays."""
     state, bodies, w = world.state, part.bodies, part.body_scratch
     for r in range(part.ends.shape[0]):
         i = part.ends[r]
@@ -226,7 +231,7 @@ def prepare_bodies(world, part, kick):
 
 @kernel
 def pair_sum(b, h, field):
-    """Sum of a symmetric matrix of the two bodies of hinge h."""
+    """Sum over both bodies of hinge h of a symmetric matrix (6) at `field` of their scratch b."""
     first, second = get6(b, 2 * h, field), get6(b, 2 * h + 1, field)
     return (
         first[0] + second[0],
@@ -240,7 +245,8 @@ def pair_sum(b, h, field):
 
 @kernel
 def prepare_matrices(part):
-    """Build and factorise the matrix of every hinge."""
+    """Build and factorise the matrix of every hinge, for the step. part: hinge arrays, with the
+    bodies' responses of `prepare_bodies`."""
     b, w = part.body_scratch, part.hinge_scratch
     for h in range(w.shape[0]):
         row1, row2 = 2 * h, 2 * h + 1
@@ -276,7 +282,7 @@ def prepare_matrices(part):
 @kernel
 def find_impulses(part):
     """Find impulses that change the gap rates of every open hinge by its GOAL; stored in FORCE1,
-    FORCE2, MP, MQ, and as changes DV and DP of the bodies."""
+    FORCE2, MP, and as changes DV and DP of the bodies. part: hinge arrays."""
     bodies, b, w, open_ = part.bodies, part.body_scratch, part.hinge_scratch, part.open
     for h in range(w.shape[0]):
         if open_[h]:

@@ -40,8 +40,8 @@ from fpm.errors import SceneError
 
 
 class JointType(NamedTuple):
-    """Type of joint: its number (joint_arrays.py), and its number of conditions; None: it cannot be
-    stated as a joint of two particles."""
+    """Type of joint: its number (joint_arrays.py), and how many conditions (constraint equations)
+    it has; None: not fixed, or not a type that a user states."""
 
     number: int
     conditions: int | None = None
@@ -95,7 +95,8 @@ class Joint(JointBase):
 
     @staticmethod
     def create(scene, name, type, particles, point, axis=(1, 0, 0), axis2=None) -> "Joint":
-        """A joint between two particles of a scene, where it stands (Scene.add_joint)."""
+        """A joint between two particles of a scene in its present position; arguments: as of
+        Scene.add_joint. Raises SceneError if they do not fit."""
         allowed = [name for name, joint_type in TYPES.items() if joint_type.conditions]
         if type not in allowed:
             raise SceneError(f"type of joint {name}", type, f"one of {', '.join(allowed)}")
@@ -118,7 +119,7 @@ class Joint(JointBase):
 
     @staticmethod
     def slide(scene, name, particles, point, axis, opening: float) -> Hinge:
-        """A slide with its opening (m) between two particles of a scene (Scene.add_slide)."""
+        """A slide between two particles of a scene; arguments: as of Scene.add_slide."""
         joint = Joint.create(scene, name, "prismatic", particles, point, axis)
         check_number(f"opening of slide {name}", opening, Number(), "m")
         hinge = Hinge(
@@ -128,7 +129,7 @@ class Joint(JointBase):
 
     @staticmethod
     def universal(scene, name, particles, point, axis, axis2, openings) -> tuple[Hinge, Hinge]:
-        """The two angles (rad) of a universal joint (Scene.add_universal)."""
+        """Both angles of a universal joint, each a Hinge; arguments: as of Scene.add_universal."""
         joint = Joint.create(scene, name, "universal", particles, point, axis, axis2)
         u, w = (scene.frame[p] @ a for p, a in zip(joint.particles, joint.axes, strict=True))
         hinges = []
@@ -153,7 +154,8 @@ class Joint(JointBase):
 
     @staticmethod
     def holding(scene, name, particle: int, point, axes: str) -> "Joint":
-        """A point of a particle that is held along global axes, where it is."""
+        """A point of a particle that is held along global axes, where it is. particle: index; point
+        (3,) m; axes: letters out of "xyz", at least one, else SceneError."""
         if not axes or set(axes) - set(AXES):
             raise SceneError(f"axes of support {name}", axes, "letters out of 'xyz'")
         zeros = np.zeros((2, 3))
@@ -161,22 +163,22 @@ class Joint(JointBase):
 
     @property
     def conditions(self) -> int:
-        """How many it has."""
+        """Number of scalar conditions that the joint imposes, 1 to 6."""
         return 1 if self.holds_opening else TYPES[self.type].conditions or len(self.support_axes)
 
     @property
     def holds_opening(self) -> bool:
-        """Whether it holds the opening of a hinge, and keeps nothing together itself."""
+        """Whether the joint holds the opening of a hinge, and keeps nothing together itself."""
         return self.type in ("opening", "slid")
 
     def topology(self):
-        """Name, type, particles and held axes."""
+        """What must be equal in scenes that run side by side: name, type, particles, held axes."""
         return self.name, self.type, self.particles, self.support_axes
 
     @classmethod
     def of(cls, scene):
-        """Joints stated as such, hinges that are not solved alone, and conditions that hold
-        openings."""
+        """Joints of a scene that are solved together: those stated as such, hinges that are not
+        solved alone, and conditions that hold openings."""
         joints = list(scene.kinds.get(cls, []))
         for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True):
             if not lone:
@@ -240,7 +242,8 @@ class Joint(JointBase):
 
 
 def as_joints(hinge: Hinge) -> Sequence[Joint]:
-    """A hinge as a joint, and its support as another; of a universal joint's angles the first."""
+    """Joints that do what a hinge does: itself as a joint and, if it has one, its support; none for
+    the second angle of a universal joint, which is one with the first."""
     if hinge.type == "cross":
         return []
     name, axes = hinge.joint, hinge.axes

@@ -74,14 +74,16 @@ class Pattern(NamedTuple):
 
 
 class Turns(NamedTuple):
-    """State shared by the joints' solver and the elements that hold openings exactly."""
+    """State shared by the joints' solver and the elements that hold t openings exactly; its fields
+    are HOLDS to SOLVED_IMPULSE."""
 
     state: np.ndarray  # (t, TURN, lanes)
     blow: np.ndarray  # (1, 1, lanes) when a blow comes, in steps from the start of this one
 
 
 class Joints(NamedTuple):
-    """Joint j has the sides 2j and 2j + 1, in the order of elimination."""
+    """Arrays of joints that are solved together; joint j has the sides 2j and 2j + 1, in the order
+    of elimination. Sizes: j joints, b bodies, r conditions, t held openings."""
 
     types: np.ndarray  # (j,)
     names: np.ndarray  # (j,) number of each in the scene
@@ -109,4 +111,4 @@ class Joints(NamedTuple):
 
 
 class TurnedJoints(Joints):
-    """Joints among which some hold openings exactly."""
+    """Arrays of joints among which some hold openings exactly: `turns` is given."""

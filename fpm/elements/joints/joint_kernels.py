@@ -74,7 +74,8 @@ from fpm.kernels.vectors import (
 
 @hook(Joints)
 def prepare(part, world, timing):
-    """Kick the bodies of all joints, and apply the aimed impulses; all forces must be summed."""
+    """Kick the bodies of all joints (update their momenta by the forces), and apply the aimed
+    impulses; all forces must be summed. part: joint arrays (Joints); timing: times (s)."""
     clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
     find_rows(part, world.state)
@@ -87,8 +88,8 @@ def prepare(part, world, timing):
 
 @kernel
 def kick_bodies(part, state, kick):
-    """Keep the bodies' state, kick all that are not driven, by `kick` (s), and find their inverse
-    inertias."""
+    """Save the bodies' state, kick all over the time `kick` (s) except those that a drive moves,
+    and store their inverse inertias. part: joint arrays; state: of the particles."""
     bodies, b = part.bodies, part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]
@@ -107,8 +108,8 @@ def kick_bodies(part, state, kick):
 
 @kernel
 def find_spin(part, state, s):
-    """Angular velocity (rad/s) of body s, about the axes about which it may turn; of a driven body
-    that of the last step."""
+    """Angular velocity (rad/s, 3, global) of body s, about the axes about which it may turn; of a
+    driven body that of the last step. part: joint arrays; state: of the particles."""
     b, turns = part.body_scratch, get3(part.bodies, s, TURNS)
     if part.is_driven[s]:
         return get3(b, s, LAST_SPIN)
@@ -117,8 +118,9 @@ def find_spin(part, state, s):
 
 @kernel
 def find_rates(part, state):
-    """Store in RESIDUAL the rates of all gaps (m/s, rad/s) that the impulses have to cancel, with
-    what was missing in the step before (MISS)."""
+    """Store in RESIDUAL the rates (m/s, rad/s) of all gaps, the constraint residuals, that the
+    impulses have to cancel, with what was missing in the step before (MISS). part: joint arrays;
+    state: of the particles."""
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
     for s in range(part.on.shape[0]):
         put3(b, s, SPIN, find_spin(part, state, s))
@@ -136,7 +138,8 @@ def find_rates(part, state):
 
 @kernel
 def push_all(part, state):
-    """Apply the impulses of `find_impulses` to all bodies, and count them."""
+    """Apply the impulses of `find_impulses` to all bodies, and add them to the sums of the step.
+    part: joint arrays; state: of the particles."""
     for s in range(part.on.shape[0]):
         push(part, state, s)
     count_joints(part, ALL)
@@ -144,7 +147,7 @@ def push_all(part, state):
 
 @kernel
 def find_impulses(part, factor):
-    """Find the impulses that change the rates of gaps by `factor` times RESIDUAL.
+    """Find impulses that change the rates of gaps by `factor` times RESIDUAL. part: joint arrays.
 
     They are stored in IMPULSE, and by body in FORCE (N s) and MOMENT (N m s).
     """
@@ -174,7 +177,8 @@ def find_impulses(part, factor):
 
 @kernel
 def push(part, state, s):
-    """Add FORCE and MOMENT to the momenta of body s, unless it is driven, and to its sums."""
+    """Add FORCE (N s) and MOMENT (N m s) to the momenta of body s, unless it is driven, and to its
+    sums of the step. part: joint arrays; state: of the particles."""
     b, i = part.body_scratch, part.on[s]
     force, moment = get3(b, s, FORCE), get3(b, s, MOMENT)
     if not part.is_driven[s]:
@@ -186,7 +190,7 @@ def push(part, state, s):
 
 @kernel
 def push_where_far(part, state, s, condition):
-    """Add FORCE and MOMENT as `push` does, in the lanes where `condition` is below 0."""
+    """Add FORCE and MOMENT to body s as `push` does, in the lanes where `condition` is below 0."""
     b, i = part.body_scratch, part.on[s]
     inverse_mass = get3(part.bodies, s, AXIS_IM)
     force, moment = get3(b, s, FORCE), get3(b, s, MOMENT)
@@ -199,8 +203,8 @@ def push_where_far(part, state, s, condition):
 
 @kernel
 def move_bodies(part, state, repeat, step):
-    """Move the bodies by a step (s) with their momenta; repeat: whether from the start of the step
-    again."""
+    """Move all bodies that are not driven by a step (s) with their momenta. part: joint arrays;
+    state: of the particles; repeat: whether to go back to the start of the step first."""
     b = part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]
@@ -216,7 +220,8 @@ def move_bodies(part, state, repeat, step):
 
 @kernel
 def nudge(part, state, s, step):
-    """Push body s (`push`), and move it by the change of its momenta over a step (s)."""
+    """Push body s by its impulses (`push`), and move it by the change of its momenta over a step
+    (s). part: joint arrays; state: of the particles."""
     b, i = part.body_scratch, part.on[s]
     push(part, state, s)
     if not part.is_driven[s]:
@@ -229,7 +234,8 @@ def nudge(part, state, s, step):
 def move(part, world, timing):
     """Move the bodies of all joints by a step, and close the joints at its end.
 
-    Gaps that the last round leaves are watched.
+    part: joint arrays; world: solver state; timing: times of the step (s). Gaps that the last round
+    leaves are watched.
     """
     state, rows = world.state, part.rows
     inverse_step = 1.0 / timing.step
@@ -262,7 +268,8 @@ def move(part, world, timing):
 
 @hook(Joints)
 def look_back(part, world, timing):
-    """Close the joints half a step before the start as well.
+    """Close the joints a step before the start as well, by the momenta half a step before it.
+    Called once, in the first step. part: joint arrays; world: solver state; timing: times (s).
 
     The impulses of the first kick also close gaps of the third order in the step. As those of all
     other steps do so before and after an instant, alike, the momenta change over an instant by what
@@ -278,7 +285,8 @@ def look_back(part, world, timing):
 
 @kernel
 def move_back(part, start, step):
-    """Move the bodies from the start to the end of a step (s) before it."""
+    """Move the bodies from the start to the end of a step (s) before it. part: joint arrays; start:
+    state of the particles at the start (World.start_state)."""
     for s in range(part.on.shape[0]):
         i = part.on[s]
         put3(start, i, X, get3(start, i, X) - step * get3(start, i, V))
@@ -293,7 +301,7 @@ def move_back(part, start, step):
 @kernel
 def close_before(part, start, step):
     """Close the gaps in RESIDUAL by the momenta before the start, and restore the bodies'
-    positions."""
+    positions. part: joint arrays; start: World.start_state; step (s)."""
     b = part.body_scratch
     find_impulses(part, -0.5 / step)
     for s in range(part.on.shape[0]):
@@ -309,7 +317,8 @@ def close_before(part, start, step):
 
 @hook(Joints)
 def work_after(part, world, timing):
-    """Add the work (J) of drives against the impulses of joints on driven bodies."""
+    """Add the work (J) of drives against the impulses of joints on driven bodies to their account.
+    part: joint arrays; world: solver state; timing: times of the step (s)."""
     state, b = world.state, part.body_scratch
     total = 0.0 * load(state, 0, X)
     for s in range(part.on.shape[0]):
@@ -339,8 +348,8 @@ def work_after(part, world, timing):
 
 @hook(Joints)
 def work_due(part, world, energies, row):
-    """Add to a recorded row the work (J) of drives, up to its instant, by the impulses of the step
-    after it."""
+    """Add to a recorded row the work (J) of drives, from the start to its instant, by the impulses
+    of the step after it. part: joint arrays; energies: Record.energies; row: of the instant."""
     account = ACCOUNTS + part.account
     for s in range(part.on.shape[0]):
         if part.is_driven[s]:
@@ -353,16 +362,18 @@ report_gaps(Joints, find_gaps)
 
 @hook(Joints)
 def record_step(part, world, row, timing):
-    """Record the constraint forces of the step, where they are recorded."""
+    """Record the constraint forces (N) and moments (N m) of the step, where they are recorded.
+    part: joint arrays; row: of the instant; timing: times of the step (s)."""
     record_sums(part.sums, part, row, timing)
 
 
 @kernel
 def record_sums(sums, part, row, timing):
-    """Record the summed impulses, divided by the kick, as forces (N) and moments (N m) in the
-    scene's order of joints.
+    """Record the impulses summed over the step, divided by the kick, as forces (N) and moments (N
+    m) in the scene's order of joints.
 
-    Only moments about axes about which a body may turn are recorded.
+    sums: part.sums, or None where they are not recorded; part: joint arrays; row: of the instant;
+    timing: times of the step (s). Only moments about axes about which a body may turn count.
     """
     if sums is not None:
         rows, pattern, count = part.rows, part.pattern, part.types.shape[0]

@@ -16,7 +16,8 @@ from fpm.kernels.vectors import dot, get3, kernel, larger, times
 
 @kernel
 def build(part):
-    """Store the lower blocks of A, the diagonal raised, and in PIVOT its diagonal as it is."""
+    """Store the lower blocks of A, the diagonal raised, and in PIVOT its diagonal as it is. part:
+    joint arrays (Joints), with the conditions of `find_rows`."""
     pattern, rows, matrix = part.pattern, part.rows, part.matrix
     for e in range(matrix.shape[0]):
         store(matrix, e, 0, 0.0)
@@ -45,8 +46,8 @@ def build(part):
 
 @kernel
 def factorise(part):
-    """Replace the blocks of A by the blocks of its Cholesky factor, and PIVOT by the inverse of its
-    diagonal."""
+    """Replace the blocks of A, as built, by the blocks of its Cholesky factor, and PIVOT by the
+    inverse of its diagonal. part: joint arrays."""
     pattern, rows, matrix = part.pattern, part.rows, part.matrix
     for j in range(pattern.count.shape[0]):
         first, size, start = pattern.first[j], pattern.count[j], pattern.diagonal[j]
@@ -93,7 +94,8 @@ def factorise(part):
 
 @kernel
 def substitute(part):
-    """Replace the right side in IMPULSE by the impulses."""
+    """Replace the right side in IMPULSE by the impulses, A^-1 times it. part: joint arrays, with
+    the factors of A."""
     pattern, rows, matrix = part.pattern, part.rows, part.matrix
     count = pattern.count.shape[0]
     for j in range(count):

@@ -13,9 +13,9 @@ from fpm.elements.joints.joint_arrays import Pattern
 
 
 def neighbours(slots: np.ndarray, movable: np.ndarray) -> list[set[int]]:
-    """For each joint the joints that share a movable body with it.
+    """For each joint the indices of the joints that share a movable body with it.
 
-    slots (j, 2): bodies of the sides, -1 for none; movable (b,).
+    slots (j, 2): bodies of the sides, -1 for none; movable (b,): whether a body can move.
     """
     by_slot: dict[int, list[int]] = {}
     for joint, sides in enumerate(slots):
@@ -31,10 +31,8 @@ def neighbours(slots: np.ndarray, movable: np.ndarray) -> list[set[int]]:
 
 
 def elimination(graph: Sequence[set[int]]) -> tuple[list[int], list[list[int]]]:
-    """Order of elimination, and for each joint in it the later ones that it is coupled to then.
-
-    The later ones come as places in the order, sorted.
-    """
+    """Order of elimination of joints (indices), and for each joint in it the later ones that it is
+    coupled to then, as sorted places in the order. graph: of each joint its `neighbours`."""
     active = {joint: set(members) for joint, members in enumerate(graph)}
     by_degree: dict[int, set[int]] = {}
     for joint, members in active.items():
@@ -57,9 +55,10 @@ def elimination(graph: Sequence[set[int]]) -> tuple[list[int], list[list[int]]]:
 
 
 def pattern(counts, slots, movable, followers: list[list[int]]) -> tuple[Pattern, int]:
-    """The pattern of joints in their order of elimination, and the number of entries.
+    """Pattern of the blocks of the joints' matrix, and its number of entries.
 
-    counts (j,): conditions of each; slots (j, 2); movable (b,); followers: of `elimination`.
+    counts (j,): conditions of each joint; slots (j, 2): bodies of its sides; both in order of
+    elimination; movable (b,): whether a body can move; followers: of `elimination`.
     """
     count = np.asarray(counts, np.int64)
     offsets: dict[tuple[int, int], int] = {}

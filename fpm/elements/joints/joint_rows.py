@@ -43,7 +43,8 @@ FULL = 2 * math.pi
 
 @kernel
 def put_row(part, state, j, r, linear, turn1, turn2):
-    """Store condition r of joint j, with the moments of a unit impulse on its bodies."""
+    """Store condition r of joint j: its direction `linear`, and the moments turn1, turn2 of a unit
+    impulse on its bodies (3 each, global). part: joint arrays; state: of the particles."""
     put3(part.rows, r, DIRECTION, linear)
     put_turn(part, state, part.slots[2 * j], r, 0, turn1)
     if part.slots[2 * j + 1] >= 0:
@@ -52,8 +53,8 @@ def put_row(part, state, j, r, linear, turn1, turn2):
 
 @kernel
 def put_turn(part, state, slot, r, k, turn):
-    """Store the moment (m) of a unit impulse on the body `slot` in fields k of row r, and its
-    product with the body's inverse inertia.
+    """Store the moment `turn` (m, 3) of a unit impulse on the body `slot` in fields k (0, 3: first,
+    second side) of row r, and its product with the root of the body's inverse inertia.
 
     The products come from roots in the body's own axes, so that they form a matrix that is not
     negative, however slender the body.
@@ -66,7 +67,8 @@ def put_turn(part, state, slot, r, k, turn):
 
 @kernel
 def place(part, state, j, side):
-    """Position of the particle on a side of joint j, its frame, and its point (3)."""
+    """Position (m) of the particle on a side (0, 1) of joint j, its frame, and the joint's point on
+    it (m), global. part: joint arrays; state: of the particles."""
     i = part.on[part.slots[2 * j + side]]
     axes = frame(state, i)
     x = get3(state, i, X)
@@ -75,7 +77,8 @@ def place(part, state, j, side):
 
 @kernel
 def directions(part, j, first):
-    """Of the first side of joint j: axis, reference, and the direction normal to both."""
+    """Axis and reference of the first side of joint j, and the direction normal to both: unit
+    vectors, global. part: joint arrays; first: frame of the side's particle."""
     axis = to_global(first, get3(part.sides, 2 * j, AXIS))
     p = to_global(first, get3(part.sides, 2 * j, REFERENCE))
     return axis, p, cross(axis, p)
@@ -83,7 +86,7 @@ def directions(part, j, first):
 
 @kernel
 def unit_vectors(like):
-    """The global axes, as vectors of lanes."""
+    """The global unit vectors x, y, z as vectors of lanes; like: a lane of the type wanted."""
     zero = 0.0 * like
     unity = zero + 1.0
     return vector(unity, zero, zero), vector(zero, unity, zero), vector(zero, zero, unity)
@@ -91,7 +94,8 @@ def unit_vectors(like):
 
 @kernel
 def find_rows(part, state):
-    """Store the conditions of all joints, rows of their Jacobian, for the bodies' state now."""
+    """Store the conditions of all joints, rows of their Jacobian, for the bodies' present state.
+    part: joint arrays (Joints); state: of the particles."""
     for j in range(part.types.shape[0]):
         if put_opening_row(part.turns, part, state, j):
             continue
@@ -140,11 +144,9 @@ def find_rows(part, state):
 
 @kernel
 def find_gaps(part, state, j):
-    """Store the gaps of joint j in RESIDUAL: of points (m), and of directions, cosines of angles
-    that should be right.
-
-    Returns the sums of their squares.
-    """
+    """Store the gaps (constraint residuals) of joint j in RESIDUAL: of points (m), and of
+    directions, cosines of angles that should be right; returns the sum of squares of either. part:
+    joint arrays; state: of the particles."""
     if is_opening(part.turns, part, j):
         gap = opening_gap(part.turns, part, state, j)
         store(part.rows, part.pattern.first[j], RESIDUAL, gap)
@@ -201,7 +203,7 @@ def find_gaps(part, state, j):
 
 @kernel
 def put_gap(rows, r, gap):
-    """Store the three components of a gap in rows r, r + 1, r + 2."""
+    """Store the three components of a gap (m) as RESIDUAL of the conditions r, r + 1, r + 2."""
     store(rows, r, RESIDUAL, gap.x)
     store(rows, r + 1, RESIDUAL, gap.y)
     store(rows, r + 2, RESIDUAL, gap.z)
@@ -212,7 +214,7 @@ def put_gap(rows, r, gap):
 
 @kernel
 def is_opening(turns, part, j):
-    """Whether joint j holds an opening."""
+    """Whether joint j holds an opening. turns, part: joint arrays, turns None if no joint does."""
     if turns is None:
         return False
     return part.turn_of[j] >= 0
@@ -220,7 +222,8 @@ def is_opening(turns, part, j):
 
 @kernel
 def put_opening_row(turns, part, state, j):
-    """Store the condition of joint j if it holds an opening; returns whether it does."""
+    """Store the condition of joint j if it holds an opening; returns whether it does. turns:
+    Joints.turns, None where no joint does; part: joint arrays; state: of the particles."""
     if turns is None:
         return False
     return put_held_row(part, state, j)
@@ -228,7 +231,8 @@ def put_opening_row(turns, part, state, j):
 
 @kernel
 def opening_gap(turns, part, state, j):
-    """How far (rad, m) the opening that joint j holds is off; 0 in lanes where it is free."""
+    """Opening (rad, m) of joint j less that at which it is held; 0 in lanes where it is free.
+    turns: Joints.turns; part: joint arrays; state: of the particles."""
     if turns is None:
         return 0.0 * load(state, 0, X)
     return held_gap(part, state, j)
@@ -236,8 +240,8 @@ def opening_gap(turns, part, state, j):
 
 @kernel
 def put_held_row(part, state, j):
-    """Store the condition of joint j if it holds an opening, in samples with exact holds. No
-    impulse acts on a row of a free opening."""
+    """Store the condition of joint j if it holds an opening; returns whether it does. For scenes
+    with exact holds; no impulse acts on a row of a free opening. part: joint arrays."""
     t = part.turn_of[j]
     if t < 0:
         return False
@@ -257,8 +261,8 @@ def put_held_row(part, state, j):
 
 @kernel
 def held_gap(part, state, j):
-    """Gap (rad, m) of the opening that joint j holds, in samples with exact holds; 0 where it is
-    free."""
+    """Gap (rad, m) of the opening that joint j holds, actual less held; 0 in lanes where it is
+    free. For scenes with exact holds. part: joint arrays; state: of the particles."""
     t = part.turn_of[j]
     _, first, point = place(part, state, j, 0)
     _, second, end = place(part, state, j, 1)

@@ -63,8 +63,8 @@ others leaves a tenth (AGREES in solver/start.py)."""
 
 
 class Rigid(HoldsHinge):
-    """Base class of element types that hold an opening exactly; their kernels are in
-    rigid_<called>_kernels."""
+    """Base class of element types that hold an opening exactly. `called`: word for the type; its
+    kernels are in rigid_<called>_kernels."""
 
     @classmethod
     def kernels(cls):
@@ -73,8 +73,8 @@ class Rigid(HoldsHinge):
 
 @dataclass(frozen=True)
 class RigidMotor(AnyMotor, Rigid):
-    """A motor that prescribes the opening of a hinge exactly: start + turn times the curve of index
-    `curve` (-1: 1).
+    """A motor that prescribes the opening of a hinge (index) exactly: start (rad) + turn (rad)
+    times the curve of index `curve` (-1: 1); on a slide in m.
 
     by_rate: whether turn (rad/s) times the curve is the rate of the opening instead.
     """
@@ -86,7 +86,7 @@ class RigidMotor(AnyMotor, Rigid):
     by_rate: bool = same(False)
 
     def target(self, scene, time: float) -> float:
-        """The opening (rad) that it prescribes at a time (s)."""
+        """Prescribed opening (rad; m on a slide) at a time (s), by the curves of the scene."""
         times, values = scene.curves[self.curve] if self.curve >= 0 else CONSTANT
         if not self.by_rate:
             return float(self.start + self.turn * np.interp(time, times, values))
@@ -96,7 +96,7 @@ class RigidMotor(AnyMotor, Rigid):
         return float(self.start + self.turn * travelled)
 
     def rate_at_start(self, scene) -> float:
-        """The rate (rad/s) of the opening at the start, and just after it."""
+        """Prescribed rate (rad/s; m/s on a slide) of the opening just after the start."""
         times, values = scene.curves[self.curve] if self.curve >= 0 else CONSTANT
         if self.by_rate:
             return float(self.turn * np.interp(0.0, times, values))
@@ -106,7 +106,7 @@ class RigidMotor(AnyMotor, Rigid):
         return float(self.turn * (values[k] - values[k - 1]) / (times[k] - times[k - 1]))
 
     def check(self, scene):
-        """It begins where its hinge is."""
+        """Check that the motor begins where its hinge is, to AT_START; else raises SceneError."""
         super().check(scene)
         hinge = scene.hinges[self.hinge]
         if abs(self.target(scene, 0.0) - hinge.opening) > AT_START:
@@ -121,7 +121,8 @@ class RigidMotor(AnyMotor, Rigid):
 
 @dataclass(frozen=True)
 class RigidRelease(AnyRelease, Rigid):
-    """A release that holds a hinge exactly until its time or level."""
+    """A release that holds a hinge (index) exactly at its first opening, until `time` (s) or until
+    the opening of hinge `watch` (-1: none) passes `level` (rad; m on a slide)."""
 
     hinge: int = on_hinge()
     time: float = number("s", above=0.0, finite=False, default=np.inf)
@@ -137,9 +138,11 @@ class RigidRelease(AnyRelease, Rigid):
 
 @dataclass(frozen=True)
 class RigidLatch(AnyLatch, Rigid):
-    """A latch that holds exactly; its name is that of the hinge if "" is given.
+    """A latch that holds the opening of a hinge (index) exactly where it caught it; named as the
+    hinge if `name` is "".
 
-    side: of the opening before it is caught, "below", "above" or "either".
+    It catches within `capture_range` (rad) of `angle` (rad), coming from `side` ("below", "above"
+    or "either"), and at no more than max_capture_rate (rad/s); on a slide in m.
     """
 
     hinge: int = on_hinge()
@@ -153,7 +156,8 @@ class RigidLatch(AnyLatch, Rigid):
 
     @classmethod
     def array(cls, name, batch):
-        """At the start they have looked up to where the hinges are."""
+        """An array as of HoldsHinge.array; in `state`, the opening up to which a latch has searched
+        is that at the start."""
         array = super().array(name, batch)
         if name == "state":
             array[:, cls.kernels().SEARCHED] = start_angles(batch, cls)
@@ -162,7 +166,8 @@ class RigidLatch(AnyLatch, Rigid):
 
 @dataclass(frozen=True)
 class RigidFriction(Rigid):
-    """Coulomb friction in a hinge, without a bristle: it sticks exactly up to its moment (N m)."""
+    """Coulomb friction in a hinge (index), without a bristle: it sticks exactly up to `moment` (N
+    m), and slips against it."""
 
     hinge: int = on_hinge(types=TURNING)
     moment: float = number("N m", 0.0)
@@ -174,7 +179,7 @@ class RigidFriction(Rigid):
 
     @classmethod
     def led(cls, scene):
-        """As friction by a bend."""
+        """Frictions with a bristle in place of these, for quasi-static travel (fpm/travel)."""
         return [Friction(f.hinge, f.moment, AT_ONCE, 0.0) for f in cls.of(scene)]
 
     def held_at_start(self, scene):
@@ -184,12 +189,13 @@ class RigidFriction(Rigid):
 
     @classmethod
     def held_round(cls, scene):
-        """All moments: in a loop that holds itself, friction may stick with any."""
+        """Sum of all friction moments (N m): in a closed loop, friction may stick with any."""
         return float(sum(friction.moment for friction in cls.of(scene)))
 
     @classmethod
     def array(cls, name, batch):
-        """At the start they slip the way that the hinges turn."""
+        """An array as of HoldsHinge.array; in `state`, the sign of slip is that of the hinges'
+        rates at the start."""
         if name != "state":
             return super().array(name, batch)
         kernels, count = cls.kernels(), len(cls.of(batch.scene))

@@ -35,8 +35,8 @@ CHANGES = 5
 
 
 class RigidFrictions(NamedTuple):
-    """Arrays of friction without bristles: hinges on, held opening turn (f,); numbers (f, 1,
-    lanes); past (f, HISTORY, lanes); state (f, STATE, lanes)."""
+    """Arrays of f frictions without bristles. on, turn: (f,) hinges and held openings; numbers: (f,
+    1, lanes) N m; past: (f, HISTORY, lanes); state: (f, STATE, lanes); account: of losses."""
 
     on: np.ndarray
     turn: np.ndarray
@@ -50,8 +50,9 @@ class RigidFrictions(NamedTuple):
 
 @hook(RigidFrictions)
 def forces(part, world, timing):
-    """Add the moments (N m) of elements that slip. An impact of the step before still counts, whose
-    rest falls into this step."""
+    """Add the friction moments (N m) of elements that slip to their particles. part: friction
+    arrays; world: solver state; timing: times of the step (s). An impact of the step before still
+    counts, whose rest falls into this step."""
     blow = load(part.turns.blow, 0, 0)
     store(part.turns.blow, 0, 0, where_negative(-1.0 * blow, blow - 1.0, 0.0))
     for i in range(part.on.shape[0]):
@@ -74,6 +75,7 @@ account(RigidFrictions, WORKS, -1.0)
 @kernel
 def turning(part, i, timing):
     """Fraction of the kick until the opening of element i is at rest, and angle (rad) until then.
+    part: friction arrays; timing: times of the step (s).
 
     Its rate would fall below 0 in this kick. If it fell so before, the opening is at rest at the
     vertex of the parabola; else it is braked only now, from where it is, amid the kick.
@@ -95,11 +97,12 @@ def turning(part, i, timing):
 @hook(RigidFrictions)
 def decide(part, world, timing):
     """Release elements whose moment is above their friction, and reverse or stick elements that
-    come to rest.
+    come to rest; where any changes, set world.undecided, and the joints are solved again.
 
-    An element that would reverse is braked until it is at rest and pushed the other way from then
-    on; if it would not move back, it sticks. Every element changes but a few times in a step, the
-    last time to slip: no impulse that it holds is above its friction.
+    part: friction arrays; world: solver state; timing: times of the step (s). An element that would
+    reverse is braked until it is at rest and pushed the other way from then on; if it would not
+    move back, it sticks. Every element changes but a few times in a step, the last time to slip: no
+    impulse that it holds is above its friction.
     """
     for i in range(part.on.shape[0]):
         t, changes = part.turn[i], load(part.state, i, CHANGES_LEFT)
@@ -116,14 +119,15 @@ def decide(part, world, timing):
 
 @kernel
 def needed_by(part, i, timing):
-    """Moment (N m) that holds element i in this step."""
+    """Moment (N m) that holds element i in this step, as the joints were solved last. part:
+    friction arrays; timing: times of the step (s)."""
     return (1.0 / timing.kick) * load(part.turns.state, part.turn[i], SOLVED_IMPULSE)
 
 
 @kernel
 def slipping(part, i, full, timing):
     """Moment (N m) of element i in the step in which it starts to slip, from the holding to the
-    full moment.
+    `full` moment (N m, signed). part: friction arrays; timing: times of the step (s).
 
     Of a load that grows, both agree to first order. An impact comes amid the kick, or a fraction of
     the step after (before) it: what the next kick (the last) had too little of being held, this one
@@ -139,7 +143,8 @@ def slipping(part, i, full, timing):
 
 @kernel
 def change(part, world, timing, i, slips, turns, sticks):
-    """Slip, reverse or stick element i in the lanes where slips, turns, sticks are below 0."""
+    """Slip, reverse or stick element i in the lanes where slips, turns, sticks are below 0, and
+    have the joints solved again. part: friction arrays; world: state; timing: times (s)."""
     t, h, most = part.turn[i], part.on[i], load(part.numbers, i, 0)
     old, last = load(part.state, i, SIGN), load(part.state, i, BRAKE)
     sign = where_negative(needed_by(part, i, timing), -1.0, 1.0)
@@ -163,7 +168,8 @@ def change(part, world, timing, i, slips, turns, sticks):
 
 @hook(RigidFrictions)
 def work_after(part, world, timing):
-    """Add the loss (J) of the half step that ends now, by the moments of the step that begins."""
+    """Add the loss (J) of the half step that ends now, by the moments of the step that begins.
+    part: friction arrays; world: solver state; timing: times of the step (s)."""
     for i in range(part.on.shape[0]):
         moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], timing)
         late = moment - load(part.state, i, LAST_BRAKE)

@@ -41,8 +41,8 @@ TRACK = 4  # recorded: as of all latches, and the impulse with which it caught
 
 
 class RigidLatches(NamedTuple):
-    """Arrays of rigid latches: hinges on, held opening turn (l,); numbers (l, 4, lanes); past (l,
-    HISTORY, lanes); state (l, STATE, lanes)."""
+    """Arrays of l rigid latches. on, turn: (l,) hinges and held openings; numbers: (l, 4, lanes)
+    how they catch; past: (l, HISTORY, lanes); state: (l, STATE, lanes); account: of losses."""
 
     on: np.ndarray
     turn: np.ndarray
@@ -64,7 +64,8 @@ account(RigidLatches, WORKS, -1.0)
 
 @hook(RigidLatches)
 def prepare(part, world, timing):
-    """Keep the rates (rad/s) of the openings in the step before."""
+    """Store the rates (rad/s) of the openings in the step that ended, before the next is solved.
+    part: latch arrays; world: not used; timing: times of the step (s)."""
     if timing.time > 0.0:
         for i in range(part.on.shape[0]):
             store(part.past, i, LAST, half_rate(part.openings, part.on[i], timing))
@@ -72,17 +73,20 @@ def prepare(part, world, timing):
 
 @kernel
 def predict(part, i, timing):
-    """Opening (rad) of latch i at the end of the step."""
+    """Opening (rad) of latch i at the end of the step, by its rate as the joints were solved last.
+    part: latch arrays; timing: times of the step (s)."""
     rate = load(part.turns.state, part.turn[i], RATE)
     return load(part.openings.angles, part.on[i], NEW) + timing.step * rate
 
 
 @hook(RigidLatches)
 def decide(part, world, timing):
-    """Catch the openings that would enter their capture range in this step.
+    """Catch the openings that would enter their capture range in this step; where any does, set
+    world.undecided, and the joints are solved again.
 
-    The way begins at the end that was predicted in the step before: what comes about otherwise, in
-    the last digits, would else slip through.
+    part: latch arrays; world: solver state; timing: times of the step (s). The search begins at the
+    opening that was predicted in the step before: what comes about otherwise, in the last digits,
+    would else slip through.
     """
     for i in range(part.on.shape[0]):
         t = part.turn[i]
@@ -107,7 +111,7 @@ def decide(part, world, timing):
 @hook(RigidLatches)
 def work_after(part, world, timing):
     """Add the losses (J) of the half step that ends now, by the impulses of the step that begins,
-    and sum the impulses.
+    and sum the impulses. part: latch arrays; world: solver state; timing: times of the step (s).
 
     The impulse of catching is that of the two steps which share it, less what the moment of the
     third gives in the time since.
@@ -129,8 +133,8 @@ def work_after(part, world, timing):
 
 @hook(RigidLatches)
 def record_step(part, world, row, timing):
-    """Record moment (N m), impulse up to now (N m s), rate at the catch (rad/s), and impulse of the
-    catch (N m s)."""
+    """Record of each latch the moment (N m), its impulse from the start to this instant (N m s),
+    rate at the catch (rad/s), and impulse of the catch (N m s). row: of the instant."""
     count = part.on.shape[0]
     for i in range(count):
         index, moment = row * count + i, load(part.state, i, MOMENT)

@@ -19,8 +19,8 @@ STATE = HOLD_FIELDS
 
 
 class RigidMotors(NamedTuple):
-    """Arrays of rigid motors: hinges on, held opening turn, curve, by_rate (m,); numbers (m, 2,
-    lanes); state (m, STATE, lanes)."""
+    """Arrays of m rigid motors. on, turn, curve, by_rate: (m,) hinges, held openings, curves,
+    whether these are rates; numbers: (m, 2, lanes) start, turn; state: (m, STATE, lanes)."""
 
     on: np.ndarray
     turn: np.ndarray
@@ -36,7 +36,8 @@ class RigidMotors(NamedTuple):
 
 @hook(RigidMotors)
 def prepare(part, world, timing):
-    """Set the prescribed openings (rad, m) of the end of the step."""
+    """Store the openings (rad; m on slides) prescribed for the end of the step. part: motor arrays;
+    world: solver state, with the curves; timing: times of the step (s)."""
     for i in range(part.on.shape[0]):
         if not part.by_rate[i]:
             bend = bend_after(world, part.curve[i], timing.time)
@@ -52,13 +53,14 @@ account(RigidMotors, WORKS, 1.0)
 
 @hook(RigidMotors)
 def work_after(part, world, timing):
-    """Add the work (J) of half of the moments of this step, over the step that ends now."""
+    """Add the work (J) of half of the moments of this step, over the step that ends now. part:
+    motor arrays; world: solver state; timing: times of the step (s)."""
     end_work(part, world, timing, WORKS, 1.0)
 
 
 @hook(RigidMotors)
 def record_step(part, world, row, timing):
-    """Record the moment (N m) of each motor."""
+    """Record the moment (N m) of each motor. part: motor arrays; row: of the recorded instant."""
     count = part.on.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, WORKS + HELD_BY))

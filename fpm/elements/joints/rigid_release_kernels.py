@@ -24,8 +24,8 @@ NUMBERS = "time", "level"  # which come first of all releases
 
 
 class RigidReleases(NamedTuple):
-    """Arrays of rigid releases: hinges on, held opening turn, watch (r,); numbers (r, 2, lanes);
-    state (r, STATE, lanes)."""
+    """Arrays of r rigid releases. on, turn, watch: (r,) hinges, held openings, and watched hinges
+    (-1: none); numbers: (r, 2, lanes) time, level; state: (r, STATE, lanes); account: of losses."""
 
     on: np.ndarray
     turn: np.ndarray
@@ -40,7 +40,8 @@ class RigidReleases(NamedTuple):
 
 @hook(RigidReleases)
 def forces(part, world, timing):
-    """Release elements that are due, and add the rest of the holding moment (N m)."""
+    """Release elements that are due, and add the rest of the holding moment (N m) for the part of
+    the step before. part: release arrays; world: solver state; timing: times of the step (s)."""
     for i in range(part.on.shape[0]):
         t = part.turn[i]
         hold = load(part.turns.state, t, HOLDS)
@@ -64,7 +65,8 @@ account(RigidReleases, WORKS, -1.0)
 
 @hook(RigidReleases)
 def work_after(part, world, timing):
-    """Add the work (J) of the half step that ends now, by the impulses of the step that begins."""
+    """Add the work (J) of the half step that ends now, by the impulses of the step that begins.
+    part: release arrays; world: solver state; timing: times of the step (s)."""
     end_work(part, world, timing, WORKS, -1.0)
     for i in range(part.on.shape[0]):
         total = load(part.state, i, WORKS + HELD_BY) + load(part.state, i, REST_MOMENT)

@@ -23,23 +23,23 @@ from fpm.elements.openings.opening import OnHinge, Opening
 
 @dataclass(frozen=True)
 class Turn(ElementType):
-    """Condition that holds an opening exactly; it belongs to every element that holds one, and is
-    not stated."""
+    """Condition that holds an opening exactly; one comes with every element that holds an opening
+    (HoldsHinge), and is not stated by itself."""
 
     @classmethod
     def of(cls, scene):
-        """The elements that hold openings, of all kinds that do."""
+        """The elements of a scene, of all types, that hold openings exactly, one per condition."""
         holding = [kind for kind in scene.kinds if issubclass(kind, HoldsHinge)]
         return [element for kind in holding for element in scene.kinds[kind]]
 
     @classmethod
     def topology_of(cls, scene):
-        """Kinds and hinges."""
+        """What must be equal in scenes that run side by side: type and hinge of each condition."""
         return tuple((type(holder), holder.hinge) for holder in cls.of(scene))
 
     @classmethod
     def places(cls, scene, kind: type[ElementType]) -> list[int]:
-        """Where the elements of a kind are among them."""
+        """Indices, among all conditions of a scene, of those of one element type, `kind`."""
         return [i for i, holder in enumerate(cls.of(scene)) if type(holder) is kind]
 
     @classmethod
@@ -58,19 +58,21 @@ class Turn(ElementType):
 
 
 class HoldsHinge(OnHinge):
-    """Base class of motors, releases, latches and friction that constrain an opening exactly,
-    without a penalty spring."""
+    """Base class of motors, releases, latches and friction that constrain an opening (angle of a
+    hinge, length of a slide) exactly, without a penalty spring. Each has the field `hinge`, an
+    index."""
 
     reads: ClassVar = (Opening, Turn)
     resists_as: ClassVar = ""
 
     def held_at_start(self, scene) -> float | None:
-        """Opening (rad) that the element holds from the start on; None: it is free then."""
+        """Opening (rad; m on a slide) that the element holds from the start of a scene's run on;
+        None: it is free then."""
         return None
 
     def rate_at_start(self, scene) -> float | None:
-        """Rate (rad/s) that the element imposes on the opening at the start; None: it imposes
-        none."""
+        """Rate (rad/s; m/s on a slide) that the element imposes on the opening at the start of a
+        scene's run; None: it imposes none."""
         return None
 
     @classmethod

@@ -66,26 +66,28 @@ HOLD_FIELDS = 2
 
 @kernel
 def work_on(openings, h, moment):
-    """Work (J) of half of a moment (N m) on opening h, over the step that ends now."""
+    """Work (J) of half of a moment (N m) on opening h, over the step that ends now. openings:
+    arrays of all openings (Openings)."""
     return 0.5 * moment * (load(openings.angles, h, NEW) - load(openings.angles, h, OLD))
 
 
 @kernel
 def give(world, account, work):
-    """Add work (lanes, J) to an account."""
+    """Add work (lanes, J) to energy account number `account`. world: solver state."""
     store(world.accounts, 0, account, load(world.accounts, 0, account) + work)
 
 
 @kernel
 def moment_of(turns, t, timing):
-    """Moment (N m), on the second particle, that held opening t in the kick at timing.time."""
+    """Moment (N m), on the second particle, that held opening t in the kick at timing.time. turns:
+    state of held openings (Turns), with the impulses of the step."""
     return (1.0 / timing.kick) * load(turns.state, t, TURN_IMPULSE)
 
 
 @kernel
 def tell_late(moments, openings, h, moment):
-    """Add a moment (N m) of the last kick, and its work (J), to its component of opening h.
-    moments: None where there are no components."""
+    """Add a moment (N m) of the last kick, and its work (J), to the component of opening h that
+    belongs to the type of `openings`. moments: rows (h components), or None: not recorded."""
     if moments is not None:
         row = h * openings.parts + openings.part
         store(moments, row, ACTING, load(moments, row, ACTING) + moment)
@@ -93,23 +95,25 @@ def tell_late(moments, openings, h, moment):
 
 
 def account(arrays, first, sign):
-    """Register the hooks `work_before` and `work_due` of an element type with these arrays that
-    holds openings exactly.
+    """Register the hooks `work_before` and `work_due` of an element type that holds openings
+    exactly; called once, where its kernels are defined.
 
-    first: the field of part.state with HELD_BY; sign: 1 for an account of work given, -1 for
-    losses. Its `work_after` calls `end_work`.
+    arrays: its named tuple; first: index of the field HELD_BY in part.state; sign: 1 for an account
+    of work given, -1 for losses. Its `work_after` calls `end_work`.
     """
 
     @hook(arrays)
     def work_before(part, world, timing):
-        """Half of the work of the moments of the step before, on the way up to now."""
+        """Add half of the work (J) of the moments of the last step, over the step that ends now.
+        part: element arrays; world: solver state; timing: not used."""
         for i in range(part.on.shape[0]):
             work = work_on(part.openings, part.on[i], load(part.state, i, first + HELD_BY))
             give(world, part.account, sign * work)
 
     @hook(arrays)
     def work_due(part, world, energies, row):
-        """What `end_work` has counted, in a row that was recorded before."""
+        """Add the work (J) that `end_work` counted, due up to an instant, to its recorded row.
+        part: element arrays; energies: Record.energies; row: of the instant."""
         for i in range(part.on.shape[0]):
             account = ACCOUNTS + part.account
             total = load(energies, row, account) + load(part.state, i, first + WORK_DUE)
@@ -119,7 +123,7 @@ def account(arrays, first, sign):
 @kernel
 def end_work(part, world, timing, first, sign):
     """Add the work (J) of the half step that ends now, by the moments of the step that begins, for
-    all elements."""
+    all elements. part: element arrays; world: solver state; first, sign: as of `account`."""
     for i in range(part.on.shape[0]):
         moment = moment_of(part.turns, part.turn[i], timing)
         tell_late(part.openings.moments, part.openings, part.on[i], moment)
@@ -128,7 +132,8 @@ def end_work(part, world, timing, first, sign):
 
 @kernel
 def end_work_of(part, world, i, moment, first, sign):
-    """Add the work (J) of the half step that ends now, by the moment (N m) of element i."""
+    """Add the work (J) of the half step that ends now, by the moment (N m) of element i. part:
+    element arrays; world: solver state; first, sign: as of `account`."""
     work = sign * work_on(part.openings, part.on[i], moment)
     give(world, part.account, work)
     store(part.state, i, first + HELD_BY, moment)
@@ -137,8 +142,8 @@ def end_work_of(part, world, i, moment, first, sign):
 
 @hook(TurnedJoints)
 def prepare(part, world, timing):
-    """Kick the bodies of all joints, and mark the impulses as undecided; all forces must be
-    summed."""
+    """Kick the bodies of all joints (update their momenta by the forces), and mark the impulses as
+    undecided; all forces must be summed. part: joint arrays; timing: times of the step (s)."""
     clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
     world.undecided[0] = 1
@@ -148,7 +153,9 @@ def prepare(part, world, timing):
 
 @hook(TurnedJoints)
 def solve(part, world, timing):
-    """Find the impulses of all joints, with the openings that are held in this round."""
+    """Find the impulses of all joints, with the openings that are held now; repeated after `decide`
+    where that changed any. part: joint arrays; world: solver state; timing: times of the step
+    (s)."""
     find_rows(part, world.state)
     build(part)
     factorise(part)
@@ -163,8 +170,8 @@ def solve(part, world, timing):
 
 @kernel
 def tell_rates(part, state):
-    """Store the rates (rad/s, m/s) that openings will have after the impulses, and the impulses
-    that hold them."""
+    """Store in part.turns the rates (rad/s, m/s) that openings will have after the impulses, and
+    the impulses (N m s, N s) that hold them. part: joint arrays; state: of the particles."""
     b = part.body_scratch
     for s in range(part.on.shape[0]):
         if not part.is_driven[s]:
@@ -186,7 +193,8 @@ def tell_rates(part, state):
 
 @kernel
 def velocity(part, state, s, point):
-    """Velocity (m/s), after the impulses, of a point (m, global) of body s."""
+    """Velocity (m/s, 3), after the impulses, of a `point` (m, global) of body s. part: joint
+    arrays; state: of the particles."""
     b, i = part.body_scratch, part.on[s]
     v = get3(state, i, V)
     if not part.is_driven[s]:
@@ -196,15 +204,16 @@ def velocity(part, state, s, point):
 
 @hook(TurnedJoints)
 def move(part, world, timing):
-    """Push the bodies, move them by a step, and close the joints at its end."""
+    """Push the bodies by their impulses, move them by a step, and close the joints at its end.
+    part: joint arrays; world: solver state; timing: times of the step (s)."""
     push_all(part, world.state)
     joint_kernels.move(part, world, timing)
 
 
 @hook(TurnedJoints)
 def look_back(part, world, timing):
-    """Close the joints half a step before the start, with held openings where their motion,
-    reflected at its rate, began."""
+    """Close the joints a step before the start, with held openings where their motion, reflected at
+    its rate, began. part: joint arrays; world: solver state; timing: times of the first step."""
     state, start, b = world.state, world.start_state, part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]

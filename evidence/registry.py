@@ -108,6 +108,12 @@ STUDIES = {
             ),
         ),
         Study(
+            "search",
+            "Searching bounds of quantities that are known",
+            uses=("deployable/intervals", "deployable/campaign/answers/quantity_bounds.py"),
+            quick=True,
+        ),
+        Study(
             "scaling",
             "Timing scissor masts of 1 to 100 units, and joints alone and coupled",
             uses=("evidence/scaling", "evidence/benchmark"),

@@ -248,8 +248,8 @@ class Standing:
         cost, budget = self.cost, self.accuracy
         runs, seconds = cost.of(action)
         if cost.runs + runs + cost.reserved > budget.max_runs:
-            kept = 2 * cost.checked + cost.reserved
-            spent = f"{cost.runs} are spent, {kept} kept for the last check"
+            reserve = 2 * cost.checked + cost.reserved
+            spent = f"{cost.runs} are spent, {reserve} kept for the last check"
             return f"the budget of {budget.max_runs} runs does not allow more ({spent})"
         if cost.seconds + seconds > 60 * budget.max_core_minutes:
             spent = f"{duration_text(max(1.0, cost.seconds))} are spent"

@@ -91,8 +91,7 @@ def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
 
 
 def scaled(matrix, rows: np.ndarray, columns: np.ndarray):
-    """Copy of a sparse matrix (r, c), in column form, with rows and columns times factors (r,),
-    (c,)."""
+    """Copy of a sparse matrix (r, c), its rows and columns multiplied by factors (r,), (c,)."""
     matrix = matrix.tocsc(copy=True)
     matrix.data = matrix.data * rows[matrix.indices] * np.repeat(columns, np.diff(matrix.indptr))
     return matrix

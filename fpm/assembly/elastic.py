@@ -42,8 +42,7 @@ class Elastic(NamedTuple):
         return float(np.sum(total))
 
     def largest(self, poses: ParticlePoses) -> tuple[float, float]:
-        """Largest sine of an end's angle or twist (rad) of all elements, and largest strain at a
-        surface."""
+        """Largest sine of an end's angle, or twist (rad); and largest strain at a surface."""
         shape = self._shape(*self._ends(poses))
         turns = shape.sines + shape.sines**3 / 6
         rest = self.stiffness[:, :1]

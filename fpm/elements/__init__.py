@@ -64,8 +64,8 @@ them, joints and the probe come last).
 
 
 def kinds_of(scenes) -> list[type[ElementType]]:
-    """Element types that some of the scenes have, in the order of the registry KINDS; types that
-    are not registered follow."""
+    """Element types that some of the scenes have, in the order of KINDS, then those not
+    registered."""
     types = {kind for scene in scenes for kind in scene.kinds}
     own = sorted(types.difference(KINDS), key=lambda kind: (kind.__module__, kind.__qualname__))
     return [kind for kind in (*KINDS, *own) if any(kind.of(scene) for scene in scenes)]
@@ -73,8 +73,7 @@ def kinds_of(scenes) -> list[type[ElementType]]:
 
 def energies_of(kinds) -> list:
     """Energies (Energy) in the balance of a scene, in order, besides kinetic energy and the
-    balance: what is stored, given and taken by its element types `kinds`, and by all registered
-    ones."""
+    balance: what its element types `kinds`, and all registered ones, store, give and take."""
     kinds = [*KINDS, *(kind for kind in kinds if kind not in KINDS)]
     energies = [getattr(k, role) for role in ("stores", "gives", "takes") for k in kinds]
     return list(dict.fromkeys(energy for energy in energies if energy))

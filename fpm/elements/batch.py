@@ -141,8 +141,7 @@ class Batch:
     # -- what kinds share -------------------------------------------------------------------------
 
     def part(self, kind: type) -> NamedTuple:
-        """Arrays of the element type `kind` for its kernels, as its `pack` gives them; packed
-        once."""
+        """Arrays of the element type `kind` for its kernels, by its `pack`; packed once."""
         if kind not in self._parts:
             self._parts[kind] = kind.pack(self)
         return self._parts[kind]

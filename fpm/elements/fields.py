@@ -20,12 +20,8 @@ _KEY = "fpm"
 @dataclass(frozen=True)
 class FieldSpec:
     """Spec of a field of an element. same: whether it must be equal in scenes that run side by
-    side.
-
-    words: its name in messages, with {called} or {title} of the element (kind.py); text: its
-    meaning, for the table of keys in the docs; is_shown: whether descriptions of elements say its
-    value.
-    """
+    side. words: its name in messages, with {called} or {title} of the element (kind.py); text: its
+    meaning, for the docs' table of keys; is_shown: whether descriptions say its value."""
 
     name: str = ""
     same: bool = False
@@ -37,11 +33,8 @@ class FieldSpec:
 @dataclass(frozen=True)
 class Number(FieldSpec):
     """Spec of `count` numbers in a unit; `least` (allowed) or `above` (not allowed) is their lower
-    bound.
-
-    finite: whether they must be; optional: whether None is allowed; zero: whether descriptions of
-    elements say the value if it is 0.
-    """
+    bound. finite: whether they must be; optional: whether None is allowed; zero: whether
+    descriptions of elements say the value if it is 0."""
 
     unit: str = ""
     least: float | None = None
@@ -58,8 +51,7 @@ class Number(FieldSpec):
         return not low and not math.isnan(value) and (math.isfinite(value) or not self.finite)
 
     def allowed(self, unit: str) -> str:
-        """Allowed values in words, for messages, as "a finite number >= 0 (m)"; unit: "" for
-        none."""
+        """Allowed values in words, for messages, as "a number >= 0 (m)"; unit: "" for none."""
         plural = f"{self.count} {'finite ' * self.finite}numbers"
         singular = f"a {'finite ' * self.finite}number"
         end = f" >= {self.least:g}" if self.least is not None else ""
@@ -92,15 +84,13 @@ def number(
     unit: str = "", least=None, above=None, *, default=MISSING, is_shown=True, **keys
 ) -> Any:
     """Field of an element with a number, or several. unit: as "N m"; least, above: lower bound,
-    allowed or not; default: MISSING where it must be given; is_shown: of FieldSpec; keys: further
-    ones of `Number`."""
+    allowed or not; default: MISSING where it must be given; is_shown, keys: as of `Number`."""
     keys |= {"is_shown": is_shown and keys.get("count", 1) == 1, "optional": default is None}
     return _field(Number(unit=unit, least=least, above=above, **keys), default)
 
 
 def stiffness(unit: str = "N m/rad", words: str = "{called} stiffness", **keys) -> Any:
-    """Field of an element with a stiffness, at least 0. words: its name in messages; keys: of
-    `number`."""
+    """Field with a stiffness, at least 0. words: its name in messages; keys: of `number`."""
     return number(unit, 0.0, words=words, **keys)
 
 
@@ -128,8 +118,7 @@ def same(default: Any = MISSING) -> Any:
 
 @cache
 def specs(kind: type) -> dict[str, FieldSpec]:
-    """Specs of the fields of an element type `kind`, by name of the field; without fields that have
-    none."""
+    """Specs of the fields of an element type `kind`, by name of the field."""
     keyed = [f for f in fields(kind) if _KEY in f.metadata]
     return {f.name: replace(f.metadata[_KEY], name=f.name) for f in keyed}
 

@@ -160,8 +160,7 @@ class ElementType:
         return self.called
 
     def unit_in(self, scene: SceneData, unit: str) -> str:
-        """Unit of a number of the element, by the unit that its field states: on slides N for N
-        m."""
+        """Unit of a number of the element, by the one its field states: on slides N for N m."""
         return unit
 
     def topology(self) -> Hashable:
@@ -203,8 +202,7 @@ class ElementType:
 
     @classmethod
     def moved(cls, scene: SceneData) -> list[int]:
-        """Indices of particles that the type's own kernels move (hooks `prepare` and `move`),
-        rather than the time loop."""
+        """Indices of particles that the type's own kernels move (hooks `prepare` and `move`)."""
         return []
 
     @classmethod
@@ -244,8 +242,7 @@ class ElementType:
 
     @classmethod
     def pack(cls, batch: Batch) -> NamedTuple:
-        """The named tuple of arrays for the type's kernels, filled by `array`. batch: scenes being
-        packed."""
+        """The named tuple of arrays for the type's kernels, filled by `array`. batch: of scenes."""
         arrays = _arrays_in(cls.kernels())
         return arrays(**{name: cls.array(name, batch) for name in arrays._fields})
 

@@ -74,10 +74,7 @@ LONGEST = 200
 
 def cache_folder(parts: tuple[type, ...] = (), entry: str = "loop") -> Path:
     """Folder of the compiled code of a loop: where NUMBA_CACHE_DIR says, beside the sources, or at
-    home.
-
-    parts: the named tuples (types) of the element types in the loop; entry: a key of ENTRIES.
-    """
+    home. parts: the named tuples (types) of its element types; entry: a key of ENTRIES."""
     loop_name = "-".join([entry, *(p.__name__ for p in parts)])
     if len(loop_name) > LONGEST:  # else nothing could be kept of a scene of nearly all kinds
         loop_name = f"{loop_name[:LONGEST]}-{hashlib.sha256(loop_name.encode()).hexdigest()[:16]}"

@@ -17,11 +17,9 @@ def note(log, lane, time, element, event):
 
 @kernel
 def note_crossing(log, lane, element, previous, value, timing):
-    """Note event 1 where a value has become negative since the step before, 0 where it was.
-
-    log, lane, element: as of `note`; previous, value: at the end of the step before and of this
-    one; timing: times of the step (s). The time of the event follows by linear interpolation.
-    """
+    """Note event 1 where a value has become negative since the step before, 0 where it was. log,
+    lane, element: as of `note`; previous, value: at the end of the step before and of this one;
+    timing: times of the step (s). The time of the event follows by linear interpolation."""
     if (value < 0.0) != (previous < 0.0):
         time = timing.time - timing.step * value / (value - previous)
         note(log, lane, time, element, 1.0 if value < 0.0 else 0.0)

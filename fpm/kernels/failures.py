@@ -13,10 +13,9 @@ UNBALANCED = -1
 def find_failures(parts, world, record, row, n, tolerance):
     """Mark the lanes that fail at step n in `record`; returns whether no lane is left.
 
-    parts: arrays of each element type; world: solver state (World); row: of this step in
-    record.energies. A lane fails when its energy balance is off by more than `tolerance` times the
-    largest energy it has held so far, when a number is not finite, or when a watched quantity is
-    above its limit.
+    parts: arrays of each element type; world: solver state; row: of this step in record.energies. A
+    lane fails when its energy balance is off by more than `tolerance` times the largest energy it
+    has held so far, when a number is not finite, or when a watched quantity is above its limit.
     """
     running = 0
     for s in range(record.scale.shape[0]):

@@ -33,12 +33,9 @@ NAMES: list[str] = []
 
 
 def hook(arrays: type, name: str | None = None) -> Callable:
-    """Decorator that compiles a kernel as what an element type does at a hook.
-
-    arrays: the NamedTuple of the type's arrays, the kernel's first argument; name: of the hook,
-    that of the function by default. Raises ValueError for an unknown hook or a second kernel at
-    one.
-    """
+    """Decorator that compiles a kernel as what an element type does at a hook. arrays: the
+    NamedTuple of the type's arrays, the kernel's first argument; name: of the hook, that of the
+    function by default. Raises ValueError for an unknown hook or a second kernel at one."""
 
     def register(function):
         hook_name = name or function.__name__
@@ -140,8 +137,7 @@ def work_before(parts, world, timing):
 @_unrolled()
 def restrain(parts, world, timing):
     """Change summed forces and momenta before the forces act; add work (J) of the half step after.
-    parts: arrays of each element type; world: solver state (World); timing: times of the step
-    (s)."""
+    parts: arrays of each element type; world: solver state (World); timing: step times (s)."""
 
 
 @_unrolled()
@@ -157,16 +153,14 @@ def decide(parts, world, timing):
     (elements/joints/turn.py).
 
     Sets World.undecided where anything changed, and then `solve` and `decide` are repeated; each
-    element may change only finitely often per step. parts: arrays of each element type; timing: in
-    s.
+    element may change only finitely often per step. parts: arrays of each type; timing: in s.
     """
 
 
 @_unrolled()
 def solve(parts, world, timing):
     """Find the impulses of constraints in this step, once and again while World.undecided is set.
-    parts: arrays of each element type; world: solver state (World); timing: times of the step
-    (s)."""
+    parts: arrays of each element type; world: solver state (World); timing: step times (s)."""
 
 
 @_unrolled()
@@ -178,8 +172,8 @@ def move(parts, world, timing):
 @_unrolled()
 def look_back(parts, world, timing):
     """Correct the momenta half a step before the start in World.start_state, which are the
-    reflected ones after it, and the impulses of the first step. parts: arrays of each element type;
-    timing: in s."""
+    reflected ones after it, and impulses of the first step. parts: arrays of each type; timing:
+    step times (s)."""
 
 
 @_unrolled()
@@ -196,8 +190,7 @@ def work_after(parts, world, timing):
 )
 def stored(parts, world, energies, row):
     """Store the energy (lanes, J) of all elements of the type in row `row` of `energies`, recorded:
-    a kernel of (part, world) returns it. `energy_of` is simpler. parts: arrays of each element
-    type."""
+    a kernel of (part, world) returns it. `energy_of` is simpler. parts: arrays of each type."""
 
 
 @_unrolled()
@@ -215,8 +208,7 @@ def record(parts, world, row):
 @_unrolled()
 def record_points(parts, world, points, row, timing):
     """Correct the recorded velocities (m/s) of points on particles that the type moves itself.
-    parts: arrays of each element type; points: recorded (Record.points); row: of the instant;
-    timing: in s."""
+    parts: arrays of each type; points: Record.points; row: of the instant; timing: step times."""
 
 
 @_unrolled()
@@ -243,8 +235,7 @@ NAMES.append("energy_of")
 
 @_unrolled()
 def list_energies(parts, world):
-    """Store every element's energy (J) in its type's rows of World.rows. parts: arrays of each
-    type."""
+    """Store every element's energy (J) in World.rows. parts: arrays of each type; world: state."""
 
 
 @_unrolled()

@@ -28,8 +28,7 @@ and so little that a growing mode, whose kicks are all that it has, is none the 
 
 @kernel
 def keep(world):
-    """Copy state that recording needs from the start of a step (SAVED) to World.start_state. world:
-    solver state (World)."""
+    """Copy the state at the start of a step (SAVED) to World.start_state. world: solver state."""
     for i in range(world.state.shape[0]):
         for k in range(SAVED):
             store(world.start_state, i, k, load(world.state, i, k))
@@ -73,10 +72,8 @@ def kinetic_energies(world):
 @kernel
 def record_before(parts, world, record, row):
     """Record what depends on positions at an instant: energies, and records of element types.
-
     parts: arrays of each element type; world: solver state (World); record: of the run (Record);
-    row: of the instant in it.
-    """
+    row: of the instant in it."""
     hooks.stored(parts, world, record.energies, row)
     for k in range(world.accounts.shape[1]):
         store(record.energies, row, ACCOUNTS + k, load(world.accounts, 0, k))
@@ -88,9 +85,8 @@ def record_before(parts, world, record, row):
 def record_after(parts, world, record, row, timing):
     """Record what depends on momenta on both sides of an instant: points, kinetic energy, balance.
 
-    parts: arrays of each element type; record: of the run (Record); row: of the instant in it;
-    timing: times of the step (s). World.start_state: the state at the instant, with the momenta
-    half a step before it.
+    parts: arrays of each type; record: of the run (Record); row: of the instant in it; timing: step
+    times (s). World.start_state: the state at the instant, with the momenta half a step before it.
     """
     start, state, points = world.start_state, world.state, record.points
     count = world.point_on.shape[0]

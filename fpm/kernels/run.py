@@ -47,11 +47,8 @@ def carry(state, i, v, step):
 @kernel
 def turn(state, particles, i, p):
     """Turn particle (or pair) i by a step with angular momentum p (N m s, global axes), and set its
-    forces and moments to 0.
-
-    state, particles: those of World. Returns the angular momentum and half the rotation vector
-    (rad), along the particle's axes.
-    """
+    forces and moments to 0. state, particles: those of World. Returns the angular momentum and half
+    the rotation vector (rad), along the particle's axes."""
     put3(state, i, P, p)
     for k in range(6):
         store(state, i, F + k, 0.0)

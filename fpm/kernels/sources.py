@@ -44,8 +44,7 @@ State = tuple[int, ...]
 
 
 def state_of(stat: os.stat_result) -> State:
-    """State of a file by the result of os.stat: inode, size, and times in ns; another one if it
-    changed."""
+    """State of a file by the result of os.stat: inode, size, and times in ns."""
     return stat.st_ino, stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns
 
 
@@ -155,8 +154,7 @@ MECHANICS = Imported(PACKAGE)
 
 
 def mechanics() -> str:
-    """Digest of all files of the mechanics that can change what a run records without being asked
-    to."""
+    """Digest of all files of the mechanics that can change what a run always records."""
     return MECHANICS.digest(exclude=READ + DISPLAY)
 
 
@@ -284,7 +282,7 @@ def tree_digest(path: Path) -> str:
 
 def content_digest(content: bytes, path: Path) -> str:
     """Digest of a file by its `content`, of Python as `syntax_digest` takes it; path: for its
-    suffix and for messages."""
+    suffix."""
     if path.suffix != ".py":
         return hashlib.sha256(content).hexdigest()
     return _tree_digest(content, str(path))

@@ -232,8 +232,7 @@ def symmetric(s, v):
 
 @kernel
 def invert(s):
-    """Inverse of a symmetric 3 by 3 matrix, by cofactors; both as six lanes (xx, yy, zz, xy, xz,
-    yz)."""
+    """Inverse of a symmetric 3 by 3 matrix, by cofactors; both (xx, yy, zz, xy, xz, yz)."""
     xx = s[1] * s[2] - s[5] * s[5]
     xy = s[4] * s[5] - s[3] * s[2]
     xz = s[3] * s[5] - s[4] * s[1]

@@ -19,8 +19,7 @@ def outcome_of(
 ) -> Outcome:
     """Outcome of one sample of a run. run: Batch, arrays of its element types, World and Record,
     after it; lane: index of the sample; times (t,) s: recorded instants; division: of the time
-    (Division); limit: stable step, None where a step was given; extra: columns to be read as
-    well."""
+    (Division); limit: stable step, None where a step was given; extra: further columns."""
     batch, parts, world, record = run
     scene, instants = batch.scenes[lane], len(times)
     steps = division.per_instant * (instants - 1)

@@ -29,8 +29,7 @@ class Contact(OnHinge):
     @classmethod
     def shut(cls, scene, inverse):
         """Relative motions of two links that closed contacts rule out: that is opening zero,
-        wherever the scene starts. Returns sparse columns (6n, c), None: it always acts, as of
-        ElementType.shut.
+        wherever the scene starts. Returns sparse columns (6n, c).
 
         inverse (6n,): inverse masses (1/kg) and inertias (1/kg m²). Hinges that share no particle,
         unless it is held and has no inverse mass, have columns that do not overlap; others are made

@@ -21,8 +21,7 @@ linkage at rest at closure has no events. Faces that meet at 1 rad/s reach it wi
 
 class Contacts(NamedTuple):
     """Arrays of all c contacts. on (c,): index of each one's hinge; numbers (c, 1, lanes):
-    stiffness (N m/rad); openings: arrays of all openings; rows (c, 1, lanes): energies, for
-    messages; log: of events."""
+    stiffness (N m/rad); rows (c, 1, lanes): energies, for messages; log: of events."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -45,8 +44,7 @@ def forces(part, world, timing):
 @hook(Contacts)
 def note_events(part, world, timing):
     """Note events of contacts in part.log: which closed (1) or opened (0) since the last step.
-    part: arrays of all contacts (Contacts); world: solver state (World); timing: times of the step
-    (s)."""
+    part: arrays of all contacts (Contacts); world: solver state (World); timing: step times (s)."""
     angles = part.openings.angles
     for c in range(part.on.shape[0]):
         h = part.on[c]
@@ -60,8 +58,8 @@ def note_events(part, world, timing):
 
 @hook(Contacts)
 def energy_of(part, world, i):
-    """Energy (J, lanes) of contact i, 0 where its faces are apart. part: arrays of all contacts
-    (Contacts); world: solver state (World)."""
+    """Energy (J, lanes) of contact i, 0 if open. part: all contacts (Contacts); world: solver
+    state."""
     psi = load(part.openings.angles, part.on[i], NEW)
     overlap = where_negative(psi, psi, 0.0 * psi)
     return 0.5 * load(part.numbers, i, STIFFNESS) * overlap * overlap

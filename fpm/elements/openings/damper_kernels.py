@@ -28,8 +28,7 @@ class Dampers(NamedTuple):
 @hook(Dampers)
 def forces(part, world, timing):
     """Add the moments (N m) of viscous dampers, -c times the rate of the opening, and their losses
-    (J). part: arrays of all dampers (Dampers); world: solver state (World); timing: times of the
-    step (s)."""
+    (J). part: all dampers (Dampers); world: solver state (World); timing: times of the step (s)."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         rate = follow_rate(part.openings, part.past, i, h, timing)

@@ -100,7 +100,7 @@ class Friction(OnHinge):
     @classmethod
     def led(cls, scene):
         """Friction elements of a scene for the quasi-static motion of an opening (fpm/travel):
-        these slip at once. Those with a `load` get no moment: Scene.bearings has their share."""
+        these slip at once. Those with a `load` get no moment: Scene.bearings has their friction."""
         frictions = [
             replace(friction, bristle_deflection=AT_ONCE, damping=0.0) for friction in cls.of(scene)
         ]
@@ -118,8 +118,7 @@ class Friction(OnHinge):
         return any(friction.load is not None for friction in cls.of(scene))
 
     def check(self, scene):
-        """Check the fields, the table and the load; raises SceneError if the element does not
-        fit."""
+        """Check the fields, the table and the load; SceneError if one does not fit."""
         super().check(scene)
         if self.load is not None and not (self.load > 0 and not self.angles):
             raise SceneError(f"load of {self.title(scene)}", self.load, "above 0, without a table")
@@ -150,8 +149,7 @@ class Friction(OnHinge):
 
     @classmethod
     def array(cls, name, batch):
-        """The array of the kernels' field `name`, as of OnHinge.array; batch: the scenes being
-        packed.
+        """The array of the kernels' field `name`, as of OnHinge.array; batch: scenes being packed.
 
         Constants with the dampers, which depend on the scene; tables of the bend (None: no element
         has one); forces of joints; and a state in which the feet are where the hinges are.

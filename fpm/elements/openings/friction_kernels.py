@@ -31,10 +31,9 @@ step later, before the next one is found by the secant of both."""
 
 class Frictions(NamedTuple):
     """Arrays of all f friction elements. on (f,): index of each one's hinge; numbers (f, 4, lanes):
-    STIFFNESS to LOCKING; openings: arrays of all openings; past (f, HISTORY, lanes), state (f,
-    STATE, lanes): of the last step; account: index of the loss in World.accounts; rows (f, 1,
-    lanes): energies or measures of failure, for messages; bearing: forces of joints, None where
-    none counts."""
+    STIFFNESS to LOCKING; past (f, HISTORY, lanes), state (f, STATE, lanes): of the last step;
+    account: index of the loss in World.accounts; rows (f, 1, lanes): energies or measures of
+    failure, for messages; bearing: forces of joints, None where none counts."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -52,11 +51,8 @@ class Frictions(NamedTuple):
 @kernel
 def bend_at(points, start, i, most, psi):
     """Bristle deflection (rad) at which element i slips at opening psi (rad), by a table of the
-    opening.
-
-    points, start: tables of all elements (Frictions), None: none; most: the deflection (rad) up to
-    the first point of the table, returned as it is without one.
-    """
+    opening. points, start: tables of all elements (Frictions), None: none; most: the deflection
+    (rad) up to the first point of the table, returned as it is without one."""
     if points is not None:
         for j in range(start[i], start[i + 1]):
             ramp = psi - load(points, j, ANGLE)
@@ -109,10 +105,9 @@ def watch_lock(part, i, bend, most, slips):
     """Watch for self-locking of element i: growth of its deflection `bend` without slip while the
     deflection `most`, at which it slips, grows as fast.
 
-    part: arrays of all friction elements (Frictions), whose LOCKED and watched value (multiples of
-    the deflection at slip) are raised; bend, most (rad); slips: below 0 where it slips. Growth
-    counts from the least deflection since the last slip, and from the load within one deflection of
-    there.
+    part: all friction elements (Frictions), whose LOCKED and watched value (multiples of the
+    deflection at slip) are raised; bend, most (rad); slips: below 0 where it slips. Growth counts
+    from the least deflection since the last slip, and from the load within one deflection of there.
     """
     state, per_bend = part.state, load(part.numbers, i, LOCKING)
     size, least = absolute(bend), load(state, i, LEAST)
@@ -171,8 +166,8 @@ def forces(part, world, timing):
 
 @hook(Frictions)
 def energy_of(part, world, i):
-    """Strain energy (J, lanes) of the bristle of element i. part: arrays of all friction elements
-    (Frictions); world: solver state (World)."""
+    """Strain energy (J, lanes) of bristle i. part: all elements (Frictions); world: solver
+    state."""
     bend = load(part.state, i, BENDING)
     return 0.5 * load(part.numbers, i, STIFFNESS) * bend * bend
 

@@ -48,8 +48,7 @@ class AnyLatch(OnHinge):
     resists_as = ""
 
     def check(self, scene):
-        """Check the latch's fields, and that no other latch has its label; raises SceneError if one
-        has."""
+        """Check the latch's fields, and that its label is its own; raises SceneError if not."""
         super().check(scene)
         if self.label(scene) in [latch.label(scene) for latch in self.alike(scene)]:
             raise SceneError("latch", self.label(scene), "a name that no other latch has")
@@ -95,6 +94,6 @@ class Latch(AnyLatch):
     stores = Energy("latch", "latch_energy", "energy of the latches")
 
     def damping_in(self, scene):
-        """Damping (N m s/rad) for the stable step: ONSET times its own, as the first impulse of a
-        damper may be more than that of a whole step."""
+        """Damping (N m s/rad) for the stable step: ONSET times its own, as its first impulse may be
+        larger."""
         return ONSET * self.damping

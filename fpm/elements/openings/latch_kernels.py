@@ -53,8 +53,7 @@ class Latches(NamedTuple):
 @kernel
 def watch(part, i, h, timing):
     """Catch the opening of hinge h by latch i, in lanes where it entered the capture range in this
-    step. part: arrays of all latches (Latches), whose state is changed; timing: times of the step
-    (s)."""
+    step. part: arrays of all latches (Latches), whose state is changed; timing: step times (s)."""
     angles = part.openings.angles
     reach = reach_of(part, i, load(angles, h, OLD), load(angles, h, NEW))
     if any_negative(where_negative(0.5 - load(part.state, i, IS_CAUGHT), 1.0, reach)):
@@ -138,8 +137,7 @@ def hold(part, i, rate):
 @hook(Latches)
 def forces(part, world, timing):
     """Add the moments (N m) of latches that hold, from the step of their catch on, and their losses
-    (J). part: arrays of all latches (Latches); world: solver state (World); timing: times of the
-    step (s)."""
+    (J). part: all latches (Latches); world: solver state (World); timing: times of the step (s)."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         if timing.time > 0.0:
@@ -170,8 +168,8 @@ def note_events(part, world, timing):
 
 @hook(Latches)
 def energy_of(part, world, i):
-    """Strain energy (J, lanes) of the spring of latch i; 0 before it caught. part: arrays of all
-    latches (Latches); world: solver state (World)."""
+    """Strain energy (J, lanes) of latch i; 0 until it catches. part: Latches; world: solver
+    state."""
     gap = excess(part, i, NEW)
     one_sided = where_negative(gap, gap, 0.0)
     gap = where_negative(load(part.numbers, i, ONE_SIDED), one_sided, gap)

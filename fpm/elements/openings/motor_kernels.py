@@ -29,9 +29,8 @@ class Motors(NamedTuple):
     """Arrays of all m motors, for the kernels below. on (m,): index of each one's hinge; curve
     (m,): index of its curve of time, -1 for 1; by_rate (m,): 1 where the curve gives the rate;
     numbers (m, 4, lanes): constants, in the order of NUMBERS; past (m, HISTORY, lanes), state (m,
-    STATE, lanes): of the last two steps; openings: arrays of all openings; given, taken: indices of
-    work and loss in World.accounts; rows (m, 1, lanes): energies, for messages; track ((instants +
-    1) m, 1, lanes): recorded moment (N m)."""
+    STATE, lanes): of the last two steps; given, taken: indices of work and loss in World.accounts;
+    rows (m, 1, lanes): energies; track ((instants + 1) m, 1, lanes): recorded moment (N m)."""
 
     on: np.ndarray
     curve: np.ndarray
@@ -49,8 +48,7 @@ class Motors(NamedTuple):
 @hook(Motors)
 def forces(part, world, timing):
     """Add the moments (N m) of the motors' drive trains, spring and damper, towards their
-    prescribed openings. part: arrays of all motors (Motors); world: solver state (World); timing:
-    times of the step (StepTime, s)."""
+    prescribed openings. part: all motors (Motors); world: solver state; timing: step times (s)."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         for k in (MOMENT, VISCOUS):
@@ -97,8 +95,7 @@ def work_before(part, world, timing):
 
 @hook(Motors)
 def energy_of(part, world, i):
-    """Strain energy (J, lanes) of the drive train of motor i. part: arrays of all motors (Motors);
-    world: solver state (World)."""
+    """Strain energy (J, lanes) of drive train i. part: all motors (Motors); world: solver state."""
     error = load(part.state, i, ERROR)
     return 0.5 * load(part.numbers, i, STIFFNESS) * error * error
 

@@ -58,8 +58,7 @@ class Opening(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """What must be equal in scenes that run side by side: names and particles of all hinges, in
-        order."""
+        """What must be equal in scenes run side by side: names and particles of all hinges."""
         return tuple((hinge.name, hinge.particles) for hinge in scene.hinges)
 
     @classmethod
@@ -142,8 +141,7 @@ class OnHinge(OnHinges):
         return f"{self.called} {self.label(scene)}"
 
     def alike(self, scene) -> list["OnHinge"]:
-        """Elements of a scene, of all types, that share this one's word in messages (`called`), as
-        motors."""
+        """Elements of a scene, of all types, that share this one's word (`called`), as motors."""
         kinds = [k for k in scene.kinds if issubclass(k, OnHinge) and k.called == self.called]
         return [element for kind in kinds for element in kind.of(scene)]
 
@@ -160,8 +158,7 @@ class OnHinge(OnHinges):
         return [element._replace(joint=scene.hinges[e.hinge].name) for element, e in pairs]
 
     def stiffness_in(self, scene) -> float | None:
-        """Stiffness (N m/rad, on slides N/m) that counts in the stable step; None: the type has no
-        springs."""
+        """Stiffness (N m/rad, on slides N/m) for the stable step; None: the type has no springs."""
         return getattr(self, "stiffness", None)
 
     def damping_in(self, scene) -> float | None:
@@ -170,14 +167,12 @@ class OnHinge(OnHinges):
 
     @classmethod
     def deformations(cls, scene):
-        """Deformations of the elements, with `stiffness_in`: the openings of their hinges, as if
-        all acted."""
+        """Deformations, with `stiffness_in`: openings of the elements' hinges, as if all acted."""
         return cls._turns(scene, [e.stiffness_in(scene) for e in cls.of(scene)])
 
     @classmethod
     def dampings(cls, scene):
-        """Deformations of the elements' dampers, with `damping_in` for stiffness, as if all
-        acted."""
+        """Deformations with `damping_in` for stiffness, as if all dampers acted."""
         return cls._turns(scene, [e.damping_in(scene) for e in cls.of(scene)])
 
     @classmethod
@@ -202,11 +197,8 @@ def on_hinge(words: str = "hinge of {called}", types: tuple[str, ...] = ()) -> A
 
 def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
     """Split recorded series (t, k) of elements on hinges into those on hinges that turn and on
-    slides.
-
-    series: by name, in units of hinges; hinges, labels: of each of the k columns. Those of slides
-    have other units (SLIDING), and names and dimensions that begin with `slide`.
-    """
+    slides. series: by name, in units of hinges; hinges, labels: of each of the k columns. Those of
+    slides have other units (SLIDING), and names and dimensions that begin with `slide`."""
     result = {}
     slides = np.array([hinge.slides for hinge in hinges], bool)
     for columns, prefix in ((~slides, ""), (slides, "slide_")):
@@ -223,8 +215,7 @@ def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
 
 
 def unit_of(scene, hinge: int, unit: str) -> str:
-    """Unit of a quantity on the hinge of index `hinge`: `unit` (as "N m"), or that of slides
-    (SLIDING)."""
+    """Unit of a quantity on the hinge of index `hinge`: `unit`, or on slides that of SLIDING."""
     return SLIDING[unit] if scene.hinges[hinge].slides else unit
 
 

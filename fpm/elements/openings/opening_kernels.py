@@ -54,8 +54,7 @@ def is_slide(slides, h):
 @hook(Openings)
 def forces(part, world, timing):
     """Update all openings before other element types read them, and clear their moments by
-    component. part: arrays of all openings (Openings); world: solver state (World); timing: times
-    of the step (s)."""
+    component. part: all openings (Openings); world: solver state; timing: times of the step (s)."""
     if part.is_needed:
         update(part, world.state)
     begin_parts(part.moments)
@@ -74,8 +73,7 @@ def begin_parts(moments):
 @kernel
 def update(part, state):
     """Update the openings (rad, m), which are functions of the particles' state (n, STATE, lanes);
-    the value before only picks the turn. part: arrays of all openings (Openings), changed in
-    place."""
+    the value before only picks the turn. part: all openings (Openings), changed in place."""
     sides, angles = part.sides, part.angles
     for h in range(angles.shape[0]):
         first_end, second_end = part.ends[2 * h], part.ends[2 * h + 1]
@@ -151,16 +149,14 @@ def tell(moments, openings, h, moment):
 @hook(Openings)
 def work_before(part, world, timing):
     """Add the work (J) of each component's moment over the step that ends at timing.time. part:
-    arrays of all openings (Openings); world: solver state (World); timing: times of the step
-    (s)."""
+    arrays of all openings (Openings); world: solver state (World); timing: step times (s)."""
     work_parts(part.moments, part)
 
 
 @kernel
 def work_parts(moments, part):
     """Add the work (J) of each component's moment over the step that ends now, by the trapezium
-    rule (losses_kernels.lose). moments: None where there are no components; part: arrays of all
-    openings."""
+    rule (losses_kernels.lose). moments: None where there are no components; part: all openings."""
     if moments is not None:
         for h in range(part.angles.shape[0]):
             angle = load(part.angles, h, NEW) - load(part.angles, h, OLD)
@@ -172,8 +168,7 @@ def work_parts(moments, part):
 @hook(Openings)
 def record(part, world, row):
     """Record the openings (rad, m), and the moment (N m) and work (J) of every component, in row
-    `row`. part: arrays of all openings (Openings); world: solver state (World); row: of the
-    recorded instant."""
+    `row`. part: arrays of all openings (Openings); world: solver state; row: of the instant."""
     if not part.is_needed:
         update(part, world.state)
     count = part.angles.shape[0]
@@ -185,10 +180,8 @@ def record(part, world, row):
 @hook(Openings)
 def record_step(part, world, row, timing):
     """Record the moment and work of every component again, after the step is solved, with the
-    moments of constraints that `record` could not know.
-
-    part: arrays of all openings (Openings); world: solver state; row: of the instant; timing: in s.
-    """
+    moments of constraints that `record` could not know. part: arrays of all openings (Openings);
+    world: solver state; row: of the instant; timing: in s."""
     record_parts(part.moments, part, row)
 
 

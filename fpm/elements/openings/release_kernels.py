@@ -32,9 +32,8 @@ STATE = 6
 class Releases(NamedTuple):
     """Arrays of all r releases. on, watch (r,): indices of each one's hinge and of the hinge whose
     opening releases it, -1 for none; numbers (r, 5, lanes): constants, in the order of NUMBERS;
-    past (r, HISTORY, lanes), state (r, STATE, lanes): of the last two steps; openings: arrays of
-    all openings; account: index of the loss in World.accounts; rows (r, 1, lanes): energies, for
-    messages; log: of events."""
+    past (r, HISTORY, lanes), state (r, STATE, lanes): of the last two steps; account: index of the
+    loss in World.accounts; rows (r, 1, lanes): energies, for messages; log: of events."""
 
     on: np.ndarray
     watch: np.ndarray
@@ -65,8 +64,7 @@ def let_go(part, timing, i):
 @hook(Releases)
 def forces(part, world, timing):
     """Add the moments (N m) of releases that hold, and the rest of the moment of those released in
-    this step. part: arrays of all releases (Releases); world: solver state (World); timing: times
-    of the step (s)."""
+    this step. part: all releases (Releases); world: solver state; timing: times of the step (s)."""
     for i in range(part.on.shape[0]):
         for k in (MOMENT, ENERGY):
             store(part.state, i, k + 1, load(part.state, i, k))
@@ -123,6 +121,6 @@ def work_before(part, world, timing):
 
 @hook(Releases)
 def energy_of(part, world, i):
-    """Strain energy (J, lanes) of the spring of release i; 0 once it is released. part: arrays of
-    all releases (Releases); world: solver state (World)."""
+    """Strain energy (J, lanes) of release i; 0 once released. part: Releases; world: solver
+    state."""
     return load(part.state, i, ENERGY)

@@ -36,8 +36,8 @@ class Stops(NamedTuple):
 
 @kernel
 def overlap(part, i, field):
-    """Overlap (rad) of stop i, below 0 where it is free. part: arrays of all stops (Stops); field:
-    NEW (now) or OLD (a step ago)."""
+    """Overlap (rad) of stop i, below 0 where it is free. part: Stops; field: NEW (now), OLD
+    (before)."""
     angle = load(part.openings.angles, part.on[i], field) - load(part.numbers, i, ANGLE)
     return load(part.numbers, i, SIDE) * angle
 
@@ -45,8 +45,7 @@ def overlap(part, i, field):
 @hook(Stops)
 def forces(part, world, timing):
     """Add the moments (N m) of stops against their overlaps, and the losses (J) of their dampers.
-    part: arrays of all stops (Stops); world: solver state (World); timing: times of the step
-    (s)."""
+    part: arrays of all stops (Stops); world: solver state (World); timing: step times (s)."""
     for i in range(part.on.shape[0]):
         h, side = part.on[i], load(part.numbers, i, SIDE)
         rate = side * follow_rate(part.openings, part.past, i, h, timing)
@@ -80,8 +79,8 @@ def note_events(part, world, timing):
 
 @hook(Stops)
 def energy_of(part, world, i):
-    """Energy (J, lanes) of the spring of stop i, 0 where it is free. part: arrays of all stops
-    (Stops); world: solver state (World)."""
+    """Energy (J, lanes) of stop i, 0 where it is free. part: all stops (Stops); world: solver
+    state."""
     depth = overlap(part, i, NEW)
     depth = where_negative(depth, 0.0, depth)
     return 0.5 * load(part.numbers, i, STIFFNESS) * depth * depth

@@ -53,8 +53,7 @@ class SyncLoop(OnHinges):
     resists_as = "S"
 
     def check(self, scene):
-        """Check that the loop has a name of its own, two hinges, and radii; raises SceneError if
-        not."""
+        """Check that the loop has a name of its own, two hinges, and radii; SceneError if not."""
         super().check(scene)
         title = self.title(scene)
         if self.name in [loop.name for loop in SyncLoop.of(scene)]:
@@ -100,8 +99,7 @@ class SyncLoop(OnHinges):
 
     @classmethod
     def array(cls, name, batch):
-        """The array of the kernels' field `name`, as of ElementType.array; "on": indices of both
-        hinges."""
+        """The array of the kernels' field `name`, as of ElementType.array; "on": both hinges."""
         if name == "on":
             return batch.integers((loop.hinges for loop in cls.of(batch.scene)), 2)
         return super().array(name, batch)

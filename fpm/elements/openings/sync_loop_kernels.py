@@ -80,8 +80,7 @@ def forces(part, world, timing):
 @hook(Loops)
 def note_events(part, world, timing):
     """Note events of loops in part.log: one strand turned slack (1), or both are tight again (0).
-    part: arrays of all loops (Loops); world: solver state (World); timing: times of the step
-    (s)."""
+    part: arrays of all loops (Loops); world: solver state (World); timing: step times (s)."""
     for i in range(part.on.shape[0]):
         new = where_negative(load(part.state, i, SLACK), -1.0, 1.0)
         old = where_negative(load(part.state, i, SLACK_BEFORE), -1.0, 1.0)
@@ -93,8 +92,7 @@ def note_events(part, world, timing):
 
 @hook(Loops)
 def energy_of(part, world, i):
-    """Strain energy (J, lanes) of both strands of loop i. part: arrays of all loops (Loops); world:
-    solver state (World)."""
+    """Strain energy (J, lanes) of loop i. part: all loops (Loops); world: solver state."""
     slip, extra = load(part.state, i, SLIP), excess(part, i)
     return 0.5 * load(part.numbers, i, STIFFNESS) * (slip * slip - 0.5 * extra * extra)
 

@@ -35,8 +35,7 @@ class TableSpring(OnHinge):
         check_table(self.angles, self.moments, "moments", "spring by a table")
 
     def topology(self):
-        """What must be equal in scenes that run side by side: the hinge and the number of
-        points."""
+        """What must be equal in scenes run side by side: the hinge and the number of points."""
         return self.hinge, len(self.angles)
 
     @property
@@ -56,8 +55,7 @@ class TableSpring(OnHinge):
         return -float(np.concatenate(least).min())
 
     def stiffness_in(self, scene):
-        """Steepest fall of the moment with the opening (N m/rad), at least 0, for the stable
-        step."""
+        """Steepest fall of the moment (N m/rad), at least 0, for the stable step."""
         return max(0.0, -float(self.slopes.min()))
 
     @property
@@ -76,8 +74,7 @@ class TableSpring(OnHinge):
 
 def check_table(angles, values, noun: str, owner: str) -> None:
     """Check that a table has a finite value for each of two or more increasing angles; raises
-    SceneError if not. noun: what the values are, plural; owner: the element's name, both for
-    messages."""
+    SceneError if not. noun, owner: names of the values and the element in messages."""
     is_whole = len(angles) == len(values) >= 2
     if not (is_whole and np.isfinite([angles, values]).all()):
         allowed = f"as many {noun} as angles, two or more, all finite"
@@ -96,8 +93,7 @@ def table_array(name: str, batch, kind, bends_of) -> np.ndarray:
     """Array of the tables of a type's elements: for name "points" (p, 2, lanes) all points, angle
     and change of slope; for "start" the index of each element's first point, and p at the end.
 
-    batch: the scenes being packed; kind: the element type; bends_of(element): changes of slope
-    (n,).
+    batch: scenes being packed; kind: the element type; bends_of(element): changes of slope (n,).
     """
     ends = np.cumsum([0, *(len(element.angles) for element in kind.of(batch.scene))])
     if name == "start":

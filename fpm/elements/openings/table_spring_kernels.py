@@ -49,8 +49,7 @@ def forces(part, world, timing):
 @hook(TableSprings)
 def energy_of(part, world, i):
     """Energy (J, lanes) of spring i: minus the work of its moment since the first point of the
-    table, and 0 where it is least. part: arrays of all these springs (TableSprings); world: solver
-    state (World)."""
+    table, and 0 where it is least. part: all these springs (TableSprings); world: solver state."""
     psi = load(part.openings.angles, part.on[i], NEW)
     first = psi - load(part.points, part.start[i], ANGLE)
     energy = load(part.numbers, i, LIFT) - load(part.numbers, i, FIRST) * first

@@ -21,9 +21,8 @@ STATE = 2  # moment, at the last forces and a step before
 class TorqueMotors(NamedTuple):
     """Arrays of all m torque motors. on (m,): index of each one's hinge; curve (m,): index of its
     curve of time, -1 for 1; numbers (m, 2, lanes): torque (N m) and no-load speed (rad/s); past (m,
-    HISTORY, lanes), state (m, STATE, lanes): of the last two steps; openings: arrays of all
-    openings; given: index of their work in World.accounts; track ((instants + 1) m, 1, lanes):
-    recorded moment (N m)."""
+    HISTORY, lanes), state (m, STATE, lanes): of the last two steps; given: index of their work in
+    World.accounts; track ((instants + 1) m, 1, lanes): recorded moment (N m)."""
 
     on: np.ndarray
     curve: np.ndarray

@@ -14,8 +14,7 @@ STIFFNESS, REST = range(2)
 
 class Springs(NamedTuple):
     """Arrays of all s torsion springs. on (s,): index of each one's hinge; numbers (s, 2, lanes):
-    stiffness (N m/rad) and opening at rest (rad); openings: arrays of all openings; rows (s, 1,
-    lanes): energies, for messages."""
+    stiffness (N m/rad) and opening at rest (rad); rows (s, 1, lanes): energies, for messages."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -35,7 +34,6 @@ def forces(part, world, timing):
 
 @hook(Springs)
 def energy_of(part, world, i):
-    """Strain energy (J, lanes) of torsion spring i. part: arrays of all torsion springs (Springs);
-    world: solver state (World)."""
+    """Strain energy (J, lanes) of spring i. part: all torsion springs; world: solver state."""
     angle = load(part.openings.angles, part.on[i], NEW) - load(part.numbers, i, REST)
     return 0.5 * load(part.numbers, i, STIFFNESS) * angle * angle

@@ -31,8 +31,7 @@ class Damped(NamedTuple):
 @kernel
 def factors(part, kick):
     """Factors (lanes) by which damping scales momenta in a step, (1 - c)/(1 + c), and the impulse
-    of forces, 1/(1 + c), with c = rate kick/2. part: arrays (Damped); kick: time of that impulse
-    (s)."""
+    of forces, 1/(1 + c), with c = rate kick/2. part: arrays (Damped); kick: its time (s)."""
     force = 1.0 / (1.0 + 0.5 * kick * load(part.rate, 0, 0))
     return 2.0 * force - 1.0, force
 
@@ -48,8 +47,7 @@ def take(part, world, path):
 @hook(Damped)
 def restrain(part, world, timing):
     """Scale momenta and forces of the particles that another element type moves, so that what it
-    does then damps them. part: arrays (Damped); world: solver state (World); timing: times of the
-    step (s)."""
+    does then damps them. part: arrays (Damped); world: solver state; timing: step times (s)."""
     state = world.state
     factor, force = factors(part, timing.kick)
     for n in range(part.jointed.shape[0]):

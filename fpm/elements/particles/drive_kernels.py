@@ -28,9 +28,8 @@ class Drives(NamedTuple):
 
 @kernel
 def add_work(part, world, timing, time):
-    """Add the work (J) of drives against the forces on their particles over half a step. part:
-    arrays of all drives (Drives); world: solver state (World); timing: times of the step (s); time
-    (s): of the velocities."""
+    """Add the work (J) of drives against the forces on their particles over half a step. part: all
+    drives (Drives); world: solver state; timing: step times (s); time (s): of the velocities."""
     state = world.state
     total = 0.0 * load(state, 0, X)
     for n in range(part.particle.shape[0]):
@@ -52,8 +51,7 @@ def work_before(part, world, timing):
 @hook(Drives)
 def restrain(part, world, timing):
     """Add the work (J) of drives over the half step that begins at timing.time, against the forces
-    on their particles then. part: arrays of all drives (Drives); world: solver state; timing: in
-    s."""
+    on their particles then. part: all drives (Drives); world: solver state; timing: in s."""
     add_work(part, world, timing, timing.time + 0.5 * timing.step)
 
 
@@ -103,11 +101,8 @@ def look_back(part, world, timing):
 @hook(Drives)
 def record_points(part, world, points, row, timing):
     """Record the prescribed velocities (m/s), at timing.time, of points on driven particles, which
-    have no momenta.
-
-    part: arrays of all drives (Drives); world: solver state (World); points: recorded
-    (Record.points); row: of the recorded instant; timing: times of the step (s).
-    """
+    have no momenta. part: arrays of all drives (Drives); world: solver state (World); points:
+    recorded (Record.points); row: of the recorded instant; timing: times of the step (s)."""
     count = world.point_on.shape[0]
     for n in range(count):
         i, first, index = world.point_on[n], True, row * count + n

@@ -36,8 +36,7 @@ class Gravity(ElementType):
 
     @classmethod
     def weight(cls, scene, particle, time):
-        """Weight (3,) N of the particle of index `particle`, in global axes; the same at any
-        time."""
+        """Weight (3,) N of the particle of index `particle`, in global axes, at any time."""
         return scene.mass[particle] * scene.gravity
 
     @classmethod

@@ -34,8 +34,7 @@ class Loads(NamedTuple):
 @hook(Loads)
 def forces(part, world, timing):
     """Add forces (N) at the ends of the arms, and moments (N m), to their particles; stores
-    positions and axes of these ends. part: arrays of all loads (Loads); world: solver state
-    (World); timing: in s."""
+    positions and axes of these ends. part: all loads (Loads); world: solver state; timing: in s."""
     state = world.state
     for n in range(part.on.shape[0]):
         i = part.on[n]

@@ -34,8 +34,7 @@ class Support(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """Indices of the particles of a scene that are held along or about some axes, but not all
-        three."""
+        """Indices of the particles of a scene held along or about some axes, not all three."""
         counts = scene.fixed.reshape(-1, 2, 3).sum(axis=2)
         return np.flatnonzero(((counts > 0) & (counts < 3)).any(axis=1)).tolist()
 

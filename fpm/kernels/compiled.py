@@ -117,9 +117,8 @@ def _loop(parts: tuple[type, ...], entry: str, is_cached: bool) -> Dispatcher:
 
 
 def loop_for(arguments: tuple, entry: str = "loop") -> Callable:
-    """The time loop, or another of ENTRIES, compiled or loaded from the cache for these arguments,
-    with which it is then called: those of run.run or run.act, element types' arrays and World
-    first.
+    """The time loop, or another of ENTRIES, compiled or loaded from the cache for the arguments it
+    is then called with: those of run.run or run.act.
 
     numba's cache can break when several processes write it at once, so the first that arrives
     compiles and the others wait for its lock; so do threads, which share numba's setting as well.

@@ -143,8 +143,7 @@ def restrain(parts, world, timing):
 @_unrolled()
 def prepare(parts, world, timing):
     """Add the impulses of forces over timing.kick (s) to the momenta of the particles that the
-    element type moves itself (ElementType.moved). parts: arrays of each type; world: solver state
-    (World)."""
+    element type moves itself (ElementType.moved). parts: arrays of each type; world: World."""
 
 
 @_unrolled()
@@ -171,9 +170,8 @@ def move(parts, world, timing):
 
 @_unrolled()
 def look_back(parts, world, timing):
-    """Correct the momenta half a step before the start in World.start_state, which are the
-    reflected ones after it, and impulses of the first step. parts: arrays of each type; timing:
-    step times (s)."""
+    """Correct the momenta half a step before the start in World.start_state, reflected from those
+    after it, and impulses of the first step. parts: arrays of each type; timing: step times (s)."""
 
 
 @_unrolled()

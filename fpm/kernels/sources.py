@@ -191,8 +191,8 @@ def own_sources(*starts: Path) -> set[Path]:
 
 
 def digests(path: Path) -> dict[Path, str]:
-    """A file outside of the mechanics with its `own_sources`, and their digests now; none for one
-    of the mechanics, whose code is known."""
+    """Digests now of a file outside of the mechanics and of its `own_sources`, by path; none for a
+    file of the mechanics, whose code is known."""
     if PACKAGE in path.parents:
         return {}
     return {file: tree_digest(file) for file in own_sources(path)}

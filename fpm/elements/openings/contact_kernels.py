@@ -58,8 +58,7 @@ def note_events(part, world, timing):
 
 @hook(Contacts)
 def energy_of(part, world, i):
-    """Energy (J, lanes) of contact i, 0 if open. part: all contacts (Contacts); world: solver
-    state."""
+    """Energy (J, lanes) of contact i, 0 if open. part: all contacts (Contacts); world: World."""
     psi = load(part.openings.angles, part.on[i], NEW)
     overlap = where_negative(psi, psi, 0.0 * psi)
     return 0.5 * load(part.numbers, i, STIFFNESS) * overlap * overlap

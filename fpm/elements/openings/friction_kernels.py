@@ -166,8 +166,7 @@ def forces(part, world, timing):
 
 @hook(Frictions)
 def energy_of(part, world, i):
-    """Strain energy (J, lanes) of bristle i. part: all elements (Frictions); world: solver
-    state."""
+    """Strain energy (J, lanes) of bristle i. part: all elements (Frictions); world: World."""
     bend = load(part.state, i, BENDING)
     return 0.5 * load(part.numbers, i, STIFFNESS) * bend * bend
 

@@ -94,6 +94,6 @@ class Latch(AnyLatch):
     stores = Energy("latch", "latch_energy", "energy of the latches")
 
     def damping_in(self, scene):
-        """Damping (N m s/rad) for the stable step: ONSET times its own, as its first impulse may be
-        larger."""
+        """Damping (N m s/rad) for the stable step: ONSET times its own, as the first impulse of a
+        damper may be more than that of a whole step."""
         return ONSET * self.damping

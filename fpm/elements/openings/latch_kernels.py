@@ -168,8 +168,7 @@ def note_events(part, world, timing):
 
 @hook(Latches)
 def energy_of(part, world, i):
-    """Strain energy (J, lanes) of latch i; 0 until it catches. part: Latches; world: solver
-    state."""
+    """Strain energy (J, lanes) of latch i; 0 until it catches. part: all Latches; world: World."""
     gap = excess(part, i, NEW)
     one_sided = where_negative(gap, gap, 0.0)
     gap = where_negative(load(part.numbers, i, ONE_SIDED), one_sided, gap)

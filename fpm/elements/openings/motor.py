@@ -27,7 +27,7 @@ class AnyMotor(OnHinge):
     variable: ClassVar[str] = "motor_moment"  # of what is recorded, in trajectory files
 
     def check(self, scene):
-        """Check the motor's fields, and that its hinge has no other; SceneError if so."""
+        """Check the motor's fields, and that its hinge has no other; raises SceneError if so."""
         super().check(scene)
         self.check_alone(scene)
 

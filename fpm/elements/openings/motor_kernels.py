@@ -95,7 +95,7 @@ def work_before(part, world, timing):
 
 @hook(Motors)
 def energy_of(part, world, i):
-    """Strain energy (J, lanes) of drive train i. part: all motors (Motors); world: solver state."""
+    """Strain energy (J, lanes) of drive train i. part: all motors (Motors); world: World."""
     error = load(part.state, i, ERROR)
     return 0.5 * load(part.numbers, i, STIFFNESS) * error * error
 

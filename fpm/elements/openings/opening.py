@@ -311,8 +311,8 @@ def turning_at_start(scene, hinges) -> list[float]:
 
 
 def rate_at(places, hinge, motion) -> float:
-    """Rate of the opening of a hinge (rad/s), of a slide (m/s). places: its position (n, 3) and
-    frame (n, 3, 3) are of all particles; motion: its velocity (m/s) and spin (rad/s) (n, 3) are."""
+    """Rate of the opening of a hinge (rad/s), of a slide (m/s). places: with position (n, 3) and
+    frame (n, 3, 3) of all particles; motion: with their velocity (m/s), spin (rad/s) (n, 3)."""
     i, j = hinge.particles
     axis = places.frame[i] @ hinge.axes[0]
     if not hinge.slides:

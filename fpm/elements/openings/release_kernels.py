@@ -121,6 +121,5 @@ def work_before(part, world, timing):
 
 @hook(Releases)
 def energy_of(part, world, i):
-    """Strain energy (J, lanes) of release i; 0 once released. part: Releases; world: solver
-    state."""
+    """Strain energy (J, lanes) of release i; 0 once released. part: all Releases; world: World."""
     return load(part.state, i, ENERGY)

@@ -36,8 +36,8 @@ class Stops(NamedTuple):
 
 @kernel
 def overlap(part, i, field):
-    """Overlap (rad) of stop i, below 0 where it is free. part: Stops; field: NEW (now), OLD
-    (before)."""
+    """Overlap (rad) of stop i, below 0 where it is free. part: arrays of all stops (Stops); field:
+    NEW (now) or OLD (a step ago)."""
     angle = load(part.openings.angles, part.on[i], field) - load(part.numbers, i, ANGLE)
     return load(part.numbers, i, SIDE) * angle
 
@@ -79,8 +79,7 @@ def note_events(part, world, timing):
 
 @hook(Stops)
 def energy_of(part, world, i):
-    """Energy (J, lanes) of stop i, 0 where it is free. part: all stops (Stops); world: solver
-    state."""
+    """Energy (J, lanes) of stop i, 0 where it is free. part: all stops (Stops); world: World."""
     depth = overlap(part, i, NEW)
     depth = where_negative(depth, 0.0, depth)
     return 0.5 * load(part.numbers, i, STIFFNESS) * depth * depth

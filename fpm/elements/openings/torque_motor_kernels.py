@@ -56,7 +56,7 @@ def forces(part, world, timing):
 def work_before(part, world, timing):
     """Add the work (J) of the torque motors over the step that ends at timing.time to
     World.accounts. part: arrays of all torque motors (TorqueMotors); world: solver state (World);
-    timing: times of the step."""
+    timing: times of the step (s)."""
     work = load(world.accounts, 0, part.given)
     for i in range(part.on.shape[0]):
         moment, h = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE), part.on[i]

@@ -31,7 +31,7 @@ class Damped(NamedTuple):
 @kernel
 def factors(part, kick):
     """Factors (lanes) by which damping scales momenta in a step, (1 - c)/(1 + c), and the impulse
-    of forces, 1/(1 + c), with c = rate kick/2. part: arrays (Damped); kick: its time (s)."""
+    of forces, 1/(1 + c), with c = rate kick/2. part: Damped; kick: time of the impulse (s)."""
     force = 1.0 / (1.0 + 0.5 * kick * load(part.rate, 0, 0))
     return 2.0 * force - 1.0, force
 

@@ -43,9 +43,9 @@ def record(part, world, row):
 
 @hook(Probes)
 def record_step(part, world, row, timing):
-    """Record frames of particles, and of their velocities (m/s) and momenta (N m s) means and
-    changes over the step around the instant. part: arrays (Probes); world: solver state (World);
-    row: of the instant; timing: times of the step (s)."""
+    """Record frames of particles, and means and changes of their velocities (m/s) and momenta (N m
+    s) over the step around the instant. part: arrays (Probes); world: solver state (World); row: of
+    the instant; timing: times of the step (s)."""
     start, state = world.start_state, world.state
     count = part.frames_of.shape[0]
     for n in range(count):

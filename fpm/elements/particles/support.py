@@ -45,7 +45,8 @@ class Support(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Particles that turn about two axes; all held axes are part of the scene's topology."""
+        """What must be equal in scenes run side by side, besides the held axes: particles that turn
+        about two axes."""
         return tuple(cls.moved(scene))
 
     @classmethod

@@ -141,12 +141,13 @@ class OnHinge(OnHinges):
         return f"{self.called} {self.label(scene)}"
 
     def alike(self, scene) -> list["OnHinge"]:
-        """Elements of a scene, of all types, that share this one's word (`called`), as motors."""
+        """Elements of a scene, of all types that messages call alike (`called`): all motors,
+        say."""
         kinds = [k for k in scene.kinds if issubclass(k, OnHinge) and k.called == self.called]
         return [element for kind in kinds for element in kind.of(scene)]
 
     def check_alone(self, scene) -> None:
-        """Check that the scene has no other element of that word (`called`) on its hinge; raises
+        """Check that its hinge has no other element that messages call alike (`called`); raises
         SceneError if it has."""
         if self.hinge in [element.hinge for element in self.alike(scene)]:
             allowed = f"a hinge without a {self.called}"

@@ -270,8 +270,10 @@ def linearised(
     (6n,) of the energy and of the conditions.
 
     solve(forces (6n,), lacks (c,), residuals times their weight) gives the motion (6n,), lengths as
-    fractions of the size, and the change (c,) of the impulses. Rows and columns are scaled so that
-    the largest entries are about one; ease: μ times the largest mass (N m); None: `share` of the
+    fractions of the size, and the change (c,) of the impulses. conditions: c of them, with their
+    impulses and factors `weight` (c,); elastic: Elastic or Unstressed; scales (6n,): size (m), 1
+    for turns; free: indices of dofs that are not held. Rows and columns are scaled so that the
+    largest entries are about one; ease: μ times the largest mass (N m); None: `share` of the
     largest stiffness.
     """
     from scipy.sparse import bmat, identity

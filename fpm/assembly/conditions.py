@@ -50,8 +50,8 @@ class ParticlePoses(NamedTuple):
 
 
 def slopes(function, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
-    """Derivatives (e, k, 12) of function(first, second) -> (..., e, k) by the motions of both
-    poses, by complex steps.
+    """Derivatives (e, k, 12) of function(first, second) -> (..., e, k) by the motions of both poses
+    (e,), by complex steps.
 
     Columns: translation (m) and rotation vector (rad) of the first, then of the second, in global
     axes. The function takes complex arrays and must be analytic: no abs (whose derivative would
@@ -62,8 +62,8 @@ def slopes(function, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
 
 
 def sparse_matrix(blocks: np.ndarray, pairs: np.ndarray, count: int):
-    """Sparse matrix (6 count, 6 count) that sums blocks (e, 12, 12) on pairs (e, 2) of
-    particles."""
+    """Sparse matrix (6 count, 6 count) that sums blocks (e, 12, 12) on pairs (e, 2) of particles,
+    by index; count: number of all particles."""
     from scipy.sparse import coo_array
 
     dofs = dofs_of(pairs)
@@ -91,7 +91,7 @@ def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
 
 
 def scaled(matrix, rows: np.ndarray, columns: np.ndarray):
-    """Sparse matrix in column form with its rows and columns times factors."""
+    """Copy of a sparse matrix (r, c), its rows and columns multiplied by factors (r,), (c,)."""
     matrix = matrix.tocsc(copy=True)
     matrix.data = matrix.data * rows[matrix.indices] * np.repeat(columns, np.diff(matrix.indptr))
     return matrix
@@ -128,7 +128,7 @@ class Conditions(NamedTuple):
 
     def worst(self, gaps: np.ndarray) -> tuple[str, float, float]:
         """Name of the joint with the largest residual, its gap (m), and its tilt, the root of
-        summed squares of cosines (rad if small)."""
+        summed squares of cosines (rad if small). gaps (c,): residuals, as `gaps` gives them."""
         gap: dict[str, float] = {}
         tilt: dict[str, float] = {}
         for name, axis_type, residual in zip(self.joint, self.axis_types, gaps, strict=True):

@@ -21,9 +21,9 @@ class Shape(NamedTuple):
 
 
 class Elastic(NamedTuple):
-    """The beam elements of a scene: nodes (e, 2); stiffness (e, 5) as of Beams; axes (e, 4, 3): 2
-    and 3 of either end, in its frame; half (e, 2): half the height of the section in both planes.
-    """
+    """The beam elements of a scene. nodes (e, 2): indices of particles; stiffness (e, 5): length at
+    rest (m), axial (N/m), bending in both planes and torsion (N m); axes (e, 4, 3): 2 and 3 of
+    either end, in its frame; half (e, 2): half the height of the section in both planes (m)."""
 
     nodes: np.ndarray
     stiffness: np.ndarray
@@ -42,7 +42,7 @@ class Elastic(NamedTuple):
         return float(np.sum(total))
 
     def largest(self, poses: ParticlePoses) -> tuple[float, float]:
-        """Largest sine of an end's angle or a twist, and largest strain at a surface."""
+        """Largest sine of an end's angle, or twist (rad); and largest strain at a surface."""
         shape = self._shape(*self._ends(poses))
         turns = shape.sines + shape.sines**3 / 6
         rest = self.stiffness[:, :1]

@@ -64,16 +64,16 @@ them, joints and the probe come last).
 
 
 def kinds_of(scenes) -> list[type[ElementType]]:
-    """The kinds that some of the scenes have, in the order of the registry; others follow."""
+    """Element types that some of the scenes have, in the order of KINDS, then those not
+    registered."""
     types = {kind for scene in scenes for kind in scene.kinds}
     own = sorted(types.difference(KINDS), key=lambda kind: (kind.__module__, kind.__qualname__))
     return [kind for kind in (*KINDS, *own) if any(kind.of(scene) for scene in scenes)]
 
 
 def energies_of(kinds) -> list:
-    """The energies in the balance of a scene with these kinds, in order, besides kinetic energy and
-    the balance: what is stored, given and taken. Those of the registry are always there.
-    """
+    """Energies (Energy) in the balance of a scene, in order, besides kinetic energy and the
+    balance: what its element types `kinds`, and all registered ones, store, give and take."""
     kinds = [*KINDS, *(kind for kind in kinds if kind not in KINDS)]
     energies = [getattr(k, role) for role in ("stores", "gives", "takes") for k in kinds]
     return list(dict.fromkeys(energy for energy in energies if energy))

@@ -55,7 +55,8 @@ class SceneData(Protocol):
 
 
 class Slices:
-    """Slice of each key in a shared array, one after the other; count: length of the array."""
+    """Slice of each key in a shared array, one after the other. sizes: number of rows by key; of:
+    slices by key; count: length of the array."""
 
     def __init__(self, sizes: dict):
         ends = np.cumsum([0, *sizes.values()])
@@ -124,7 +125,8 @@ class Batch:
         return array
 
     def table(self, kind: type, columns: int, row: Callable) -> np.ndarray:
-        """Array (elements, columns, lanes) from row(element) of every element of a type."""
+        """Array (elements, columns, lanes) of a type's elements; row(element) gives the numbers
+        (columns,) of one. kind: the element type."""
         count = len(kind.of(self.scene))
         return self.stack(count, columns, lambda scene: [row(e) for e in kind.of(scene)])
 
@@ -139,7 +141,7 @@ class Batch:
     # -- what kinds share -------------------------------------------------------------------------
 
     def part(self, kind: type) -> NamedTuple:
-        """The arrays of an element type, packed at the first call."""
+        """Arrays of the element type `kind` for its kernels, by its `pack`; packed once."""
         if kind not in self._parts:
             self._parts[kind] = kind.pack(self)
         return self._parts[kind]

@@ -20,11 +20,8 @@ _KEY = "fpm"
 @dataclass(frozen=True)
 class FieldSpec:
     """Spec of a field of an element. same: whether it must be equal in scenes that run side by
-    side.
-
-    words: its name in messages, with {called} or {title} of the element (kind.py); text: for the
-    table of keys; is_shown: whether it is a part of descriptions.
-    """
+    side. words: its name in messages, with {called} or {title} of the element (kind.py); text: its
+    meaning, for the docs' table of keys; is_shown: whether descriptions say its value."""
 
     name: str = ""
     same: bool = False
@@ -35,10 +32,9 @@ class FieldSpec:
 
 @dataclass(frozen=True)
 class Number(FieldSpec):
-    """`count` numbers in a unit; `least` (allowed) or `above` (not allowed) is their lower end.
-
-    finite: whether they must be; optional: whether None is allowed; zero: whether that is said.
-    """
+    """Spec of `count` numbers in a unit; `least` (allowed) or `above` (not allowed) is their lower
+    bound. finite: whether they must be; optional: whether None is allowed; zero: whether
+    descriptions of elements say the value if it is 0."""
 
     unit: str = ""
     least: float | None = None
@@ -49,13 +45,13 @@ class Number(FieldSpec):
     zero: bool = True
 
     def allows(self, value: float) -> bool:
-        """Whether a value is allowed."""
+        """Whether one number (in the field's unit) is allowed."""
         low = self.least is not None and not value >= self.least
         low = low or (self.above is not None and not value > self.above)
         return not low and not math.isnan(value) and (math.isfinite(value) or not self.finite)
 
     def allowed(self, unit: str) -> str:
-        """Allowed values in words, in a unit."""
+        """Allowed values in words, for messages, as "a number >= 0 (m)"; unit: "" for none."""
         plural = f"{self.count} {'finite ' * self.finite}numbers"
         singular = f"a {'finite ' * self.finite}number"
         end = f" >= {self.least:g}" if self.least is not None else ""
@@ -87,50 +83,54 @@ def _field(spec: FieldSpec, default: Any) -> Any:
 def number(
     unit: str = "", least=None, above=None, *, default=MISSING, is_shown=True, **keys
 ) -> Any:
-    """A field with a number, or several; keys: of `Number`."""
+    """Field of an element with a number, or several. unit: as "N m"; least, above: lower bound,
+    allowed or not; default: MISSING where it must be given; is_shown, keys: as of `Number`."""
     keys |= {"is_shown": is_shown and keys.get("count", 1) == 1, "optional": default is None}
     return _field(Number(unit=unit, least=least, above=above, **keys), default)
 
 
 def stiffness(unit: str = "N m/rad", words: str = "{called} stiffness", **keys) -> Any:
-    """A field with a stiffness."""
+    """Field with a stiffness, at least 0. words: its name in messages; keys: of `number`."""
     return number(unit, 0.0, words=words, **keys)
 
 
 def damping(**keys) -> Any:
-    """A field with the constant of a damper (N m s/rad)."""
+    """Field of an element with a damping constant (N m s/rad), at least 0; keys: of `number`."""
     return number("N m s/rad", 0.0, zero=False, **keys)
 
 
 def word(values: Mapping[Any, float], *, default=MISSING, **keys) -> Any:
-    """A field with one of some words; in kernels it is a number."""
+    """Field of an element with one of some words. values: number that stands for each in kernels;
+    default: MISSING where it must be given; keys: of `Word`."""
     return _field(Word(values=values, **keys), default)
 
 
 def index(group: str, least: int = 0, *, default=MISSING, **keys) -> Any:
-    """A field with the index of something in one of the scene's lists."""
+    """Field of an element with the index of something in the list `group` of the scene, at least
+    `least` (-1: or none). default: MISSING where it must be given; keys: of `Index`."""
     return _field(Index(of=group, least=least, same=True, **keys), default)
 
 
 def same(default: Any = MISSING) -> Any:
-    """A field with something else that must be equal in scenes that run side by side."""
+    """Field of an element with anything that must be equal in scenes that run side by side."""
     return _field(FieldSpec(same=True), default)
 
 
 @cache
 def specs(kind: type) -> dict[str, FieldSpec]:
-    """Specs of the fields of an element type, by name of the field."""
+    """Specs of the fields of an element type `kind`, by name of the field."""
     keyed = [f for f in fields(kind) if _KEY in f.metadata]
     return {f.name: replace(f.metadata[_KEY], name=f.name) for f in keyed}
 
 
 def numbers_in(value: Any) -> Sequence[float]:
-    """The numbers of a field."""
+    """Numbers (k,) of a field's value: one number, or an array, flat."""
     return (value,) if isinstance(value, float | int) else np.ravel(value)
 
 
 def check_number(subject: str, value: Any, number: Number, unit: str) -> None:
-    """Check the value of a field; raises SceneError, with this subject, unless it is allowed."""
+    """Check the value of a field; raises SceneError unless it is allowed. subject: the field's name
+    in messages; number: its spec; unit: that of the message."""
     if value is None and number.optional:
         return
     numbers = numbers_in(value)

@@ -150,17 +150,17 @@ class ElementType:
             raise SceneError(self.subject(scene, field), value, f"{field.least} to {count - 1}")
 
     def subject(self, scene: SceneData, field: FieldSpec) -> str:
-        """Name of a field in messages."""
+        """Name in messages of a field of this element, as "stiffness of latch A"."""
         words = field.words or field.name.replace("_", " ") + " of {title}"
         title = self.title(scene) if "{title}" in words else ""
         return words.format(called=self.called, title=title)
 
     def title(self, scene: SceneData) -> str:
-        """Name of the element in messages about its numbers."""
+        """Name of this element in messages, as "latch A"."""
         return self.called
 
     def unit_in(self, scene: SceneData, unit: str) -> str:
-        """Unit of a number of the element, by the unit that its field states."""
+        """Unit of a number of the element, by the one its field states: on slides N for N m."""
         return unit
 
     def topology(self) -> Hashable:
@@ -180,8 +180,8 @@ class ElementType:
 
     @classmethod
     def led(cls, scene: SceneData) -> list["ElementType"]:
-        """Elements that represent each element of the type in the quasi-static travel of an opening
-        (fpm/travel)."""
+        """Elements by which those of the type are represented where an opening is moved slowly, in
+        static balance, to find what resists it (fpm/travel)."""
         return cls.of(scene)
 
     @classmethod
@@ -242,14 +242,14 @@ class ElementType:
 
     @classmethod
     def pack(cls, batch: Batch) -> NamedTuple:
-        """The named tuple of arrays for the type's kernels, filled by `array`."""
+        """The named tuple of arrays for the type's kernels, filled by `array`. batch: of scenes."""
         arrays = _arrays_in(cls.kernels())
         return arrays(**{name: cls.array(name, batch) for name in arrays._fields})
 
     @classmethod
     def array(cls, name: str, batch: Batch) -> Any:
-        """The array that stands under a name in the tuple of the type's kernels; by default the
-        integers of the field of that name.
+        """The array that stands under `name` in the tuple of the type's kernels; by default the
+        integers of the field of that name. batch: the scenes being packed.
 
         `numbers`: constants of every element, in the order of NUMBERS in the kernels' file;
         `state`, `track`: zeros, STATE for each element, and TRACK for each at every instant;
@@ -297,13 +297,14 @@ class ElementType:
 
     @classmethod
     def recorded(cls, part: Any, scene: SceneData, lane: int) -> dict[str, Series]:
-        """Recorded series of one lane, by names of variables in a trajectory file."""
+        """Recorded series of one sample, by names of variables in a trajectory file. part: arrays
+        of the type's kernels after the run; lane: index of the sample in the batch."""
         return {}
 
     @classmethod
     def prescribe(cls, scene: SceneData, time: float, motion: Any) -> None:
-        """Put the prescribed motion at a time (s) into a Motion (fpm/files/outcome.py), in
-        place."""
+        """Put the prescribed motion at a time (s) into `motion`, a Motion (fpm/files/outcome.py) of
+        all particles, in place."""
 
 
 def _row(element: ElementType, columns: list) -> list[float]:

@@ -29,7 +29,7 @@ def arctan(x):
 
 @kernel
 def arctan2(s, c):
-    """Angle in (-pi, pi] with sine and cosine in the ratio s : c, without a branch."""
+    """Angle (rad, lanes) in (-pi, pi] with sine and cosine in the ratio s : c (lanes)."""
     a, b = absolute(s), absolute(c)
     steep = b - a  # negative beyond 45 degrees
     t = where_negative(steep, b, a) / where_negative(steep, a, b)

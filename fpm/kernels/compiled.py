@@ -31,10 +31,11 @@ from fpm.kernels.vectors import OPTIONS
 
 
 def own_sources(parts: tuple[type, ...]) -> dict[Path, str]:
-    """The files outside of the mechanics on which the code of kinds with these tuples depends, with
-    their digests: those of the tuples and their kernels, and those beside them that they import.
+    """Files outside of the mechanics, with their digests, on which the code of element types
+    depends: those of their tuples and kernels, and those beside them that these import.
 
-    ChangedError if one changed since its kernels were imported.
+    parts: the named tuples (types) of the element types' kernels. Raises ChangedError if a file
+    changed since its kernels were imported.
     """
     kernels = [(part, k.py_func) for (part, _), k in KERNELS.items() if part in parts]
     digests = {}
@@ -48,7 +49,8 @@ def own_sources(parts: tuple[type, ...]) -> dict[Path, str]:
 
 @functools.cache
 def source_digest(parts: tuple[type, ...] = ()) -> str:
-    """Hexadecimal digest of numba's version, the kernel sources, and those of kinds elsewhere."""
+    """Hexadecimal digest (16 digits) of numba's version, the kernel sources, and those of element
+    types from elsewhere; parts: the named tuples (types) of these."""
     own = [digest for _, digest in sorted(own_sources(parts).items())]
     text = repr([numba.__version__, sources.kernels(), own])
     return hashlib.sha256(text.encode()).hexdigest()[:16]
@@ -71,10 +73,8 @@ LONGEST = 200
 
 
 def cache_folder(parts: tuple[type, ...] = (), entry: str = "loop") -> Path:
-    """Where compiled code is kept: where NUMBA_CACHE_DIR says, beside the sources, or at home.
-
-    parts: the named tuples of the kinds in the loop; entry: the loop, or a part of it.
-    """
+    """Folder of the compiled code of a loop: where NUMBA_CACHE_DIR says, beside the sources, or at
+    home. parts: the named tuples (types) of its element types; entry: a key of ENTRIES."""
     loop_name = "-".join([entry, *(p.__name__ for p in parts)])
     if len(loop_name) > LONGEST:  # else nothing could be kept of a scene of nearly all kinds
         loop_name = f"{loop_name[:LONGEST]}-{hashlib.sha256(loop_name.encode()).hexdigest()[:16]}"
@@ -117,7 +117,8 @@ def _loop(parts: tuple[type, ...], entry: str, is_cached: bool) -> Dispatcher:
 
 
 def loop_for(arguments: tuple, entry: str = "loop") -> Callable:
-    """The time loop, or another of ENTRIES, compiled or loaded from the cache for these arguments.
+    """The time loop, or another of ENTRIES, compiled or loaded from the cache for the arguments it
+    is then called with: those of run.run or run.act.
 
     numba's cache can break when several processes write it at once, so the first that arrives
     compiles and the others wait for its lock; so do threads, which share numba's setting as well.

@@ -11,9 +11,10 @@ UNBALANCED = -1
 
 @kernel
 def find_failures(parts, world, record, row, n, tolerance):
-    """Mark the lanes that fail at step n; returns whether no lane is left.
+    """Mark the lanes that fail at step n in `record`; returns whether no lane is left.
 
-    A lane fails when its energy balance is off by more than `tolerance` times the largest energy it
+    parts: arrays of each element type; world: solver state; row: of this step in record.energies. A
+    lane fails when its energy balance is off by more than `tolerance` times the largest energy it
     has held so far, when a number is not finite, or when a watched quantity is above its limit.
     """
     running = 0
@@ -46,9 +47,11 @@ def find_failures(parts, world, record, row, n, tolerance):
 
 @kernel
 def worst_row(parts, world, cause, s):
-    """Row of the first element of lane s whose measure is not finite, else of the largest one.
+    """Row in World.rows of the first element of lane s whose measure is not finite, else of the
+    largest one; -1: none.
 
-    The measure is the energy, of elements of all kinds, or what the watching kind has for one.
+    The measure is the energy, of elements of all types, where cause is UNBALANCED; else that of the
+    type whose watched quantity `cause` is (an index). parts: arrays of each element type.
     """
     rows = world.rows
     for e in range(rows.shape[0]):

@@ -33,7 +33,9 @@ NAMES: list[str] = []
 
 
 def hook(arrays: type, name: str | None = None) -> Callable:
-    """Compile a kernel as what kind `arrays` (a NamedTuple) does at the hook of its name."""
+    """Decorator that compiles a kernel as what an element type does at a hook. arrays: the
+    NamedTuple of the type's arrays, the kernel's first argument; name: of the hook, that of the
+    function by default. Raises ValueError for an unknown hook or a second kernel at one."""
 
     def register(function):
         hook_name = name or function.__name__
@@ -116,28 +118,32 @@ def _unrolled(line: str | None = None) -> Callable:
 
 @_unrolled()
 def forces(parts, world, timing):
-    """Add forces (F) and moments (M) at timing.time to the particles'."""
+    """Add forces (F) and moments (M) at timing.time (s) to the particles'. parts: arrays of each
+    element type; world: solver state (World)."""
 
 
 @_unrolled()
 def note_events(parts, world, timing):
-    """Note what happened since the positions before, with `events.note` (not at the start)."""
+    """Note events since the positions before, with `events.note` (not at the start). parts: arrays
+    of each element type; world: solver state (World); timing: times of the step (s)."""
 
 
 @_unrolled()
 def work_before(parts, world, timing):
-    """Work of the half step up to timing.time: forces there, its middle's velocities (not at 0)."""
+    """Add work (J) of the half step up to timing.time: forces there, velocities of its middle (not
+    at 0). parts: arrays of each element type; world: solver state (World)."""
 
 
 @_unrolled()
 def restrain(parts, world, timing):
-    """Change the summed forces and the momenta before the kick; work of the half step after."""
+    """Change summed forces and momenta before the forces act; add work (J) of the half step after.
+    parts: arrays of each element type; world: solver state (World); timing: step times (s)."""
 
 
 @_unrolled()
 def prepare(parts, world, timing):
-    """Kick the particles that the element type moves itself (ElementType.moved), timing.kick
-    long."""
+    """Add the impulses of forces over timing.kick (s) to the momenta of the particles that the
+    element type moves itself (ElementType.moved). parts: arrays of each type; world: World."""
 
 
 @_unrolled()
@@ -146,30 +152,32 @@ def decide(parts, world, timing):
     (elements/joints/turn.py).
 
     Sets World.undecided where anything changed, and then `solve` and `decide` are repeated; each
-    element may change only finitely often per step.
+    element may change only finitely often per step. parts: arrays of each type; timing: in s.
     """
 
 
 @_unrolled()
 def solve(parts, world, timing):
-    """Find the impulses of the step, once and again while World.undecided is set."""
+    """Find the impulses of constraints in this step, once and again while World.undecided is set.
+    parts: arrays of each element type; world: solver state (World); timing: step times (s)."""
 
 
 @_unrolled()
 def move(parts, world, timing):
-    """Move the particles that the element type moves itself over timing.step, whether or not others
-    have moved."""
+    """Move the particles that the element type moves itself over timing.step (s), whether or not
+    others have moved. parts: arrays of each element type; world: solver state (World)."""
 
 
 @_unrolled()
 def look_back(parts, world, timing):
-    """Correct the momenta half a step before the start in World.start_state, which are the
-    reflected ones after it, and the impulses of the first kick."""
+    """Correct the momenta half a step before the start in World.start_state, reflected from those
+    after it, and impulses of the first step. parts: arrays of each type; timing: step times (s)."""
 
 
 @_unrolled()
 def work_after(parts, world, timing):
-    """Work of the half step after timing.time, or of the whole step; velocities of its middle."""
+    """Add work (J) of the half step after timing.time, or of the whole step; velocities of its
+    middle. parts: arrays of each element type; world: solver state (World)."""
 
 
 # At checks and instants, with the positions of timing.time.
@@ -179,40 +187,43 @@ def work_after(parts, world, timing):
     "store(energies, row, ACCOUNTS + world.accounts.shape[1] + {j}, {kernel}({part}, world))"
 )
 def stored(parts, world, energies, row):
-    """Store the energy (lanes, J) of all elements of the type: a kernel of (part, world) returns
-    it.
-
-    `energy_of` is simpler.
-    """
+    """Store the energy (lanes, J) of all elements of the type in row `row` of `energies`, recorded:
+    a kernel of (part, world) returns it. `energy_of` is simpler. parts: arrays of each type."""
 
 
 @_unrolled()
 def work_of_place(parts, world, energies, row):
-    """Add work (J) that depends on the positions only to the kind's column of `energies`."""
+    """Add work (J) that depends on the positions only to the type's column in row `row` of
+    `energies`, recorded. parts: arrays of each element type; world: solver state (World)."""
 
 
 @_unrolled()
 def record(parts, world, row):
-    """Write row `row` of what is recorded of the kind, and watch it."""
+    """Write row `row`, an instant's, of the type's recorded arrays, and update its watched
+    quantities. parts: arrays of each element type; world: solver state (World)."""
 
 
 @_unrolled()
 def record_points(parts, world, points, row, timing):
-    """Correct the recorded velocities of points on particles that the kind moves itself."""
+    """Correct the recorded velocities (m/s) of points on particles that the type moves itself.
+    parts: arrays of each type; points: Record.points; row: of the instant; timing: step times."""
 
 
 @_unrolled()
 def work_due(parts, world, energies, row):
-    """Add to an account (J) in `energies` what impulses of the step from now on did up to now."""
+    """Add to an account (J) in row `row` of `energies` what impulses of the step that begins did
+    until its start. parts: arrays of each element type; world: solver state (World)."""
 
 
 @_unrolled()
 def record_step(parts, world, row, timing):
-    """Write row `row` of what the step from timing.time on did; World.start_state has its start."""
+    """Write row `row`, an instant's, of what the step from timing.time on did; World.start_state
+    has its start. parts: arrays of each element type."""
 
 
 def energy_of(part, world, e):
-    """Return the energy (lanes, J) of element e; it stands for `stored` and `list_energies`."""
+    """Return the energy (lanes, J) of element e; it stands for `stored` and `list_energies`. part:
+    arrays of the element type; world: solver state (World)."""
 
 
 NAMES.append("energy_of")
@@ -222,9 +233,10 @@ NAMES.append("energy_of")
 
 @_unrolled()
 def list_energies(parts, world):
-    """Store every element's energy (J) in the kind's rows of World.rows."""
+    """Store every element's energy (J) in World.rows. parts: arrays of each type; world: state."""
 
 
 @_unrolled()
 def list_excess(parts, world):
-    """Store by how much every element exceeds what is watched in the kind's rows."""
+    """Store in its type's rows of World.rows how large every element's watched quantity is. parts:
+    arrays of each element type; world: solver state (World)."""

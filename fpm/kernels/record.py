@@ -28,7 +28,7 @@ and so little that a growing mode, whose kicks are all that it has, is none the 
 
 @kernel
 def keep(world):
-    """Copy what recording needs from the start of a step."""
+    """Copy the state at the start of a step (SAVED) to World.start_state. world: solver state."""
     for i in range(world.state.shape[0]):
         for k in range(SAVED):
             store(world.start_state, i, k, load(world.state, i, k))
@@ -36,7 +36,8 @@ def keep(world):
 
 @kernel
 def reflect(world):
-    """Momenta half a step before the start, by reflection of those after it."""
+    """Set momenta half a step before the start in World.start_state, by reflection at the start of
+    those after it, in World.state. world: solver state (World)."""
     for i in range(world.state.shape[0]):
         for k in (V, P):
             momentum = 2.0 * get3(world.start_state, i, k) - get3(world.state, i, k)
@@ -45,8 +46,8 @@ def reflect(world):
 
 @kernel
 def kinetic_energies(world):
-    """Kinetic energy (J) at an instant, from momenta half a step before (`start`) and after it; and
-    that of half their difference, the kick.
+    """Kinetic energy (J, lanes) at an instant, from momenta half a step before (World.start_state)
+    and after it (World.state); and that of half their difference. world: solver state (World).
 
     The product of the two half-step velocities is the form that leapfrog conserves exactly,
     together with the potential energy at the instant, for linear systems. It is less by the second
@@ -70,7 +71,9 @@ def kinetic_energies(world):
 
 @kernel
 def record_before(parts, world, record, row):
-    """Record what depends on positions at an instant: energies, and records of element types."""
+    """Record what depends on positions at an instant: energies, and records of element types.
+    parts: arrays of each element type; world: solver state (World); record: of the run (Record);
+    row: of the instant in it."""
     hooks.stored(parts, world, record.energies, row)
     for k in range(world.accounts.shape[1]):
         store(record.energies, row, ACCOUNTS + k, load(world.accounts, 0, k))
@@ -82,7 +85,8 @@ def record_before(parts, world, record, row):
 def record_after(parts, world, record, row, timing):
     """Record what depends on momenta on both sides of an instant: points, kinetic energy, balance.
 
-    World.start_state: the state at the instant, with the momenta half a step before it.
+    parts: arrays of each type; record: of the run (Record); row: of the instant in it; timing: step
+    times (s). World.start_state: the state at the instant, with the momenta half a step before it.
     """
     start, state, points = world.start_state, world.state, record.points
     count = world.point_on.shape[0]
@@ -105,12 +109,14 @@ def record_after(parts, world, record, row, timing):
 
 @kernel
 def balance(world, energies, row, kick):
-    """Error of the energy balance (J) since the start: stored energy, less work given, and losses.
+    """Store the error of the energy balance (J) since the start: stored energy, less work given,
+    and losses; and the sizes of all stored energies, with which it is compared, in World.sums.
 
-    It is small or large against the sizes of what is stored: where an element type's energy is
-    zero, and thus its sign, is a matter of words, as that of a constant moment. What begins to move
-    by an impact has no kinetic energy between its half steps yet, but for rounding before it times
-    what is after it, which is some 1e-12 of that of the kick.
+    world: solver state (World); energies: recorded (Record.energies); row: of the instant; kick:
+    kinetic energy (J) of half the step's change. Sizes, as where an element type's energy is zero,
+    and thus its sign, is a matter of words, as that of a constant moment. What begins to move by an
+    impact has no kinetic energy between its half steps yet, but for rounding before it times what
+    is after it, which is some 1e-12 of `kick`.
     """
     stored_energy = load(energies, row, KINETIC)
     size = stored_energy  # of either sign: where a step is not stable, velocities alternate

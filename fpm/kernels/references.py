@@ -50,7 +50,7 @@ def _field(context, builder, reference, value, name):
 
 @intrinsic
 def by_reference(typingctx, value):
-    """A named tuple by reference; of a tuple of named tuples, a tuple of references."""
+    """A reference to a named tuple; of a tuple of named tuples, a tuple of references."""
     if isinstance(value, types.BaseNamedTuple):
         return Reference(value)(value), lambda _, builder, __, args: alloca_once_value(
             builder, *args

@@ -17,7 +17,8 @@ from fpm.kernels.vectors import cross, dot, get3, kernel, put3, vector
 
 @kernel
 def frame(state, i):
-    """The three axes of particle (or pair) i in global components."""
+    """The three axes, unit vectors, of particle (or pair) i in global components. state (n, STATE,
+    lanes): of all particles."""
     second, third = get3(state, i, D2), get3(state, i, D3)
     return cross(second, third), second, third
 
@@ -38,7 +39,8 @@ def half_turn(body, rate):
 
 @kernel
 def put_turned(state, i, axes, half):
-    """Store the axes (three vectors) of particle i after the body-fixed turn by twice `half`."""
+    """Store the axes of particle i after a step's turn. state (n, STATE, lanes): of all particles;
+    axes: the three before, global; half: half the rotation vector (rad), along these axes."""
     x, y, z = half.x, half.y, half.z
     xx, yy, zz = x * x, y * y, z * z
     t = (xx + yy) + zz
@@ -54,7 +56,8 @@ def put_turned(state, i, axes, half):
 
 @kernel
 def normalise(state):
-    """Bring all directors back to length one and a right angle by a Newton step.
+    """Bring the axes of all particles back to length one and right angles by a Newton step. state
+    (n, STATE, lanes): of all particles.
 
     They lose it by rounding, and in turns by tenths of a radian by the ends of the series; the time
     loop calls this now and then.

@@ -22,7 +22,8 @@ tenths of a radian in a step, the ends of the series; the third as a product add
 
 @kernel
 def time_particles(particles, timing):
-    """Store the particles' constants times kick and step, once for all steps alike."""
+    """Store the particles' constants times this step's times, KICK and HALF, for all steps alike.
+    particles (n, PARTICLE, lanes); timing: times of the step (s)."""
     for i in range(particles.shape[0]):
         store(particles, i, KICK, timing.kick * load(particles, i, IM))
         put3(particles, i, HALF, (0.5 * timing.step) * get3(particles, i, IJ))
@@ -30,24 +31,24 @@ def time_particles(particles, timing):
 
 @kernel
 def kick_and_move(state, particles, i, timing):
-    """Kick particle (or pair) i, and move it by a step."""
+    """Add the impulses of the step's forces to the momenta of particle (or pair) i, and move it by
+    a step. state, particles: those of World; timing: times of the step (s)."""
     carry(state, i, load(particles, i, KICK) * get3(state, i, F) + get3(state, i, V), timing.step)
     turn(state, particles, i, timing.kick * get3(state, i, M) + get3(state, i, P))
 
 
 @kernel
 def carry(state, i, v, step):
-    """Move particle (or pair) i by a step (s) with velocity v."""
+    """Move particle (or pair) i by a step (s) with velocity v (m/s), in state (n, STATE, lanes)."""
     put3(state, i, V, v)
     put3(state, i, X, step * v + get3(state, i, X))
 
 
 @kernel
 def turn(state, particles, i, p):
-    """Turn particle (or pair) i by a step with angular momentum p; its forces are used up.
-
-    Returns the angular momentum and half the turn, along the particle's axes.
-    """
+    """Turn particle (or pair) i by a step with angular momentum p (N m s, global axes), and set its
+    forces and moments to 0. state, particles: those of World. Returns the angular momentum and half
+    the rotation vector (rad), along the particle's axes."""
     put3(state, i, P, p)
     for k in range(6):
         store(state, i, F + k, 0.0)
@@ -62,9 +63,10 @@ def turn(state, particles, i, p):
 def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
     """Integrate `steps` steps of `step` s; returns the number of steps done.
 
-    parts: the named tuples of the kinds in the scene; world, record: world.py. Every `per_check`
-    steps the energy balance is checked against `tolerance` times the largest energy so far, every
-    `per_instant` steps an instant is recorded. The run ends early when all lanes have failed.
+    parts: the named tuples of the element types in the scene; world, record: world.py. Every
+    `per_check` steps the energy balance is checked against `tolerance` times the largest energy so
+    far, every `per_instant` steps an instant is recorded. The run ends early when all lanes have
+    failed.
     """
     parts, world, record = by_reference(parts), by_reference(world), by_reference(record)
     state, free = world.state, world.free
@@ -107,5 +109,6 @@ def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
 
 @kernel
 def act(parts, world, timing):
-    """Add the forces of all element types to those of the particles; no step is done."""
+    """Add the forces of all element types to those of the particles, once; no step is done. parts:
+    arrays of each element type; world: solver state (World); timing: times of the step (s)."""
     hooks.forces(by_reference(parts), by_reference(world), timing)

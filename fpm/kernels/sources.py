@@ -44,16 +44,16 @@ State = tuple[int, ...]
 
 
 def state_of(stat: os.stat_result) -> State:
-    """The state of a file."""
+    """State of a file by the result of os.stat: inode, size, and times in ns."""
     return stat.st_ino, stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns
 
 
 class Imported:
     """The files of a package as they are when this is made, which has to be before they are
-    imported: then a digest of these files is one of the code in memory. Where it is made later,
-    `files` has its Python files as they were before.
+    imported: then a digest of these files is one of the code in memory.
 
-    Names of files are those below the package's folder.
+    folder: of the package; names of files are those below it. files: where this is made later, its
+    Python files as they were before, by path.
     """
 
     def __init__(self, folder: Path, files: Mapping[Path, os.stat_result] | None = None):
@@ -72,9 +72,10 @@ class Imported:
         self._specs: dict[str, object] = {}
 
     def digest(self, include: tuple[str, ...] = (), exclude: tuple[str, ...] = ()) -> str:
-        """First 16 hex digits of the SHA-256 of files and rooms, or of all, but for some.
+        """First 16 hex digits of the SHA-256 of files and folders `include`, or of all, without
+        `exclude`.
 
-        Comments, formatting and docstrings of Python files do not count. ChangedError as of
+        Comments, formatting and docstrings of Python files do not count. Raises ChangedError as
         `check`.
         """
         self.check()
@@ -85,11 +86,11 @@ class Imported:
         return self._digests_of[include, exclude]
 
     def check(self, reread: bool = False) -> None:
-        """ChangedError if what is in memory may not be what the files were at first; reread: or is
-        not what they are now.
+        """Check that the code in memory is that of the files at first, and, if `reread`, of the
+        files as they are now; raises ChangedError if it may not be.
 
-        Else a file that was imported and had not changed until now may change from now on, unless
-        it is imported once more.
+        Without `reread`, a file that was imported and had not changed by then may change
+        afterwards, unless it is imported once more.
         """
         start, package = f"{self.folder}{os.sep}", self.folder.name
         for module in sys.modules.keys() - self._foreign_modules:
@@ -153,25 +154,25 @@ MECHANICS = Imported(PACKAGE)
 
 
 def mechanics() -> str:
-    """Digest of all of the mechanics that can change what a run records by itself."""
+    """Digest of all files of the mechanics that can change what a run always records."""
     return MECHANICS.digest(exclude=READ + DISPLAY)
 
 
 def reading() -> str:
-    """Digest of what reads further numbers off a run."""
+    """Digest of the files that read further quantities off a run (READ)."""
     return MECHANICS.digest(include=READ)
 
 
 def kernels() -> str:
-    """Digest of all that is compiled."""
+    """Digest of the files that are compiled: those of elements and kernels."""
     return MECHANICS.digest(include=("elements", "kernels"))
 
 
 def own_sources(*starts: Path) -> set[Path]:
-    """Python files, those beside and below them that they import, packages too, and so on; and of
-    kinds of elements the kernels: the file beside with `_kernels` behind its name.
+    """Python files `starts`, those beside and below them that they import, packages too, and so on;
+    and of element types the kernels: the file beside with `_kernels` behind its name.
 
-    Only files count, not what is imported when. SceneError for a start that is none.
+    Only files count, not what is imported when. Raises SceneError for a start that is no file.
     """
     files: set[Path] = set()
     queue = [path.resolve() for path in starts]
@@ -190,8 +191,8 @@ def own_sources(*starts: Path) -> set[Path]:
 
 
 def digests(path: Path) -> dict[Path, str]:
-    """A file outside of the mechanics with its `own_sources`, and their digests now; none for one
-    of the mechanics, whose code is known."""
+    """Digests now of a file outside of the mechanics and of its `own_sources`, by path; none for a
+    file of the mechanics, whose code is known."""
     if PACKAGE in path.parents:
         return {}
     return {file: tree_digest(file) for file in own_sources(path)}
@@ -280,7 +281,8 @@ def tree_digest(path: Path) -> str:
 
 
 def content_digest(content: bytes, path: Path) -> str:
-    """Digest of a file by its content, as `syntax_digest`."""
+    """Digest of a file by its `content`, of Python as `syntax_digest` takes it; path: for its
+    suffix."""
     if path.suffix != ".py":
         return hashlib.sha256(content).hexdigest()
     return _tree_digest(content, str(path))
@@ -304,7 +306,7 @@ def _tree_digest(content: bytes, path: str) -> str:
 
 
 def user_cache() -> Path:
-    """The folder of the user's in which may be kept what can be made again."""
+    """The user's folder for files that can be made again; it need not exist."""
     return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "deployable-intervals"
 
 

@@ -135,13 +135,13 @@ def larger(x, y):
 
 @kernel
 def get3(a, i, k):
-    """The vector in fields k, k+1, k+2 of row i."""
+    """Vector in fields k, k+1, k+2 of row i of an array a (rows, fields, lanes)."""
     return vector(load(a, i, k), load(a, i, k + 1), load(a, i, k + 2))
 
 
 @kernel
 def put3(a, i, k, v):
-    """Write a vector to fields k, k+1, k+2 of row i."""
+    """Write a vector v to fields k, k+1, k+2 of row i of an array a (rows, fields, lanes)."""
     store(a, i, k, v.x)
     store(a, i, k + 1, v.y)
     store(a, i, k + 2, v.z)
@@ -149,7 +149,7 @@ def put3(a, i, k, v):
 
 @kernel
 def get6(a, i, k):
-    """The six lanes in fields k .. k+5 of row i."""
+    """The six lanes in fields k .. k+5 of row i of an array a (rows, fields, lanes), as a tuple."""
     return (
         load(a, i, k),
         load(a, i, k + 1),
@@ -162,20 +162,21 @@ def get6(a, i, k):
 
 @kernel
 def put6(a, i, k, s):
-    """Write six lanes to fields k .. k+5 of row i."""
+    """Write six lanes s to fields k .. k+5 of row i of an array a (rows, fields, lanes)."""
     put3(a, i, k, vector(s[0], s[1], s[2]))
     put3(a, i, k + 3, vector(s[3], s[4], s[5]))
 
 
 @kernel
 def add3(a, i, k, v):
-    """Add a vector to what is in fields k, k+1, k+2 of row i."""
+    """Add a vector v to fields k, k+1, k+2 of row i of an array a (rows, fields, lanes)."""
     put3(a, i, k, get3(a, i, k) + v)
 
 
 @kernel
 def add_where(a, i, k, v, condition):
-    """Add a vector to fields k, k+1, k+2 of row i in the lanes where `condition` is negative."""
+    """Add a vector v to fields k, k+1, k+2 of row i of an array a (rows, fields, lanes), in the
+    lanes where `condition` is negative."""
     old = get3(a, i, k)
     new = old + v
     store(a, i, k, where_negative(condition, new.x, old.x))
@@ -191,19 +192,19 @@ def opposite(v):
 
 @kernel
 def dot(a, b):
-    """Scalar product."""
+    """Scalar product (lanes) of two vectors."""
     return a.x * b.x + a.y * b.y + a.z * b.z
 
 
 @kernel
 def cross(a, b):
-    """Vector product."""
+    """Vector product of two vectors, a x b."""
     return vector(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 
 
 @kernel
 def times(a, b):
-    """Component by component."""
+    """Product of two vectors, component by component."""
     return vector(a.x * b.x, a.y * b.y, a.z * b.z)
 
 
@@ -221,7 +222,7 @@ def to_local(frame, v):
 
 @kernel
 def symmetric(s, v):
-    """Product of a symmetric matrix (xx, yy, zz, xy, xz, yz) and a vector."""
+    """Product of a symmetric matrix s (xx, yy, zz, xy, xz, yz) and a vector v."""
     return vector(
         s[0] * v.x + s[3] * v.y + s[4] * v.z,
         s[3] * v.x + s[1] * v.y + s[5] * v.z,
@@ -231,7 +232,7 @@ def symmetric(s, v):
 
 @kernel
 def invert(s):
-    """Inverse of a symmetric 3 by 3 matrix (xx, yy, zz, xy, xz, yz), by cofactors."""
+    """Inverse of a symmetric 3 by 3 matrix, by cofactors; both (xx, yy, zz, xy, xz, yz)."""
     xx = s[1] * s[2] - s[5] * s[5]
     xy = s[4] * s[5] - s[3] * s[2]
     xz = s[3] * s[5] - s[4] * s[1]

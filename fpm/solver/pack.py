@@ -41,6 +41,7 @@ def check_topology(scenes: Sequence[Scene]) -> None:
 def pack(
     scenes: Sequence[Scene], width: int, dtype, instants: int, room: int = MOST_EVENTS
 ) -> Batch:
-    """The batch of scenes of one topology (`check_topology`): arrays of `width` lanes."""
+    """The batch of scenes of one topology (`check_topology`): arrays of `width` lanes. dtype: of
+    the arrays; instants: number of recorded ones; room: for how many events of each scene."""
     kinds = kinds_of(scenes)
     return Batch(scenes, kinds, energies_of(kinds), width, dtype, instants, room)

@@ -159,7 +159,7 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
 
 
 def is_compiled(scene: Scene) -> bool:
-    """Whether the cache on disk has the time loop for the element types of a scene."""
+    """Whether the cache on disk has the time loop, in float64, for the element types of a scene."""
     from fpm.kernels.compiled import DIGESTS, cache_folder
     from fpm.kernels.lanes import width as lanes_of
 

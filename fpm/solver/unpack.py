@@ -17,8 +17,9 @@ from fpm.scenes.timestep import StableStep, stable_step
 def outcome_of(
     run, lane: int, times: np.ndarray, division, limit: StableStep | None, extra=()
 ) -> Outcome:
-    """Outcome of one lane of a run, (Batch, parts, World, Record); extra: further columns to be
-    read."""
+    """Outcome of one sample of a run. run: Batch, arrays of its element types, World and Record,
+    after it; lane: index of the sample; times (t,) s: recorded instants; division: of the time
+    (Division); limit: stable step, None where a step was given; extra: further columns."""
     batch, parts, world, record = run
     scene, instants = batch.scenes[lane], len(times)
     steps = division.per_instant * (instants - 1)

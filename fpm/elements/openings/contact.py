@@ -28,10 +28,12 @@ class Contact(OnHinge):
 
     @classmethod
     def shut(cls, scene, inverse):
-        """Closed hinges with contacts: the relative position of two links is that of opening zero.
+        """Relative motions of two links that closed contacts rule out: that is opening zero,
+        wherever the scene starts. Returns sparse columns (6n, c).
 
-        So it is wherever the scene starts. Hinges that share no particle, unless it is held and has
-        no inverse mass, have columns that do not overlap; others are made orthonormal together.
+        inverse (6n,): inverse masses (1/kg) and inertias (1/kg m²). Hinges that share no particle,
+        unless it is held and has no inverse mass, have columns that do not overlap; others are made
+        orthonormal together.
         """
         from scipy.sparse import csc_matrix, identity
 

@@ -20,8 +20,8 @@ linkage at rest at closure has no events. Faces that meet at 1 rad/s reach it wi
 
 
 class Contacts(NamedTuple):
-    """Arrays of all contacts: hinges on (c,); numbers (c, 1, lanes) stiffness; rows (c, 1,
-    lanes)."""
+    """Arrays of all c contacts. on (c,): index of each one's hinge; numbers (c, 1, lanes):
+    stiffness (N m/rad); rows (c, 1, lanes): energies, for messages; log: of events."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -32,7 +32,8 @@ class Contacts(NamedTuple):
 
 @hook(Contacts)
 def forces(part, world, timing):
-    """Add the moments (N m) of contacts whose faces overlap, which open their hinges."""
+    """Add the moments (N m) of contacts whose faces overlap, which open their hinges. part: arrays
+    of all contacts (Contacts); world: solver state (World); timing: times of the step (s)."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         psi = load(part.openings.angles, h, NEW)
@@ -42,7 +43,8 @@ def forces(part, world, timing):
 
 @hook(Contacts)
 def note_events(part, world, timing):
-    """Note events of contacts that closed or opened since the last step."""
+    """Note events of contacts in part.log: which closed (1) or opened (0) since the last step.
+    part: arrays of all contacts (Contacts); world: solver state (World); timing: step times (s)."""
     angles = part.openings.angles
     for c in range(part.on.shape[0]):
         h = part.on[c]
@@ -56,7 +58,7 @@ def note_events(part, world, timing):
 
 @hook(Contacts)
 def energy_of(part, world, i):
-    """Energy of contact i (J)."""
+    """Energy (J, lanes) of contact i, 0 if open. part: all contacts (Contacts); world: World."""
     psi = load(part.openings.angles, part.on[i], NEW)
     overlap = where_negative(psi, psi, 0.0 * psi)
     return 0.5 * load(part.numbers, i, STIFFNESS) * overlap * overlap

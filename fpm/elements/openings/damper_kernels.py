@@ -14,8 +14,9 @@ DAMPING = 0
 
 
 class Dampers(NamedTuple):
-    """Arrays of all dampers: hinges on (d,); numbers (d, 1, lanes) N m s/rad; past (d, HISTORY,
-    lanes); account: index of the loss in World.accounts."""
+    """Arrays of all d dampers. on (d,): index of each one's hinge; numbers (d, 1, lanes): damping
+    (N m s/rad); openings: arrays of all openings; past (d, HISTORY, lanes): rate and moment of the
+    last step; account: index of the loss in World.accounts."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -27,7 +28,7 @@ class Dampers(NamedTuple):
 @hook(Dampers)
 def forces(part, world, timing):
     """Add the moments (N m) of viscous dampers, -c times the rate of the opening, and their losses
-    (J)."""
+    (J). part: all dampers (Dampers); world: solver state (World); timing: times of the step (s)."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         rate = follow_rate(part.openings, part.past, i, h, timing)

@@ -99,16 +99,16 @@ class Friction(OnHinge):
 
     @classmethod
     def led(cls, scene):
-        """Friction elements that slip at once, in the direction of their joints; those in
-        Scene.bearings have no moment."""
+        """Friction elements of a scene for the quasi-static motion of an opening (fpm/travel):
+        these slip at once. Those with a `load` get no moment: Scene.bearings has their friction."""
         frictions = [
             replace(friction, bristle_deflection=AT_ONCE, damping=0.0) for friction in cls.of(scene)
         ]
         return [f if f.load is None else replace(f, moment=0.0, load=None) for f in frictions]
 
     def add_to(self, scene):
-        """Add the element to a scene; friction in proportion to the joint's force is noted in
-        Scene.bearings, for travels."""
+        """Add the element to a scene; with a `load`, its moment for each N of it (m) is added to
+        Scene.bearings of the hinge, for quasi-static motions (fpm/travel)."""
         super().add_to(scene)
         if self.load is not None:
             scene.bearings[self.hinge] += self.moment / self.load
@@ -118,7 +118,7 @@ class Friction(OnHinge):
         return any(friction.load is not None for friction in cls.of(scene))
 
     def check(self, scene):
-        """The table as well, and the load."""
+        """Check the fields, the table and the load; SceneError if one does not fit."""
         super().check(scene)
         if self.load is not None and not (self.load > 0 and not self.angles):
             raise SceneError(f"load of {self.title(scene)}", self.load, "above 0, without a table")
@@ -136,11 +136,12 @@ class Friction(OnHinge):
 
     @property
     def stiffness(self) -> float:
-        """k = M / bristle_deflection (N m/rad)."""
+        """Stiffness of the bristle (N m/rad, on slides N/m): moment / bristle_deflection."""
         return self.moment / self.bristle_deflection
 
     def damping_in(self, scene) -> float:
-        """c (N m s/rad)."""
+        """Damping of the bristle while it sticks (N m s/rad, on slides N s/m); unless it is stated,
+        DAMPED times the critical one."""
         if self.damping is not None:
             return self.damping
         inverse = softness(scene, self.hinge)
@@ -148,8 +149,11 @@ class Friction(OnHinge):
 
     @classmethod
     def array(cls, name, batch):
-        """The dampers depend on the scene; at the start the feet are where the hinges are. The
-        tables are those of the bend."""
+        """The array of the kernels' field `name`, as of OnHinge.array; batch: scenes being packed.
+
+        Constants with the dampers, which depend on the scene; tables of the bend (None: no element
+        has one); forces of joints; and a state in which the feet are where the hinges are.
+        """
 
         def bristles(scene):
             return [[f.stiffness, f.bristle_deflection * (f.shares or (float(f.load is None),))[0],

@@ -30,8 +30,10 @@ step later, before the next one is found by the secant of both."""
 
 
 class Frictions(NamedTuple):
-    """Arrays of all friction elements: hinges on (f,); numbers (f, 4, lanes); past (f, HISTORY,
-    lanes); state (f, STATE, lanes)."""
+    """Arrays of all f friction elements. on (f,): index of each one's hinge; numbers (f, 4, lanes):
+    STIFFNESS to LOCKING; past (f, HISTORY, lanes), state (f, STATE, lanes): of the last step;
+    account: index of the loss in World.accounts; rows (f, 1, lanes): energies or measures of
+    failure, for messages; bearing: forces of joints, None where none counts."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -48,8 +50,9 @@ class Frictions(NamedTuple):
 
 @kernel
 def bend_at(points, start, i, most, psi):
-    """Bristle deflection (rad) at which element i slips at opening psi (rad), by the table
-    `points`; most: the deflection up to the first point of the table."""
+    """Bristle deflection (rad) at which element i slips at opening psi (rad), by a table of the
+    opening. points, start: tables of all elements (Frictions), None: none; most: the deflection
+    (rad) up to the first point of the table, returned as it is without one."""
     if points is not None:
         for j in range(start[i], start[i + 1]):
             ramp = psi - load(points, j, ANGLE)
@@ -62,9 +65,10 @@ def bend_by_force(bearing, state, i, timing):
     """Bristle deflection (rad), due to the force of the joint, at which element i slips: now and a
     step ago; at the start the stated one.
 
-    Where friction relieves its own joint by more than itself (beyond the angle of self-locking, led
-    out of it), taking the force of the step before would grow from step to step; the secant of the
-    last two steps finds the force that agrees with its own friction.
+    bearing: forces of joints (JointForce); state (f, STATE, lanes): of the elements, updated;
+    timing: times of the step (s). Where friction relieves its own joint by more than itself (beyond
+    the angle of self-locking), taking the force of the step before would grow from step to step;
+    the secant of the last two steps finds the force that agrees with its own friction.
     """
     last = load(state, i, MOST)
     most = last
@@ -84,8 +88,9 @@ def bend_by_force(bearing, state, i, timing):
 
 @kernel
 def bends_now(bearing, part, i, psi, psi_before, timing):
-    """Bristle deflection (rad) at which element i slips, at psi now and at psi_before a step
-    ago."""
+    """Bristle deflections (rad) at which element i slips: at opening psi (rad) now, and at
+    psi_before a step ago. bearing: forces of joints (JointForce), None where none counts; part:
+    arrays of all friction elements (Frictions); timing: times of the step (s)."""
     first = load(part.numbers, i, BEND)
     most = bend_at(part.points, part.start, i, first, psi)
     last = bend_at(part.points, part.start, i, first, psi_before)
@@ -100,8 +105,9 @@ def watch_lock(part, i, bend, most, slips):
     """Watch for self-locking of element i: growth of its deflection `bend` without slip while the
     deflection `most`, at which it slips, grows as fast.
 
-    slips: below 0 where it slips. Growth counts from the least deflection since the last slip, and
-    from the load within one deflection of there.
+    part: all friction elements (Frictions), whose LOCKED and watched value (multiples of the
+    deflection at slip) are raised; bend, most (rad); slips: below 0 where it slips. Growth counts
+    from the least deflection since the last slip, and from the load within one deflection of there.
     """
     state, per_bend = part.state, load(part.numbers, i, LOCKING)
     size, least = absolute(bend), load(state, i, LEAST)
@@ -120,8 +126,9 @@ def watch_lock(part, i, bend, most, slips):
 def forces(part, world, timing):
     """Add the moments (N m) of bristles and their dampers, and the losses (J) of those that slip.
 
-    On the way into slipping the forces of both steps do not do the work of the way between; `edge`
-    mends that as for a spring that begins where the bristle yields.
+    part: arrays of all friction elements (Frictions); world: solver state (World); timing: times of
+    the step (s). On the way into slipping the forces of both steps do not do the work of the way
+    between; `edge` mends that as for a spring that begins where the bristle yields.
     """
     for i in range(part.on.shape[0]):
         h, last = part.on[i], load(part.state, i, BENDING)
@@ -159,14 +166,15 @@ def forces(part, world, timing):
 
 @hook(Frictions)
 def energy_of(part, world, i):
-    """Strain energy (J) of the bristle of element i."""
+    """Strain energy (J, lanes) of bristle i. part: all elements (Frictions); world: World."""
     bend = load(part.state, i, BENDING)
     return 0.5 * load(part.numbers, i, STIFFNESS) * bend * bend
 
 
 @hook(Frictions)
 def list_excess(part, world):
-    """Store, of each element, how many times its own deflection it was deflected on without slip
-    (LOCKED)."""
+    """Store in part.rows by how many times its deflection at slip the bristle of each element was
+    bent on without slip (LOCKED), after a failure. part: arrays of all friction elements
+    (Frictions); world: solver state (World)."""
     for i in range(part.on.shape[0]):
         store(part.rows, i, 0, load(part.state, i, LOCKED))

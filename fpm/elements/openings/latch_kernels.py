@@ -34,8 +34,10 @@ ANGLE_TOL = 1e-6
 
 
 class Latches(NamedTuple):
-    """Arrays of all latches: hinges on (l,); numbers (l, 7, lanes); past (l, HISTORY, lanes); state
-    (l, STATE, lanes)."""
+    """Arrays of all l latches. on (l,): index of each one's hinge; numbers (l, 7, lanes):
+    constants, in the order of NUMBERS; openings: arrays of all openings; past (l, HISTORY, lanes),
+    state (l, STATE, lanes): of the last step and since the catch; account: index of the loss in
+    World.accounts; rows (l, 1, lanes): energies, for messages; log: of events."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -51,7 +53,7 @@ class Latches(NamedTuple):
 @kernel
 def watch(part, i, h, timing):
     """Catch the opening of hinge h by latch i, in lanes where it entered the capture range in this
-    step."""
+    step. part: arrays of all latches (Latches), whose state is changed; timing: step times (s)."""
     angles = part.openings.angles
     reach = reach_of(part, i, load(angles, h, OLD), load(angles, h, NEW))
     if any_negative(where_negative(0.5 - load(part.state, i, IS_CAUGHT), 1.0, reach)):
@@ -63,21 +65,21 @@ def watch(part, i, h, timing):
 
 @kernel
 def reach_of(part, i, start, end):
-    """Distance (rad) of the capture range of latch i from the way between openings start and end;
-    below 0: the way may enter the range."""
+    """Distance (rad) of the capture range of latch i from the way between openings start and end
+    (rad); below 0: the way may enter the range. part: arrays of all latches (Latches)."""
     distance = absolute(0.5 * (end + start) - load(part.numbers, i, ANGLE))
     return distance - 0.5 * absolute(end - start) - load(part.numbers, i, CAPTURE_RANGE) - ANGLE_TOL
 
 
 @kernel
 def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
-    """Decide whether lane s of latch i catches or misses on the way of a step; sets CATCH_TIME and
-    HOLD_ANGLE.
+    """Decide whether lane s of latch i catches or misses on the way of a step, and write so to
+    part.state: IS_CAUGHT, NEWS, CATCH_TIME, HOLD_ANGLE.
 
-    psi_start, psi_end: opening at the start and end of the step (rad); last_rate: rate in the step
-    before (rad/s); end: time of the end of the step (s); step (s). The rate within the step is
-    taken as constant; `first` and `last` (rad) count from the edge of the capture range that is met
-    first.
+    part: arrays of all latches; psi_start, psi_end: opening at the start and end of the step (rad);
+    last_rate: rate in the step before (rad/s); end: time of the end of the step (s); step (s). The
+    rate within the step is taken as constant; `first` and `last` (rad) count from the edge of the
+    capture range that is met first.
     """
     angle, reach = part.numbers[i, ANGLE, s], part.numbers[i, CAPTURE_RANGE, s]
     change = psi_end - psi_start
@@ -107,8 +109,8 @@ def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
 
 @kernel
 def excess(part, i, field):
-    """Opening (rad) beyond the angle at which latch i holds, in the direction of its catch; field:
-    NEW or OLD."""
+    """Opening (rad) beyond the angle at which latch i holds, in the direction of its catch. part:
+    arrays of all latches (Latches); field: NEW (now) or OLD (a step ago)."""
     angle = load(part.openings.angles, part.on[i], field) - load(part.state, i, HOLD_ANGLE)
     return load(part.state, i, SIGN) * angle
 
@@ -116,7 +118,8 @@ def excess(part, i, field):
 @kernel
 def hold(part, i, rate):
     """Moments (N m) of the spring and of the damper of latch i, in the direction of its catch; 0
-    where it is free. rate (rad/s): of the opening, in that direction."""
+    where it is free. part: arrays of all latches (Latches); rate (rad/s): of the opening, in that
+    direction."""
     stiffness, damping = load(part.numbers, i, STIFFNESS), load(part.numbers, i, DAMPING)
     fresh = 0.5 - load(part.state, i, NEWS)  # < 0 in the step in which it caught
     gap, last = excess(part, i, NEW), excess(part, i, OLD)
@@ -134,7 +137,7 @@ def hold(part, i, rate):
 @hook(Latches)
 def forces(part, world, timing):
     """Add the moments (N m) of latches that hold, from the step of their catch on, and their losses
-    (J)."""
+    (J). part: all latches (Latches); world: solver state (World); timing: times of the step (s)."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         if timing.time > 0.0:
@@ -152,7 +155,8 @@ def forces(part, world, timing):
 
 @hook(Latches)
 def note_events(part, world, timing):
-    """Note events of latches that caught (0) or missed (1) since the last step."""
+    """Note events of latches in part.log: which caught (0) or missed (1) since the last step. part:
+    arrays of all latches (Latches); world: solver state (World); timing: times of the step (s)."""
     for i in range(part.on.shape[0]):
         if any_negative(0.5 - load(part.state, i, NEWS)):
             for s in range(part.state.shape[2]):
@@ -164,7 +168,7 @@ def note_events(part, world, timing):
 
 @hook(Latches)
 def energy_of(part, world, i):
-    """Strain energy (J) of the spring of latch i."""
+    """Strain energy (J, lanes) of latch i; 0 until it catches. part: all Latches; world: World."""
     gap = excess(part, i, NEW)
     one_sided = where_negative(gap, gap, 0.0)
     gap = where_negative(load(part.numbers, i, ONE_SIDED), one_sided, gap)
@@ -174,7 +178,8 @@ def energy_of(part, world, i):
 
 @hook(Latches)
 def record(part, world, row):
-    """Record of each latch its moment (N m), impulse (N m s), and rate (rad/s) at its catch."""
+    """Record of each latch its moment (N m), impulse (N m s), and rate (rad/s) at its catch. part:
+    arrays of all latches (Latches); world: solver state (World); row: of the recorded instant."""
     count = part.on.shape[0]
     for i in range(count):
         for k, field in enumerate((MOMENT, IMPULSE, RATE_THERE)):

@@ -17,9 +17,9 @@ HISTORY = 2
 
 
 class JointForce(NamedTuple):
-    """Impulses of joints of the last step, for friction by the force in a joint. lone (f,): index
-    of the hinge of each element among hinges solved alone, or -1; first, count (f,): its rows among
-    joints solved together."""
+    """Where friction finds the force in its joint: impulses of joints in the last step. lone (f,):
+    index of the hinge of each of f friction elements among hinges solved alone, or -1; first, count
+    (f,): its rows among joints solved together."""
 
     share: np.ndarray  # (f, 1, lanes) what counts of each N; 0: not this one
     lone: np.ndarray  # (f,)
@@ -32,17 +32,21 @@ class JointForce(NamedTuple):
 
 @kernel
 def half_rate(openings, h, timing):
-    """Rate (rad/s) of opening h at the middle of the step that ends now."""
+    """Rate (rad/s, m/s) of opening h at the middle of the step that ends now. openings: arrays of
+    all openings (Openings); h: index of the hinge; timing: times of the step (s)."""
     angles = openings.angles
     return (load(angles, h, NEW) - load(angles, h, OLD)) * (1.0 / timing.step)
 
 
 @kernel
 def follow_rate(openings, history, i, h, timing):
-    """Rate (rad/s) of opening h now, for element i, extrapolated from the last two steps to second
-    order.
+    """Rate (rad/s, m/s) of opening h now, for element i, extrapolated from the last two steps to
+    second order.
 
     The middles of the steps lie half a step and one and a half behind (Adams and Bashforth).
+    openings: arrays of all openings (Openings); history (elements, HISTORY, lanes): of the
+    element's type, whose RATE is updated, so once a step; h: index of the hinge; timing: times of
+    the step (s).
     """
     last = load(history, i, RATE)
     rate = last
@@ -58,9 +62,10 @@ def lose(world, account, openings, history, i, h, moment):
     """Add to an account the energy (J) that a moment (N m) on hinge h takes out in the step that
     ends now.
 
-    moment: on the second particle, now; history, i: row of the element, with its moment a step ago.
-    The trapezium rule is what leapfrog does: kinetic energy of the half steps before and after
-    (record.py) changes by just that, so that no order of the step is left in the balance.
+    moment: on the second particle, now; history, i: row of the element, with its moment a step ago;
+    account: index in World.accounts; openings: arrays of all openings (Openings). The trapezium
+    rule is what leapfrog does: kinetic energy of the half steps before and after (record.py)
+    changes by just that, so that no order of the step is left in the balance.
     """
     angles = openings.angles
     angle = load(angles, h, NEW) - load(angles, h, OLD)
@@ -71,7 +76,8 @@ def lose(world, account, openings, history, i, h, moment):
 
 @kernel
 def force_of(bearing, i, timing):
-    """Size (N) of the constraint force in the joint of element i, as a mean over the last step."""
+    """Size (N, lanes) of the constraint force in the joint of friction element i, as a mean over
+    the last step. bearing: impulses of joints (JointForce); timing: times of the step (s)."""
     zero = 0.0 * load(bearing.share, i, 0)
     impulse = vector(zero, zero, zero)
     if bearing.lone[i] >= 0:
@@ -98,10 +104,12 @@ def edge(new, old):
 
 @kernel
 def onset(new, old):
-    """Fraction of a kick during which a force acts that jumps from 0 to its full size where zero is
-    crossed; 1 where nothing is crossed. new, old: the crossing value now and a step ago.
+    """Fraction, up to 3/2, of a step's impulse that a force gives which jumps from 0 to its full
+    size where zero is crossed; 1 where nothing is crossed. new, old: the crossing value now and a
+    step ago.
 
-    A kick covers half a step on either side; the force acts for half a step and s/(s + b) of one.
+    The impulse at an instant is that of half a step on either side; the force acts for half a step
+    and s/(s + b) of one, s and b being the sizes of new and old.
     """
     product = new * old
     return where_negative(product, 0.5 + absolute(new) / absolute(new - old), 1.0)
@@ -109,11 +117,12 @@ def onset(new, old):
 
 @kernel
 def press(new, old, rate, stiffness, damping):
-    """Forces, at least 0 in sum, of the spring and of the damper of a one-sided stop, where the
-    overlap `new` is above 0.
+    """Forces of the spring and of the damper of a one-sided stop, at least 0 in sum, where the
+    overlap `new` is above 0; the damper's is 0 elsewhere.
 
-    new, old: overlap now and a step ago; rate: its rate now. The damper never pulls: it takes off
-    at most the force of the spring.
+    new, old: overlap (rad, m) now and a step ago; rate: its rate now; stiffness (N m/rad), damping
+    (N m s/rad), on slides in N/m, N s/m. The damper never pulls: it takes off at most the force of
+    the spring.
     """
     spring = stiffness * where_negative(new, 0.0, new)
     damper = damping * rate * onset(new, old)

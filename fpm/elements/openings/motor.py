@@ -19,7 +19,7 @@ MOTOR_WORK = Energy("motor_work", "motor_work", "work of the motors")
 
 
 class AnyMotor(OnHinge):
-    """Base class of motors, rigid and torque motors too."""
+    """Base class of all motors on hinges: through a drive train, rigid, or by a torque."""
 
     gives = MOTOR_WORK
     acts_as = "motor"
@@ -27,13 +27,14 @@ class AnyMotor(OnHinge):
     variable: ClassVar[str] = "motor_moment"  # of what is recorded, in trajectory files
 
     def check(self, scene):
-        """One motor on a hinge."""
+        """Check the motor's fields, and that its hinge has no other; raises SceneError if so."""
         super().check(scene)
         self.check_alone(scene)
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """The moments."""
+        """Recorded moments (N m, on slides N) of one sample's motors, by name of the series. part:
+        arrays of the type's kernels; lane: index of the sample in the batch."""
         hinges = [scene.hinges[motor.hinge] for motor in cls.of(scene)]
         values = part.track[:, 0, lane].reshape(-1, len(hinges))
         text, dimension = f"moment of the {cls.called}s on their hinges", cls.called

@@ -58,7 +58,7 @@ class Opening(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Names and particles of all hinges, as openings go by their index."""
+        """What must be equal in scenes run side by side: names and particles of all hinges."""
         return tuple((hinge.name, hinge.particles) for hinge in scene.hinges)
 
     @classmethod
@@ -86,12 +86,14 @@ class Opening(ElementType):
 
     @classmethod
     def seen_by(cls, kind: type[ElementType], batch):
-        """The arrays of all openings as a kind that acts on them gets them."""
+        """Arrays of all openings (Openings) for the element type `kind` that acts on them: `part`
+        is the component in PARTS that its moments count for. batch: the scenes being packed."""
         return batch.part(cls)._replace(part=PARTS.index(kind.acts_as or "other"))
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """The openings."""
+        """Recorded openings of one sample: `opening` (rad), `slide_opening` (m), by name. part:
+        arrays of all openings (Openings); lane: index of the sample in the batch."""
         values = part.track[:, 0, lane].reshape(-1, len(scene.hinges))
         series = Series(values, "rad", "opening of the hinges", "hinge", ())
         return by_unit({"opening": series}, scene.hinges, [h.name for h in scene.hinges])
@@ -103,7 +105,8 @@ class OnHinges(ElementType):
     reads = (Opening,)
 
     def check_index(self, scene, field, value):
-        """Hinges may have to be of one of some types, too."""
+        """Check that the index `value` of a field exists, and that its hinge is of an allowed type
+        (field.types); raises SceneError if not."""
         super().check_index(scene, field, value)
         if field.types and scene.hinges[value].type not in field.types:
             text = f"{scene.hinges[value].name} ({scene.hinges[value].type})"
@@ -119,7 +122,8 @@ class OnHinges(ElementType):
 
     @classmethod
     def array(cls, name, batch):
-        """An array as of ElementType.array, or the `openings`."""
+        """The array of the kernels' field `name`, as of ElementType.array; for "openings" those of
+        all openings. batch: the scenes being packed."""
         return Opening.seen_by(cls, batch) if name == "openings" else super().array(name, batch)
 
 
@@ -137,12 +141,14 @@ class OnHinge(OnHinges):
         return f"{self.called} {self.label(scene)}"
 
     def alike(self, scene) -> list["OnHinge"]:
-        """The scene's elements of all kinds that are called as its own."""
+        """Elements of a scene, of all types that messages call alike (`called`): all motors,
+        say."""
         kinds = [k for k in scene.kinds if issubclass(k, OnHinge) and k.called == self.called]
         return [element for kind in kinds for element in kind.of(scene)]
 
     def check_alone(self, scene) -> None:
-        """SceneError if its hinge has one that is called alike."""
+        """Check that its hinge has no other element that messages call alike (`called`); raises
+        SceneError if it has."""
         if self.hinge in [element.hinge for element in self.alike(scene)]:
             allowed = f"a hinge without a {self.called}"
             raise SceneError(f"hinge of {self.called}", self.hinge, allowed)
@@ -153,21 +159,21 @@ class OnHinge(OnHinges):
         return [element._replace(joint=scene.hinges[e.hinge].name) for element, e in pairs]
 
     def stiffness_in(self, scene) -> float | None:
-        """Stiffness (N m/rad) that counts in the stable step; None: the kind has no springs."""
+        """Stiffness (N m/rad, on slides N/m) for the stable step; None: the type has no springs."""
         return getattr(self, "stiffness", None)
 
     def damping_in(self, scene) -> float | None:
-        """Damping (N m s/rad) that counts in the stable step; None: the kind has no dampers."""
+        """Damping (N m s/rad, on slides N s/m) that counts in the stable step; None: no dampers."""
         return getattr(self, "damping", None)
 
     @classmethod
     def deformations(cls, scene):
-        """The openings of their hinges, as if all acted."""
+        """Deformations, with `stiffness_in`: openings of the elements' hinges, as if all acted."""
         return cls._turns(scene, [e.stiffness_in(scene) for e in cls.of(scene)])
 
     @classmethod
     def dampings(cls, scene):
-        """Deformations of the elements' dampers, with damping, as if all acted."""
+        """Deformations with `damping_in` for stiffness, as if all dampers acted."""
         return cls._turns(scene, [e.damping_in(scene) for e in cls.of(scene)])
 
     @classmethod
@@ -177,20 +183,23 @@ class OnHinge(OnHinges):
 
     @classmethod
     def array(cls, name, batch):
-        """An array as of OnHinges.array; `on`: the hinges; `past`: history for losses."""
+        """The array of the kernels' field `name`, as of OnHinges.array; "on": indices of the
+        hinges; "past": history for losses. batch: the scenes being packed."""
         if name == "past":
             return pack_past(batch, cls)
         return super().array("hinge" if name == "on" else name, batch)
 
 
 def on_hinge(words: str = "hinge of {called}", types: tuple[str, ...] = ()) -> Any:
-    """A field with the index of a hinge, of one of some types."""
+    """Field of an element with the index of its hinge. words: its name in messages; types: allowed
+    types of the hinge, (): all."""
     return index("hinges", words=words, types=types)
 
 
 def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
-    """Recorded series of elements on hinges, one a column, with labels; columns of slides become
-    variables of their own, whose names, and dimension, begin with `slide`."""
+    """Split recorded series (t, k) of elements on hinges into those on hinges that turn and on
+    slides. series: by name, in units of hinges; hinges, labels: of each of the k columns. Those of
+    slides have other units (SLIDING), and names and dimensions that begin with `slide`."""
     result = {}
     slides = np.array([hinge.slides for hinge in hinges], bool)
     for columns, prefix in ((~slides, ""), (slides, "slide_")):
@@ -207,7 +216,7 @@ def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
 
 
 def unit_of(scene, hinge: int, unit: str) -> str:
-    """The unit of something on a hinge of that index, or on a slide."""
+    """Unit of a quantity on the hinge of index `hinge`: `unit`, or on slides that of SLIDING."""
     return SLIDING[unit] if scene.hinges[hinge].slides else unit
 
 
@@ -219,7 +228,8 @@ def _sides(scene) -> np.ndarray:
 
 
 def relative_turn(scene, hinges, stiffness) -> Deformations:
-    """The deformations of elements that are strained by the openings `hinges` (indices)."""
+    """Deformations of elements whose springs are strained by one opening each. hinges: index of
+    each element's hinge; stiffness: of each (N m/rad, on slides N/m)."""
     dofs, values, factors, element = [], [], [], []
     for number, h in enumerate(hinges):
         hinge = scene.hinges[h]
@@ -269,9 +279,8 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
 
 
 def softness(scene, hinge: int) -> float:
-    """Inverse inertia (1/kg m²) against which a moment about a hinge of that index turns it; of a
-    slide the inverse mass (1/kg).
-    """
+    """Inverse inertia (1/kg m²) against which a moment about the hinge of index `hinge` turns its
+    two particles; of a slide the inverse mass (1/kg). 0 where both are held."""
     joint, no_turn = scene.hinges[hinge], turns_of(scene).no_turn
     if joint.slides:
         rows = relative_turn(scene, [hinge], [1.0])
@@ -284,8 +293,9 @@ def softness(scene, hinge: int) -> float:
 
 
 def moving_at_start(scene) -> SimpleNamespace:
-    """Velocities and spins (n, 3) of all particles at the start, also of driven and held ones; and
-    their positions and frames.
+    """Motion of all particles at the start: velocity (m/s) and spin (rad/s), position and frame.
+
+    Velocity and spin (n, 3) are the prescribed ones of driven particles, and 0 along held axes.
     """
     spin = np.where(scene.fixed[:, 3:], 0.0, scene.spin)
     motion = SimpleNamespace(velocity=np.where(scene.fixed[:, :3], 0.0, scene.velocity), spin=spin)
@@ -302,7 +312,8 @@ def turning_at_start(scene, hinges) -> list[float]:
 
 
 def rate_at(places, hinge, motion) -> float:
-    """Rate of an opening, particles being in places, with the velocities and spins of a motion."""
+    """Rate of the opening of a hinge (rad/s), of a slide (m/s). places: with position (n, 3) and
+    frame (n, 3, 3) of all particles; motion: with their velocity (m/s), spin (rad/s) (n, 3)."""
     i, j = hinge.particles
     axis = places.frame[i] @ hinge.axes[0]
     if not hinge.slides:
@@ -315,8 +326,8 @@ def rate_at(places, hinge, motion) -> float:
 
 
 def pack_past(batch, kind) -> np.ndarray:
-    """History (elements, HISTORY, lanes) of the elements of a type, for their losses
-    (losses_kernels.py)."""
+    """History (elements, HISTORY, lanes) at the start of the elements of a type, for the kernels in
+    losses_kernels.py: the rate of each opening. batch: the scenes being packed; kind: the type."""
     from fpm.elements.openings.losses_kernels import HISTORY
 
     count = len(kind.of(batch.scene))
@@ -329,7 +340,8 @@ def pack_past(batch, kind) -> np.ndarray:
 
 
 def start_angles(batch, kind) -> np.ndarray:
-    """Openings (n, lanes) at the start of the hinges that a kind's elements are on."""
+    """Openings (n, lanes; rad, m) at the start of the hinges of all elements of a type `kind`.
+    batch: the scenes being packed."""
 
     def openings(scene):
         return [[scene.hinges[element.hinge].opening] for element in kind.of(scene)]
@@ -338,7 +350,8 @@ def start_angles(batch, kind) -> np.ndarray:
 
 
 def opening_at(scene, hinge) -> float:
-    """Opening (rad, of slides m) of a hinge, for poses of a scene's particles."""
+    """Opening (rad, of a slide m) of a hinge at the current positions and frames of the scene; full
+    turns as in `hinge.opening`."""
     axis, *ends = (
         scene.frame[p] @ own[k]
         for p, own, k in (
@@ -354,6 +367,7 @@ def opening_at(scene, hinge) -> float:
 
 
 def opening_angle(axis, first, second, guess: float) -> float:
-    """Angle (rad) from `first` to `second` about `axis`, on the turn closest to `guess`."""
+    """Angle (rad) from `first` to `second` about `axis`, directions (3,), by the right-hand rule;
+    of all that differ by full turns the one closest to `guess` (rad)."""
     angle = np.arctan2(np.dot(axis, cross(first, second)), np.dot(first, second))
     return float(angle + 2 * np.pi * np.round((guess - angle) / (2 * np.pi)))

@@ -44,7 +44,8 @@ class Openings(NamedTuple):
 
 @kernel
 def is_slide(slides, h):
-    """Whether opening h is a length (m) of a slide, not an angle (rad)."""
+    """Whether opening h is a length (m) of a slide, not an angle (rad). slides (h,): 1 for each
+    slide, or None where the scene has none."""
     if slides is None:
         return False
     return slides[h] != 0
@@ -53,7 +54,7 @@ def is_slide(slides, h):
 @hook(Openings)
 def forces(part, world, timing):
     """Update all openings before other element types read them, and clear their moments by
-    component."""
+    component. part: all openings (Openings); world: solver state; timing: times of the step (s)."""
     if part.is_needed:
         update(part, world.state)
     begin_parts(part.moments)
@@ -61,7 +62,8 @@ def forces(part, world, timing):
 
 @kernel
 def begin_parts(moments):
-    """Move each component's moment to MOMENT_BEFORE, and set the moment of the new step to 0."""
+    """Move each component's moment to MOMENT_BEFORE, and set the moment of the new step to 0.
+    moments (h components, PART_FIELDS, lanes): those of Openings, or None: nothing is done."""
     if moments is not None:
         for r in range(moments.shape[0]):
             store(moments, r, MOMENT_BEFORE, load(moments, r, MOMENT))
@@ -71,7 +73,7 @@ def begin_parts(moments):
 @kernel
 def update(part, state):
     """Update the openings (rad, m), which are functions of the particles' state (n, STATE, lanes);
-    the value before only picks the turn."""
+    the value before only picks the turn. part: all openings (Openings), changed in place."""
     sides, angles = part.sides, part.angles
     for h in range(angles.shape[0]):
         first_end, second_end = part.ends[2 * h], part.ends[2 * h + 1]
@@ -101,7 +103,8 @@ def turn(openings, state, h, moment):
     first.
 
     On a slide, a force (N) along its axis, on both particles at the point of the second, so that
-    they are in balance.
+    they are in balance. openings: arrays of all openings, as the acting type sees them (Openings);
+    state (n, STATE, lanes): of the particles.
     """
     first, second = openings.ends[2 * h], openings.ends[2 * h + 1]
     axis = get3(openings.axes, h, 0)
@@ -122,8 +125,12 @@ def turn(openings, state, h, moment):
 
 @kernel
 def push(openings, state, h, impulse):
-    """Add an impulse (N m s) about the axis of hinge h to the second particle's momentum, and its
-    opposite to the first's; after the kick, and not on slides."""
+    """Add an impulse (N m s) about the axis of hinge h to the second particle's angular momentum,
+    and its opposite to the first's; not on slides.
+
+    Called once the step's forces are in the momenta. openings: arrays of all openings (Openings);
+    state (n, STATE, lanes): of the particles.
+    """
     first, second = openings.ends[2 * h], openings.ends[2 * h + 1]
     kick = impulse * get3(openings.axes, h, 0)
     put3(state, second, P, get3(state, second, P) + kick)
@@ -141,14 +148,15 @@ def tell(moments, openings, h, moment):
 
 @hook(Openings)
 def work_before(part, world, timing):
-    """Add the work (J) of each component's moment over the step that ends now."""
+    """Add the work (J) of each component's moment over the step that ends at timing.time. part:
+    arrays of all openings (Openings); world: solver state (World); timing: step times (s)."""
     work_parts(part.moments, part)
 
 
 @kernel
 def work_parts(moments, part):
     """Add the work (J) of each component's moment over the step that ends now, by the trapezium
-    rule (losses_kernels.lose). moments: None where there are no components."""
+    rule (losses_kernels.lose). moments: None where there are no components; part: all openings."""
     if moments is not None:
         for h in range(part.angles.shape[0]):
             angle = load(part.angles, h, NEW) - load(part.angles, h, OLD)
@@ -159,7 +167,8 @@ def work_parts(moments, part):
 
 @hook(Openings)
 def record(part, world, row):
-    """Record the openings, and the moment and work of every component, in row `row`."""
+    """Record the openings (rad, m), and the moment (N m) and work (J) of every component, in row
+    `row`. part: arrays of all openings (Openings); world: solver state; row: of the instant."""
     if not part.is_needed:
         update(part, world.state)
     count = part.angles.shape[0]
@@ -171,14 +180,15 @@ def record(part, world, row):
 @hook(Openings)
 def record_step(part, world, row, timing):
     """Record the moment and work of every component again, after the step is solved, with the
-    moments of exact holds."""
+    moments of constraints that `record` could not know. part: arrays of all openings (Openings);
+    world: solver state; row: of the instant; timing: in s."""
     record_parts(part.moments, part, row)
 
 
 @kernel
 def record_parts(moments, part, row):
-    """Record the moment (N m) and work (J) of every component, in row `row`; moments: None where
-    there are none."""
+    """Record the moment (N m) and work (J) of every component, in row `row` of part.told_track.
+    moments: None where there are none; part: arrays of all openings (Openings)."""
     if moments is not None:
         count = moments.shape[0]
         for r in range(count):

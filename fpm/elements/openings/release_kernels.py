@@ -30,9 +30,10 @@ STATE = 6
 
 
 class Releases(NamedTuple):
-    """Arrays of all releases: hinges on, watch (r,), watch -1 for none; numbers (r, 5, lanes); past
-    (r, HISTORY, lanes); state (r, STATE, lanes); account: index of the loss in World.accounts; rows
-    (r, 1, lanes)."""
+    """Arrays of all r releases. on, watch (r,): indices of each one's hinge and of the hinge whose
+    opening releases it, -1 for none; numbers (r, 5, lanes): constants, in the order of NUMBERS;
+    past (r, HISTORY, lanes), state (r, STATE, lanes): of the last two steps; account: index of the
+    loss in World.accounts; rows (r, 1, lanes): energies, for messages; log: of events."""
 
     on: np.ndarray
     watch: np.ndarray
@@ -47,7 +48,8 @@ class Releases(NamedTuple):
 
 @kernel
 def let_go(part, timing, i):
-    """Number of steps, as a fraction, since the release of element i was due; below 0: not yet."""
+    """Number of steps, as a fraction, since the release of element i was due; below 0: not yet.
+    part: arrays of all releases (Releases); timing: times of the step (s)."""
     late = timing.time - load(part.numbers, i, TIME)
     steps = where_negative(late, -1.0, late / timing.step)
     if part.watch[i] >= 0:
@@ -62,7 +64,7 @@ def let_go(part, timing, i):
 @hook(Releases)
 def forces(part, world, timing):
     """Add the moments (N m) of releases that hold, and the rest of the moment of those released in
-    this step."""
+    this step. part: all releases (Releases); world: solver state; timing: times of the step (s)."""
     for i in range(part.on.shape[0]):
         for k in (MOMENT, ENERGY):
             store(part.state, i, k + 1, load(part.state, i, k))
@@ -90,7 +92,8 @@ def forces(part, world, timing):
 
 @hook(Releases)
 def note_events(part, world, timing):
-    """Note events of releases in this step."""
+    """Note in part.log the releases of this step, with their times. part: arrays of all releases
+    (Releases); world: solver state (World); timing: times of the step (s)."""
     for i in range(part.on.shape[0]):
         steps = load(part.state, i, STEPS)
         if any_negative(where_negative(steps, 1.0, -1.0)):
@@ -101,9 +104,11 @@ def note_events(part, world, timing):
 
 @hook(Releases)
 def work_before(part, world, timing):
-    """Add the losses (J) of the dampers, and of springs let go, in the step that ends now.
+    """Add the losses (J) of the dampers, and of springs let go, in the step that ends at
+    timing.time to World.accounts.
 
-    A loss is the drop of the stored energy, less the work on the hinge.
+    A loss is the drop of the stored energy, less the work on the hinge. part: arrays of all
+    releases (Releases); world: solver state (World); timing: times of the step (s).
     """
     loss = load(world.accounts, 0, part.account)
     for i in range(part.on.shape[0]):
@@ -116,5 +121,5 @@ def work_before(part, world, timing):
 
 @hook(Releases)
 def energy_of(part, world, i):
-    """Strain energy (J) of the spring of release i; 0 once it is released."""
+    """Strain energy (J, lanes) of release i; 0 once released. part: all Releases; world: World."""
     return load(part.state, i, ENERGY)

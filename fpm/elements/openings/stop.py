@@ -36,6 +36,6 @@ class Stop(OnHinge):
         return [f"{stop.title(scene)} {stop.side}" for stop in cls.of(scene)]
 
     def damping_in(self, scene):
-        """Damping (N m s/rad) for the stable step, raised as the damper begins with more than a
-        kick."""
+        """Damping (N m s/rad) for the stable step: ONSET times its own, as the first impulse of a
+        damper may be more than that of a whole step."""
         return ONSET * self.damping

@@ -53,7 +53,7 @@ class SyncLoop(OnHinges):
     resists_as = "S"
 
     def check(self, scene):
-        """Two hinges, with pulleys; names are for messages and files."""
+        """Check that the loop has a name of its own, two hinges, and radii; SceneError if not."""
         super().check(scene)
         title = self.title(scene)
         if self.name in [loop.name for loop in SyncLoop.of(scene)]:
@@ -76,7 +76,8 @@ class SyncLoop(OnHinges):
 
     @classmethod
     def deformations(cls, scene):
-        """A spring on each hinge, which together bound the loop.
+        """Deformations for the stable step: a spring on each hinge of each loop, which together
+        bound it; None if nothing can move.
 
         By Cauchy and Schwarz (r1 psi1 - r2 psi2)² <= r1² psi1²/s1 + r2² psi2²/s2 with s1 + s2 = 1;
         with shares as r² w, w being the softness of each hinge, nothing is lost where the hinges
@@ -98,14 +99,15 @@ class SyncLoop(OnHinges):
 
     @classmethod
     def array(cls, name, batch):
-        """`on`: both hinges of each."""
+        """The array of the kernels' field `name`, as of ElementType.array; "on": both hinges."""
         if name == "on":
             return batch.integers((loop.hinges for loop in cls.of(batch.scene)), 2)
         return super().array(name, batch)
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """The pulls, difference of the tensions of both strands."""
+        """Recorded pulls (N) of one sample's loops, differences of the tensions of both strands.
+        part: arrays of all loops (Loops); lane: index of the sample in the batch."""
         names = tuple(loop.name for loop in cls.of(scene))
         values = part.track[:, 0, lane].reshape(-1, len(names))
         return {"loop_force": Series(values, "N", "pull of the loops", "loop", names)}

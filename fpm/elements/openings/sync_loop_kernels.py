@@ -27,9 +27,10 @@ TOUCH = 1e-9
 
 
 class Loops(NamedTuple):
-    """on (l, 2) hinges; numbers (l, 6, lanes); state (l, STATE, lanes); rows (l, 1, lanes);
-    track ((instants + 1) l, 1, lanes) recorded pull (N).
-    """
+    """Arrays of all l synchronising loops. on (l, 2): indices of both hinges; numbers (l, 6,
+    lanes): constants, in the order of NUMBERS; state (l, STATE, lanes): slip and slack (m);
+    openings: arrays of all openings; rows (l, 1, lanes): energies, for messages; log: of events;
+    track ((instants + 1) l, 1, lanes): recorded pull (N)."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -42,14 +43,16 @@ class Loops(NamedTuple):
 
 @kernel
 def excess(part, i):
-    """Slip (m) of loop i beyond the slip at which one strand gets slack; 0 where both are tight."""
+    """Slip (m) of loop i beyond the slip at which one strand gets slack; 0 where both are tight.
+    part: arrays of all loops (Loops)."""
     slip = absolute(load(part.state, i, SLIP)) - load(part.numbers, i, TIGHT)
     return where_negative(slip, 0.0, slip)
 
 
 @kernel
 def pull(part, i):
-    """Difference of the tensions (N) of the two strands of loop i, with the sign of the slip."""
+    """Difference of the tensions (N) of the two strands of loop i, with the sign of the slip. part:
+    arrays of all loops (Loops)."""
     slip = load(part.state, i, SLIP)
     extra = excess(part, i)
     return load(part.numbers, i, STIFFNESS) * (slip - 0.5 * where_negative(slip, -extra, extra))
@@ -57,7 +60,8 @@ def pull(part, i):
 
 @hook(Loops)
 def forces(part, world, timing):
-    """Add the moments (N m) of loops on both their hinges, against the slip."""
+    """Add the moments (N m) of loops on both their hinges, against the slip. part: arrays of all
+    loops (Loops); world: solver state (World); timing: times of the step (s)."""
     for i in range(part.on.shape[0]):
         angles = part.openings.angles
         h1, h2 = part.on[i, 0], part.on[i, 1]
@@ -75,7 +79,8 @@ def forces(part, world, timing):
 
 @hook(Loops)
 def note_events(part, world, timing):
-    """Note events of loops: one strand turned slack, or both are tight again."""
+    """Note events of loops in part.log: one strand turned slack (1), or both are tight again (0).
+    part: arrays of all loops (Loops); world: solver state (World); timing: step times (s)."""
     for i in range(part.on.shape[0]):
         new = where_negative(load(part.state, i, SLACK), -1.0, 1.0)
         old = where_negative(load(part.state, i, SLACK_BEFORE), -1.0, 1.0)
@@ -87,14 +92,15 @@ def note_events(part, world, timing):
 
 @hook(Loops)
 def energy_of(part, world, i):
-    """Strain energy (J) of both strands of loop i."""
+    """Strain energy (J, lanes) of loop i. part: all loops (Loops); world: solver state."""
     slip, extra = load(part.state, i, SLIP), excess(part, i)
     return 0.5 * load(part.numbers, i, STIFFNESS) * (slip * slip - 0.5 * extra * extra)
 
 
 @hook(Loops)
 def record(part, world, row):
-    """Record the difference of tensions (N) of each loop."""
+    """Record the difference of tensions (N) of each loop in row `row` of part.track. part: arrays
+    of all loops (Loops); world: solver state (World); row: of the recorded instant."""
     count = part.on.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, pull(part, i))

@@ -30,12 +30,12 @@ class TableSpring(OnHinge):
     resists_as = "HA"  # unless its `class` says that it is a spring
 
     def check(self, scene):
-        """The hinge and the table."""
+        """Check the hinge and the table; raises SceneError if they do not fit."""
         super().check(scene)
         check_table(self.angles, self.moments, "moments", "spring by a table")
 
     def topology(self):
-        """The hinge and the number of points."""
+        """What must be equal in scenes run side by side: the hinge and the number of points."""
         return self.hinge, len(self.angles)
 
     @property
@@ -55,7 +55,7 @@ class TableSpring(OnHinge):
         return -float(np.concatenate(least).min())
 
     def stiffness_in(self, scene):
-        """The steepest fall of the moment."""
+        """Steepest fall of the moment (N m/rad), at least 0, for the stable step."""
         return max(0.0, -float(self.slopes.min()))
 
     @property
@@ -65,15 +65,16 @@ class TableSpring(OnHinge):
 
     @classmethod
     def array(cls, name, batch):
-        """An array as of OnHinge.array; `points` of all tables, and indices at which the points of
-        each spring `start`."""
+        """The array of the kernels' field `name`, as of OnHinge.array; "points" of all tables, and
+        indices at which those of each spring "start". batch: the scenes being packed."""
         if name not in ("start", "points"):
             return super().array(name, batch)
         return table_array(name, batch, cls, lambda s: bends(s.angles, s.moments))
 
 
 def check_table(angles, values, noun: str, owner: str) -> None:
-    """SceneError unless there is a value for each of increasing angles, two or more."""
+    """Check that a table has a finite value for each of two or more increasing angles; raises
+    SceneError if not. noun, owner: names of the values and the element in messages."""
     is_whole = len(angles) == len(values) >= 2
     if not (is_whole and np.isfinite([angles, values]).all()):
         allowed = f"as many {noun} as angles, two or more, all finite"
@@ -83,13 +84,17 @@ def check_table(angles, values, noun: str, owner: str) -> None:
 
 
 def bends(angles, values) -> np.ndarray:
-    """Change of the slope of a table at each of its points."""
+    """Change of the slope at each of the n points of a table (n,), which is flat beyond its ends;
+    angles, values (n,): the points."""
     return np.diff(np.diff(values) / np.diff(angles), prepend=0.0, append=0.0)
 
 
 def table_array(name: str, batch, kind, bends_of) -> np.ndarray:
-    """All `points` of the tables of a type's elements, or the indices at which the points of each
-    `start`."""
+    """Array of the tables of a type's elements: for name "points" (p, 2, lanes) all points, angle
+    and change of slope; for "start" the index of each element's first point, and p at the end.
+
+    batch: scenes being packed; kind: the element type; bends_of(element): changes of slope (n,).
+    """
     ends = np.cumsum([0, *(len(element.angles) for element in kind.of(batch.scene))])
     if name == "start":
         return batch.integers(ends)

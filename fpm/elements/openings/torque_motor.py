@@ -40,5 +40,5 @@ class TorqueMotor(AnyMotor):
 
     @classmethod
     def held_round(cls, scene):
-        """All torques."""
+        """Sum of the sizes of all torques (N m)."""
         return float(sum(abs(motor.torque) for motor in cls.of(scene)))

@@ -19,9 +19,10 @@ STATE = 2  # moment, at the last forces and a step before
 
 
 class TorqueMotors(NamedTuple):
-    """Arrays of all torque motors: hinges on (m,); curve (m,); numbers (m, 2, lanes); past (m,
-    HISTORY, lanes); state (m, STATE, lanes); given: index of their work in World.accounts; track
-    ((instants + 1) m, 1, lanes): recorded moment (N m)."""
+    """Arrays of all m torque motors. on (m,): index of each one's hinge; curve (m,): index of its
+    curve of time, -1 for 1; numbers (m, 2, lanes): torque (N m) and no-load speed (rad/s); past (m,
+    HISTORY, lanes), state (m, STATE, lanes): of the last two steps; given: index of their work in
+    World.accounts; track ((instants + 1) m, 1, lanes): recorded moment (N m)."""
 
     on: np.ndarray
     curve: np.ndarray
@@ -36,7 +37,8 @@ class TorqueMotors(NamedTuple):
 @hook(TorqueMotors)
 def forces(part, world, timing):
     """Add the moments (N m) of torque motors, reduced in proportion to the rate of the hinge in
-    their direction."""
+    their direction. part: arrays of all torque motors (TorqueMotors); world: solver state (World);
+    timing: times of the step (s)."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         speed = follow_rate(part.openings, part.past, i, h, timing)
@@ -52,7 +54,9 @@ def forces(part, world, timing):
 
 @hook(TorqueMotors)
 def work_before(part, world, timing):
-    """Add the work (J) of the torque motors over the step that ends now."""
+    """Add the work (J) of the torque motors over the step that ends at timing.time to
+    World.accounts. part: arrays of all torque motors (TorqueMotors); world: solver state (World);
+    timing: times of the step (s)."""
     work = load(world.accounts, 0, part.given)
     for i in range(part.on.shape[0]):
         moment, h = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE), part.on[i]

@@ -13,7 +13,8 @@ STIFFNESS, REST = range(2)
 
 
 class Springs(NamedTuple):
-    """Arrays of all torsion springs: hinges on (s,); numbers (s, 2, lanes); rows (s, 1, lanes)."""
+    """Arrays of all s torsion springs. on (s,): index of each one's hinge; numbers (s, 2, lanes):
+    stiffness (N m/rad) and opening at rest (rad); rows (s, 1, lanes): energies, for messages."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -23,7 +24,8 @@ class Springs(NamedTuple):
 
 @hook(Springs)
 def forces(part, world, timing):
-    """Add the moments (N m) of torsion springs towards their openings at rest."""
+    """Add the moments (N m) of torsion springs towards their openings at rest. part: arrays of all
+    torsion springs (Springs); world: solver state (World); timing: times of the step (s)."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         angle = load(part.numbers, i, REST) - load(part.openings.angles, h, NEW)
@@ -32,6 +34,6 @@ def forces(part, world, timing):
 
 @hook(Springs)
 def energy_of(part, world, i):
-    """Strain energy (J) of spring i."""
+    """Strain energy (J, lanes) of spring i. part: all torsion springs; world: solver state."""
     angle = load(part.openings.angles, part.on[i], NEW) - load(part.numbers, i, REST)
     return 0.5 * load(part.numbers, i, STIFFNESS) * angle * angle

@@ -27,7 +27,7 @@ class Damping(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """A scene may be undamped beside others that are."""
+        """None: a scene may be undamped beside others that are damped."""
         return None
 
     @classmethod

@@ -18,8 +18,8 @@ from fpm.kernels.vectors import dot, get3, kernel, put3, times, to_local, vector
 
 
 class Damped(NamedTuple):
-    """Arrays of mass-proportional damping: rate (1, 1, lanes) 1/s; free (f,): particles that no
-    other element type moves; joined (j,): particles that another one moves; account: index of the
+    """Arrays of mass-proportional damping. rate (1, 1, lanes) 1/s; free (f,): particles that no
+    other element type moves; jointed (j,): particles that another one moves; account: index of the
     loss in World.accounts."""
 
     rate: np.ndarray
@@ -30,22 +30,24 @@ class Damped(NamedTuple):
 
 @kernel
 def factors(part, kick):
-    """Factors of the momenta before a kick, (1 - c)/(1 + c), and of the kick, 1/(1 + c)."""
+    """Factors (lanes) by which damping scales momenta in a step, (1 - c)/(1 + c), and the impulse
+    of forces, 1/(1 + c), with c = rate kick/2. part: Damped; kick: time of the impulse (s)."""
     force = 1.0 / (1.0 + 0.5 * kick * load(part.rate, 0, 0))
     return 2.0 * force - 1.0, force
 
 
 @kernel
 def take(part, world, path):
-    """Add to the loss the damping work (J) for the sum over particles of momentum times way, `path`
-    (lanes,) J s."""
+    """Add to the loss the damping work (J): rate times `path` (lanes, J s), the sum over particles
+    of momentum times way. part: arrays (Damped); world: solver state (World)."""
     loss = load(world.accounts, 0, part.account) + load(part.rate, 0, 0) * path
     store(world.accounts, 0, part.account, loss)
 
 
 @hook(Damped)
 def restrain(part, world, timing):
-    """Scale momenta and forces of the joined particles before their kick, which then damps them."""
+    """Scale momenta and forces of the particles that another element type moves, so that what it
+    does then damps them. part: arrays (Damped); world: solver state; timing: step times (s)."""
     state = world.state
     factor, force = factors(part, timing.kick)
     for n in range(part.jointed.shape[0]):
@@ -58,7 +60,8 @@ def restrain(part, world, timing):
 
 @hook(Damped)
 def move(part, world, timing):
-    """Kick, damp and move the free particles."""
+    """Damp the free particles and move them by a step, with their forces. part: arrays (Damped);
+    world: solver state (World); timing: times of the step (s)."""
     state, particles = world.state, world.particles
     factor, force = factors(part, timing.kick)
     kick = timing.kick * force
@@ -78,7 +81,8 @@ def move(part, world, timing):
 
 @hook(Damped)
 def work_after(part, world, timing):
-    """Add the damping work (J) on the joined particles, after the impulses of their joints."""
+    """Add the damping work (J) on the particles that another element type moves, after the impulses
+    of joints. part: arrays (Damped); world: solver state (World); timing: times of the step (s)."""
     state, particles = world.state, world.particles
     total = 0.0 * load(part.rate, 0, 0)
     for n in range(part.jointed.shape[0]):

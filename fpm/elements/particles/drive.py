@@ -24,7 +24,8 @@ class Drive(ElementType):
     called = "drive"
 
     def add_to(self, scene):
-        """Hold the particle as well; no other kind may move it."""
+        """Add the drive to a scene and hold its particle; raises SceneError if another element type
+        moves it already, or a field does not fit."""
         self.check(scene)
         for kind in scene.kinds:
             if kind is not Drive and not kind.joins and self.particle in kind.moved(scene):
@@ -34,7 +35,7 @@ class Drive(ElementType):
 
     @classmethod
     def moved(cls, scene):
-        """The driven particles."""
+        """Indices of the driven particles of a scene, one for each drive."""
         return [drive.particle for drive in cls.of(scene)]
 
     @classmethod
@@ -50,6 +51,7 @@ class Drive(ElementType):
 
     @classmethod
     def prescribe(cls, scene, time, motion):
-        """The motion of the driven particles is that prescribed."""
+        """Put velocity (m/s) and spin (rad/s) of the driven particles at a time (s) into `motion`,
+        whose velocity and spin (n, 3) are those of all particles."""
         particles, velocity, spin = cls.motion(scene, time)
         motion.velocity[particles], motion.spin[particles] = velocity, spin

@@ -26,17 +26,17 @@ class Gravity(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """A scene may lack weight beside others that have it."""
+        """None: a scene may lack weight beside others that have it."""
         return None
 
     @classmethod
     def held_up(cls, scene):
-        """The weight of all."""
+        """Size of the weight of all particles together (N)."""
         return float(scene.mass.sum() * np.linalg.norm(scene.gravity))
 
     @classmethod
     def weight(cls, scene, particle, time):
-        """Mass times the sum of all."""
+        """Weight (3,) N of the particle of index `particle`, in global axes, at any time."""
         return scene.mass[particle] * scene.gravity
 
     @classmethod

@@ -20,7 +20,8 @@ class Weight(NamedTuple):
 
 @hook(Weight)
 def forces(part, world, timing):
-    """Add the weight (N) of every particle."""
+    """Add the weight (N) of every particle. part: arrays of gravity (Weight); world: solver state
+    (World); timing: times of the step (s)."""
     g = get3(part.acceleration, 0, 0)
     for i in range(world.state.shape[0]):
         weight = load(world.particles, i, MASS) * g
@@ -29,8 +30,9 @@ def forces(part, world, timing):
 
 @hook(Weight)
 def work_of_place(part, world, energies, row):
-    """Add the work (J) of the weight up to now: minus the potential energy, which is 0 at the
-    global origin."""
+    """Add the work (J) of the weight so far: minus the potential energy, which is 0 at the global
+    origin. part: arrays of gravity (Weight); world: solver state (World); energies: recorded
+    (Record.energies); row: of the instant."""
     g = get3(part.acceleration, 0, 0)
     total = 0.0 * load(world.state, 0, X)
     for i in range(world.state.shape[0]):

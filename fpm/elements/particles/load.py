@@ -28,24 +28,24 @@ class Load(ElementType):
 
     @property
     def on(self) -> int:
-        """The particle."""
+        """Index of the particle on which the load acts."""
         return self.beam.particle
 
     @property
     def arm(self) -> np.ndarray:
-        """From the particle to where the force acts (3,) m, in the particle's own axes."""
+        """Vector from the particle to where the force acts (3,) m, in the particle's own axes."""
         return self.beam.arm
 
     def topology(self):
-        """Particle and curve."""
+        """What must be equal in scenes that run side by side: particle and curve."""
         return self.on, self.curve
 
     @classmethod
     def held_up(cls, scene):
-        """All forces."""
+        """Sum of the sizes of all forces (N)."""
         return float(sum(np.linalg.norm(load.force) for load in cls.of(scene)))
 
     @classmethod
     def held_round(cls, scene):
-        """All moments."""
+        """Sum of the sizes of all moments (N m)."""
         return float(sum(np.linalg.norm(load.moment) for load in cls.of(scene)))

@@ -20,9 +20,9 @@ STATE = 12
 
 
 class Loads(NamedTuple):
-    """Arrays of all dead loads: particles on (l,); curve (l,); numbers (l, 9, lanes): force (N),
-    moment (N m), arm (m); state (l, STATE, lanes); account: index of their work in
-    World.accounts."""
+    """Arrays of all l dead loads. on, curve (l,): index of each one's particle, and of its curve of
+    time, -1 for 1; numbers (l, 9, lanes): force (N), moment (N m), arm (m); state (l, STATE,
+    lanes): pose at the last forces; account: index of their work in World.accounts."""
 
     on: np.ndarray
     curve: np.ndarray
@@ -33,8 +33,8 @@ class Loads(NamedTuple):
 
 @hook(Loads)
 def forces(part, world, timing):
-    """Add forces (N) at the ends of the arms, and moments (N m); keeps positions and axes of these
-    ends."""
+    """Add forces (N) at the ends of the arms, and moments (N m), to their particles; stores
+    positions and axes of these ends. part: all loads (Loads); world: solver state; timing: in s."""
     state = world.state
     for n in range(part.on.shape[0]):
         i = part.on[n]
@@ -55,6 +55,7 @@ def work_after(part, world, timing):
     """Add the work (J) of all loads over the step: the mean of the loads before and after, times
     the motion between.
 
+    part: arrays of all loads (Loads); world: solver state (World); timing: times of the step (s).
     The work of a constant force is exact however its arm turns. Of a rotation by t, the products of
     the axes before and after it give the sine, from which t follows by the arc sine's series.
     """

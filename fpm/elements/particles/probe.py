@@ -23,7 +23,7 @@ class Probe(ElementType):
 
     @staticmethod
     def of_scene(scene) -> "Probe":
-        """The probe of a scene; one that keeps nothing where there is none."""
+        """The probe of a scene; one that records nothing where there is none."""
         return next(iter(Probe.of(scene)), Probe())
 
     @classmethod
@@ -31,7 +31,7 @@ class Probe(ElementType):
         return cls.of_scene(scene).impulses
 
     def topology(self):
-        """All fields of the probe."""
+        """What must be equal in scenes that run side by side: all fields of the probe."""
         return self.frames, self.forces, self.moments, self.impulses
 
     @classmethod

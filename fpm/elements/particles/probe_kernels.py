@@ -20,9 +20,9 @@ FORCES = 18
 
 
 class Probes(NamedTuple):
-    """frames_of (p,), forces_of (q,) particles; recorded, row after row of instants + 1: frames
-    (rows p, FRAME, lanes) and forces (rows q, FORCES, lanes).
-    """
+    """Requested records of particles. frames_of (p,), forces_of (q,): indices of these particles;
+    recorded, row after row of instants + 1: frames (rows p, FRAME, lanes) and forces (rows q,
+    FORCES, lanes)."""
 
     frames_of: np.ndarray
     forces_of: np.ndarray
@@ -32,8 +32,8 @@ class Probes(NamedTuple):
 
 @hook(Probes)
 def record(part, world, row):
-    """Record forces (N) and moments (N m) on particles at an instant, before the step uses them
-    up."""
+    """Record forces (N) and moments (N m) on particles at an instant, before the step resets them
+    to 0. part: arrays (Probes); world: solver state (World); row: of the recorded instant."""
     count = part.forces_of.shape[0]
     for n in range(count):
         i, index = part.forces_of[n], row * count + n
@@ -43,7 +43,9 @@ def record(part, world, row):
 
 @hook(Probes)
 def record_step(part, world, row, timing):
-    """Record frames of particles, and their momenta half a step before and after the instant."""
+    """Record frames of particles, and means and changes of their velocities (m/s) and momenta (N m
+    s) over the step around the instant. part: arrays (Probes); world: solver state (World); row: of
+    the instant; timing: times of the step (s)."""
     start, state = world.start_state, world.state
     count = part.frames_of.shape[0]
     for n in range(count):

@@ -23,7 +23,7 @@ class Support(ElementType):
     rotations: str = "xyz"
 
     def add_to(self, scene):
-        """Hold the particles."""
+        """Hold the particles, in Scene.fixed; raises SceneError for letters other than x, y, z."""
         if set(self.translations + self.rotations) - set(AXES):
             axes = (self.translations, self.rotations)
             raise SceneError("fixed axes", axes, "letters out of 'xyz'")
@@ -34,18 +34,19 @@ class Support(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """The particles that are held along or about some axes, but not all three."""
+        """Indices of the particles of a scene held along or about some axes, not all three."""
         counts = scene.fixed.reshape(-1, 2, 3).sum(axis=2)
         return np.flatnonzero(((counts > 0) & (counts < 3)).any(axis=1)).tolist()
 
     @classmethod
     def moved(cls, scene):
-        """Particles that turn about two axes."""
+        """Indices of particles that turn about two axes, which the kernels of supports move."""
         return turns_of(scene).about_two
 
     @classmethod
     def topology_of(cls, scene):
-        """Particles that turn about two axes; all held axes are part of the scene's topology."""
+        """What must be equal in scenes run side by side, besides the held axes: particles that turn
+        about two axes."""
         return tuple(cls.moved(scene))
 
     @classmethod

@@ -31,7 +31,8 @@ class Supports(NamedTuple):
 
 @hook(Supports)
 def restrain(part, world, timing):
-    """Set forces and moments along held axes to 0."""
+    """Set forces and moments along held axes to 0. part: arrays of partly held particles
+    (Supports); world: solver state (World); timing: times of the step (s)."""
     state = world.state
     for n in range(part.on.shape[0]):
         i = part.on[n]
@@ -41,9 +42,10 @@ def restrain(part, world, timing):
 
 @hook(Supports)
 def move(part, world, timing):
-    """Kick particles that turn about two axes, and move them by a step.
+    """Move particles that turn about two axes by a step, with their forces.
 
-    The angular momentum about the third axis is such that in the middle of the step, as of all
+    part: arrays of partly held particles (Supports); world: solver state; timing: times of the step
+    (s). The angular momentum about the third axis is such that in the middle of the step, as of all
     turns, there is no spin about it. That is a condition on rates, not on positions.
     """
     state, particles = world.state, world.particles

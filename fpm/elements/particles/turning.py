@@ -18,8 +18,8 @@ ALIKE = 1e-12
 
 class Turning(NamedTuple):
     """How particles turn: inertia (n, 3) kg m² about their own axes, that about n where they turn
-    about one axis alone; held (n, 3): own axes about which they never turn; about_two: particles
-    of unlike inertias that turn about two axes."""
+    about one axis n alone; no_turn (n, 3): own axes about which they never turn; about_two: indices
+    of particles of unlike inertias that turn about two axes."""
 
     inertia: np.ndarray
     no_turn: np.ndarray
@@ -27,9 +27,10 @@ class Turning(NamedTuple):
 
 
 def turns_of(scene) -> Turning:
-    """How the particles of a scene turn.
+    """How the particles of a scene turn, by their supports.
 
-    SceneError where one that turns about two axes is in a joint: its impulses do not know that.
+    Raises SceneError where one that turns about two axes is in a joint: its impulses do not know
+    that.
     """
     fixed = scene.fixed[:, 3:]
     count, inertia = fixed.sum(axis=1), scene.inertia.copy()

@@ -206,7 +206,8 @@ def add_errors(
 
 
 def share_of(error: np.ndarray, time: np.ndarray, area: np.ndarray) -> np.ndarray:
-    """Errors (n, T) integrated over time, as shares (n,) of the widths' integrals `area` (n,)."""
+    """Relative errors (n,): errors (n, T) integrated over time (T), over the widths' integrals
+    `area` (n,); 0 where these are 0."""
     integrals = np.trapezoid(error, time)
     return np.divide(integrals, area, out=np.zeros_like(integrals), where=area > 0)
 
@@ -214,7 +215,8 @@ def share_of(error: np.ndarray, time: np.ndarray, area: np.ndarray) -> np.ndarra
 def hausdorff(
     lower: np.ndarray, upper: np.ndarray, reference_lower: np.ndarray, reference_upper: np.ndarray
 ) -> np.ndarray:
-    """Hausdorff distance of the intervals [lower, upper] and the reference, element by element."""
+    """Hausdorff distance (...) of the intervals [lower, upper] from the reference ones, all arrays
+    (...), element by element: the larger difference of both bounds."""
     return np.maximum(np.abs(lower - reference_lower), np.abs(upper - reference_upper))
 
 

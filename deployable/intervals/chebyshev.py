@@ -33,7 +33,7 @@ def _sine(numerator: np.ndarray, denominator: int) -> np.ndarray:
 
 
 def roots(order: int) -> np.ndarray:
-    """The order + 1 roots of T_(order+1), ascending, shape (order + 1)."""
+    """The order + 1 roots of the Chebyshev polynomial T_(order+1) in [-1, 1], ascending."""
     return _sine(2 * np.arange(order + 1) - order, order + 1)
 
 
@@ -46,25 +46,23 @@ def lobatto(order: int) -> np.ndarray:
 
 
 def grid(lines: Sequence[np.ndarray]) -> np.ndarray:
-    """All combinations (N, k) of numbers along each direction, last direction fastest."""
+    """All combinations (N, k) of the coordinates along k directions, last direction fastest."""
     return np.stack([g.ravel() for g in np.meshgrid(*lines, indexing="ij")], axis=1)
 
 
 def tensor(order: Sequence[int]) -> np.ndarray:
-    """All i with i_j <= order_j, last direction fastest: shape (prod(order + 1), k)."""
+    """Multi-indices i with i_j <= order_j, last direction fastest: shape (prod(order + 1), k)."""
     return grid([np.arange(n + 1) for n in order])
 
 
 def total_degree(order: Sequence[int]) -> np.ndarray:
-    """All i with sum_j i_j / order_j <= 1; for equal orders n the total degree is at most n.
-
-    Sorted by total degree. C(n + k, k) rows for equal orders: 20 at k = 3, n = 3.
-    """
+    """Multi-indices i (M, k) with sum_j i_j / order_j <= 1; for equal orders n total degree at most
+    n. Sorted by total degree. C(n + k, k) rows for equal orders: 20 at k = 3, n = 3."""
     return _within_budget(order, lambda n: dict(zip(range(n + 1), range(n + 1), strict=True)))
 
 
 def smolyak(order: Sequence[int]) -> np.ndarray:
-    """Smolyak set (M, k) with slow growth, sorted by total degree.
+    """Multi-indices (M, k) of a Smolyak sparse grid with slow growth, sorted by total degree.
 
     The union of the tensor sets of nested rules whose degrees, by the least polynomials that need
     them, are a total-degree set; so it contains every polynomial of that total degree (Barthelmann,
@@ -159,7 +157,8 @@ class Surrogate:
         return full
 
     def restrict(self, direction: int, unit: np.ndarray) -> np.ndarray:
-        """Coefficients (n_j + 1, ...) along one direction, the others held at `unit` (k)."""
+        """Chebyshev coefficients (n_j + 1, ...) along one direction (its index j), the other
+        coordinates held at the point `unit` (k)."""
         cross_indices = self.multi_indices.copy()
         cross_indices[:, direction] = 0
         weights = product_basis(np.asarray(unit, dtype=float)[None], cross_indices)[0]

@@ -235,8 +235,8 @@ def scan_points(
 
 
 def spread_points(free: np.ndarray, count: int, seed: int = 1) -> np.ndarray:
-    """Points (about `count`, k) at which a function's extreme values are looked for: corners, a
-    line or Sobol sequence, half of it pushed to faces."""
+    """Points (about `count`, k) in [-1, 1]^k at which extreme values are searched: corners, a line
+    or Sobol sequence, half of it pushed to faces; free (k): mask of directions with a width."""
     dimension = int(np.sum(free))
     if dimension == 0:
         return np.zeros((1, len(free)))

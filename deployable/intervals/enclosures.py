@@ -22,11 +22,12 @@ _CHUNK = 1 << 23
 
 
 def effects_enclosure(c: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Enclosure by exact ranges of the main effects and |coefficients| of the interactions.
+    """Lower and upper bounds (T) of polynomials on [-1, 1]^k, by exact ranges of the main effects
+    and |coefficients| of the interactions; c (M, T): of the Chebyshev products `indices` (M, k).
 
     p = c_0 + sum_j p_j(x_j) + interactions; |T_i| <= 1, and the range of a sum of functions of
     different variables is the sum of their ranges. Sharp where the interactions are small, cheap
-    for any order and dimension. `c` is (M, T), `indices` (M, k); returns lower, upper (T).
+    for any order and dimension.
     """
     active = (indices > 0).sum(axis=1)
     rest = np.abs(c[active > 1]).sum(axis=0)

@@ -48,15 +48,17 @@ class Model:
         raise NotImplementedError
 
     def range(self) -> Range:
-        """Its range (n, T) over the box, arguments (n, T, k) in unit coordinates."""
+        """Range of the n responses over the box at T instants: bounds (n, T), and the points where
+        they are attained (n, T, k) in unit coordinates."""
         raise NotImplementedError
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Estimated error (n, T) of the bounds that `range` found; `window` as in `widen`."""
+        """Estimated error (n, T) of bounds that `range` returned; window: half-width (s) of the
+        time window, as in `estimates.widen`."""
         raise NotImplementedError
 
     def centre(self) -> np.ndarray | None:
-        """Its values (n, T) at the centre of the box, if it has any there."""
+        """Values (n, T) of the model at the centre of the box; None if it has none there."""
         return None
 
     def variables(self) -> dict:
@@ -65,11 +67,8 @@ class Model:
 
 
 class PolynomialModel(Model):
-    """Chebyshev polynomials, whose range is enclosed. The other runs test them.
-
-    `tolerance` is the gap between outer and inner range at which subdivision stops, as a share of
-    the width.
-    """
+    """Chebyshev polynomials through a design's runs, with an enclosed range. Other runs test them.
+    `tolerance`: gap of enclosure and attained range that ends subdivision, over the width."""
 
     kind = "enclosed range of the polynomial"
 

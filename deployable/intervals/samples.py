@@ -37,7 +37,8 @@ _RUNNING = ("lower", "upper", "lower_run", "upper_run")
 
 @dataclass(frozen=True)
 class Running:
-    """Least and largest values (...) of a stream of runs, and the number of the run that has each.
+    """Running bounds of a stream of runs: least and largest values (...) of each response and
+    instant, and the numbers of the runs that have them.
 
     Of equal values the one of the run with the least number counts, so that the result does not
     depend on the order in which runs come, nor on how they were grouped.
@@ -50,7 +51,7 @@ class Running:
 
     @classmethod
     def of_runs(cls, values: np.ndarray, runs: np.ndarray) -> Running:
-        """Those of values (R, ...), finite, of runs with numbers (R) that increase."""
+        """Running bounds of runs with finite values (R, ...) and increasing numbers `runs` (R)."""
         low, high = values.argmin(axis=0)[None], values.argmax(axis=0)[None]
         numbers = np.asarray(runs)
         return cls(
@@ -61,7 +62,7 @@ class Running:
         )
 
     def merge(self, rival: Running | None) -> Running:
-        """Those of both streams."""
+        """Running bounds of this stream of runs and another (`rival`; None: of this one alone)."""
         if rival is None:
             return self
         lower = _comes_first(rival.low, self.low, rival.low_run, self.low_run)
@@ -80,7 +81,7 @@ def _comes_first(value: np.ndarray, rival: np.ndarray, run: np.ndarray, rival_ru
 
 
 def quarter_ends(runs: int) -> list[int]:
-    """Where the quarters of so many runs begin and end."""
+    """Five indices, from 0 to `runs`, at which the quarters of so many runs begin and end."""
     return [-(-runs * quarter // 4) for quarter in range(5)]
 
 
@@ -120,7 +121,7 @@ class Samples:
 
     @cached_property
     def ratios(self) -> np.ndarray:
-        """Which responses (n,) are ratios less one (`ratios.py`)."""
+        """Mask (n,) of the responses that are a ratio less one, as margins are (`ratios.py`)."""
         if "response_ratio" not in self.source:
             return np.zeros(len(self.names), bool)
         return self.source["response_ratio"].values[self.rows] > 0
@@ -161,7 +162,8 @@ class Samples:
         return {n: v.isel(response=self.rows, missing_dims="ignore") for n, v in variables.items()}
 
     def parameters(self) -> Callable[[np.ndarray], np.ndarray]:
-        """Function from unit coordinates (..., k) to parameter values, as the runs tell it."""
+        """Function that maps unit coordinates (..., k) to parameter values (..., k), the affine map
+        that the runs' values follow."""
         value = np.asarray(self.source["value"].values, dtype=float)
         middle, half = value.mean(axis=0), np.zeros(self.unit.shape[1])
         for j, column in enumerate(self.unit.T):
@@ -173,13 +175,13 @@ class Samples:
 
 
 def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) -> Samples:
-    """Check a samples dataset and take out what is small; by default all responses are taken.
+    """Check a samples dataset and read all but its values; responses: names, by default all.
 
     Variables ``values`` (run, response, time), ``normalized`` and ``value`` (run, parameter),
     perhaps ``role`` (run); coordinates ``time`` and ``response``. A scan may have, in the place of
     ``values`` and ``role``, the running bounds ``lower``, ``upper``, ``lower_run``, ``upper_run``
     (quarter, response, time) of each quarter of its runs, and perhaps ``nominal`` (response, time),
-    which the first of its runs then is.
+    which the first of its runs then is. Raises IntervalError for what is missing or unknown.
     """
     arrays = ("values",) if "lower_run" not in samples else _RUNNING
     for name in ("time", "response", *arrays, "normalized", "value"):

@@ -70,8 +70,9 @@ def estimate_bounds(
 
 
 def local_errors(fit: Fit, unit: np.ndarray) -> np.ndarray:
-    """Errors (P) of a fit at unit coordinates (P, k), by the leave-one-out errors of the runs about
-    them: that of a run is the error at its distance from the next run, and falls towards a run."""
+    """Errors (P) of a fit at unit coordinates (P, k), by the leave-one-out errors of the nearest
+    runs: that of a run holds at the distance of its next run, and falls linearly towards the
+    run."""
     points, width = fit.points, float(np.ptp(fit.values))
     errors = np.minimum(np.abs(fit.left_out), width)
     if len(points) == 1:

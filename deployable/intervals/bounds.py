@@ -178,10 +178,10 @@ def _largest(name: str, values: np.ndarray, time: np.ndarray) -> dict[str, np.nd
 def add_errors(
     bounds: xr.Dataset, parts: Mapping[str, np.ndarray], window: float | None = None
 ) -> xr.Dataset:
-    """Bounds whose ``error`` is the surrogate's and further parts together.
+    """Bounds dataset whose ``error`` is the sum of the surrogate's and further components.
 
     `parts` (n, T each) are errors by name, such as those of a mesh, in the units of the responses.
-    They are widened in time as the surrogate's is (see `estimates.widen`) and added to it. The
+    They are widened in time by `window` (see `estimates.widen`) and added to the surrogate's. The
     dataset gets ``error_surrogate`` and ``error_<name>`` (response, time), and over response
     ``share_surrogate`` and ``share_<name>``, as shares of the width, both integrated over time;
     the numbers of ``error`` are those of the sum. NaN where a part is not known.

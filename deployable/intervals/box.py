@@ -16,7 +16,7 @@ MAX_DIMENSION = 8
 
 @dataclass(frozen=True)
 class Box:
-    """Interval parameters, whose combinations are the box.
+    """Box of k interval parameters: all combinations of values within their bounds.
 
     Attributes
     ----------
@@ -27,8 +27,8 @@ class Box:
 
     Notes
     -----
-    An interval may have zero width: its parameter then keeps its one value, and its unit
-    coordinate is 0 everywhere.
+    An interval may have zero width: its parameter then keeps its one value, and its
+    normalized coordinate is 0 everywhere.
     """
 
     names: tuple[str, ...]

@@ -38,10 +38,8 @@ def roots(order: int) -> np.ndarray:
 
 
 def lobatto(order: int) -> np.ndarray:
-    """The order + 1 extreme points of T_order, ascending; the centre for order 0.
-
-    They contain -1 and 1, and those of order n are among those of order 2n.
-    """
+    """The order + 1 extreme points of the Chebyshev polynomial T_order, ascending; 0 for order 0.
+    They contain -1 and 1, and those of order n are among those of order 2n."""
     return _sine(2 * np.arange(order + 1) - order, order) if order else np.zeros(1)
 
 
@@ -72,7 +70,7 @@ def smolyak(order: Sequence[int]) -> np.ndarray:
 
 
 def count_smolyak(order: Sequence[int]) -> int:
-    """Number of rows of `smolyak`, without making them."""
+    """Number M of multi-indices of `smolyak`, without making them; order: of each direction."""
     counts = {0.0: 1}  # rows so far, by the share of the order that they use
     for n in (int(n) for n in order if n):
         new_counts: dict[float, int] = {}
@@ -118,14 +116,14 @@ def product_basis(points: np.ndarray, indices: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Surrogate:
-    """sum_m coefficients[m] T_(i_m1)(x_1) ... T_(i_mk)(x_k) with x in [-1, 1]^k.
+    """Polynomial sum_m coefficients[m] T_(i_m1)(x_1) ... T_(i_mk)(x_k), x in [-1, 1]^k.
 
     Attributes
     ----------
     coefficients
         (M, ...); the trailing axes are instants, responses or whatever was fitted together.
     multi_indices
-        (M, k).
+        (M, k): degree i_mj of the Chebyshev polynomial T in each direction.
     """
 
     coefficients: np.ndarray
@@ -151,7 +149,8 @@ class Surrogate:
         return values.reshape(len(unit), *self.coefficients.shape[1:])
 
     def dense(self) -> np.ndarray:
-        """Coefficients as a full tensor (n_1 + 1, ..., n_k + 1, ...), zeros where absent."""
+        """Coefficients as a full tensor (n_1 + 1, ..., n_k + 1, ...) by degree, zeros where
+        absent."""
         full = np.zeros((*(self.degrees + 1), *self.coefficients.shape[1:]))
         full[tuple(self.multi_indices.T)] = self.coefficients
         return full

@@ -45,7 +45,7 @@ def effects_enclosure(c: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, n
 def grid_enclosure(
     c: np.ndarray, indices: np.ndarray, density: int = 8
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Enclosure from the extreme values on a Chebyshev grid, inflated.
+    """Lower and upper bounds (T) of polynomials on [-1, 1]^k: inflated extremes on a grid.
 
     Two inflations are valid, and the smaller one is taken at each instant:
 
@@ -57,7 +57,8 @@ def grid_enclosure(
       |d^2 p / d t_j^2| <= sum i_j^2 |c_i|. Sharper where the coefficients decay.
 
     The grid, extreme points of T_m, holds `density` points per degree, fewer where it would be too
-    large. `c` is (M, T), `indices` (M, k); returns lower, upper (T); infinite without a grid.
+    large; without a grid bounds are infinite. `c` (M, T): coefficients of the Chebyshev products
+    `indices` (M, k).
     """
     degrees = indices.max(axis=0)
     total = c.shape[1]

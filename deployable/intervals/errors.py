@@ -8,7 +8,7 @@ from typing import Any
 
 
 class IntervalError(ValueError):
-    """A wrong input, told with its key, its value and what is allowed.
+    """A wrong input, with its key, its value and what is allowed.
 
     Parameters
     ----------

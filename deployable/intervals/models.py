@@ -62,7 +62,7 @@ class Model:
         return None
 
     def variables(self) -> dict:
-        """Further variables of a bounds dataset, by name."""
+        """Further variables of a bounds dataset, by name: (dimensions, values, attributes)."""
         return {}
 
 
@@ -83,6 +83,8 @@ class PolynomialModel(Model):
         return surrogate_range(self.surrogate, self.tolerance)
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
+        """Larger of the residuals at the test runs and the coefficients' extrapolated tail (n,
+        T)."""
         samples, surrogate = self.samples, self.surrogate
         unit, time = samples.unit[self.test_rows], samples.time
         residuals = samples.values[self.test_rows] - surrogate.evaluate(unit)
@@ -129,9 +131,11 @@ class ScanModel(Model):
         return attained(total.low, total.high, self.unit[total.low_run], self.unit[total.high_run])
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
+        """Growth (n, T) of the bounds from the first half of the runs to all of them."""
         return ErrorEstimate(self.growth, self.growth, np.zeros_like(self.growth))
 
     def variables(self) -> dict:
+        """Growth (response, time) of the bounds with the last quarter of the runs."""
         text = "growth of the bounds with the last quarter of the samples"
         return {"growth_quarter": (("response", "time"), self.growth_quarter, {"long_name": text})}
 
@@ -203,6 +207,8 @@ class SplineModel(Model):
         return replace(bounds, argmin=argmin, argmax=argmax)
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
+        """Leave-one-out errors (n, T), as the class describes, within `window` (s) of each
+        instant."""
         spline = self.spline
         free = int((spline.scales > 0).sum())
         if self.averages:

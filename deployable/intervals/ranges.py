@@ -39,7 +39,7 @@ class Range:
 
     @property
     def gap(self) -> np.ndarray:
-        """By how much the outer range may be too wide, (...): the sum over both sides."""
+        """Excess width (...) of the outer over the attained range, the sum over both sides."""
         return (self.inner_lower - self.lower) + (self.upper - self.inner_upper)
 
 

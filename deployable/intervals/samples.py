@@ -87,12 +87,12 @@ def quarter_ends(runs: int) -> list[int]:
 
 @dataclass(frozen=True)
 class Samples:
-    """What the interval side knows of R runs with n responses at T instants and k parameters.
+    """R runs with n responses at T instants and k parameters, read from a samples dataset.
 
     Attributes
     ----------
     names, rows
-        (n) of the responses, and their places in the dataset `source`.
+        (n): of the responses, their names, and their indices in the dataset `source`.
     time
         (T) in s.
     unit
@@ -127,19 +127,19 @@ class Samples:
         return self.source["response_ratio"].values[self.rows] > 0
 
     def read(self, runs: slice) -> np.ndarray:
-        """Responses (r, n, T) of some runs as they are stored, and no others in memory."""
+        """Responses (r, n, T), as they are stored, of a slice of the runs alone, to save memory."""
         whole = self.rows == list(range(self.source.sizes["response"]))
         return self.source["values"][runs, slice(None) if whole else self.rows].values
 
     def nominal_curve(self) -> np.ndarray | None:
-        """Responses (n, T) of the nominal run, if there is one."""
+        """Responses (n, T) of the nominal run; None if there is no nominal run."""
         if "nominal" in self.source:
             return self.source["nominal"].values[self.rows]
         return None if self.nominal is None else self.read(slice(self.nominal, self.nominal + 1))[0]
 
     def quarters(self) -> Iterator[Running | None]:
-        """The running bounds (n, T) of each quarter of the runs, None for one without runs: from
-        the dataset if it has them in the place of values, else from its runs, some at a time."""
+        """Running bounds (n, T) of each quarter of the runs, None for one without runs: from the
+        dataset if it stores them instead of values, else from the runs, some at a time."""
         if "values" not in self.source:
             arrays = [self.source[name].values[:, self.rows] for name in _RUNNING]
             quarters = (Running(*quarter) for quarter in zip(*arrays, strict=True))
@@ -157,7 +157,7 @@ class Samples:
             yield running
 
     def coordinates(self) -> dict:
-        """Coordinates of a dataset of these responses over time and parameter, by name."""
+        """Coordinates for a new dataset of these responses over time and parameter, by name."""
         variables = {n: self.source[n].variable for n in _COORDINATES if n in self.source}
         return {n: v.isel(response=self.rows, missing_dims="ignore") for n, v in variables.items()}
 

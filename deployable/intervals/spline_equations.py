@@ -84,10 +84,9 @@ def _tridiagonal(band: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 
 class Polyharmonic:
-    """Factorised equations of a spline with cubes `cubes` (N, N), linear functions `linear` (N, m).
-
-    Raises `IntervalError` where the runs lie in one plane or too close together.
-    """
+    """Factorised equations of a polyharmonic spline through N runs; cubes (N, N): their distances
+    to the third power; linear (N, m): linear functions at the runs. Raises `IntervalError` where
+    the runs lie in one plane or too close together."""
 
     def __init__(self, cubes: np.ndarray, linear: np.ndarray):
         count, extra = linear.shape

@@ -87,7 +87,7 @@ class Bends(NamedTuple):
 
 
 def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
-    """Deformation (`Bends`) of a group's elements; place and axes as for `ends_of`."""
+    """Deformation (`Bends`) of a group of beam elements; place and axes as for `ends_of`."""
     (first, *own), (second, *axes2) = ends_of(scene, beams, place, axes)
     chord, own = second - first, own + axes2
     length = np.linalg.norm(chord, axis=2)
@@ -97,7 +97,7 @@ def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
 
 
 def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
-    """Section forces (`Sections`) of a group's elements; place and axes as for `ends_of`."""
+    """Section forces (`Sections`) of a group of beam elements; place and axes as for `ends_of`."""
     _, axial, bend_z, bend_y, twist = beams.stiffness().T
     length, chord, sines, angles, own = bends_of(scene, beams, place, axes)
     stiffness = np.stack([bend_z, bend_y], axis=1)

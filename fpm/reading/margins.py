@@ -175,8 +175,9 @@ def read(spec: Any) -> Any:
 
 
 class BudgetRow(NamedTuple):
-    """The row of one component in a torque budget: name; class; factor; moment (N m, on slides N),
-    the virtual work per unit of the opening, below 0 where it resists; moment times factor."""
+    """Row of a component in a torque budget: name (part); class; factor; moment (N m, on slides N),
+    the virtual work per unit of the opening, below 0 where it resists; weighted: factor times
+    moment."""
 
     part: str
     class_: str
@@ -186,8 +187,8 @@ class BudgetRow(NamedTuple):
 
 
 class Budget(NamedTuple):
-    """The torque budget at an opening: margin = drives / requirement - 1, the sums of the weighted
-    moments of the rows above 0, and of those below 0 as a positive number."""
+    """Torque budget at an opening (rad, m): margin = drives / requirement - 1; drives: sum of the
+    rows' weighted moments above 0, requirement: of those below 0, as a positive number."""
 
     opening: float
     margin: float

@@ -53,7 +53,7 @@ class Response:
 
     @property
     def needs(self) -> tuple[Column, ...]:
-        """Columns that a run must record for the response, besides what is always recorded."""
+        """Columns, (variable, label), that a run must record on request for the response."""
         return tuple(column for column in self.columns if column[0] in VARIABLES)
 
     @property

@@ -35,7 +35,7 @@ def parts_of(scene) -> dict[str, str]:
 
 
 def springs_of(scene) -> list[str]:
-    """Names of the components that are springs on joints, springs by tables included."""
+    """Names of the components of a scene that are springs on joints, those by tables included."""
     return [
         part.name for part in components_of(scene)
         if isinstance(part.balanced, TorsionSpring | TableSpring) and part.resists_as == "S"
@@ -107,7 +107,8 @@ class VirtualWork:
         return float(works[0] - works[1] if self.is_difference else works.min())
 
     def friction_forces(self) -> np.ndarray | float:
-        """Forces and moments (6n,) at the last `compute_work` if it only resists, else 0."""
+        """Forces and moments (6n,) at the last `compute_work`; 0 unless the component only
+        resists."""
         if not self.drags:
             return 0.0
         return self._forces[0] - self._forces[1] if self.is_difference else self._forces[0]

@@ -163,7 +163,8 @@ class Path:
         )  # fmt: skip
 
     def state(self) -> tuple:
-        """State that `restore` takes: poses, opening, tangent, impulses, openings of all hinges."""
+        """State that `restore` takes back: poses, opening, tangent, impulses, openings of all
+        hinges."""
         return self.poses, self.opening, self.tangent, self._impulses, self._openings
 
     def restore(self, state: tuple) -> None:

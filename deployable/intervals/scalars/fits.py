@@ -57,8 +57,9 @@ class RootFunction:
     """A function of unit coordinates (k) and of the root of an event margin, which is 0 on the
     limit-state surface: the time of an event ends there like a root.
 
-    function: of k + 1 coordinates, the last one 2 sqrt(margin / scale) - 1; margin: a function of
-    unit coordinates (P, k) that gives values (P).
+    function: of k + 1 coordinates, the last one 2 sqrt(margin / scale) - 1; margin: occurrence
+    whose `certainty` is the event margin (P) at unit coordinates (P, k); scale: largest event
+    margin.
     """
 
     function: Surrogate | Spline | Kriging
@@ -90,7 +91,8 @@ def root_fit(
     points: np.ndarray, values: np.ndarray, occurrence: Occurrence, margins: np.ndarray
 ) -> Fit | None:
     """The best fit to values (N) of runs at unit points (N, k) as a function of the points and of
-    the roots of their event margins (N); None where no margin is positive."""
+    the roots of event margins, positive at the runs (N); None where none is, or for too few runs.
+    occurrence: gives the event margin at other points."""
     scale = float(margins.max(initial=0.0))
     if not scale > 0 or len(values) <= _LEAST_RUNS:
         return None

@@ -221,6 +221,8 @@ class FittedOccurrence(Occurrence):
         return bool(agreement.all() and (certainty[~self.happens] < slack).all())
 
     def certainty(self, unit: np.ndarray) -> np.ndarray:
+        """Fitted event margin (P), or time left before `latest` (P) s, at unit coordinates (P,
+        k)."""
         values = self.fit.evaluate(unit)
         return values if self.latest is None else self.latest - values
 
@@ -229,9 +231,11 @@ class FittedOccurrence(Occurrence):
         return formula if self.latest is None else formula.shortfall(self.latest)
 
     def run_certainty(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
+        """Event margins (R), or the times left before `latest` (R) s, of runs themselves."""
         return margins if self.latest is None else self.latest - numbers
 
     def doubt(self, unit: np.ndarray) -> np.ndarray:
+        """The error of the fit (P), the same at all unit coordinates (P, k)."""
         return np.full(len(unit), self.error)
 
     @property

@@ -34,7 +34,7 @@ _TRUSTED = 3.0  # times its error: so far the surrogate must exceed all runs to 
 
 
 class BoundEstimate(NamedTuple):
-    """A bound of a quantity.
+    """Lower or upper bound of a quantity, its error, and points at which runs may extend it.
 
     value: the extreme run's, or the surrogate's where that goes farther by several times its own
     error; error: by how much the bound may be off, by what the surrogate leaves possible; points

@@ -178,10 +178,10 @@ def _largest(name: str, values: np.ndarray, time: np.ndarray) -> dict[str, np.nd
 def add_errors(
     bounds: xr.Dataset, parts: Mapping[str, np.ndarray], window: float | None = None
 ) -> xr.Dataset:
-    """Bounds whose ``error`` is the surrogate's and further parts together.
+    """Bounds dataset whose ``error`` is the sum of the surrogate's and further components.
 
     `parts` (n, T each) are errors by name, such as those of a mesh, in the units of the responses.
-    They are widened in time as the surrogate's is (see `estimates.widen`) and added to it. The
+    They are widened in time by `window` (see `estimates.widen`) and added to the surrogate's. The
     dataset gets ``error_surrogate`` and ``error_<name>`` (response, time), and over response
     ``share_surrogate`` and ``share_<name>``, as shares of the width, both integrated over time;
     the numbers of ``error`` are those of the sum. NaN where a part is not known.
@@ -206,7 +206,8 @@ def add_errors(
 
 
 def share_of(error: np.ndarray, time: np.ndarray, area: np.ndarray) -> np.ndarray:
-    """Errors (n, T) integrated over time, as shares (n,) of the widths' integrals `area` (n,)."""
+    """Relative errors (n,): errors (n, T) integrated over time (T), over the widths' integrals
+    `area` (n,); 0 where these are 0."""
     integrals = np.trapezoid(error, time)
     return np.divide(integrals, area, out=np.zeros_like(integrals), where=area > 0)
 
@@ -214,7 +215,8 @@ def share_of(error: np.ndarray, time: np.ndarray, area: np.ndarray) -> np.ndarra
 def hausdorff(
     lower: np.ndarray, upper: np.ndarray, reference_lower: np.ndarray, reference_upper: np.ndarray
 ) -> np.ndarray:
-    """Hausdorff distance of the intervals [lower, upper] and the reference, element by element."""
+    """Hausdorff distance (...) of the intervals [lower, upper] from the reference ones, all arrays
+    (...), element by element: the larger difference of both bounds."""
     return np.maximum(np.abs(lower - reference_lower), np.abs(upper - reference_upper))
 
 

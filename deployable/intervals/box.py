@@ -16,7 +16,7 @@ MAX_DIMENSION = 8
 
 @dataclass(frozen=True)
 class Box:
-    """Interval parameters, whose combinations are the box.
+    """Box of k interval parameters: all combinations of values within their bounds.
 
     Attributes
     ----------
@@ -27,8 +27,8 @@ class Box:
 
     Notes
     -----
-    An interval may have zero width: its parameter then keeps its one value, and its unit
-    coordinate is 0 everywhere.
+    An interval may have zero width: its parameter then keeps its one value, and its
+    normalized coordinate is 0 everywhere.
     """
 
     names: tuple[str, ...]
@@ -66,18 +66,17 @@ class Box:
         return self.upper > self.lower
 
     def to_unit(self, values: np.ndarray) -> np.ndarray:
-        """Unit coordinates (..., k) of parameter values (..., k); 0 where the width is zero."""
+        """Normalized coordinates (..., k), -1 at `lower` and 1 at `upper`, of parameter values
+        (..., k); 0 where the width is zero."""
         values = np.asarray(values, dtype=float)
         width = np.where(self.free, self.upper - self.lower, 1.0)
         unit = ((values - self.lower) - (self.upper - values)) / width
         return np.where(self.free, unit, 0.0)
 
     def from_unit(self, unit: np.ndarray) -> np.ndarray:
-        """Parameter values (..., k) of unit coordinates (..., k).
-
-        -1 and 1 give exactly `lower` and `upper`, and equal unit coordinates give equal values
-        to the last bit: runs are recognised by their values.
-        """
+        """Parameter values (..., k) of normalized coordinates `unit` (..., k). -1 and 1 give
+        exactly `lower` and `upper`, and equal coordinates give equal values to the last bit: runs
+        are recognised by their values."""
         unit = np.asarray(unit, dtype=float)
         values = self.lower * ((1.0 - unit) / 2.0) + self.upper * ((1.0 + unit) / 2.0)
         in_cube = (np.abs(unit) <= 1.0) & self.free
@@ -91,12 +90,14 @@ class Box:
 
 
 def keys(points: np.ndarray, digits: int = 12) -> list[tuple[float, ...]]:
-    """What points (N, k) are known by: their coordinates without rounding errors, without -0."""
+    """Hashable keys of points (N, k): their coordinates, rounded to `digits` decimals, without -0,
+    so that points that differ by rounding errors have the same key."""
     return [tuple(point) for point in np.round(points, digits) + 0.0]
 
 
 def corner_points(free: np.ndarray) -> np.ndarray:
-    """Corners (2^f, k), opposite ones next to each other, so that the first few are spread out."""
+    """Corners (2^f, k) of the box, ordered so that opposite ones follow each other and the first
+    few are spread out; free (k): mask of the f directions with a width, 0 in the others."""
     free = np.asarray(free, dtype=bool)
     dimension = int(free.sum())
     if dimension == 0:
@@ -109,12 +110,12 @@ def corner_points(free: np.ndarray) -> np.ndarray:
 
 
 def held_out_points(free: np.ndarray, count: int, avoid: np.ndarray | None = None) -> np.ndarray:
-    """Points (count, k) for the runs that test a surrogate and do not enter it.
+    """Points (count, k) in [-1, 1]^k of validation runs, which test a surrogate and are not fitted.
 
-    Corners come first, for at most half of the points, because a surrogate is worst at the edges;
-    then an R-sequence (Roberts 2018: additive recurrence with the generalised golden ratio), whose
-    first points are those of any longer sequence. Points that are in `avoid` (R, k) are skipped:
-    a node tells nothing about the error.
+    free (k): mask of the directions with a width; avoid (R, k): points to be skipped, as a fitted
+    node says nothing of the error. Corners come first, for at most half of the points, because a
+    surrogate is worst at the edges; then an R-sequence (Roberts 2018: additive recurrence with the
+    generalised golden ratio), whose first points are those of any longer sequence.
     """
     free = np.asarray(free, dtype=bool)
     count = check_integer("held_out", count, 0, 100_000)
@@ -148,7 +149,9 @@ def _nearest(points: np.ndarray, unit: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def match_points(points: np.ndarray, unit: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
-    """Index (N) of the run at each design point; runs are known by their coordinates, not place."""
+    """Index (N) of the run at each design point (N, k); unit (R, k): coordinates of the runs, in
+    any order; tolerance: largest difference of a coordinate. IntervalError if a point has no
+    run."""
     index, distance = _nearest(points, unit)
     missing = np.flatnonzero(distance > tolerance)
     if len(missing):
@@ -162,5 +165,6 @@ def match_points(points: np.ndarray, unit: np.ndarray, tolerance: float = 1e-8) 
 
 
 def other_runs(unit: np.ndarray, points: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
-    """Indices of the runs (R, k) that are at none of the design's points (N, k)."""
+    """Indices of the runs at unit coordinates (R, k) that are at none of the design's points (N,
+    k). tolerance: largest difference of a coordinate at which a run counts as at a point."""
     return np.flatnonzero(_nearest(unit, points)[1] > tolerance)

@@ -33,38 +33,34 @@ def _sine(numerator: np.ndarray, denominator: int) -> np.ndarray:
 
 
 def roots(order: int) -> np.ndarray:
-    """The order + 1 roots of T_(order+1), ascending, shape (order + 1)."""
+    """The order + 1 roots of the Chebyshev polynomial T_(order+1) in [-1, 1], ascending."""
     return _sine(2 * np.arange(order + 1) - order, order + 1)
 
 
 def lobatto(order: int) -> np.ndarray:
-    """The order + 1 extreme points of T_order, ascending; the centre for order 0.
-
-    They contain -1 and 1, and those of order n are among those of order 2n.
-    """
+    """The order + 1 extreme points of the Chebyshev polynomial T_order, ascending; 0 for order 0.
+    They contain -1 and 1, and those of order n are among those of order 2n."""
     return _sine(2 * np.arange(order + 1) - order, order) if order else np.zeros(1)
 
 
 def grid(lines: Sequence[np.ndarray]) -> np.ndarray:
-    """All combinations (N, k) of numbers along each direction, last direction fastest."""
+    """All combinations (N, k) of the coordinates along k directions, last direction fastest."""
     return np.stack([g.ravel() for g in np.meshgrid(*lines, indexing="ij")], axis=1)
 
 
 def tensor(order: Sequence[int]) -> np.ndarray:
-    """All i with i_j <= order_j, last direction fastest: shape (prod(order + 1), k)."""
+    """Multi-indices i with i_j <= order_j, last direction fastest: shape (prod(order + 1), k)."""
     return grid([np.arange(n + 1) for n in order])
 
 
 def total_degree(order: Sequence[int]) -> np.ndarray:
-    """All i with sum_j i_j / order_j <= 1; for equal orders n the total degree is at most n.
-
-    Sorted by total degree. C(n + k, k) rows for equal orders: 20 at k = 3, n = 3.
-    """
+    """Multi-indices i (M, k) with sum_j i_j / order_j <= 1; for equal orders n total degree at most
+    n. Sorted by total degree. C(n + k, k) rows for equal orders: 20 at k = 3, n = 3."""
     return _within_budget(order, lambda n: dict(zip(range(n + 1), range(n + 1), strict=True)))
 
 
 def smolyak(order: Sequence[int]) -> np.ndarray:
-    """Smolyak set (M, k) with slow growth, sorted by total degree.
+    """Multi-indices (M, k) of a Smolyak sparse grid with slow growth, sorted by total degree.
 
     The union of the tensor sets of nested rules whose degrees, by the least polynomials that need
     them, are a total-degree set; so it contains every polynomial of that total degree (Barthelmann,
@@ -74,7 +70,7 @@ def smolyak(order: Sequence[int]) -> np.ndarray:
 
 
 def count_smolyak(order: Sequence[int]) -> int:
-    """Number of rows of `smolyak`, without making them."""
+    """Number M of multi-indices of `smolyak`, without making them; order: of each direction."""
     counts = {0.0: 1}  # rows so far, by the share of the order that they use
     for n in (int(n) for n in order if n):
         new_counts: dict[float, int] = {}
@@ -120,14 +116,14 @@ def product_basis(points: np.ndarray, indices: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Surrogate:
-    """sum_m coefficients[m] T_(i_m1)(x_1) ... T_(i_mk)(x_k) with x in [-1, 1]^k.
+    """Polynomial sum_m coefficients[m] T_(i_m1)(x_1) ... T_(i_mk)(x_k), x in [-1, 1]^k.
 
     Attributes
     ----------
     coefficients
         (M, ...); the trailing axes are instants, responses or whatever was fitted together.
     multi_indices
-        (M, k).
+        (M, k): degree i_mj of the Chebyshev polynomial T in each direction.
     """
 
     coefficients: np.ndarray
@@ -153,13 +149,15 @@ class Surrogate:
         return values.reshape(len(unit), *self.coefficients.shape[1:])
 
     def dense(self) -> np.ndarray:
-        """Coefficients as a full tensor (n_1 + 1, ..., n_k + 1, ...), zeros where absent."""
+        """Coefficients as a full tensor (n_1 + 1, ..., n_k + 1, ...) by degree, zeros where
+        absent."""
         full = np.zeros((*(self.degrees + 1), *self.coefficients.shape[1:]))
         full[tuple(self.multi_indices.T)] = self.coefficients
         return full
 
     def restrict(self, direction: int, unit: np.ndarray) -> np.ndarray:
-        """Coefficients (n_j + 1, ...) along one direction, the others held at `unit` (k)."""
+        """Chebyshev coefficients (n_j + 1, ...) along one direction (its index j), the other
+        coordinates held at the point `unit` (k)."""
         cross_indices = self.multi_indices.copy()
         cross_indices[:, direction] = 0
         weights = product_basis(np.asarray(unit, dtype=float)[None], cross_indices)[0]

@@ -64,7 +64,7 @@ class Design:
 
 @dataclass(frozen=True)
 class Method:
-    """A kind of design.
+    """A type of design of experiments: how it is made, and what a user must give.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ def make_design(
     max_runs: int = MAX_RUNS,
     **options,
 ) -> Design:
-    """Make a design.
+    """Make a design of experiments: points of the box at which the model is to be run.
 
     Parameters
     ----------
@@ -211,11 +211,13 @@ METHODS: dict[str, Method] = {
 def scan_points(
     free: np.ndarray, samples: int = 1024, *, seed: int = 0, corners: bool = True
 ) -> np.ndarray:
-    """Points (samples, k) of a scan: the corners of the box, then a Sobol sequence.
+    """Points (samples, k) of a low-discrepancy sample of [-1, 1]^k: the corners, then a Sobol
+    sequence.
 
-    `free` (k) marks the directions with a width; the others stay at 0. The corners are left out
-    when they would take more than half of the samples. A scan with more samples contains the
-    smaller one with the same seed, so that its runs are reused.
+    `free` (k): mask of the directions with a width; the others stay at 0. seed: of the sequence's
+    scrambling. The corners are left out when they would take more than half of the samples. A
+    sample with more points contains the smaller one with the same seed, so that its runs are
+    reused.
     """
     samples = check_integer("samples", samples, 1, 10_000_000)
     seed = check_integer("seed", seed, 0, 2**32 - 1)
@@ -235,8 +237,8 @@ def scan_points(
 
 
 def spread_points(free: np.ndarray, count: int, seed: int = 1) -> np.ndarray:
-    """Points (about `count`, k) at which a function's extreme values are looked for: corners, a
-    line or Sobol sequence, half of it pushed to faces."""
+    """Points (about `count`, k) in [-1, 1]^k at which extreme values are searched: corners, a line
+    or Sobol sequence, half of it pushed to faces; free (k): mask of directions with a width."""
     dimension = int(np.sum(free))
     if dimension == 0:
         return np.zeros((1, len(free)))
@@ -252,7 +254,8 @@ def spread_points(free: np.ndarray, count: int, seed: int = 1) -> np.ndarray:
 
 
 def fit(design: Design, values: np.ndarray) -> Surrogate:
-    """Fit the polynomial of `design` to `values` (N, ...) at its points.
+    """Fit the polynomial of `design` to `values` (N, ...) at its points; raises IntervalError for
+    values that are not finite, or points that do not determine every coefficient.
 
     Tensor grids take one small matrix for each direction; the other designs use a QR factorisation,
     which is a solve where there are as many points as coefficients and least squares where there

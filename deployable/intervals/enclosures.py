@@ -22,11 +22,12 @@ _CHUNK = 1 << 23
 
 
 def effects_enclosure(c: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Enclosure by exact ranges of the main effects and |coefficients| of the interactions.
+    """Lower and upper bounds (T) of polynomials on [-1, 1]^k, by exact ranges of the main effects
+    and |coefficients| of the interactions; c (M, T): of the Chebyshev products `indices` (M, k).
 
     p = c_0 + sum_j p_j(x_j) + interactions; |T_i| <= 1, and the range of a sum of functions of
     different variables is the sum of their ranges. Sharp where the interactions are small, cheap
-    for any order and dimension. `c` is (M, T), `indices` (M, k); returns lower, upper (T).
+    for any order and dimension.
     """
     active = (indices > 0).sum(axis=1)
     rest = np.abs(c[active > 1]).sum(axis=0)
@@ -44,7 +45,7 @@ def effects_enclosure(c: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, n
 def grid_enclosure(
     c: np.ndarray, indices: np.ndarray, density: int = 8
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Enclosure from the extreme values on a Chebyshev grid, inflated.
+    """Lower and upper bounds (T) of polynomials on [-1, 1]^k: inflated extremes on a grid.
 
     Two inflations are valid, and the smaller one is taken at each instant:
 
@@ -56,7 +57,8 @@ def grid_enclosure(
       |d^2 p / d t_j^2| <= sum i_j^2 |c_i|. Sharper where the coefficients decay.
 
     The grid, extreme points of T_m, holds `density` points per degree, fewer where it would be too
-    large. `c` is (M, T), `indices` (M, k); returns lower, upper (T); infinite without a grid.
+    large; without a grid bounds are infinite. `c` (M, T): coefficients of the Chebyshev products
+    `indices` (M, k).
     """
     degrees = indices.max(axis=0)
     total = c.shape[1]

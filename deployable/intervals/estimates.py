@@ -40,9 +40,8 @@ _INDEPENDENT = 1e-3  # least singular value, beside the largest, of what held-ou
 
 
 def share_outside(runs: int, confidence: float | None = None) -> float:
-    """Share of the box on which the model leaves the least and the largest value of so many runs,
-    at one instant, if these were drawn from the box at random: on average, or at most with a
-    confidence.
+    """Volume fraction of the box on which the model leaves the range of `runs` runs, at one
+    instant, if these were drawn at random: its mean, or its upper limit with a confidence (0 to 1).
 
     By order statistics, whatever the model (Wilks 1941): the share between the extremes of N draws
     has the density N (N - 1) s^(N - 2) (1 - s), so that the share outside has the beta distribution
@@ -56,10 +55,12 @@ def share_outside(runs: int, confidence: float | None = None) -> float:
 
 
 def richardson_error(change: np.ndarray, ratio: np.ndarray | None = None) -> np.ndarray:
-    """Error (...) of what changes by so much (...) when its mesh or step is halved: the sum of what
-    all halvings after it change, if each changes `ratio` (...) times less than the one before
-    (Richardson, Phil. Trans. R. Soc. A 210 (1911) 307): 2**p of the order p. A ratio that is not
-    known, None or NaN, is that of the first order, which tells most.
+    """Discretization error (...) by Richardson extrapolation, from the change (...) of a result
+    when its mesh or step is halved: the sum of this and all further changes.
+
+    ratio (...): of successive changes, 2**p at order p (Richardson, Phil. Trans. R. Soc. A 210
+    (1911) 307), clipped to RATIOS; None or NaN: unknown, taken as of first order, the largest
+    error.
     """
     least, most = RATIOS
     ratios = np.full_like(change, least) if ratio is None else np.nan_to_num(ratio, nan=least)
@@ -68,17 +69,17 @@ def richardson_error(change: np.ndarray, ratio: np.ndarray | None = None) -> np.
 
 
 def refinement_ratio(change: np.ndarray, finer_change: np.ndarray) -> np.ndarray:
-    """The ratio (...) of the sizes (...) of two changes; NaN where both are zero or not known."""
+    """Ratio (...) of the sizes (...) of two successive changes under refinement, the coarser over
+    the finer one; NaN where both are zero or not known."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.divide(change, finer_change)
 
 
 @dataclass(frozen=True)
 class ErrorEstimate:
-    """Estimates of max |f - s| over the box at each instant, (..., T); use `total`.
-
-    `held_out` is what runs that were not fitted showed, `decay` what the coefficients foretell.
-    """
+    """Estimates (..., T) of the largest error of a surrogate over the box at each instant; use
+    `total`. `held_out`: by validation runs, not fitted; `decay`: by the decay of the
+    coefficients."""
 
     total: np.ndarray
     held_out: np.ndarray
@@ -88,22 +89,23 @@ class ErrorEstimate:
 def error_estimate(
     time: np.ndarray, held_out: np.ndarray, decay: np.ndarray, window: float | None = None
 ) -> ErrorEstimate:
-    """The larger of the estimates (..., T) at each instant of `time` (T), widened (see `widen`)."""
+    """Combine two error estimates (..., T) at instants `time` (T) s: `total` is the larger of both,
+    and its largest value within `window` (s) of each instant (see `widen`)."""
     return ErrorEstimate(widen(time, np.maximum(held_out, decay), window), held_out, decay)
 
 
 def decay_estimate(
     surrogate: Surrogate, time: np.ndarray | None = None, window: float | None = None
 ) -> np.ndarray:
-    """Size of the first neglected coefficients, extrapolated from the last ones, (..., T).
+    """Extrapolated tail (..., T) of a polynomial: the size of its first neglected coefficients.
 
     In each direction the shells S_l = sum of |c_i| with i_j = l are formed, and the next two are
     extrapolated from the shells two and four places before them, S_(n+2) = S_n S_n / S_(n-2): two
     places at a time, since odd or even functions have every second coefficient zero. Where total
     degree limits the basis, its shells stand for all directions at once.
 
-    With `time` (T), the last axis, the largest coefficients within `window` count (see `widen`):
-    a coefficient that passes through zero would pretend a decay, or hide one.
+    With `time` (T) s, the last axis, the largest coefficients within `window` (s) count (see
+    `widen`): a coefficient that passes through zero would pretend a decay, or hide one.
     """
     indices, c = surrogate.multi_indices, np.abs(surrogate.coefficients)
     if time is not None:
@@ -127,14 +129,14 @@ def overruled(
     time: np.ndarray,
     window: float | None = None,
 ) -> np.ndarray:
-    """The tail `decay` (..., T) that coefficients foretell, and no more than held-out runs allow.
+    """Limit the extrapolated tail `decay` (..., T) of a polynomial to what validation runs allow.
 
     A decay cannot be told from order 1, nor where every second coefficient is zero; a polynomial
     that is exact then has a tail as large as its last coefficients. But the next two coefficients
-    along each direction follow from what the fit through `points` (N, k) missed held-out runs at
-    `unit` (R, k) by, `residuals` (R, ..., T), if these are so many that they tell all of them
-    apart. Then the tail is at most `MAX_TAIL_RATIO` times the sum of their sizes, or the largest
-    residual, within `window` of each instant; with fewer runs it stays as it is.
+    along each direction follow from the errors `residuals` (R, ..., T) at validation runs at `unit`
+    (R, k) of the fit through `points` (N, k), if these runs are enough to determine them. Then the
+    tail is at most `MAX_TAIL_RATIO` times the sum of their sizes, or the largest residual, within
+    `window` of each instant; with fewer runs it stays as it is.
     """
     highest = surrogate.degrees
     next_two = [
@@ -157,10 +159,12 @@ def overruled(
 
 
 def usual(left_out: np.ndarray, directions: int) -> np.ndarray:
-    """Error (...) of what was fitted through runs that were sought where it decides, by their
-    left-out errors (N, ...): any run may be next to that place, and where a run was sought the fit
-    was in doubt, so that a mean counts, of a power as high as there are directions. In more than
-    `AVERAGED` directions no run is near most corners, and the largest counts.
+    """Error (...) of a function fitted through adaptively sampled runs: a power mean of their
+    leave-one-out errors (N, ...), with the number of directions as the power.
+
+    Any run may be next to the point that decides, and runs were placed where the fit was in doubt,
+    so that a mean counts. In more than `AVERAGED` directions, where few corners have runs, the
+    largest.
     """
     size = np.abs(left_out)
     if directions > AVERAGED:
@@ -191,7 +195,8 @@ def _ratio(last: np.ndarray, previous: np.ndarray) -> np.ndarray:
 
 
 def widen(time: np.ndarray, error: np.ndarray, window: float | None = None) -> np.ndarray:
-    """Largest value within `window` s on either side of each instant; last axis is time (T)."""
+    """Largest value (..., T) of an error (..., T) within a time window about each instant of `time`
+    (T) s; window: its half-width in s, by default WINDOW / 2 of the duration."""
     time = np.asarray(time, dtype=float)
     if len(time) < 2:
         return error.copy()

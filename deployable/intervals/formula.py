@@ -30,7 +30,7 @@ class Formula:
     root_scale: float = 1.0
 
     def shortfall(self, level: float) -> Formula:
-        """By how much the function is below a level."""
+        """The formula of `level` minus the function, above 0 where the function is below it."""
         constant = np.zeros((1, self.indices.shape[1]), dtype=int)
         return replace(
             self,
@@ -41,7 +41,7 @@ class Formula:
 
 
 def polynomial(surrogate: Surrogate) -> Formula:
-    """The formula of a polynomial with coefficients (M, 1)."""
+    """The formula of a polynomial surrogate of one number, with coefficients (M, 1)."""
     k = surrogate.dimension
     points, coefficients = np.zeros((0, k)), surrogate.coefficients[:, 0]
     return Formula(surrogate.multi_indices, coefficients, points, np.ones(k), np.zeros(0), "cube")

@@ -48,28 +48,27 @@ class Model:
         raise NotImplementedError
 
     def range(self) -> Range:
-        """Its range (n, T) over the box, arguments (n, T, k) in unit coordinates."""
+        """Range of the n responses over the box at T instants: bounds (n, T), and the points where
+        they are attained (n, T, k) in unit coordinates."""
         raise NotImplementedError
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Estimated error (n, T) of the bounds that `range` found; `window` as in `widen`."""
+        """Estimated error (n, T) of bounds that `range` returned; window: half-width (s) of the
+        time window, as in `estimates.widen`."""
         raise NotImplementedError
 
     def centre(self) -> np.ndarray | None:
-        """Its values (n, T) at the centre of the box, if it has any there."""
+        """Values (n, T) of the model at the centre of the box; None if it has none there."""
         return None
 
     def variables(self) -> dict:
-        """Further variables of a bounds dataset, by name."""
+        """Further variables of a bounds dataset, by name: (dimensions, values, attributes)."""
         return {}
 
 
 class PolynomialModel(Model):
-    """Chebyshev polynomials, whose range is enclosed. The other runs test them.
-
-    `tolerance` is the gap between outer and inner range at which subdivision stops, as a share of
-    the width.
-    """
+    """Chebyshev polynomials through a design's runs, with an enclosed range. Other runs test them.
+    `tolerance`: gap of enclosure and attained range that ends subdivision, over the width."""
 
     kind = "enclosed range of the polynomial"
 
@@ -84,6 +83,8 @@ class PolynomialModel(Model):
         return surrogate_range(self.surrogate, self.tolerance)
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
+        """Larger of the residuals at the test runs and the coefficients' extrapolated tail (n,
+        T)."""
         samples, surrogate = self.samples, self.surrogate
         unit, time = samples.unit[self.test_rows], samples.time
         residuals = samples.values[self.test_rows] - surrogate.evaluate(unit)
@@ -130,9 +131,11 @@ class ScanModel(Model):
         return attained(total.low, total.high, self.unit[total.low_run], self.unit[total.high_run])
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
+        """Growth (n, T) of the bounds from the first half of the runs to all of them."""
         return ErrorEstimate(self.growth, self.growth, np.zeros_like(self.growth))
 
     def variables(self) -> dict:
+        """Growth (response, time) of the bounds with the last quarter of the runs."""
         text = "growth of the bounds with the last quarter of the samples"
         return {"growth_quarter": (("response", "time"), self.growth_quarter, {"long_name": text})}
 
@@ -204,6 +207,8 @@ class SplineModel(Model):
         return replace(bounds, argmin=argmin, argmax=argmax)
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
+        """Leave-one-out errors (n, T), as the class describes, within `window` (s) of each
+        instant."""
         spline = self.spline
         free = int((spline.scales > 0).sum())
         if self.averages:

@@ -39,28 +39,30 @@ class Range:
 
     @property
     def gap(self) -> np.ndarray:
-        """By how much the outer range may be too wide, (...): the sum over both sides."""
+        """Excess width (...) of the outer over the attained range, the sum over both sides."""
         return (self.inner_lower - self.lower) + (self.upper - self.inner_upper)
 
 
 def attained(low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.ndarray) -> Range:
-    """The range of attained values (...) and their arguments (..., k), without an enclosure."""
+    """Range made of attained values alone: low, high (...), and the unit points (..., k) where the
+    model takes them; without an enclosure."""
     return Range(low, high, low, high, argmin, argmax)
 
 
 def raised(bounds: Range, least: np.ndarray) -> Range:
-    """The range of a model of something that is never below `least`, whatever the model says."""
+    """Range of a response with the physical lower bound `least` (broadcast to (...)): all bounds
+    below it are raised to it."""
     ends = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
     return Range(*(np.maximum(end, least) for end in ends), bounds.argmin, bounds.argmax)
 
 
 def surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
-    """Range of the surrogate over [-1, 1]^k.
+    """Range of a polynomial surrogate over [-1, 1]^k.
 
     In one dimension (or where only one direction matters) it is exact to rounding. In several, the
-    outer range is the tightest of the enclosures of `enclosures` and `bernstein`, the inner one
-    comes from `ascent`; subdivision goes on until the gap is below `tolerance` times the inner
-    width, or its budget is spent. The gap is in the result either way.
+    outer range is the tightest of the enclosures of `enclosures`, the inner one is attained
+    (`inner_range`); subdivision goes on until the gap is below `tolerance` times the inner width,
+    or its budget is spent. The gap is in the result either way.
     """
     indices = surrogate.multi_indices
     shape = surrogate.coefficients.shape[1:]
@@ -120,10 +122,8 @@ _CHUNK = 1 << 22
 def inner_range(
     coefficients: np.ndarray, indices: np.ndarray, sweeps: int = 30
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Attained low and high values (T) and their unit arguments (T, k).
-
-    `coefficients` is (M, T), `indices` (M, k).
-    """
+    """Low and high values (T) that polynomials attain over the box, and their unit points (T, k).
+    `coefficients` (M, T) of Chebyshev products `indices` (M, k); sweeps: as of `climb`."""
     samples = sample_points(indices.max(axis=0))
     basis = product_basis(samples, indices)
     total = coefficients.shape[1]
@@ -140,7 +140,8 @@ def inner_range(
 
 
 def sample_points(degrees: np.ndarray) -> np.ndarray:
-    """Corners and the Lobatto grid of about twice the degree, thinned to about a thousand."""
+    """Points (P, k) from which extreme values are searched: the Lobatto grid of twice the degrees
+    (k); where that has more than about a thousand, random ones of it, with corners and centre."""
     free = degrees > 0
     nodes = [lobatto(2 * int(n)) for n in degrees]
     if np.prod([float(len(x)) for x in nodes]) <= _MAX_GRID:
@@ -153,7 +154,8 @@ def sample_points(degrees: np.ndarray) -> np.ndarray:
 def climb(
     c: np.ndarray, indices: np.ndarray, start: np.ndarray, sweeps: int = 30
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinate ascent of sums c (M, T) from start (T, k): values (T) and arguments (T, k)."""
+    """Maxima (T) of polynomials by coordinate ascent from unit points `start` (T, k), and where (T,
+    k). c (M, T): coefficients of Chebyshev products `indices` (M, k); sweeps: most passes."""
     directions = [j for j in range(indices.shape[1]) if indices[:, j].any()]
     plans = {j: _Plan(indices, j) for j in directions}
     best = np.full(c.shape[1], -np.inf)

@@ -20,7 +20,7 @@ SMALLEST = 1e-3
 
 
 def shares_of(samples: Samples) -> Samples:
-    """Samples with the shares of those responses that are ratios."""
+    """Copy of samples with shares 1/(2 + m) in place of responses m that are ratios less one."""
     share_samples = replace(samples)
     values = samples.values
     with np.errstate(divide="ignore"):
@@ -30,7 +30,8 @@ def shares_of(samples: Samples) -> Samples:
 
 
 def ratios_of(samples: Samples, bounds: Range, error: ErrorEstimate) -> tuple[Range, ErrorEstimate]:
-    """The range (n, T) of ratios, and its error, from that of their shares."""
+    """Range and error (n, T) of the original `samples`, from those of `shares_of`: ratios less one
+    transformed back, lower and upper bound exchanged; other responses as they are."""
     is_ratio, own = samples.ratios[:, None], samples.ratios[:, None, None]
     ends = (bounds.upper, bounds.lower, bounds.inner_upper, bounds.inner_lower)
     old = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
@@ -50,5 +51,5 @@ def ratios_of(samples: Samples, bounds: Range, error: ErrorEstimate) -> tuple[Ra
 
 
 def ratio(share: np.ndarray) -> np.ndarray:
-    """The ratio less one of which something is the share."""
+    """Ratio less one, 1/h - 2, of shares h = 1/(2 + m) in [0, 1], at least SMALLEST."""
     return 1.0 / np.clip(share, SMALLEST, 1.0) - 2.0

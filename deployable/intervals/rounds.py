@@ -17,16 +17,16 @@ _CELLS = 8  # of each direction: places in one cell are told apart no further
 
 @dataclass(frozen=True)
 class BoundPoints:
-    """Points `unit` (P, k) in the box, and which of them is nearest (n, T) to where the lower and
-    the upper bound of each response are attained at each instant."""
+    """Few unit points (P, k) that represent where bounds are attained; lower, upper (n, T): index
+    of the point nearest to where this bound of each response is attained at each instant."""
 
     unit: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
 
     def errors(self, changes: np.ndarray) -> np.ndarray:
-        """Errors (n, T) of the bounds from changes (P, n, T) of the responses at the places: the
-        larger of those at the places of both bounds."""
+        """Errors (n, T) of the bounds, from changes (P, n, T) of the responses at the points, as by
+        a finer mesh: the larger of those at the points of both bounds."""
         sizes = np.abs(changes)
         n, instants = np.indices(self.lower.shape)
         return np.maximum(sizes[self.lower, n, instants], sizes[self.upper, n, instants])
@@ -35,10 +35,11 @@ class BoundPoints:
 def deciding_places(
     argmin: np.ndarray, argmax: np.ndarray, width: np.ndarray, count: int
 ) -> BoundPoints:
-    """At most `count` places for bounds attained at unit points argmin, argmax (n, T, k).
+    """Choose at most `count` unit points that represent where the bounds are attained, at argmin
+    and argmax (n, T, k); width (n, T): of the bounds.
 
     Chosen one after the other from these points, each so that the distances from them to the
-    nearest place fall most, weighted by the width (n, T) at the instant, a share of the mean one.
+    nearest chosen one fall most, weighted by the width at the instant relative to the mean one.
     """
     mean = width.mean(axis=1, keepdims=True)
     weight = np.divide(width, mean, out=np.zeros_like(width), where=mean > 0)

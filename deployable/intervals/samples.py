@@ -37,7 +37,8 @@ _RUNNING = ("lower", "upper", "lower_run", "upper_run")
 
 @dataclass(frozen=True)
 class Running:
-    """Least and largest values (...) of a stream of runs, and the number of the run that has each.
+    """Running bounds of a stream of runs: least and largest values (...) of each response and
+    instant, and the numbers of the runs that have them.
 
     Of equal values the one of the run with the least number counts, so that the result does not
     depend on the order in which runs come, nor on how they were grouped.
@@ -50,7 +51,7 @@ class Running:
 
     @classmethod
     def of_runs(cls, values: np.ndarray, runs: np.ndarray) -> Running:
-        """Those of values (R, ...), finite, of runs with numbers (R) that increase."""
+        """Running bounds of runs with finite values (R, ...) and increasing numbers `runs` (R)."""
         low, high = values.argmin(axis=0)[None], values.argmax(axis=0)[None]
         numbers = np.asarray(runs)
         return cls(
@@ -61,7 +62,7 @@ class Running:
         )
 
     def merge(self, rival: Running | None) -> Running:
-        """Those of both streams."""
+        """Running bounds of this stream of runs and another (`rival`; None: of this one alone)."""
         if rival is None:
             return self
         lower = _comes_first(rival.low, self.low, rival.low_run, self.low_run)
@@ -80,18 +81,18 @@ def _comes_first(value: np.ndarray, rival: np.ndarray, run: np.ndarray, rival_ru
 
 
 def quarter_ends(runs: int) -> list[int]:
-    """Where the quarters of so many runs begin and end."""
+    """Five indices, from 0 to `runs`, at which the quarters of so many runs begin and end."""
     return [-(-runs * quarter // 4) for quarter in range(5)]
 
 
 @dataclass(frozen=True)
 class Samples:
-    """What the interval side knows of R runs with n responses at T instants and k parameters.
+    """R runs with n responses at T instants and k parameters, read from a samples dataset.
 
     Attributes
     ----------
     names, rows
-        (n) of the responses, and their places in the dataset `source`.
+        (n): of the responses, their names, and their indices in the dataset `source`.
     time
         (T) in s.
     unit
@@ -120,25 +121,25 @@ class Samples:
 
     @cached_property
     def ratios(self) -> np.ndarray:
-        """Which responses (n,) are ratios less one (`ratios.py`)."""
+        """Mask (n,) of the responses that are a ratio less one, as margins are (`ratios.py`)."""
         if "response_ratio" not in self.source:
             return np.zeros(len(self.names), bool)
         return self.source["response_ratio"].values[self.rows] > 0
 
     def read(self, runs: slice) -> np.ndarray:
-        """Responses (r, n, T) of some runs as they are stored, and no others in memory."""
+        """Responses (r, n, T), as they are stored, of a slice of the runs alone, to save memory."""
         whole = self.rows == list(range(self.source.sizes["response"]))
         return self.source["values"][runs, slice(None) if whole else self.rows].values
 
     def nominal_curve(self) -> np.ndarray | None:
-        """Responses (n, T) of the nominal run, if there is one."""
+        """Responses (n, T) of the nominal run; None if there is no nominal run."""
         if "nominal" in self.source:
             return self.source["nominal"].values[self.rows]
         return None if self.nominal is None else self.read(slice(self.nominal, self.nominal + 1))[0]
 
     def quarters(self) -> Iterator[Running | None]:
-        """The running bounds (n, T) of each quarter of the runs, None for one without runs: from
-        the dataset if it has them in the place of values, else from its runs, some at a time."""
+        """Running bounds (n, T) of each quarter of the runs, None for one without runs: from the
+        dataset if it stores them instead of values, else from the runs, some at a time."""
         if "values" not in self.source:
             arrays = [self.source[name].values[:, self.rows] for name in _RUNNING]
             quarters = (Running(*quarter) for quarter in zip(*arrays, strict=True))
@@ -156,12 +157,13 @@ class Samples:
             yield running
 
     def coordinates(self) -> dict:
-        """Coordinates of a dataset of these responses over time and parameter, by name."""
+        """Coordinates for a new dataset of these responses over time and parameter, by name."""
         variables = {n: self.source[n].variable for n in _COORDINATES if n in self.source}
         return {n: v.isel(response=self.rows, missing_dims="ignore") for n, v in variables.items()}
 
     def parameters(self) -> Callable[[np.ndarray], np.ndarray]:
-        """Function from unit coordinates (..., k) to parameter values, as the runs tell it."""
+        """Function that maps unit coordinates (..., k) to parameter values (..., k), the affine map
+        that the runs' values follow."""
         value = np.asarray(self.source["value"].values, dtype=float)
         middle, half = value.mean(axis=0), np.zeros(self.unit.shape[1])
         for j, column in enumerate(self.unit.T):
@@ -173,13 +175,13 @@ class Samples:
 
 
 def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) -> Samples:
-    """Check a samples dataset and take out what is small; by default all responses are taken.
+    """Check a samples dataset and read all but its values; responses: names, by default all.
 
     Variables ``values`` (run, response, time), ``normalized`` and ``value`` (run, parameter),
     perhaps ``role`` (run); coordinates ``time`` and ``response``. A scan may have, in the place of
     ``values`` and ``role``, the running bounds ``lower``, ``upper``, ``lower_run``, ``upper_run``
     (quarter, response, time) of each quarter of its runs, and perhaps ``nominal`` (response, time),
-    which the first of its runs then is.
+    which the first of its runs then is. Raises IntervalError for what is missing or unknown.
     """
     arrays = ("values",) if "lower_run" not in samples else _RUNNING
     for name in ("time", "response", *arrays, "normalized", "value"):

@@ -29,9 +29,9 @@ class Sensitivity:
     width
         Exact width of the range when only this parameter varies, the others at the centre.
     first
-        Share of the variance from this parameter alone (Sobol index of first order).
+        Fraction of the variance from this parameter alone (Sobol index of first order).
     total
-        Share of the variance from all terms in which it takes part (total Sobol index).
+        Fraction of the variance from all terms in which it takes part (total Sobol index).
     variance
         (...): the variance itself.
     """

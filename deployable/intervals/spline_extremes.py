@@ -23,7 +23,7 @@ _GAIN = 1e-13  # of the spread of the runs' values: a smaller gain is rounding
 
 
 def spline_range(spline: Spline, candidates: int = CANDIDATES) -> Range:
-    """Range that the spline attains over [-1, 1]^k, at every instant.
+    """Range that a spline attains over [-1, 1]^k at every instant.
 
     On a line it is exact. Elsewhere Newton's method, kept inside the box, climbs from the best of
     all the runs and of `candidates` points spread over the box, its faces, edges and corners: from

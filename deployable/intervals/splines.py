@@ -73,12 +73,14 @@ class Spline:
         return len(self.points) > 1 and int((self.scales > 0).sum()) == 1
 
     def line_rows(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Indices and factors (P, 4) of the weights, on a line, at unit coordinates (P, k)."""
+        """Sparse rows of a spline on a line at unit coordinates (P, k): indices (P, 4) of the
+        weights that a value depends on, and their factors (P, 4)."""
         j = int(np.argmax(self.scales > 0))
         return line_rows(np.asarray(unit, dtype=float)[:, j], self.points[:, j])
 
     def basis(self, unit: np.ndarray):
-        """Rows (P, len(weights)) at unit coordinates (P, k): an array, on a line a sparse one."""
+        """Matrix (P, len(weights)) whose product with the weights is the values at unit coordinates
+        (P, k); sparse on a line."""
         if self.on_line:
             index, factor = self.line_rows(unit)
             ends = np.arange(0, 4 * len(index) + 1, 4)
@@ -92,8 +94,9 @@ class Spline:
         return (self.basis(unit) @ flat).reshape(len(unit), *self.weights.shape[1:])
 
     def formula(self) -> Formula:
-        """The same function of one number (N, 1) as a table. On a line the weights are the jumps of
-        the third derivative, by 12; many runs close together cost digits there."""
+        """The spline of a single number (weights (N, 1)) as a table, `Formula`. On a line its
+        weights are jumps of the third derivative over 12; many runs close together cost digits
+        there."""
         count, free = len(self.points), self.scales > 0
         linear = np.zeros(1 + len(free))
         if not self.on_line:
@@ -137,13 +140,13 @@ def check_spline_runs(points: np.ndarray) -> None:
 
 
 def fit_spline(points: np.ndarray, values: np.ndarray, scales: np.ndarray | None = None) -> Spline:
-    """Spline through the values (N, ...) of runs at unit points (N, k).
+    """Spline through the values (N, ...) of runs at unit points (N, k), in [-1, 1]^k.
 
-    Runs that are nearly the same (`solve.distinct`) count once, the first of them; where rounding
-    keeps the spline from going through the others, runs that are ten or a hundred times as far
-    apart do, too, and `misfit` says what that leaves. `scales` (k) default to those that
-    `choose_scales` finds. Needs one run more than there are directions in which the runs differ,
-    not all in one plane, and raises `IntervalError` otherwise.
+    Runs that are nearly the same (`spline_equations.distinct`) count once, the first of them; where
+    rounding keeps the spline from going through the others, runs that are ten or a hundred times as
+    far apart do, too, and `misfit` says what that leaves. `scales` (k), of distances along each
+    direction, default to those that `choose_scales` finds. Needs one run more than there are
+    directions in which the runs differ, not all in one plane, and raises `IntervalError` otherwise.
     """
     runs = np.asarray(points, dtype=float)
     for factor in _SPACINGS:
@@ -201,7 +204,8 @@ def _solve(points, scales, flat) -> tuple[np.ndarray, np.ndarray]:
 
 
 def choose_scales(points: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Scales (k) with the least left-out errors of values (N, T), by doubling and halving each.
+    """Scales (k) of distances in a spline through values (N, T) at unit points (N, k), those with
+    the least leave-one-out errors, found by doubling and halving each; 0 where all runs agree.
 
     The response may change over a tenth of one interval and hardly over all of another; distances
     should tell. Columns count relative to their spread; a few hundred runs and instants choose.

@@ -20,8 +20,8 @@ MOMENTS = ("torsion", "bending_y", "bending_z")
 
 
 class Bar(NamedTuple):
-    """A bar: groups of beam elements of one section and material each, from its start to its
-    end."""
+    """A bar (beam member) of a scene: its name, and groups of beam elements, of one section and
+    material each, in order from its start to its end."""
 
     name: str
     groups: tuple[Beams, ...]
@@ -38,20 +38,21 @@ class Bar(NamedTuple):
 
 
 class Sections(NamedTuple):
-    """Forces N and moments N m at both ends (t, m, 2, 3) of a bar's elements."""
+    """Section forces (N) and moments (N m), (t, m, 2, 3), at both ends of a bar's m elements, along
+    and about the section's axes (x along the bar, y, z), acting on the part before the section."""
 
     force: np.ndarray
     moment: np.ndarray
 
 
 def bar_of(name: str) -> str:
-    """Name of the bar of an element or of a stretch: `panel` of `panel from knee[3]`, `AB` of
-    `AB[0]`."""
+    """Name of the bar that a beam element or stretch belongs to: `panel` of `panel from knee[3]`,
+    `AB` of `AB[0]`."""
     return name.rsplit("[", 1)[0].partition(" from ")[0]
 
 
 def bars_of(scene: Scene) -> dict[str, Bar]:
-    """Bars by name. Stretches of a bar through several points are called "name from point"."""
+    """Bars of a scene, by name; stretches of a bar through several points are "name from point"."""
     groups: dict[str, list[Beams]] = {}
     for beams in scene.beams:
         groups.setdefault(bar_of(beams.name), []).append(beams)
@@ -59,10 +60,11 @@ def bars_of(scene: Scene) -> dict[str, Bar]:
 
 
 def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Positions (t, m, 3) m of both ends of a group's elements, and axes y and z (t, m, 3, 2) of
-    their sections as the particles there carry them.
+    """Positions (t, m, 3) m of both ends of beam elements, and axes y and z (t, m, 3, 2) of their
+    sections as the particles there carry them; one pair (positions, axes) for each end.
 
-    place(particle) gives positions (t, 3) m, axes(particle) frames (t, 3, 3).
+    beams: a group of m elements; place(particle): positions (t, 3) m of a particle, by its index;
+    axes(particle): its frames (t, 3, 3), axes as columns (`Recording.place`, `Recording.axes`).
     """
     start, ends = scene.frame if scene.unstrained is None else scene.unstrained, []
     for nodes, square in zip(beams.nodes.T, beams.end_axes(), strict=True):
@@ -73,8 +75,8 @@ def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, n
 
 
 class Bends(NamedTuple):
-    """Deformation of a group's elements: lengths (t, m) m and directions (t, m, 3) of chords; at
-    both ends the sines (t, m, 2) of the small angles between chord and section, scalar products of
+    """Deformation of m beam elements: lengths (t, m) m and directions (t, m, 3) of their chords; at
+    both ends sines (t, m, 2) of the small angles between chord and section, scalar products of
     chord and axes y and z; these angles (rad) by a series; and the axes (t, m, 3, 2)."""
 
     length: np.ndarray
@@ -85,7 +87,7 @@ class Bends(NamedTuple):
 
 
 def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
-    """Deformation (`Bends`) of a group's elements; place and axes as for `ends_of`."""
+    """Deformation (`Bends`) of a group of beam elements; place and axes as for `ends_of`."""
     (first, *own), (second, *axes2) = ends_of(scene, beams, place, axes)
     chord, own = second - first, own + axes2
     length = np.linalg.norm(chord, axis=2)
@@ -95,7 +97,7 @@ def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
 
 
 def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
-    """Section forces (`Sections`) of a group's elements; place and axes as for `ends_of`."""
+    """Section forces (`Sections`) of a group of beam elements; place and axes as for `ends_of`."""
     _, axial, bend_z, bend_y, twist = beams.stiffness().T
     length, chord, sines, angles, own = bends_of(scene, beams, place, axes)
     stiffness = np.stack([bend_z, bend_y], axis=1)
@@ -120,15 +122,17 @@ def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
 
 
 def sections_of(scene: Scene, bar: Bar, place, axes) -> Sections:
-    """Section forces (`Sections`) of all elements of a bar."""
+    """Section forces (`Sections`) of all elements of a bar; place and axes as for `ends_of`."""
     groups = [sections(scene, beams, place, axes) for beams in bar.groups]
     return Sections(*(np.concatenate(arrays, axis=1) for arrays in zip(*groups, strict=True)))
 
 
 def at_share(bar: Bar, sections: Sections, share: float) -> tuple[np.ndarray, np.ndarray]:
-    """Force (t, 3) N and moment (t, 3) N m at a fraction of a bar's length, from 0 to 1.
+    """Force (t, 3) N and moment (t, 3) N m in a section of a bar, linear between the ends of an
+    element; where two elements meet, the mean of both.
 
-    Where two elements meet, the mean of both.
+    sections: the bar's section forces, from `sections_of`; share: distance of the section from the
+    start of the bar, as a fraction of its length (0 to 1).
     """
     ends = bar.ends
     lengths = np.diff(ends, prepend=0.0)

@@ -25,23 +25,22 @@ SUPPORT = " (its support)"  # what joints are called that hold the point of a hi
 
 
 def joints_of(scene: Scene) -> dict[str, Hinge | Joint]:
-    """All joints of two parts by name."""
+    """All joints of a scene between two bodies, by name; without those that hold an opening."""
     joints = (*Hinge.of(scene), *Joint.of(scene))
     return {j.name: j for j in joints if len(j.beams) == 2 and not j.holds_opening}
 
 
 def point_of(run: Recording, joint: Hinge | Joint) -> np.ndarray:
-    """Position (t, 3) m at which the forces of a joint act: its point on the first part, of a
-    slider on the second."""
+    """Position (t, 3) m, in global axes, at which the forces of a joint act: its point on the first
+    body, of a slide on the second."""
     beam = joint.beams[1 if joint.slides else 0]
     return run.place(beam.particle) + run.arm(beam)
 
 
 def couple_on_two(run: Recording, joint: Hinge | Joint, sides: Sides) -> np.ndarray:
-    """Moment (t, 3) N m of a joint on its second part about its point.
-
-    About axes about which the second part does not turn, minus the moment on the first.
-    """
+    """Moment (t, 3) N m of a joint on its second body about the joint's point, in global axes;
+    sides: from `run.joints`. About axes about which that body cannot rotate: minus that on the
+    first."""
     point = point_of(run, joint)
     place1, place2 = (run.place(beam.particle) for beam in joint.beams)
     opposite = sides.about_two - np.cross(point - place2, sides.on_two)
@@ -69,8 +68,9 @@ def on_particle(run: Recording, particle: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 class Reaction(NamedTuple):
-    """A held or driven point, the end of `beam`: names of joints that hold the point itself, and
-    whether its particle is held or driven, so that there may be a moment, too."""
+    """A supported or driven point, at which a reaction is read: `beam`, the rigid offset from its
+    particle; `holders`, names of joints that hold the point itself; `particle`, whether its
+    particle is held or driven, so that there is a reaction moment too."""
 
     beam: VirtualBeam
     holders: tuple[str, ...]
@@ -135,11 +135,9 @@ SHARE = 3e-5
 
 
 def undetermined_forces(scene: Scene, responses: Iterable[Any]) -> dict[str, str]:
-    """Sentences, by name of the response, on responses of constraint forces that the motion does
-    not determine: why, and the remedy.
-
-    responses: `fpm.reading.responses.Response`.
-    """
+    """Warnings, by name of the response, on responses of constraint or reaction forces that the
+    motion does not determine (statically indeterminate): a sentence with the reason and the remedy.
+    responses: those of a config (`fpm.reading.responses.Response`); others get no entry."""
     joints = []
     for response in responses:
         if response.kind.startswith("constraint_"):

@@ -24,11 +24,12 @@ touches: a step before the later one, SPREAD after the earlier one, and up to on
 
 
 def value_at(curves: Curves, response: Response, instant: float, event: bool) -> float:
-    """Value of a response of a run at a time `instant` (s), or just before the event then.
+    """Value of a response of a run at the time `instant` (s); event: whether an event happens then,
+    of which the value just before counts.
 
-    By the cubic at most through the nearest instants that no other event parts from that time, or
-    as `_continued`. Where there are not two such instants nothing is extrapolated: just before an
-    event it is the value at the last instant that is a step before, else that between two instants.
+    By the cubic at most through the nearest instants with no other event in between, or by values
+    and rates (`_continued`). With fewer than two such instants nothing is extrapolated: just before
+    an event it is the value at the last instant that is a step before, else linear interpolation.
     """
     time, step, values = curves.time, curves.step, response.evaluate(curves)
     times = np.sort(curves.events[:, 0])
@@ -51,8 +52,8 @@ def value_at(curves: Curves, response: Response, instant: float, event: bool) ->
 
 
 def cubic_through(time: np.ndarray, values: np.ndarray, last: int) -> np.polynomial.Polynomial:
-    """Polynomial, a cubic at most, through the four instants up to index `last`, or the nearest
-    four."""
+    """Polynomial, a cubic at most, of time (s) through four of the values (t,) at instants `time`
+    (t,): those up to index `last`, or the nearest four."""
     stop = min(max(last + 1, 4), len(time))
     window = slice(max(stop - 4, 0), stop)
     return np.polynomial.Polynomial.fit(time[window], values[window], len(time[window]) - 1)

@@ -44,7 +44,8 @@ UNITS = {"rad": 1.0, "deg": np.pi / 180, "m": 1.0, "mm": 1e-3}
 
 
 class Abscissa(NamedTuple):
-    """What a response has instead of time: words, unit, and the first and last value."""
+    """What the values of a response are a function of, if not of time: in words, its unit, and its
+    values at the first and the last point."""
 
     words: str
     unit: str
@@ -53,8 +54,9 @@ class Abscissa(NamedTuple):
 
 
 class OpeningPath(NamedTuple):
-    """Openings, by name, that are led from one value (rad, m) to another (None: each run's own at
-    its start), and names of openings that `stand`, locked at their start."""
+    """Path of a quasi-static sweep: `openings`, names of hinges or slides that are moved from
+    `first` to `last` (rad, m; None: each run's own opening at its start); `stand`, names of those
+    locked at their start."""
 
     openings: tuple[str, ...]
     first: float | None
@@ -62,7 +64,8 @@ class OpeningPath(NamedTuple):
     stand: tuple[str, ...] = ()
 
     def label(self, part: str = "") -> str:
-        """The label of a column of variables; part: the component of the virtual work."""
+        """Label of a recorded column along this path; part: component of the virtual work, or ""
+        for openings and inertia. `read_label` reverses it."""
         suffix = "".join(f" beside {name}" for name in self.stand) + (part and f" by {part}")
         first, last = (STOW if end is None else repr(end) for end in (self.first, self.last))
         names = "".join(f" with {name}" for name in self.openings[1:])
@@ -70,7 +73,8 @@ class OpeningPath(NamedTuple):
 
 
 def read_label(label: str) -> tuple[OpeningPath, str]:
-    """The path and the component of the virtual work that a label names."""
+    """The path, and the component of the virtual work ("" if none), that a column's label names;
+    reverses `OpeningPath.label`."""
     rest, _, part = label.partition(" by ")
     rest, *stand = rest.split(" beside ")
     rest, *names = rest.split(" with ")
@@ -80,7 +84,8 @@ def read_label(label: str) -> tuple[OpeningPath, str]:
 
 
 def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
-    """The travel of a scene along a path; raises SceneError as `fpm.travel.lead` does."""
+    """Virtual works of a scene swept along a path; raises SceneError as `fpm.travel.lead` does.
+    positions: number of evenly spaced positions; None: as many as the tolerance takes."""
     (start,) = (hinge.opening for hinge in scene.hinges if hinge.name == path.openings[0])
     first, last = (float(start) if end is None else end for end in (path.first, path.last))
     if first == last:
@@ -90,19 +95,22 @@ def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
 
 
 def column_of(travel: Travel, variable: str, part: str) -> np.ndarray:
-    """Values (p,) of a variable over a travel: WORK (of component `part`), INERTIA or OPENING."""
+    """Values (p,) at the positions of a travel, of one variable: WORK (of component `part`; N m, on
+    slides N), INERTIA (kg m², kg) or OPENING (rad, m)."""
     return {WORK: travel.work.get(part), INERTIA: travel.inertia, OPENING: travel.opening}[variable]
 
 
 def driving(works: Mapping[str, np.ndarray]) -> list[str]:
-    """Names of components that drive anywhere on the travel, by more than rounding; works: virtual
-    work (p,) by component."""
+    """Names of components that actuate somewhere on the travel, by more than rounding; works:
+    virtual work (p,) by component, above 0 where it actuates."""
     largest = max((float(np.abs(work).max()) for work in works.values()), default=0.0)
     return [part for part, work in works.items() if work.max() > DRIVES * largest]
 
 
 def led_curves(scene, responses: Iterable[Any]) -> Any:
-    """The columns of responses of margins for a scene, as a run has them, by the travels alone."""
+    """Columns that responses of margins need, computed by quasi-static sweeps of a scene without a
+    simulation. The object returned serves as the `run` of `values`, `least` and `torque_budget`;
+    its `time` is 201 values from 0 to 1."""
     columns, travels = {}, {}
     for variable, label in dict.fromkeys(c for response in responses for c in response.columns):
         path, part = read_label(label)
@@ -113,7 +121,8 @@ def led_curves(scene, responses: Iterable[Any]) -> Any:
 
 
 def read(spec: Any) -> Any:
-    """The response of a margin, by its definition (`fpm.reading.responses.Definition`)."""
+    """Response of a torque or force margin, from its definition (`responses.Definition`); raises
+    SceneError for a key or value that is not allowed."""
     openings = (spec.data[spec.kind], *_names(spec, "with"))
     hinges = {hinge.name: hinge for hinge in spec.scene.hinges}
     for name in openings:
@@ -166,8 +175,9 @@ def read(spec: Any) -> Any:
 
 
 class BudgetRow(NamedTuple):
-    """The row of one component in a torque budget: name; class; factor; moment (N m, on slides N),
-    the virtual work per unit of the opening, below 0 where it resists; moment times factor."""
+    """Row of a component in a torque budget: name (part); class; factor; moment (N m, on slides N),
+    the virtual work per unit of the opening, below 0 where it resists; weighted: factor times
+    moment."""
 
     part: str
     class_: str
@@ -177,8 +187,8 @@ class BudgetRow(NamedTuple):
 
 
 class Budget(NamedTuple):
-    """The torque budget at an opening: margin = drives / requirement - 1, the sums of the weighted
-    moments of the rows above 0, and of those below 0 as a positive number."""
+    """Torque budget at an opening (rad, m): margin = drives / requirement - 1; drives: sum of the
+    rows' weighted moments above 0, requirement: of those below 0, as a positive number."""
 
     opening: float
     margin: float
@@ -234,20 +244,23 @@ class _WeightedTravel:
 
 
 def values(response: Any, run: Any) -> np.ndarray:
-    """Margin (t,) of a run, at evenly spaced positions of its travel."""
+    """Margin (t,), without unit, at evenly spaced positions of the travel, one for each instant of
+    the run. response: a margin, made by `read`; run: `Curves` of a run, or `led_curves`."""
     time = run.time
     return _WeightedTravel(response, run).margin((time - time[0]) / (time[-1] - time[0]))
 
 
 def least(response: Any, run: Any) -> tuple[float, float]:
-    """Least margin of a run over its travel, and the opening (rad, m) there."""
+    """Least margin over the travel, and the opening (rad, m) there; response and run as for
+    `values`."""
     travel = _WeightedTravel(response, run)
     position, margin = travel.least()
     return margin, float(interpolate(travel.positions, travel.opening, np.array([position]))[0])
 
 
 def torque_budget(response: Any, run: Any) -> Budget:
-    """Torque budget of a run at its least margin, component by component."""
+    """Torque budget, component by component, where the margin is least; response and run as for
+    `values`."""
     travel = _WeightedTravel(response, run)
     position, margin = travel.least()
     points = np.array([position])

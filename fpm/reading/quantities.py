@@ -17,13 +17,13 @@ from fpm.reading.responses import Response
 
 @dataclass(frozen=True)
 class Quantity:
-    """Definition of a named number of a run: its `kind`, the type of quantity, and the values of
-    its other keys.
+    """Definition of a named number of a run, such as a peak or the time of an event: its `kind`
+    (key of KINDS) and the values of its other keys.
 
-    unit (UDUNITS) and long_name are those of the number that `evaluate` returns. response: None for
-    events; at: time (s), or the quantity that gives it; about, within, level (in the response's
-    unit), way, number: as docs/quantities.md defines them; places: names of the elements whose
-    `event` counts.
+    unit (UDUNITS) and long_name are those of the number that `evaluate` returns. response: the
+    function of time that it is read off, None for events; at: time (s), or the quantity that gives
+    it; about, within, level (in the response's unit), way, number: as docs/quantities.md defines
+    them; places: names of the elements whose `event` counts.
     """
 
     name: str
@@ -71,8 +71,8 @@ class Quantity:
         return self if self.kind == "crossing" or settles else None
 
     def margin(self, values: np.ndarray) -> np.ndarray:
-        """Event margin (...) of a decider, in the unit of its response, for the response's values
-        (..., t): above 0 if the event occurs, and continuous."""
+        """Event margin (...), in the response's unit, from its values (..., t): above 0 if the
+        event occurs, and continuous. Only of quantities that are their own `decider`."""
         if self.kind == "settling":
             return self.within - np.abs(values[..., -1] - self.about)
         return crossing_margin(values - self.level, self.way, self.number)
@@ -90,10 +90,8 @@ class Quantity:
 
 
 def peak(values: np.ndarray) -> float:
-    """The largest of values (t,) at equal distances, by the parabola through it and its neighbours.
-
-    It is above the largest value by an eighth of the step to a neighbour at most.
-    """
+    """Largest of values (t,) at equal time steps, by the parabola through the largest and its
+    neighbours. It is above the largest value by an eighth of the step to a neighbour at most."""
     i = int(values.argmax())
     top = float(values[i])
     if 0 < i < len(values) - 1:
@@ -106,10 +104,9 @@ def peak(values: np.ndarray) -> float:
 def crossing(
     time: np.ndarray, values: np.ndarray, level: float, direction: str = "either", number: int = 1
 ) -> float:
-    """Time (s) at which values (t,) cross a level for the nth time; NaN if they do not.
-
-    By the cubic through the four instants around it. A value on the level counts as below it.
-    """
+    """Time (s) at which values (t,) at instants `time` (t,) cross a level for the nth time; NaN if
+    they do not. direction: "rising", "falling" or "either"; number: n, from 1. By the cubic through
+    the four instants around it. A value on the level counts as below it."""
     is_above = values > level
     places = np.flatnonzero(is_above[1:] != is_above[:-1])
     if direction != "either":
@@ -120,10 +117,11 @@ def crossing(
 
 
 def crossing_margin(values: np.ndarray, direction: str = "either", number: int = 1) -> np.ndarray:
-    """How far from zero (...) values (..., t) get, at least, on each of the sides that they have to
-    be on in turn to cross it for the nth time.
+    """Event margin (...) of the nth crossing of zero by values (..., t), in their unit: above 0 if
+    it occurs; the least distance from zero that they reach on each side in turn.
 
-    Before a rising crossing they are below, then above, before the next one below again.
+    direction, number: as of `crossing`. Before a rising crossing values are below zero, then above,
+    before the next one below again.
     """
 
     def turns(side: float, count: int) -> np.ndarray:
@@ -141,10 +139,9 @@ def crossing_margin(values: np.ndarray, direction: str = "either", number: int =
 def settling(
     time: np.ndarray, values: np.ndarray, tolerance: float, target: float | None = None
 ) -> float:
-    """Time (s) from which on values (t,) stay within a distance of `target`, or of the last value.
-
-    NaN if they are outside at the end; the first instant if they never are.
-    """
+    """Settling time (s): the instant from which on values (t,) at instants `time` (t,) stay within
+    `tolerance` (their unit) of `target`, or of the last value where that is None. NaN if they are
+    outside at the end; the first instant if they never are."""
     deviation = values - (values[-1] if target is None else target)
     indices = np.flatnonzero(np.abs(deviation) > tolerance)
     if not len(indices):
@@ -228,12 +225,11 @@ def _event(quantity: Quantity, curves: Curves) -> float:
 
 
 class QuantityType(NamedTuple):
-    """A type of quantity, by the key that names the response (or event) that it is of.
+    """A type of quantity, as its key in a definition selects it from KINDS.
 
-    read(quantity, curves): its number; text: its long name, with `about` for the response's and
-    what else quantity_definitions puts in; mandatory, optional: the other keys of its definition;
-    unit: None for the response's; positive: whether it is never below 0; instantaneous: as
-    `Quantity.is_instantaneous`.
+    read: gives its number in a run; text: template of its long name, in which {about} is the
+    response's; mandatory, optional: further keys of its definition; unit: None for the response's;
+    positive: whether it is never below 0; instantaneous: as `Quantity.is_instantaneous`.
     """
 
     read: Callable[[Quantity, Curves], float]
@@ -246,7 +242,7 @@ class QuantityType(NamedTuple):
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """All other keys."""
+        """Keys that a definition may have besides that of the type itself."""
         return self.mandatory + self.optional
 
 

@@ -16,11 +16,11 @@ DIRECTIONS = ("rising", "falling", "either")
 def parse(
     definitions: Mapping[str, object], responses: Iterable[Response], elements: Iterable[Eventful]
 ) -> tuple[list[Quantity], list[SceneError]]:
-    """The quantities of a config by their definitions, and what is wrong with the others.
+    """Parse the definitions of quantities in a config: the valid quantities, in the order of the
+    definitions, and one SceneError for each definition that is wrong.
 
-    responses: those of the config; elements: what has events in the scene
-    (`fpm.files.outcome.eventful`). Each definition is one of KINDS with its keys;
-    docs/quantities.md describes them.
+    definitions: by name, each one of KINDS with its keys (docs/quantities.md); responses: those of
+    the config; elements: those of the scene that have events (`fpm.files.outcome.eventful`).
     """
     by_name, elements = {response.name: response for response in responses}, list(elements)
     quantities: dict[str, Quantity] = {}

@@ -17,7 +17,8 @@ from fpm.scenes.scene import Scene
 
 
 class Sides(NamedTuple):
-    """Forces and moments (t, 3) of a joint on the particles of its two sides."""
+    """Forces (N) and moments (N m), (t, 3) along and about global axes, of a joint on the particles
+    of its two sides: `on_one` and `on_two`, `about_one` and `about_two` (about the particle)."""
 
     on_one: np.ndarray
     about_one: np.ndarray
@@ -26,8 +27,13 @@ class Sides(NamedTuple):
 
 
 class Recording:
-    """Records of one lane at instants `time` (t,) s, with steps of `step` (s), of what the scene's
-    probe names (elements/particles/probe.py)."""
+    """What the time loop recorded of one run for its scene's probe (elements/particles/probe.py),
+    as forces and motions in SI units.
+
+    batch: the runs integrated together (elements/batch.py); parts: their element arrays, one entry
+    for each of batch.kinds; lane: index of the run in the batch; time: instants (t,) s; step: time
+    step (s). Particles are named by their index in the scene.
+    """
 
     def __init__(self, batch, parts, lane: int, time: np.ndarray, step: float):
         self.scene: Scene = batch.scenes[lane]
@@ -69,12 +75,13 @@ class Recording:
         return self._frames[particle][:, :3]
 
     def axes(self, particle: int) -> np.ndarray:
-        """Frame (t, 3, 3) of a particle, axes as columns."""
+        """Frame (t, 3, 3) of a particle: its own axes as columns, in global axes."""
         second, third = np.split(self._frames[particle][:, 3:], 2, axis=1)
         return np.stack([np.cross(second, third), second, third], axis=2)
 
     def arm(self, beam) -> np.ndarray:
-        """Vector (t, 3) m from a virtual beam's particle to its free end."""
+        """Vector (t, 3) m, in global axes, from a particle to the free end of its rigid offset
+        `beam` (a VirtualBeam)."""
         return self.axes(beam.particle) @ beam.arm
 
     def _column(self, particle: int, name: str) -> np.ndarray:
@@ -84,7 +91,8 @@ class Recording:
         return self._forces[particle][:, column : column + 3]
 
     def force(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
-        """Force (t, 3) N and moment (t, 3) N m on a particle, without those that hold it."""
+        """Force (t, 3) N on a particle and moment (t, 3) N m about it, in global axes, by all but
+        joints, supports and drives."""
         return self._column(particle, "FORCE"), self._column(particle, "MOMENT")
 
     def spin(self, particle: int) -> np.ndarray:
@@ -141,14 +149,14 @@ class Recording:
         return self.scene.mass[particle] * change, moment + np.cross(spin, momentum)
 
     def moments(self, hinge: int) -> tuple[np.ndarray, np.ndarray]:
-        """Moments (t, PARTS) N m on a hinge (index), or forces N on a slide, by component, and
-        their work up to each instant (t, PARTS) J."""
+        """Moments (t, PARTS) N m on a hinge (its index), on a slide forces N, by kind of
+        contribution (columns: `PARTS`), and the work (t, PARTS) J that each did since the start."""
         rows = self._rows(self._parts[Opening].told_track, len(self.scene.hinges) * len(PARTS))
         own = rows[:, hinge * len(PARTS) : (hinge + 1) * len(PARTS)]
         return own[..., 0], own[..., 1]
 
     def sections(self, bar: str) -> tuple[Bar, Sections]:
-        """A bar by name, and the section forces of its elements."""
+        """A bar by its name, and the section forces of its elements; computed once for each bar."""
 
         def read() -> tuple[Bar, Sections]:
             bar_data = bars_of(self.scene)[bar]
@@ -157,14 +165,14 @@ class Recording:
         return self.memoize(bar, read)
 
     def memoize(self, key: Hashable, find: Callable[[], Any]) -> Any:
-        """Value of find(), computed once for each key."""
+        """Value of find() for a key, computed at the first call with this key and stored."""
         if key not in self._memo:
             self._memo[key] = find()
         return self._memo[key]
 
     @cached_property
     def joints(self) -> list[tuple[Hinge | Joint, Sides]]:
-        """Forces and moments of all joints on their sides, lone hinges and others, by name."""
+        """All joints of the scene, hinges first, with the forces and moments on their two sides."""
         pairs = []
         for kind in (Hinge, Joint):
             if elements := kind.of(self.scene):

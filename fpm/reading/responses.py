@@ -33,10 +33,12 @@ Names = Callable[[Scene], Iterable[str]]
 class Response:
     """A scalar function of time that is read off a run, by its name and definition.
 
-    kind: type of response; subjects: names of its points, hinge, ...; component of a vector, or "";
-    unit (UDUNITS) and long_name of the values that `evaluate` returns; columns: (variable, label)
-    of a run that it is made of, besides points and energies; along: the abscissa, if not time;
-    factors: of its columns, if it has some.
+    kind: type of response (key of KINDS); subjects: names of its points, hinge, ...; component: x,
+    y, z, norm, ... of a vector, or "" of a scalar; unit (UDUNITS) and long_name of the values that
+    `evaluate` returns; columns: recorded series, as (variable, label), that it is computed from,
+    besides points and energies; along: the abscissa, if not time (margins: the opening of a hinge);
+    factors: of margins, (output torque, its factor), then (actuation factor, resistance factor,
+    class) by component.
     """
 
     name: str
@@ -51,7 +53,7 @@ class Response:
 
     @property
     def needs(self) -> tuple[Column, ...]:
-        """Columns that a run must record for the response, besides what is always recorded."""
+        """Columns, (variable, label), that a run must record on request for the response."""
         return tuple(column for column in self.columns if column[0] in VARIABLES)
 
     @property
@@ -119,8 +121,9 @@ class Definition(NamedTuple):
     scene: Scene
 
     def one_of(self, choices: Iterable[str], key: str = "", value: object = None) -> str:
-        """A value that has to be among choices: of a key, of the kind's own key, or `value`; raises
-        SceneError if it is not."""
+        """Check that a value is among the choices, and return it. key: key of the definition to be
+        read, by default that of its type; value: used instead of the definition's where it is
+        given. Raises SceneError with the choices if the value is none of them."""
         key, names = key or self.kind, list(choices)
         value = self.data[key] if value is None else value
         if not isinstance(value, str) or value not in names:
@@ -130,7 +133,8 @@ class Definition(NamedTuple):
         return value
 
     def hinge(self) -> tuple[str, bool, str]:
-        """Name of the hinge, whether it is a slide, and its name in words."""
+        """The hinge or slide that the definition names: name, whether it is a slide, and words for
+        it ("hinge A"); raises SceneError if the scene has none of this name."""
         slides = {hinge.name: hinge.slides for hinge in self.scene.hinges}
         name = self.one_of(slides)
         kind = "slide" if slides[name] else "hinge"
@@ -143,8 +147,8 @@ class Definition(NamedTuple):
         return VARIABLES[self.kind]
 
     def response(self, subjects: tuple[str, ...], component: str, *fields: Any) -> Response:
-        """The response with the definition's name and kind; fields: the further ones of
-        Response."""
+        """The response with the definition's name and kind. subjects, component and the further
+        `fields`, in their order, are the fields of Response from `subjects` on."""
         return Response(self.name, self.kind, subjects, component, *fields)
 
 
@@ -222,7 +226,8 @@ def _latch(spec: Definition) -> Response:
 
 
 def parts_on(scene: Scene, hinge: str) -> list[str]:
-    """The parts of the moment on a hinge that something in the scene has."""
+    """Kinds of contributions to the moment on a hinge that a scene has, each once ("spring",
+    "friction", ... of `PARTS`); hinge: its name."""
     index = [h.name for h in scene.hinges].index(hinge)
     acting = (kind for kind in kinds_of([scene]) if kind.acts_as)
     parts = (k.acts_as for k in acting for e in k.of(scene) if index in e.acts_on())
@@ -318,11 +323,11 @@ def _lost_energy(response: Response, run: Curves) -> np.ndarray:
 
 
 class ResponseType(NamedTuple):
-    """A type of response, by the key that names what it is of.
+    """A type of response, as its key in a definition selects it from KINDS.
 
-    read(definition): its response; values(response, run): its values (t,); needed, optional: the
-    other keys of its definition; positive: whether it is never below 0, or about what it is not;
-    shock: as of a `fpm.reading.variables.Variable`.
+    read: makes the Response of a definition; values: its values (t,) in a run; mandatory, optional:
+    further keys of its definition; positive: whether values are never below 0 (a tuple: of which
+    subjects); shock: whether an impact makes values jump, so that mesh and step decide its peak.
     """
 
     read: Callable[[Definition], Response]

@@ -20,8 +20,9 @@ CLASSES = {
 
 
 class Standard(NamedTuple):
-    """title; edition: of which the factors are; drives: factor of what drives by class, 0 where it
-    must not count; resists: by evidence, the factor of what resists by class."""
+    """Factors of a standard for torque margins. title; edition that the factors are of; drives:
+    actuation factor by class (CLASSES), 0 where a class must not count; resists: by evidence
+    (theory, measurement, ...), the uncertainty factor by class."""
 
     title: str
     edition: str

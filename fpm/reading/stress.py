@@ -39,8 +39,8 @@ def torsion_stresses(width: float, height: float, J: float) -> tuple[float, floa
 
 
 def equivalent(section: Section, force: np.ndarray, moment: np.ndarray) -> np.ndarray:
-    """Largest equivalent stress (...,) Pa of a section under forces (..., 3) N and moments (..., 3)
-    N m along its own axes."""
+    """Largest equivalent stress (...,) Pa (von Mises) over the contour of a section under forces
+    (..., 3) N and moments (..., 3) N m, along and about its own axes: axial or torsion, y, z."""
     normal = np.abs(force[..., 0]) / section.A
     torque, about_y, about_z = np.abs(np.moveaxis(moment, -1, 0))
     y, z = half_sizes(section)
@@ -62,8 +62,8 @@ def von_mises(normal: np.ndarray, shear: np.ndarray) -> np.ndarray:
 
 
 def element_stress(scene: Scene, groups: Iterable[Beams], place, axes) -> np.ndarray:
-    """Largest equivalent stress (t, m) Pa in each element of groups of beams; place and axes as for
-    `bars.ends_of`."""
+    """Largest equivalent stress (t, m) Pa (von Mises) in each of the m beam elements of all groups,
+    at either end; place and axes as for `bars.ends_of`."""
     stresses = []
     for beams in groups:
         force, moment = sections(scene, beams, place, axes)

@@ -61,8 +61,8 @@ class Variable(NamedTuple):
     time_dim: str = "time"
 
     def labels(self, scene: Scene) -> list[str]:
-        """Its labels in a scene; of places on bars one in the middle, for all others, of travels
-        none, for the same reason."""
+        """Labels of the columns that a scene has of this variable. Of sections of bars only those
+        in the middle, as there is one at any distance; of travels none, for the same reason."""
         if self.separator == LED_FROM:
             return []
         place = f"{PLACE}0.5" if self.form == "section" else ""
@@ -70,11 +70,12 @@ class Variable(NamedTuple):
         return [f"{name} {part}" for name in names for part in self.parts] if self.parts else names
 
     def split(self, label: str) -> tuple[str, str]:
-        """Name and part of a label."""
+        """Split a label into the item's name and the component, one of `parts`; "" for a variable
+        without components."""
         return label.rpartition(" ")[::2] if self.parts else (label, "")
 
     def column(self, recording: Recording, label: str) -> np.ndarray:
-        """Values (t,) of the column with a label."""
+        """Values (t,) in a run, in `unit`, of the column that a label names."""
         name, part = self.split(label)
         values = self.values(recording, name)
         return values[:, self.parts.index(part)] if self.parts else values
@@ -292,10 +293,8 @@ VARIABLES = {
 
 
 def prepared(scene: Scene, columns: Iterable[Column]) -> Scene:
-    """A copy of a scene with the probe for some columns; the scene itself where there are none.
-
-    Raises SceneError for a column that the scene does not have.
-    """
+    """Copy of a scene with the probe that records the columns, (variable, label) each; the scene
+    itself if there are none. Raises SceneError for a column that the scene does not have."""
     columns = list(columns)
     if not columns:
         return scene
@@ -323,7 +322,8 @@ def prepared(scene: Scene, columns: Iterable[Column]) -> Scene:
 
 
 def numbers(scene: Scene, columns: Iterable[Column]) -> int:
-    """Number of values of a sample that the loop records at an instant for some columns."""
+    """Number of floating-point values that the time loop stores per run and instant to record the
+    requested columns, as (variable, label), of a scene."""
     from fpm.elements.particles import probe_kernels
 
     probe = Probe.of_scene(prepared(scene, columns))
@@ -334,7 +334,8 @@ def numbers(scene: Scene, columns: Iterable[Column]) -> int:
 
 
 def recorded(recording: Recording, columns: Iterable[Column]) -> dict[str, Series]:
-    """Columns of a run, as variables of its trajectory file."""
+    """Requested columns, as (variable, label), of a run: by variable a Series, of values (t,
+    labels), as it is written to the trajectory file."""
     series = {}
     for name, labels in _by_variable(columns).items():
         variable = VARIABLES[name]

@@ -25,10 +25,8 @@ CROSS_PRODUCTS = np.cross(np.eye(3)[:, None], np.eye(3)[None]).swapaxes(1, 2)
 
 
 class ElementForces:
-    """Forces and moments of elements of one type of a scene, for given poses of its particles.
-
-    The elements' history, as the foot of a bristle, is carried from each pose to the next.
-    """
+    """Forces and moments of `elements` of one type of a scene, for given poses of its particles.
+    History, as the deflection of a friction bristle, is carried from each pose to the next."""
 
     def __init__(self, scene, elements: list):
         own_scene, kind = copy(scene), type(elements[0])
@@ -48,7 +46,8 @@ class ElementForces:
         return self._act()[:, 0]  # once more: nothing is passed on the way
 
     def copy_history(self) -> list[np.ndarray]:
-        """Copies of all arrays of the elements, with what they carry from pose to pose."""
+        """Copies of all floating-point arrays of the elements, those with their history included,
+        for `restore`."""
         return [array.copy() for array in _numbers(self.parts)]
 
     def restore(self, history: list[np.ndarray]) -> None:
@@ -123,7 +122,7 @@ def lanes_of_register() -> int:
 
 
 def acts(kind: type) -> bool:
-    """Whether the kernels of an element type have forces that depend on the poses of particles."""
+    """Whether an element type has forces that depend on the poses of particles, by its kernels."""
     from fpm.kernels.hooks import KERNELS
 
     own = kind.kernels()

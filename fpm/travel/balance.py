@@ -25,7 +25,8 @@ TINY = 1e-300
 
 
 class Balance:
-    """Bars and all components without losses, for the balance of an assembly (fpm/assembly)."""
+    """Static equilibrium terms of a scene: its bars, and all components of `components_of` that
+    store energy or load it, without those that only resist (used by fpm/assembly)."""
 
     def __init__(self, scene):
         self._bars = elastic_of(scene)
@@ -40,7 +41,8 @@ class Balance:
         return self._bars.energy(poses) if len(self._bars.nodes) else 0.0
 
     def derivatives(self, poses: ParticlePoses):
-        """Gradient (6n,) of the energy, N and N m, and its derivatives, sparse (6n, 6n)."""
+        """Gradient (6n,) of the energy (N, N m) by the motions of n particles, and the stiffness,
+        its derivatives, sparse (6n, 6n)."""
         gradient, stiffness = self._of_bars(poses)
         for acting in self.acting:
             forces, slopes = acting.linearise(poses)
@@ -48,7 +50,8 @@ class Balance:
         return gradient, stiffness
 
     def ease(self, poses: ParticlePoses, scales: np.ndarray) -> float:
-        """Stiffness (N m) of motions that no element stiffens; scales (6n,): lengths, angles."""
+        """Small stiffness (N m) for motions that no element stiffens; scales (6n,): lengths (m) and
+        angles (rad) by which degrees of freedom are made comparable."""
         from scipy.sparse import diags
 
         own = diags(scales)
@@ -65,7 +68,7 @@ class Balance:
         return np.zeros(count), csc_array((count, count))
 
     def follow(self, poses: ParticlePoses) -> None:
-        """Move all elements from their last poses to these, with their history."""
+        """Carry the history of elements, as of friction, from their last poses to these."""
         for acting in self.acting:
             acting.forces(poses)
 

@@ -35,7 +35,7 @@ def parts_of(scene) -> dict[str, str]:
 
 
 def springs_of(scene) -> list[str]:
-    """Names of the components that are springs on joints, springs by tables included."""
+    """Names of the components of a scene that are springs on joints, those by tables included."""
     return [
         part.name for part in components_of(scene)
         if isinstance(part.balanced, TorsionSpring | TableSpring) and part.resists_as == "S"
@@ -43,8 +43,8 @@ def springs_of(scene) -> list[str]:
 
 
 def classes_of_kinds(scene) -> dict[str, str]:
-    """Classes of all components by element type alone, whatever a file says; but a table is a
-    spring where a file says so."""
+    """Class by component (CLASSES of `fpm.reading.standards`), by element type alone, whatever
+    class a file states; but a table is a spring where a file says so."""
     own = {bearing_name(scene, hinge): "FR" for hinge in scene.bearings}
     for part in components_of(scene):
         own[part.name] = "FR" if part.baseline else type(part.balanced).resists_as
@@ -54,8 +54,8 @@ def classes_of_kinds(scene) -> dict[str, str]:
 
 
 def reeled(scene) -> list[str]:
-    """Names of components that depend on a curve of time in a way that a travel cannot follow:
-    cables that are reeled."""
+    """Names of components that no quasi-static sweep can follow, as they depend on a curve of time:
+    cables that are reeled in or out."""
     names = [name for c in scene.cables if c.curve >= 0 and c.reel for name in _of_cable(scene, c)]
     return [name for name in parts_of(scene) if name in names]
 
@@ -65,8 +65,12 @@ def _of_cable(scene, cable: Cable) -> tuple[str, ...]:
 
 
 class Component(NamedTuple):
-    """A component of the virtual work: that of an element, or the least of several that represent
-    the element, less that of a `baseline`. drags: whether it can only resist, as friction."""
+    """A named contribution to the virtual work of a travel.
+
+    elements: one that does the work, or several (an element at its least and largest load), of
+    which the least work counts; resists_as: its class as a standard has it; drags: whether it can
+    only resist, as friction; baseline: element whose work is subtracted, or None.
+    """
 
     name: str
     elements: tuple[ElementType, ...]
@@ -81,7 +85,7 @@ class Component(NamedTuple):
 
 
 class VirtualWork:
-    """The forces of a component, and its virtual work."""
+    """Forces of a component (`part`) of a scene at given poses, and their virtual work."""
 
     def __init__(self, scene, part: Component):
         self.is_difference, self.drags = part.baseline is not None, part.drags
@@ -89,29 +93,31 @@ class VirtualWork:
         self.acting = [ElementForces(scene, [element]) for element in elements]
 
     def approach(self, poses: ParticlePoses, motion: np.ndarray) -> None:
-        """Move a component that only resists to poses along a straight motion (6n,), so that it
-        slips as its joint goes there, which may have turned back since the last position."""
+        """Move a component that only resists towards `poses` along a straight motion (6n,) that
+        ends there, so that it slips in the direction in which its joint moves now."""
         for factor in (1.0, 0.5) if self.drags else ():
             for acting in self.acting:
                 acting.forces(poses.displace(-factor * motion))
 
     def compute_work(self, poses: ParticlePoses, tangent: np.ndarray) -> float:
-        """Virtual work of a motion `tangent` (6n,) per unit of the opening: the least of the
-        elements', or the difference to the baseline's."""
+        """Virtual work (N m, slides N) of the motion `tangent` (6n,) per unit of the opening: the
+        least of the elements', or the difference to the baseline's; above 0 where it actuates."""
         self._forces = np.array([acting.forces(poses) for acting in self.acting])
         works = self._forces @ tangent
         return float(works[0] - works[1] if self.is_difference else works.min())
 
     def friction_forces(self) -> np.ndarray | float:
-        """Forces and moments (6n,) at the last `compute_work` if it only resists, else 0."""
+        """Forces and moments (6n,) at the last `compute_work`; 0 unless the component only
+        resists."""
         if not self.drags:
             return 0.0
         return self._forces[0] - self._forces[1] if self.is_difference else self._forces[0]
 
 
 def components_of(scene) -> list[Component]:
-    """All elements whose type has a class. Each is named as its action in the structure's file, and
-    by its element too where an action has several; else by its element, with a number."""
+    """Components of the virtual work in a scene: all elements whose type has a class, and the
+    friction of cables. Each is named as its action in the structure's file, and by its element too
+    where an action has several; else by its element, with a number."""
     components, count = [], Counter()
     kinds = [k for k in kinds_of([scene]) if k.resists_as and k is not Beams and acts(k)]
     action_counts = Counter(name for (k, _), name in scene.action_names.items() if k in kinds)
@@ -149,4 +155,5 @@ def _load_cases_of(scene, element: ElementType) -> tuple[ElementType, ...]:
 
 
 def bearing_name(scene, hinge: int) -> str:
+    """Name of the component that is the friction in the bearing of a hinge (index)."""
     return f"bearing {scene.hinges[hinge].name}"

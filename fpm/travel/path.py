@@ -52,8 +52,12 @@ def _rotations_of(first: np.ndarray, last: np.ndarray) -> np.ndarray:
 
 
 class Path:
-    """State of a scene on the path of its opening: `poses` of particles, and the motion `tangent`
-    (6n,) per unit of the opening."""
+    """State of a scene on its quasi-static path, as an opening is moved: `poses` of particles, the
+    `opening` (rad, m), and `tangent`, the motion (6n,) of n particles per unit of the opening.
+
+    openings: names of hinges that move together, the first of which `opening` is; stand: names of
+    hinges that are locked.
+    """
 
     def __init__(self, scene, openings: Sequence[str], stand: Sequence[str]):
         self.scene, self.name = scene, openings[0]
@@ -77,8 +81,9 @@ class Path:
         self._ease = self.balance.ease(self.poses, self._scales)
 
     def move_to(self, value: float, depth: int = 0) -> None:
-        """Lead the opening to a value (rad, m), by as many steps as it takes to stay on one branch;
-        raises MisfitError where it cannot be led there."""
+        """Move the opening to a value (rad, m) in balance, by as many steps as it takes to stay on
+        one branch of solutions; depth: how often the step was halved so far. Raises MisfitError
+        where it cannot be moved there, SceneError where motions jump too often."""
         state, tangents = self.state(), self._tangents
         is_past_jump = any(min(state[1], value) <= jump <= max(state[1], value)
                            for jump in self._jumps)  # fmt: skip
@@ -158,7 +163,8 @@ class Path:
         )  # fmt: skip
 
     def state(self) -> tuple:
-        """State that `restore` takes: poses, opening, tangent, impulses, openings of all hinges."""
+        """State that `restore` takes back: poses, opening, tangent, impulses, openings of all
+        hinges."""
         return self.poses, self.opening, self.tangent, self._impulses, self._openings
 
     def restore(self, state: tuple) -> None:
@@ -167,7 +173,8 @@ class Path:
         self.poses, self.opening, self.tangent, self._impulses, self._openings = state
 
     def update_openings(self) -> list[float]:
-        """Openings of all hinges, on the turn that is nearest to their values at the last call."""
+        """Openings (rad, m) of all hinges at the current poses, without jumps by full turns since
+        the last call."""
         poses, openings = SimpleNamespace(**self.poses._asdict()), []
         for hinge, last in zip(self.scene.hinges, self._openings, strict=True):
             value = opening_at(poses, hinge)
@@ -179,7 +186,7 @@ class Path:
         return openings
 
     def rates(self, hinges: Sequence[int]) -> list[float]:
-        """Rates of openings, of hinges by index, per unit of the opening that is led."""
+        """Rates of the openings of hinges (indices), per unit of the opening that is moved."""
         shift, turn = self.tangent.reshape(-1, 2, 3).transpose(1, 0, 2)
         motion = SimpleNamespace(velocity=shift, spin=turn)
         return [float(rate_at(self.poses, self.scene.hinges[h], motion)) for h in hinges]
@@ -196,9 +203,10 @@ class Path:
         return rates.ravel()
 
     def in_bearings(self, friction: np.ndarray) -> list[float]:
-        """Virtual work of the friction by the forces of joints: all of a hinge's, those across a
-        slide, in the balance with all friction; `friction` (6n,): that of what else only resists.
+        """Virtual work (N m, on slides N) of the friction in each bearing, at most 0: by all of a
+        hinge's joint force, on a slide by that across it, in balance with all friction.
 
+        friction: forces and moments (6n,) of the other components that only resist. Raises
         SceneError where friction presses its joint harder than it is pushed: self-locking.
         """
         levers = np.array(list(self.scene.bearings.values()))
@@ -227,7 +235,8 @@ class Path:
         return [*(-levers * forces * np.abs(rates))]
 
     def check(self) -> None:
-        """SceneError unless the opening decides the motion of everything else."""
+        """Raise SceneError unless the moved opening alone determines the motion of everything
+        else."""
         scene, uneven = self.scene, np.linspace(1.0, 3.0, len(self.scene.mass))
         self.scene = copy(scene)
         self.scene.mass, self.scene.inertia = scene.mass * uneven, scene.inertia / uneven[:, None]

@@ -25,12 +25,14 @@ NODES = 4
 
 
 def bends_after(positions: np.ndarray) -> np.ndarray:
-    """The first index of each stretch between bends, and the number of all positions."""
+    """Index of the first position of each stretch between bends, and at last the number of
+    positions; positions (p,) increase, and stand twice at a bend (a kink or jump of the values)."""
     return np.concatenate([[0], np.flatnonzero(np.diff(positions) == 0) + 1, [len(positions)]])
 
 
 def interpolate(positions: np.ndarray, values: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Values (m, ...) at points (m,), interpolated from values (p, ...) at positions (p,)."""
+    """Values (m, ...) at points (m,), interpolated from values (p, ...) at increasing positions
+    (p,) by cubics, and not across bends, which stand twice among the positions."""
     points = np.atleast_1d(points)
     ends = bends_after(positions)
     index = np.clip(np.searchsorted(positions, points, side="right") - 1, 0, len(positions) - 2)
@@ -52,7 +54,8 @@ def interpolate(positions: np.ndarray, values: np.ndarray, points: np.ndarray) -
 
 
 def slopes(positions: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Slopes (p,) of values (p,) at the positions, by splines between bends."""
+    """Derivatives (p,) of values (p,) by the increasing positions (p,), by cubic splines between
+    bends, which stand twice among the positions."""
     from scipy.interpolate import CubicSpline
 
     ends = bends_after(positions)
@@ -63,8 +66,9 @@ def slopes(positions: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 class SampledTravel:
-    """Increasing positions of a travel (fractions, 0 to 1), with values (k,) at each. They are
-    `measure(position, state) -> (values, state)`, from the state at the nearest position below."""
+    """Values (k,) sampled at increasing positions of a travel, as fractions of it (0 to 1).
+    measure(position, state): returns (values, new state), starting from the state at the nearest
+    position below that is known, or None."""
 
     def __init__(self, measure: Callable):
         self._measure = measure
@@ -74,7 +78,7 @@ class SampledTravel:
         self._bends: set[float] = set()
 
     def add(self, position: float) -> np.ndarray:
-        """Take the values at a position, unless they are known, and keep them."""
+        """Values (k,) at a position: measured and stored unless they are known."""
         k = bisect_left(self.positions, position)
         if k < len(self.positions) and self.positions[k] == position:
             return self.values[k]
@@ -85,17 +89,18 @@ class SampledTravel:
         return values
 
     def look(self, position: float) -> tuple[np.ndarray, object]:
-        """The values at a position, and the state there."""
+        """Measure the values (k,) at a position, and the state there, without storing them."""
         k = bisect_right(self.positions, position) - 1
         return self._measure(position, self._states[k] if k >= 0 else None)
 
     def add_bend(self, position: float) -> None:
-        """Add a position at which values bend, and over which nothing is interpolated."""
+        """Add a position at which values have a kink or jump, across which nothing is
+        interpolated."""
         self.add(position)
         self._bends.add(position)
 
     def arrays(self) -> tuple[np.ndarray, np.ndarray]:
-        """Positions (p,), those of bends twice, and values (p, k)."""
+        """Positions (p,), those of bends twice, and the values (p, k) there."""
         inner = [
             p in self._bends and 0 < i < len(self.positions) - 1
             for i, p in enumerate(self.positions)
@@ -104,9 +109,13 @@ class SampledTravel:
         return np.array(self.positions)[index], np.array(self.values)[index]
 
     def refine(self, measure_error: Callable[[np.ndarray, np.ndarray, float], float]) -> bool:
-        """Halve distances of positions until measure_error(expected, values, distance) of the
-        interpolated values is at most 1 half-way between any two, or is up to ROUNDING_LIMIT and
-        does not fall with the distance; False where that takes more than MAX_POSITIONS."""
+        """Add positions half-way between others until interpolation is accurate; False where that
+        takes more than MAX_POSITIONS.
+
+        measure_error(expected, values, distance): error of interpolated values (k,) over the
+        allowed one; done at 1, or up to ROUNDING_LIMIT where it does not fall with the distance of
+        positions.
+        """
         pairs = [(*ends, np.inf) for ends in pairwise(self.positions)]
         while pairs:
             lower, upper, previous_error = pairs.pop()

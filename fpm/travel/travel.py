@@ -40,9 +40,9 @@ APPROACH = 1e-4
 
 
 class Travel(NamedTuple):
-    """Result of a travel at positions (p,): opening, rad, or m of a slide; work: virtual work (p,)
-    of each component per unit of the opening, N m, or N, above 0 where it drives; inertia (p,), kg
-    m², or kg, that the opening moves."""
+    """Result of a quasi-static sweep at positions (p,): opening (rad, slides m); work: virtual work
+    (p,) by component, per unit of the opening (N m, slides N), above 0 where it actuates; inertia
+    (p,) that the opening moves (kg m², slides kg)."""
 
     opening: np.ndarray
     work: dict[str, np.ndarray]
@@ -57,7 +57,7 @@ def lead(
     stand: Sequence[str] = (),
     positions: int | None = None,
 ) -> Travel:
-    """Lead an opening of a scene quasi-statically from one value to another.
+    """Sweep an opening of a scene quasi-statically from one value to another.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def lead(
     SceneError
         Where the opening does not decide the motion of all.
     MisfitError
-        Where the opening cannot be led to a value.
+        Where the opening cannot be moved to a value in balance.
     """
     path = Path(scene, [openings] if isinstance(openings, str) else openings, stand)
     count = positions or POSITIONS

@@ -32,9 +32,9 @@ _LEVERAGE = 1 - 1e-8  # above it a run alone decides a coefficient, and nothing 
 
 @dataclass(frozen=True)
 class Kriging:
-    """A polynomial, and what it leaves of runs at unit points (N, k), which fades with the distance
-    from them, within `length`: kriging of the rest with an exponential covariance, whose extreme
-    values are at runs, so that noise does not swing beyond them."""
+    """A polynomial `trend` plus a correction through the runs at unit points (N, k): kriging of the
+    residuals with an exponential covariance of correlation length `length`, whose extreme values
+    are at runs, so that noise does not swing beyond them. weights (N, 1): of the runs."""
 
     trend: Surrogate
     points: np.ndarray
@@ -46,7 +46,7 @@ class Kriging:
         return self.trend.evaluate(unit) + _fading(unit, self.points, self.length) @ self.weights
 
     def formula(self) -> Formula:
-        """The same as a table."""
+        """The function as a table of numbers."""
         scales = np.full(self.points.shape[1], 1 / self.length)
         fading = {"points": self.points, "scales": scales, "weights": self.weights[:, 0]}
         return replace(polynomial(self.trend), kernel="fading", **fading)
@@ -57,8 +57,9 @@ class RootFunction:
     """A function of unit coordinates (k) and of the root of an event margin, which is 0 on the
     limit-state surface: the time of an event ends there like a root.
 
-    function: of k + 1 coordinates, the last one 2 sqrt(margin / scale) - 1; margin: a function of
-    unit coordinates (P, k) that gives values (P).
+    function: of k + 1 coordinates, the last one 2 sqrt(margin / scale) - 1; margin: occurrence
+    whose `certainty` is the event margin (P) at unit coordinates (P, k); scale: largest event
+    margin.
     """
 
     function: Surrogate | Spline | Kriging
@@ -72,16 +73,17 @@ class RootFunction:
 
     @property
     def trend(self) -> RootFunction:
-        """The function without what a polynomial leaves of the runs."""
+        """The function without the correction that brings a polynomial to single runs."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
     def formula(self) -> Formula:
-        """The same as a table."""
+        """The function as a table of numbers."""
         return replace(_formula(self.function), root=self.margin.formula(), root_scale=self.scale)
 
 
 def root_coordinates(margins: np.ndarray, scale: float) -> np.ndarray:
-    """Unit coordinates (P) that stand for the roots of event margins (P), up to `scale`."""
+    """Coordinates (P) in [-1, 1], 2 sqrt(margin / scale) - 1, of event margins (P), cut off below 0
+    and above `scale` (in their unit)."""
     return 2.0 * np.sqrt(np.clip(margins / scale, 0.0, 1.0)) - 1.0
 
 
@@ -89,7 +91,8 @@ def root_fit(
     points: np.ndarray, values: np.ndarray, occurrence: Occurrence, margins: np.ndarray
 ) -> Fit | None:
     """The best fit to values (N) of runs at unit points (N, k) as a function of the points and of
-    the roots of their event margins (N); None where no margin is positive."""
+    the roots of event margins, positive at the runs (N); None where none is, or for too few runs.
+    occurrence: gives the event margin at other points."""
     scale = float(margins.max(initial=0.0))
     if not scale > 0 or len(values) <= _LEAST_RUNS:
         return None
@@ -106,10 +109,8 @@ def _fading(unit: np.ndarray, points: np.ndarray, length: float) -> np.ndarray:
 @dataclass(frozen=True)
 class Fit:
     """A function of unit coordinates fitted to the values (N) of runs at unit points (N, k).
-
-    left_out (N): value of each run less that of the function fitted to all the others; infinite for
-    a run that nothing else foretells. kind: what it is, in words.
-    """
+    left_out (N): leave-one-out errors, the value of each run less that of the function fitted to
+    all the others; infinite for a run that no others predict. kind: type of function, in words."""
 
     points: np.ndarray
     values: np.ndarray
@@ -119,18 +120,18 @@ class Fit:
 
     @property
     def error(self) -> float:
-        """Estimated error: the largest left-out one; infinite where no run tests the function."""
+        """Estimated error: the largest leave-one-out error; infinite where no run tests it."""
         return float(np.abs(self.left_out).max(initial=0.0))
 
     @property
     def usual_error(self) -> float:
-        """Estimated error where runs were sought until they are next to what decides, as of a
-        response's spline (see `estimates.usual`)."""
+        """Estimated error where runs were sampled adaptively, next to the points that decide: a
+        power mean of the leave-one-out errors (`estimates.usual`)."""
         return float(usual(self.left_out, int((np.ptp(self.points, axis=0) > 0).sum())))
 
     @property
     def trend(self) -> Fit:
-        """The fit without what a polynomial leaves of the runs."""
+        """The fit without the correction that brings a polynomial to single runs."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
@@ -139,11 +140,11 @@ class Fit:
 
     @property
     def mean_error(self) -> float:
-        """Root mean square of the left-out errors."""
+        """Root mean square of the leave-one-out errors."""
         return float(np.sqrt(np.mean(self.left_out**2)))
 
     def formula(self) -> Formula:
-        """The same as a table."""
+        """The fitted function as a table of numbers."""
         return _formula(self.function)
 
 
@@ -152,8 +153,8 @@ def _formula(function: Surrogate | Spline | Kriging | RootFunction) -> Formula:
 
 
 def best_fit(points: np.ndarray, values: np.ndarray) -> Fit:
-    """The fit to values (N) of runs at unit points (N, k) with the least left-out errors, by their
-    root mean square.
+    """The fit to values (N) of runs at unit points (N, k) with the least leave-one-out errors, by
+    their root mean square; raises IntervalError without values, or for one that is not finite.
 
     Tried are polynomials by least squares, of every total degree that the runs can test, and the
     spline through all runs. Runs that are nearly the same count once.

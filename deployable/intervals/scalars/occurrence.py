@@ -39,31 +39,33 @@ _LEVELS = (-0.7, -0.35, 0.0, 0.35, 0.7)  # of the function, at which runs are so
 
 @dataclass(frozen=True)
 class Occurrence:
-    """Runs at unit points (N, k), and whether it happens (N) in each."""
+    """In which part of the box an event occurs, by runs at unit points (N, k), and by `happens`
+    (N), whether it occurs in each."""
 
     points: np.ndarray
     happens: np.ndarray
 
     @property
     def is_mixed(self) -> bool:
-        """Whether it happens in some runs and not in others."""
+        """Whether the event occurs in some runs and not in others."""
         return bool(self.happens.any() and not self.happens.all())
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Mask (P) of unit coordinates (P, k)."""
+        """Whether the event occurs (P), by the decision function, at unit coordinates (P, k)."""
         return self.certainty(unit) >= 0
 
     def certainty(self, unit: np.ndarray) -> np.ndarray:
-        """A function (P) of unit coordinates (P, k) that is below 0 where it does not happen, and
-        open where its size is below `doubt`; infinite where all runs agree."""
+        """Decision function (P), no probability, at unit coordinates (P, k): above 0 where the
+        event occurs, below 0 where not, undecided below `doubt` in size; infinite where all runs
+        agree."""
         unit = np.asarray(unit, dtype=float)
         if not self.is_mixed:
             return np.full(len(unit), np.inf if self.happens.all() else -np.inf)
         return self._border(unit)
 
     def doubt(self, unit: np.ndarray) -> np.ndarray:
-        """Size (P) of the certainty at unit coordinates (P, k) up to which the runs leave open what
-        happens."""
+        """Half-width (P) of the undecided band at unit coordinates (P, k): where abs(certainty) is
+        below it, the runs do not determine whether the event occurs."""
         if not self.is_mixed:
             return np.zeros(len(unit))
         certain = self._certain
@@ -75,19 +77,20 @@ class Occurrence:
         return np.maximum(np.minimum(*nearest), max(1.0, float(-certain.min())))
 
     def run_certainty(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
-        """The certainty (R) as runs themselves tell it by their numbers (R) and margins (R); NaN
-        where they tell no more than whether it happens."""
+        """Decision function (R) at runs as their own results give it: by quantity values `numbers`
+        (R) or event margins (R); NaN where those give no more than whether the event occurs."""
         return np.full(len(numbers), np.nan)
 
     @cached_property
     def open(self) -> float:
-        """Share of the box, about, in which the runs leave open what happens."""
+        """Volume fraction of the box, about, where runs do not determine whether the event
+        occurs."""
         spread = self._spread()
         return float((np.abs(self.certainty(spread)) < self.doubt(spread)).mean())
 
     def infill_points(self, count: int) -> np.ndarray:
-        """Unit points (at most `count`, k) where it is open whether it happens, as far from all
-        runs and each other as can be, for runs that would narrow down where the border is."""
+        """Unit points (at most `count`, k) for further runs near the limit-state surface of the
+        event, as far from all runs and each other as can be; none where all runs agree."""
         points = np.zeros((0, self.points.shape[1]))
         if not self.is_mixed:
             return points
@@ -100,7 +103,7 @@ class Occurrence:
 
     @cached_property
     def surface_points(self) -> np.ndarray:
-        """Unit points (P, k) just inside the limit-state surface of the event; none where all runs
+        """Unit points (P, k) on the limit-state surface of the event, just inside; none if all runs
         agree."""
         return self._level_points((0.0,)) if self.is_mixed else self.points[:0]
 
@@ -143,7 +146,7 @@ class Occurrence:
         return _matern(unit, points) @ weights
 
     def formula(self) -> Formula:
-        """The certainty as a table, where the runs do not agree."""
+        """The decision function as a table, for runs that do not all agree."""
         points, weights = self._support_vectors
         k = points.shape[1]
         constant, scales = np.zeros((1, k), dtype=int), np.full(k, np.sqrt(5) / _LENGTH)
@@ -199,10 +202,11 @@ def _matern(unit: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class FittedOccurrence(Occurrence):
-    """It happens where a fit is not below 0, or not above `latest`, up to its `error`.
+    """Occurrence of an event by a fitted function: it occurs where the fit is not below 0, or, with
+    `latest` (end of the runs, s), where a fitted time is not above that; `error`: the fit's.
 
-    Such a function tells the border better than whether it happens does: by how much it does, or,
-    of a time, how long before `latest`, when runs end.
+    An event margin, or the time left before the runs end, locates the limit-state surface better
+    than whether the event occurs does.
     """
 
     fit: Fit
@@ -210,13 +214,15 @@ class FittedOccurrence(Occurrence):
     latest: float | None = None
 
     def agrees(self, slack: float = 0.0) -> bool:
-        """Whether the function tells of every run what happened in it, up to its error, and a slack
-        where it did not."""
+        """Whether the decision function has the right sign in every run: up to its error in runs
+        with the event, below `slack` in those without."""
         certainty = self.certainty(self.points)
         agreement = certainty[self.happens] >= -self.error
         return bool(agreement.all() and (certainty[~self.happens] < slack).all())
 
     def certainty(self, unit: np.ndarray) -> np.ndarray:
+        """Fitted event margin (P), or time left before `latest` (P) s, at unit coordinates (P,
+        k)."""
         values = self.fit.evaluate(unit)
         return values if self.latest is None else self.latest - values
 
@@ -225,9 +231,11 @@ class FittedOccurrence(Occurrence):
         return formula if self.latest is None else formula.shortfall(self.latest)
 
     def run_certainty(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
+        """Event margins (R), or the times left before `latest` (R) s, of runs themselves."""
         return margins if self.latest is None else self.latest - numbers
 
     def doubt(self, unit: np.ndarray) -> np.ndarray:
+        """The error of the fit (P), the same at all unit coordinates (P, k)."""
         return np.full(len(unit), self.error)
 
     @property

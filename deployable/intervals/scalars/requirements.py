@@ -18,10 +18,12 @@ _AT_ONCE = 64  # lines
 
 @dataclass(frozen=True)
 class Limit:
-    """What a number must keep: `kind` "at_most" or "at_least" a `level`, or "happens", whose level
-    is 1 if there must be a number and 0 if there must be none. run_error, border: what the runs
-    themselves may be wrong by, as by their mesh and step: the number, and the certainty that there
-    is one (see `Occurrence`)."""
+    """A limit that a quantity must satisfy, and what is known of the quantity: its `surrogate`.
+
+    kind: "at_most" or "at_least" a `level`, or "happens", with level 1 if the event must occur and
+    0 if it must not; run_error: error of the runs themselves, as by mesh and step, in the
+    quantity's unit; border: their error in `Occurrence.certainty`, infinite if finer runs differ.
+    """
 
     surrogate: ScalarSurrogate | None
     kind: str
@@ -30,10 +32,9 @@ class Limit:
     border: float = 0.0
 
     def conditions(self, unit: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        """What must not be below 0 at unit coordinates (P, k): functions (P), and their errors (P).
-
-        There must be the number, or none; and it must keep its level.
-        """
+        """Functions that are not below 0 where the limit is satisfied, as pairs of values (P) and
+        errors (P) at unit coordinates (P, k): that the quantity exists, or must not, and its
+        distance from the level."""
         surrogate = self.surrogate
         certain = surrogate.occurrence.certainty(unit)
         doubt = surrogate.occurrence.doubt(unit) + self.border
@@ -49,15 +50,13 @@ class Limit:
 
     @property
     def error(self) -> float:
-        """Estimated error of the number: of its surrogate, and beyond that of its runs."""
+        """Estimated error of the quantity: that of its surrogate plus that of the runs."""
         return self.surrogate.error + self.run_error
 
     def slack_of(self, values: np.ndarray) -> np.ndarray:
-        """By how much the limit is kept by values (...) of the number, NaN where there is none:
-        below 0 where it is not.
-
-        Where there is no number, no level is kept; "happens" is kept or broken by infinity.
-        """
+        """Limit margin (...) of values (...) of the quantity, NaN where it does not exist: distance
+        from the level, below 0 where the limit is violated. Without a value a level is violated by
+        infinity; "happens" is satisfied or violated by infinity."""
         values = np.asarray(values, dtype=float)
         is_number = np.isfinite(values)
         if self.kind == "happens":
@@ -66,11 +65,13 @@ class Limit:
         return np.where(is_number, sign * (self.level - np.where(is_number, values, 0.0)), -np.inf)
 
     def worst(self, lower: np.ndarray, upper: np.ndarray) -> tuple[float, np.ndarray]:
-        """Least slack over the part [lower, upper] (k each) of the box, and where it is (k)."""
+        """Least limit margin over the part [lower, upper] (k each, unit coordinates) of the box,
+        below 0 where the limit is violated, and the unit point (k) where."""
         return self._end(lower, upper, worst=True)
 
     def best(self, lower: np.ndarray, upper: np.ndarray) -> tuple[float, np.ndarray]:
-        """Largest slack over the part [lower, upper] (k each), and where it is (k)."""
+        """Largest limit margin over the part [lower, upper] (k each), and the unit point (k)
+        where."""
         return self._end(lower, upper, worst=False)
 
     def _end(self, lower: np.ndarray, upper: np.ndarray, worst: bool) -> tuple[float, np.ndarray]:
@@ -90,14 +91,15 @@ class Limit:
 
 
 def sub_box(nominal: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:
-    """Unit corners (k each) of the box shrunk towards a nominal point (k) to a share of itself."""
+    """Lower and upper corner (k each, unit coordinates) of the box shrunk towards a nominal point
+    (k); share: scale factor of all its sides, from 0 to 1."""
     nominal = np.asarray(nominal, dtype=float)
     return nominal + share * (-1.0 - nominal), nominal + share * (1.0 - nominal)
 
 
 def share_reaching(nominal: np.ndarray, unit: np.ndarray) -> np.ndarray:
-    """The least shares (P) to which the box may be shrunk towards a nominal point (k) so that it
-    still holds unit points (P, k)."""
+    """Least scale factors (P), as of `sub_box`, at which the box shrunk towards a nominal point (k)
+    still contains each of the unit points (P, k)."""
     offset = np.asarray(unit, dtype=float) - nominal
     room = np.where(offset > 0, 1.0 - nominal, 1.0 + nominal)
     return np.divide(np.abs(offset), room, out=np.zeros_like(offset), where=room > 0).max(axis=1)
@@ -106,12 +108,12 @@ def share_reaching(nominal: np.ndarray, unit: np.ndarray) -> np.ndarray:
 def share_of_box(
     limits: Sequence[Limit], free: np.ndarray, lower: np.ndarray = -1.0, upper: np.ndarray = 1.0
 ) -> tuple[float, float]:
-    """Share of the box, by volume, in which all limits are kept, and how much of it is open: by
-    how much it would be more or less if all errors were to one side. `free` (k): directions of
-    width; of a part of the box, its unit corners `lower` and `upper` (k each).
+    """Volume fraction of the box in which all limits are satisfied, and its uncertainty: the change
+    if all errors were to one side. free (k): mask of directions with a width; lower, upper (k
+    each): unit corners of the part of the box that counts, by default all.
 
-    Along one line in one dimension, along many lines spread over the box in several; the borders on
-    each are found by linear interpolation of what must not be below 0.
+    On one line in one dimension, on many lines spread over the box in several; limit-state surfaces
+    on each are found by linear interpolation.
     """
     free = np.asarray(free, dtype=bool)
     # The lines go along the direction with the largest differences.
@@ -168,10 +170,9 @@ def _steepest(limits: Sequence[Limit], free: np.ndarray) -> int:
 def largest_share(
     limits: Sequence[Limit], nominal: np.ndarray, steps: int = 24
 ) -> tuple[float, int | None, np.ndarray | None]:
-    """The largest share to which the box may be shrunk towards the nominal point (k) so that all of
-    it keeps every limit; then, if that is not all of it, the limit (its index) that is the first to
-    be broken beyond it, and the unit point (k) where: the nearest one, in shares of the box.
-    """
+    """Largest scale factor (0 to 1) of the box, shrunk towards the nominal point (k), at which all
+    of it satisfies every limit; then, if it is below 1, the index of the limit that is violated
+    first beyond it and the unit point (k) where. steps: halvings of the scale factor's interval."""
 
     def first_violation(share: float) -> tuple[float, int, np.ndarray] | None:
         worst = [(*limit.worst(*sub_box(nominal, share)), i) for i, limit in enumerate(limits)]
@@ -205,15 +206,16 @@ ENDS = ("upper", "lower", "width")
 
 @dataclass(frozen=True)
 class Goal:
-    """What is to be small: `kind`, one of `ENDS`, of a number's interval over the box,
-    times `sign`: -1 where it is to be large."""
+    """An objective to be minimised over choices: `kind`, the upper or lower bound or the width
+    (`ENDS`) of a quantity over the box, times `sign`, -1 where it is to be maximised."""
 
     surrogate: ScalarSurrogate
     kind: str
     sign: float = 1.0
 
     def value(self, lower: np.ndarray, upper: np.ndarray) -> tuple[float, np.ndarray]:
-        """The goal over a part (k each) of the box, and where its end is (1, k), or both (2, k)."""
+        """Objective, without the sign, over the part [lower, upper] (k each) of the box, and the
+        unit points where its bound is attained, (1, k), or both bounds of a width, (2, k)."""
         if self.kind == "width":
             interval = self.surrogate.range(lower, upper, climbs=1)
             return interval.width, np.array([interval.argmin, interval.argmax])
@@ -223,9 +225,12 @@ class Goal:
 
 @dataclass(frozen=True)
 class Choice:
-    """A choice (c): its goals (g), and its worst slack of all limits, with each one's (l) and where
-    it is (l, k); `goal_points`: the places that decide the goals, (1, k) each, or (2, k) of a
-    width. Without limits the slack is infinite."""
+    """Chosen nominal values (c), and how good they are in the worst case over the box about them.
+
+    goals (g): values of the objectives; slack: least margin of all limits, infinite without any;
+    slacks (l): of each limit, attained at unit points `worst` (l, k); goal_points: where each
+    objective's bounds are attained, (1, k), of a width (2, k).
+    """
 
     values: np.ndarray
     goals: np.ndarray
@@ -236,12 +241,13 @@ class Choice:
 
     @property
     def is_allowed(self) -> bool:
-        """Whether the whole box about the choice keeps every limit."""
+        """Whether the whole box about the choice satisfies every limit."""
         return self.slack >= 0
 
 
 def judge(values: np.ndarray, goals: Sequence[Goal], limits: Sequence[Limit], box: BoxOf) -> Choice:
-    """A choice (c) with its goals and its worst case."""
+    """Evaluate objectives and limits in the worst case for the chosen values (c); box(values):
+    lower and upper corner (k each, unit coordinates) of the box that they leave."""
     lower, upper = box(values)
     goal_values = [goal.value(lower, upper) for goal in goals]
     limit_values = [limit.worst(lower, upper) for limit in limits]
@@ -262,10 +268,11 @@ def best_choice(
     ranges: Sequence[tuple[float, float]],
     box: BoxOf,
 ) -> tuple[Choice, list[Choice]]:
-    """The choice within `ranges` (c pairs) that keeps every limit with the best first goal, or, if
-    none does, the one that breaks them least; and all choices of the first grid.
+    """Choose values that satisfy every limit with the best first objective (robust optimisation),
+    or, if none do, those that violate them least; returned with all choices of the first grid.
 
-    A grid (a Sobol sequence from three choices on), then finer and finer grids about the best.
+    ranges: least and largest of each chosen value (c pairs); box: as of `judge`. A grid (a Sobol
+    sequence from three choices on), then finer and finer grids about the best.
     """
     ends = np.array(ranges, dtype=float)
     wide = ends[:, 1] > ends[:, 0]

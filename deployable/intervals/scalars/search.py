@@ -34,7 +34,7 @@ _TRUSTED = 3.0  # times its error: so far the surrogate must exceed all runs to 
 
 
 class BoundEstimate(NamedTuple):
-    """A bound of a quantity.
+    """Lower or upper bound of a quantity, its error, and points at which runs may extend it.
 
     value: the extreme run's, or the surrogate's where that goes farther by several times its own
     error; error: by how much the bound may be off, by what the surrogate leaves possible; points
@@ -70,8 +70,9 @@ def estimate_bounds(
 
 
 def local_errors(fit: Fit, unit: np.ndarray) -> np.ndarray:
-    """Errors (P) of a fit at unit coordinates (P, k), by the leave-one-out errors of the runs about
-    them: that of a run is the error at its distance from the next run, and falls towards a run."""
+    """Errors (P) of a fit at unit coordinates (P, k), by the leave-one-out errors of the nearest
+    runs: that of a run holds at the distance of its next run, and falls linearly towards the
+    run."""
     points, width = fit.points, float(np.ptp(fit.values))
     errors = np.minimum(np.abs(fit.left_out), width)
     if len(points) == 1:

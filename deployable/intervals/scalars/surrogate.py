@@ -24,7 +24,8 @@ Function = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class Extremes:
-    """Least and largest value, and their unit coordinates (k); NaN where there is no value."""
+    """Least and largest value of a function over a part of the box, and their unit coordinates (k);
+    NaN where it has no value there."""
 
     low: float
     high: float
@@ -44,10 +45,8 @@ def extremes(
     extra_points: np.ndarray | None = None,
     climbs: int = _CLIMBS,
 ) -> Extremes:
-    """The range that a function attains over the part [lower, upper] (k each) of the unit box.
-
-    The arguments are those of `extreme`.
-    """
+    """Least and largest value that a function attains over the part [lower, upper] (k each) of the
+    box, in unit coordinates; the arguments are those of `extreme`."""
     low, argmin = extreme(function, -1.0, lower, upper, extra_points, climbs)
     high, argmax = extreme(function, 1.0, lower, upper, extra_points, climbs)
     return Extremes(low, high, argmin, argmax)
@@ -121,10 +120,9 @@ def _spread(free: tuple[bool, ...]) -> np.ndarray:
 
 @dataclass(frozen=True)
 class ScalarSurrogate:
-    """A number of runs as a function of the box; `fit` is None where no run has the number.
-
-    least: what it can not be below; latest: of a time, when runs end, later than which none is.
-    """
+    """Surrogate of a quantity over the box: `fit`, its value as a function of the parameters (None
+    where no run has one), and `occurrence`, in which part of the box it exists. least: physical
+    lower bound; latest: of a time, the end of the runs, which no value exceeds."""
 
     fit: Fit | None
     occurrence: Occurrence
@@ -133,18 +131,19 @@ class ScalarSurrogate:
 
     @property
     def error(self) -> float:
-        """Estimated error where there is a number; NaN where there is none."""
+        """Estimated error of the values, the largest leave-one-out error; NaN without a fit."""
         return np.nan if self.fit is None else self.fit.error
 
     @property
     def usual_error(self) -> float:
-        """The same of runs that were sought; see `Fit.usual_error`."""
+        """Estimated error of the values where runs were sampled adaptively, a mean of leave-one-out
+        errors (`Fit.usual_error`); NaN where no run has a value."""
         return np.nan if self.fit is None else self.fit.usual_error
 
     @property
     def trend(self) -> ScalarSurrogate:
-        """The same without what the fit leaves of single runs, for what compares parts of the box
-        with each other."""
+        """The surrogate without the correction that brings a polynomial to single runs, to compare
+        parts of the box with each other."""
         return self if self.fit is None else replace(self, fit=self.fit.trend)
 
     @property
@@ -153,19 +152,19 @@ class ScalarSurrogate:
         return self.least, self.latest
 
     def predict(self, unit: np.ndarray) -> np.ndarray:
-        """What the fit tells (P) at unit coordinates (P, k), within what is possible, be there a
-        number or not."""
+        """Values (P) of the fit at unit coordinates (P, k), clipped to the physical bounds; also
+        where the quantity does not exist."""
         return np.clip(self.fit.evaluate(np.asarray(unit, dtype=float)), self.least, self.latest)
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P) at unit coordinates (P, k), NaN where there is none."""
+        """Values (P) at unit coordinates (P, k), NaN where the quantity does not exist."""
         if self.fit is None:
             return np.full(len(unit), np.nan)
         return np.where(self.occurrence.evaluate(unit), self.predict(unit), np.nan)
 
     def formulas(self) -> tuple[Formula | None, Formula | bool]:
-        """What the fit tells, None where there is none; and what is not below 0 where there is a
-        number, or whether there is one everywhere."""
+        """Tables of the fit, None without one, and of a function that is not below 0 where the
+        quantity exists; True or False instead of the latter if it exists in all runs or in none."""
         sure = not self.occurrence.is_mixed
         return (
             None if self.fit is None else self.fit.formula(),
@@ -175,15 +174,16 @@ class ScalarSurrogate:
     def range(
         self, lower: np.ndarray | None = None, upper: np.ndarray | None = None, **options: int
     ) -> Extremes:
-        """The range attained over the part [lower, upper] (k each) of the unit box, by default the
-        whole; NaN where there is no number anywhere. `options` are those of `extremes`."""
+        """Range attained by the surrogate over the part [lower, upper] (k each, unit coordinates)
+        of the box, by default the whole; NaN without values. options: `climbs` of `extreme`."""
         lower, upper = self._part(lower, upper)
         return extremes(self.evaluate, lower, upper, self._trial_points, **options)
 
     def end(
         self, sign: float, lower: np.ndarray, upper: np.ndarray, climbs: int = 1
     ) -> tuple[float, np.ndarray]:
-        """The upper (sign 1) or lower (sign -1) end of that range, and where it is (k)."""
+        """Upper (sign 1) or lower (sign -1) bound of the surrogate over the part [lower, upper] (k
+        each) of the box, and the unit point (k) where it is attained; climbs: as of `extreme`."""
         part = self._part(lower, upper)
         return extreme(self.evaluate, sign, *part, self._trial_points, climbs)
 
@@ -205,13 +205,13 @@ class ScalarSurrogate:
         return lower, np.where(free, side if upper is None else upper, 0.0)
 
     def nowhere(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
-        """The place (k) in the part [lower, upper] of the unit box where there is most certainly no
-        number; None if there is one all over it."""
+        """Unit point (k) in the part [lower, upper] of the box where the quantity most certainly
+        does not exist; None if it exists all over the part."""
         return self._place(lower, upper, False)
 
     def somewhere(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
-        """The place (k) in the part [lower, upper] where there most certainly is a number; None if
-        there is none in it."""
+        """Unit point (k) in the part [lower, upper] of the box where the quantity most certainly
+        exists; None if it exists nowhere in the part."""
         return self._place(lower, upper, True)
 
     def _place(self, lower: np.ndarray, upper: np.ndarray, happens: bool) -> np.ndarray | None:
@@ -230,13 +230,13 @@ def fit_scalar(
     least: float | None = None,
     margin: np.ndarray | None = None,
 ) -> ScalarSurrogate:
-    """The surrogate of values (N) of runs at unit points (N, k), NaN where a run has none.
+    """Fit the surrogate of a quantity to values (N) of runs at unit points (N, k), NaN where the
+    quantity does not exist in a run, as the time of an event that does not occur.
 
-    latest: of a time, when runs end. Where that alone tells the runs without one from the others,
-    what is fitted to those tells the border between them. least: what no value can be below.
-    margin: by how much there is a number, (N), not above 0 where there is none, NaN where that is
-    not known; where it is known of all runs, what is fitted to it may tell the border. What leaves
-    least open does.
+    latest: of a time, when runs end; least: physical lower bound; margin (N): event margin, above 0
+    where the event occurs, NaN where not known. The limit-state surface between runs with and
+    without a value is the one that leaves least volume undecided: by the runs alone, where the fit
+    reaches `latest`, or where a fit to `margin`, if known of all runs, vanishes.
     """
     points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
     happens = np.isfinite(values)
@@ -279,11 +279,10 @@ def _occurrence(
 
 @dataclass(frozen=True)
 class Influence:
-    """Of each parameter (k): `alone`, the width of the range when only it varies; `share`, that as
-    a share of the sum, 0 where it is not above the error of the fit; `fixed` and `halved`, the
-    width of the range over the whole box but for this parameter, which keeps its nominal value, or
-    whose interval is half as wide about it. `width`: that of the whole box.
-    """
+    """Widths of a quantity's range by parameter (k): `alone`, if only this one varies; `share`,
+    this over the sum of all that exceed the error of the fit, else 0; `fixed` and `halved`, if all
+    vary but this one keeps its nominal value, or half its interval about it. `width`: of the whole
+    box."""
 
     width: float
     alone: np.ndarray
@@ -293,11 +292,8 @@ class Influence:
 
 
 def influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
-    """Influence of the parameters on a number, by the trend of its surrogate; `nominal` (k) in unit
-    coordinates.
-
-    No run is needed beyond those that were fitted.
-    """
+    """Influence of each parameter on the width of a quantity's range, by the trend of its
+    surrogate, without further runs; nominal (k): nominal point in unit coordinates."""
     surrogate = surrogate.trend
     nominal = np.asarray(nominal, dtype=float)
     k = len(nominal)

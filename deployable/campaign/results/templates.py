@@ -97,7 +97,7 @@ def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
 
 
 def sentence(name: str, *facts: Any) -> str:
-    """One of the macros of `sentences.jinja` as text; facts: its arguments, whose texts are
+    """Text of a macro of `sentences.jinja`, by its name; facts: its arguments, whose texts are
     escaped."""
     module = environment().get_template("sentences.jinja").module
     return getattr(module, name)(*map(_escaped, facts))

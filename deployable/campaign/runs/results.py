@@ -64,13 +64,11 @@ class RunRecord:
 
 
 class Store:
-    """A folder of results of runs under names that follow from their content.
-
-    A finished run is found again by a campaign that was killed. A file that is damaged or another
-    run's counts as absent, and is kept in `damage` until written again; `lacking` has, by run, the
-    columns that its file lacks. A store knows which runs of a group are `missing`, and can `write`
-    the results of a group and `read` its records.
-    """
+    """A folder of results of runs under names that follow from their content; responses and
+    quantities are those of `experiment`. A finished run is found again by a campaign that was
+    killed. A file that is damaged or another run's counts as absent, and is noted in `damage` until
+    written again; `lacking` has, by run, the columns that its file lacks. A store knows which runs
+    of a group are `missing`, and can `write` the results of a group and `read` its records."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         self.folder, self.experiment = folder, experiment
@@ -79,12 +77,12 @@ class Store:
         self.lacking: dict[str, set[Column]] = {}
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
-        """Groups of runs that are written together."""
+        """Divide runs into groups that are written together, of `size` runs each but the last."""
         return groups_of(runs, size)
 
     def previous_columns(self, runs: Runs) -> set[Column]:
-        """Columns to be recorded of runs besides what responses need, since their files had
-        them."""
+        """Columns (variables of `fpm.reading.variables`) to be recorded again of runs besides what
+        responses need, since their files had them."""
         return set()
 
     def file_of(self, group: Runs) -> str:
@@ -106,7 +104,8 @@ class Store:
         return lambda: sum(sizes.get(path.name, 0) for path in self.folder.glob("*.nc"))
 
     def checked(self, record: RunRecord) -> RunRecord:
-        """The record, if shapes and values are those of the campaign; else ValueError."""
+        """Check that shapes and values of a record are those of the campaign, and return it; raises
+        ValueError where not."""
         shapes = [np.shape(array) for array in (record.time, record.values, record.numbers)]
         count, instants = len(self.responses), self.experiment.solver.instants
         if shapes != [(instants,), (count, instants), (len(self.quantities),)]:
@@ -119,7 +118,7 @@ class Store:
         return record
 
     def is_whole(self, path: Path) -> bool:
-        """Whether a file is there undamaged; damage is kept in `damage`."""
+        """Whether the file at `path` is there undamaged; a damaged one is noted in `damage`."""
         try:
             check(path, title(path))
             refuse_outside(path)

@@ -72,9 +72,9 @@ def assess_limits(
     specs: Sequence[LimitSpec],
     errors: np.ndarray | None = None,
 ) -> LimitAssessment:
-    """Assess limits by the surrogates of all quantities, and by the runs of `model`. errors (2, q):
-    by mesh and step, of the quantities and of the decision functions of whether they occur; None:
-    0."""
+    """Assess limits, `specs`, by the surrogates of all quantities, and by the runs of `model`.
+    errors (2, q): by mesh and step, of the quantities and of the decision functions of whether they
+    occur; None: 0."""
     from deployable.intervals.scalars import Limit, largest_share, share_reaching
 
     errors = np.zeros((2, len(surrogates))) if errors is None else errors
@@ -106,9 +106,10 @@ def assess_limits(
 
 
 def is_shown(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
-    """Whether it is shown that limit `i`, which no run breaks, holds in the whole box: by more than
-    the estimated errors, with an event margin that shows by more than its error that the quantity
-    occurs, or does not. Without such a margin, runs with an event prove nothing of others."""
+    """Whether it is shown that limit `i` of an assessment, which no run breaks, holds in the whole
+    box: by more than the estimated errors, with an event margin that shows by more than its error
+    that the quantity occurs, or does not. Without such a margin, runs with an event prove nothing
+    of others."""
     from deployable.intervals.scalars import fit_scalar
 
     limit, q = result.limits[i], result.specs[i].quantity

@@ -101,7 +101,8 @@ UniqueKeyLoader.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, list("-
 
 
 class Text(NamedTuple):
-    """The mapping that a text holds, and the lines of its keys, by their names joined by dots."""
+    """The mapping that a YAML text holds, `data`, and the lines of its keys, by their names joined
+    by dots."""
 
     data: dict
     lines: dict[str, int]
@@ -134,7 +135,7 @@ def _lines(node: yaml.Node, path: str = "") -> Iterator[tuple[str, int]]:
 
 
 def parse(text: str, source: str) -> dict:
-    """The mapping that `text` holds; raises `ConfigError` like `read`."""
+    """The mapping in a YAML text; raises `ConfigError` like `read`, naming `source`."""
     return read(text, source).data
 
 

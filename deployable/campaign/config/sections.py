@@ -413,8 +413,8 @@ def plain_data(section: Any) -> Any:
 
 
 def from_data(kind: Any, data: Any) -> Any:
-    """A section of type `kind` from what `plain_data` gave, which is not checked again: pydantic
-    takes 0.1 s to import, and every job reads sections."""
+    """A section of type `kind` from data as `plain_data` returns them, which are not checked again:
+    pydantic takes 0.1 s to import, and every job reads sections."""
     if is_dataclass(kind):
         hints = _hints(kind)
         return kind(**{name: from_data(hints[name], value) for name, value in data.items()})

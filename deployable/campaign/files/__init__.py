@@ -33,7 +33,8 @@ _FACTS: ContextVar[Mapping[str, str]] = ContextVar("facts of the results", defau
 
 @contextmanager
 def results_of(facts: Mapping[str, str]) -> Iterator[None]:
-    """A block in which results that are written carry `facts` in their seals, texts by name."""
+    """A block in which results that are written carry `facts` in their seals, texts by name, such
+    as the digest `plan`."""
     token = _FACTS.set({**_FACTS.get(), **facts})
     try:
         yield

@@ -130,7 +130,7 @@ class Errors:
 @dataclass(frozen=True)
 class Need:
     """The action ("runs", "mesh" or "step") that brings a response or quantity within its
-    tolerance, and why it cannot be taken; empty where it can."""
+    tolerance; why_not: why it cannot be taken, empty where it can."""
 
     action: str
     why_not: str = ""

@@ -50,9 +50,9 @@ MOST_LISTED = 10_000
 @dataclass(frozen=True)
 class TimeStep:
     """The time step of all runs of a plan, `step` (s), and the largest stable one, `step_limit`
-    (s), with the element that limits it. steps_per_instant: steps between two recorded instants;
-    assembly_energy: largest strain energy (J) that forcing parts together leaves at the start of a
-    run."""
+    (s), which the element `limiting_element` limits. steps_per_instant: steps between two recorded
+    instants; assembly_energy: largest strain energy (J) that forcing parts together leaves at the
+    start of a run."""
 
     step: float
     steps_per_instant: int

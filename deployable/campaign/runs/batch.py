@@ -323,7 +323,8 @@ def simulate(
 
 
 def failure_text(plan: Plan, failures: Sequence[Failure]) -> str:
-    """A message with the runs of a plan that failed, their parameters and the reasons."""
+    """A message with the runs of a plan that failed, pairs of run and reason, and their
+    parameters."""
     lines = [f"{len(failures)} of the runs failed; all others were written:"]
     for run, reason in failures[:_MOST]:
         values = ", ".join(f"{name} = {value:.9g}" for name, value in plan.named(run).items())

@@ -137,12 +137,13 @@ def title(path: Path) -> str:
 
 
 def groups_of(runs: Runs, size: int) -> list[Runs]:
-    """Runs in groups of `size`; only the last group may be smaller."""
+    """Divide runs, in order, into groups of `size`; only the last group may be smaller."""
     return [runs[first : first + size] for first in range(0, len(runs), size)]
 
 
 def values_of(responses: Sequence[Any], outcomes: Sequence[Any]) -> np.ndarray:
-    """Values (r, n, t) of n responses of r runs; ValueError if one is not finite."""
+    """Values (r, n, t) of n responses of r runs at t instants; outcomes: `fpm.Outcome` of each run.
+    Raises ValueError if one is not finite."""
     values = np.array([[r.evaluate(outcome) for r in responses] for outcome in outcomes])
     for i, response in enumerate(responses):
         if not np.isfinite(values[:, i]).all():
@@ -151,8 +152,9 @@ def values_of(responses: Sequence[Any], outcomes: Sequence[Any]) -> np.ndarray:
 
 
 def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
-    """Quantities (q,) of one run, NaN for one that does not occur; raises `CampaignError` where one
-    cannot be evaluated."""
+    """Quantities (q,) of one run, NaN for one that does not occur. quantities: their definitions;
+    curves: of the run, or its `fpm.Outcome`. Raises `CampaignError` where one cannot be
+    evaluated."""
     try:
         return np.array([quantity.evaluate(curves) for quantity in quantities], dtype=float)
     except ValueError as error:
@@ -175,7 +177,8 @@ def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str])
 
 
 def write_dimension(file: Any, dimension: str, names: Iterable[str], long_name: str) -> None:
-    """Define a dimension in an open netCDF file, with names as its coordinate."""
+    """Define a dimension in an open netCDF file, with names as its coordinate, which gets the
+    attribute `long_name`."""
     names = np.array([str(name) for name in names], dtype=object)
     file.createDimension(dimension, len(names))
     variable = file.createVariable(dimension, str, (dimension,))

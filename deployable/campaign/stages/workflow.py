@@ -45,11 +45,8 @@ class Workflow:
 
     @classmethod
     def from_module(cls, config: Mapping) -> Workflow:
-        """The campaign that a workflow gives to this one, its module; paths in it are relative to
-        the working folder.
-
-        Raises `ConfigError`.
-        """
+        """The campaign of a config that another workflow, of which this one is a module, passes to
+        it; paths in it are relative to the working folder. Raises `ConfigError`."""
         return cls(load_config([], retyped(config), "the config of the module"))
 
     def sections(self, stage: str) -> str:

@@ -77,9 +77,11 @@ def check_bounds(
 
 
 class RefinementLevel(NamedTuple):
-    """Plans that show the error by one component, step or mesh. finer: with twice as fine a one as
-    before; third: for the order of the error, twice as fine again (`ends_finest`), or twice as
-    coarse as before; None where there is no such plan."""
+    """Plans that show the error by one component, step or mesh.
+
+    finer: with twice as fine a step or mesh as before; third: for the order of the error, twice as
+    fine again (`ends_finest`), or half as fine as before; None where there is no such plan.
+    """
 
     finer: Plan
     third: Plan | None

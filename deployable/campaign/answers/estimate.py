@@ -42,11 +42,13 @@ _SHARE_CURVES = 4  # of a response in the file of a share of a scan
 
 @dataclass(frozen=True)
 class Estimate:
-    """What a campaign takes, estimated before it runs. runs: at most, but for those that answers
-    add; seconds: wall-clock time on all cores, of which `compiling` goes to the time loop if it is
-    not compiled yet; integrating: core time (s) of all runs; bytes: on disk; is_budget: whether
-    these are what may be spent, mostly far more than what will be; answers: what adds runs, in
-    words."""
+    """What a campaign takes, estimated before it runs.
+
+    runs: at most, but for those that answers add; seconds: wall-clock time on all cores, of which
+    `compiling` goes to the time loop if it is not compiled yet; integrating: core time (s) of all
+    runs; bytes: on disk; is_budget: whether these are what may be spent, mostly far more than what
+    will be; answers: what adds runs, in words.
+    """
 
     runs: int
     seconds: float

@@ -26,10 +26,12 @@ class RefusedError(ValueError):
 
 @dataclass(frozen=True)
 class Rule:
-    """Limits and wording of a key of the config, put beside its type by `Annotated`. allowed: what
-    is allowed, in words, where the limits do not say it; about: what an entry of a mapping is;
-    unit: of the number; pattern: of the whole text; gt, ge, le: limits of a number, above, from and
-    up to; least, most: number of entries of a mapping or list."""
+    """Limits and wording of a key of the config, put beside its type by `Annotated`.
+
+    allowed: what is allowed, in words, where the limits do not say it; about: what an entry of a
+    mapping is; unit: of the number; pattern: of the whole text; gt, ge, le: limits of a number,
+    above, from and up to; least, most: number of entries of a mapping or list.
+    """
 
     allowed: str = ""
     about: str = ""
@@ -83,8 +85,11 @@ def _text(limit: float) -> str:
 @dataclass(frozen=True)
 class ConfigKey:
     """A key of the config, with what may stand below it: `children` by name, or any name with an
-    `entry`. key: its limits; allowed, about: what is allowed and what it is, in words; default:
-    `MISSING` where the key is required; names: what names of entries may be, in words."""
+    `entry`.
+
+    key: its limits; allowed, about: what is allowed and what it is, in words; default: `MISSING`
+    where the key is required; names: what names of entries may be, in words.
+    """
 
     key: Rule
     allowed: str

@@ -134,10 +134,12 @@ class DesignChoice(DesignSection):
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Target of adaptive runs: tolerances of the estimated errors of responses and quantities by
-    name, relative to the widths of their intervals, and the budget of runs and minutes of one core.
-    Without tolerances the runs are not adaptive. mesh: name of the parameter that may be refined,
-    "" for none."""
+    """Target and budget of adaptive runs; without tolerances the runs are not adaptive.
+
+    tolerances: of the estimated errors of responses and quantities by name, relative to the widths
+    of their intervals; max_core_minutes: minutes of one core; mesh: name of the parameter that may
+    be refined, "" for none.
+    """
 
     tolerances: dict[str, float] = field(default_factory=dict)
     max_runs: int = 0
@@ -335,8 +337,11 @@ class Choose(Choosing):
 @dataclass(frozen=True)
 class Campaign:
     """A whole campaign, its config resolved: the experiment, and sections on what is made of the
-    runs. published: largest differences of bounds from the literature, by response; review:
-    standard of the review sheet, None for no sheet."""
+    runs.
+
+    published: largest differences of bounds from the literature, by response; review: standard of
+    the review sheet, None for no sheet.
+    """
 
     experiment: Experiment
     bounds: BoundsChoice

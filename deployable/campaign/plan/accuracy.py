@@ -48,9 +48,11 @@ def next_plan(
     experiment: Experiment, plan: Plan, samples_path: str | Path, bounds_path: str | Path
 ) -> Plan:
     """Make the plan after a finished round of an `accuracy`: with more runs, a finer mesh or step,
-    or a check of the errors by both; or the same plan with the reason to stop. experiment: has the
-    `accuracy`; plan: of the finished round; samples_path, bounds_path: the `samples.nc` and
-    `bounds.nc` of that round."""
+    or a check of the errors by both; or the same plan with the reason to stop.
+
+    experiment: has the `accuracy`; plan: of the finished round; samples_path, bounds_path: the
+    `samples.nc` and `bounds.nc` of that round.
+    """
     target, base, state = experiment.accuracy, plan.experiment, plan.adaptive
     with open_dataset(samples_path) as samples, open_dataset(bounds_path) as bounds:
         shares, free = _shares(plan, samples, bounds), base.solver.step == "auto"
@@ -203,8 +205,11 @@ def _standing(plan: Plan, shares: Mapping, step_is_free: bool = True) -> Standin
 def added(nodes: int, growth: float, affordable: float) -> int:
     """Number of runs that the next round adds: `growth` - 1 times `nodes`, as far as that is
     affordable, but at least a quarter of `nodes`; a multiple of `LANES`, since eight take as long
-    as one. nodes: runs that surrogates are fitted to so far; growth: factor by which these should
-    become more; affordable: runs that the budget allows."""
+    as one.
+
+    nodes: runs that surrogates are fitted to so far; growth: factor by which these should become
+    more; affordable: runs that the budget allows.
+    """
     quarter, need = (LANES * max(1, round(nodes * share / LANES)) for share in (0.25, growth - 1))
     return max(quarter, min(need, LANES * int(affordable // LANES)))
 

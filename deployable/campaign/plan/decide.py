@@ -49,10 +49,12 @@ where the errors are expected to be small enough after it."""
 
 @dataclass(frozen=True)
 class Resources:
-    """What the rounds of an `accuracy` have spent, and what the next actions take. runs, seconds:
-    spent, checks included; the time (s of one core) is an estimate; nodes: runs that surrogates are
-    fitted to; next_runs: those that would be added; checked: runs of a check of one of step and
-    mesh; run_seconds: of one core, for a run; elements: value of the mesh's parameter."""
+    """What the rounds of an `accuracy` have spent, and what the next actions take.
+
+    runs, seconds: spent, checks included; the time (s of one core) is an estimate; nodes: runs that
+    surrogates are fitted to; next_runs: those that would be added; checked: runs of a check of one
+    of step and mesh; run_seconds: of one core, for a run; elements: value of the mesh's parameter.
+    """
 
     runs: int
     seconds: float
@@ -78,10 +80,12 @@ class Resources:
 
 @dataclass(frozen=True)
 class Decision:
-    """The next action towards an `accuracy`, and the reason as a sentence. action: "stop"; "check",
-    to estimate the errors by step and mesh with finer runs; "runs", to add some; "mesh" or "step",
-    to halve it and make all runs again. check: those of step and mesh for which the next round is
-    checked; met: whether all errors are within their tolerances."""
+    """The next action towards an `accuracy`, and the reason as a sentence.
+
+    action: "stop"; "check", to estimate the errors by step and mesh with finer runs; "runs", to add
+    some; "mesh" or "step", to halve it and make all runs again. check: those of step and mesh for
+    which the next round is checked; met: whether all errors are within their tolerances.
+    """
 
     action: str
     reason: str
@@ -139,10 +143,12 @@ class Need:
 @dataclass(frozen=True)
 class Standing:
     """State of an `accuracy` after a finished round, from which `decide` takes the next action.
+
     accuracy: tolerances and budget; shares: errors of responses and quantities by name and
     component, relative to the widths; state: the rounds before, and what this one was checked for;
     cost: spent and needed; step_is_free: whether the step may be halved, since the config does not
-    give it."""
+    give it.
+    """
 
     accuracy: Accuracy
     shares: Shares

@@ -28,9 +28,12 @@ class PlannedRun:
 
 
 class Runs(Sequence[PlannedRun]):
-    """N runs in order, held as arrays; a `PlannedRun` is made when one is accessed. role: indices
-    (N,) into `ROLES`; unit, values (N, k): normalized coordinates in the box, kept as `normalized`,
-    and values of the interval parameters; name: function of values (k) that returns a run's id."""
+    """N runs in order, held as arrays; a `PlannedRun` is made when one is accessed.
+
+    role: indices (N,) into `ROLES`; unit, values (N, k): normalized coordinates in the box, kept as
+    `normalized`, and values of the interval parameters; name: function of values (k) that returns a
+    run's id.
+    """
 
     def __init__(
         self,

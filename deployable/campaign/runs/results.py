@@ -65,10 +65,13 @@ class RunRecord:
 
 class Store:
     """A folder of results of runs under names that follow from their content; responses and
-    quantities are those of `experiment`. A finished run is found again by a campaign that was
-    killed. A file that is damaged or another run's counts as absent, and is noted in `damage` until
-    written again; `lacking` has, by run, the columns that its file lacks. A store knows which runs
-    of a group are `missing`, and can `write` the results of a group and `read` its records."""
+    quantities are those of `experiment`.
+
+    A finished run is found again by a campaign that was killed. A file that is damaged or another
+    run's counts as absent, and is noted in `damage` until written again; `lacking` has, by run, the
+    columns that its file lacks. A store knows which runs of a group are `missing`, and can `write`
+    the results of a group and `read` its records.
+    """
 
     def __init__(self, folder: Path, experiment: Experiment):
         self.folder, self.experiment = folder, experiment

@@ -108,8 +108,8 @@ class Stage:
         return digest([program_digest(), json.loads(as_json(**sections)), mechanics])
 
     def inputs(self, campaign: Campaign) -> list[str]:
-        """Names of all results that the stage may read: if it shows results, also all that
-        summarise or answer something."""
+        """Names of all results that the stage may read: if it shows results, also plan, samples,
+        bounds, summary and answers."""
         shown_files = [PLAN, *BOUNDS_FILES, *_answered(campaign)] if self.draws else []
         return list(dict.fromkeys([*self.takes, *shown_files]))
 

@@ -30,8 +30,8 @@ _REMEDIES = {
 
 
 class CampaignError(Exception):
-    """Something that the user can mend; `str()` is the whole message, in which nothing, as the name
-    of a file, controls the terminal."""
+    """An error that the user can mend; `str()` is the whole message, in which characters that would
+    control a terminal, as in the name of a file, are replaced."""
 
     def __init__(self, text: str = ""):
         super().__init__("".join(s if s.isprintable() or s == "\n" else "\N{REPLACEMENT CHARACTER}"
@@ -39,15 +39,13 @@ class CampaignError(Exception):
 
 
 class HeldConfigError(CampaignError):
-    """The config that results hold cannot be used."""
+    """The config in a file of results cannot be used."""
 
 
 def of_files(error: Exception, folder: Path) -> CampaignError | None:
-    """What is to be told of trouble with the files of a campaign; None for an error of the program.
-
-    `folder`: of its results. netCDF's library tells no reason: a limit of sizes, or a full disk, is
-    guessed where there is one.
-    """
+    """The message for users on an error of reading or writing a campaign's files, with the remedy;
+    None for an error of the program. folder: of the results. netCDF's library tells no reason: a
+    limit of sizes, or a full disk, is guessed where there is one."""
     if isinstance(error, DamagedError):
         advice = "remove it and call snakemake or `python -m deployable run` to have it made again"
         return CampaignError(f"{error}; {advice}")

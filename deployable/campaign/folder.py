@@ -19,7 +19,8 @@ def _file(name: str, text: str) -> Any:
 
 @dataclass(frozen=True)
 class Folder:
-    """`results/<campaign>`, or `results/<campaign>/rounds/<round>`."""
+    """Paths of the files in a folder of results, `results/<campaign>` or, of one round of an
+    `accuracy`, `results/<campaign>/rounds/<round>`; `folder / name` is the path of any other."""
 
     path: Path
 
@@ -53,15 +54,17 @@ class Folder:
 
     @property
     def stage_folders(self) -> tuple[Path, ...]:
-        """All folders that stages write to, but for those of runs, which their stores sweep."""
+        """All folders that stages write to, but for those of stored runs."""
         return self.path, self.figures, self.overviews, self / "batches", self.motions
 
     def batch(self, number: int) -> Path:
-        """What a batch of runs leaves when all of them are there."""
+        """Path of the manifest of a batch, by its number, which is written when all its runs are
+        there."""
         return self / f"batches/{number}.json"
 
     def runs(self, keep: str) -> Path:
-        """Where runs are kept; all designs and rounds of a campaign share it."""
+        """Folder in which runs are stored, by `jobs.keep` of the config; all designs and rounds
+        share it."""
         return self.whole / keep
 
     @property
@@ -70,7 +73,7 @@ class Folder:
         return self.path.parents[1] if self.path.parent.name == "rounds" else self.path
 
     def round(self, number: int) -> Folder:
-        """The folder of one round of this campaign."""
+        """The folder of a round of this campaign, by its number, from 0."""
         return Folder(self / f"rounds/{number}")
 
     def previous(self) -> Folder | None:

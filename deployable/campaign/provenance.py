@@ -37,25 +37,25 @@ def program_digest() -> str:
 
 
 def made_by(structure: str) -> str:
-    """Digest of all code that decides what is kept of runs of a structure, itself of this digest:
-    their names depend on it."""
+    """Digest of all code that decides what is stored of the runs of a structure, on which the runs'
+    ids depend. structure: digest of the structure."""
     text = f"{structure} {PROGRAM.digest(include=RUN_CODE, exclude=LOG_CODE)}"
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def check_code(reread: bool = False) -> None:
-    """fpm.errors.ChangedError where the program's files were not those that were imported; reread:
-    or are not any more."""
+    """Check that what is in memory is what the program's files were at first, by those imported
+    since the last check and all data files; raises `fpm.errors.ChangedError`. reread: check all
+    files again."""
     PROGRAM.check(reread)
     sources.MECHANICS.check(reread)
 
 
 @cache
 def program() -> dict[str, str]:
-    """What computes, the same in one process for all: version, commit, processor, packages.
-
-    `commit` ends with `, changed` where files differ from it, and says `unknown` without git.
-    """
+    """Texts by name on what computes: version, commit, processor, and versions of Python and
+    packages; the same for all in one process. `commit` ends with `, changed` where files differ
+    from it, and says `unknown` without git."""
     from importlib.metadata import PackageNotFoundError, version
 
     versions = {
@@ -71,12 +71,12 @@ def program() -> dict[str, str]:
 
 
 def as_attribute() -> str:
-    """That as JSON on one line, for the attribute `provenance` of a file."""
+    """What `program` returns as JSON on one line, for the attribute `provenance` of a file."""
     return json.dumps(program())
 
 
 def dated() -> dict[str, str]:
-    """For the seal of a result: version, commit, processor, and the moment in UTC."""
+    """Texts by name for the seal of a result: version, commit, processor, and the moment in UTC."""
     moment = datetime.now(UTC).isoformat(timespec="seconds")
     return {key: program()[key] for key in ("program", "commit", "processor")} | {"made": moment}
 

@@ -46,7 +46,9 @@ def answer(
     tell: Tell,
     threads: int,
 ) -> None:
-    """Write choice.json of a planned campaign."""
+    """Find the best choice of nominal values of a planned campaign, simulate the runs that it
+    takes, and write `choice.json`. choose, requirements, verify, jobs: sections of the config;
+    tell: called with each message; threads: number of them that simulate."""
     base_plan = read_plan(folder.plan)
     experiment = widened(base_plan.experiment, choose)
     plan = Plan(experiment, base_plan.mechanics, choose_step(experiment), Runs.of([]))
@@ -83,8 +85,9 @@ def answer(
 
 
 def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray]:
-    """Places (k) for which choices near the best one were turned down that would be better: where
-    something is taken not to happen, or to happen."""
+    """Normalized points (k) to be simulated next: where limited quantities are taken to occur, or
+    not to, so that choices near the best one are not allowed whose first goal is better. best,
+    trials: `intervals.scalars.Choice`, the best one and all that were tried."""
     sign = choose.goals[0][0]
     better = [
         trial
@@ -103,7 +106,8 @@ def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray
 
 
 def widened(experiment: Experiment, choose: Choose) -> Experiment:
-    """The experiment over all choices and the intervals about them."""
+    """The experiment with an interval for each chosen parameter, from the least to the largest
+    value of all choices with the intervals about them."""
     intervals = dict(experiment.intervals)
     for name in choose.parameters:
         lower, upper = choose.ends(name, experiment)
@@ -112,7 +116,8 @@ def widened(experiment: Experiment, choose: Choose) -> Experiment:
 
 
 def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
-    """Unit points (N, k) of the runs: a sparse grid, and a few runs that test it."""
+    """Normalized points (N, k) of the runs that surrogates over all choices take: a sparse grid,
+    and a few validation runs. experiment: as `widened` returns it."""
     from deployable.intervals import held_out_points, make_design
 
     order, box = experiment.design.order, experiment.box
@@ -163,8 +168,9 @@ def _error(
 
 
 def deciding(trials: Sequence[Any], error: float) -> list[bool]:
-    """Of each chosen parameter, whether tried choices that differ in it alone differ by more than
-    an error in what decides: the first goal where it is allowed, or if no choice is the slack."""
+    """Flags, one for each chosen parameter: whether tried choices that differ in it alone differ by
+    more than `error` in the first goal or, if no choice is allowed, in the slack of the limits.
+    trials: `intervals.scalars.Choice`, all that were tried; error: in the unit of the goal."""
     allowed = [trial.is_allowed for trial in trials]
     worth = np.array([
         trial.slack if not any(allowed) else trial.goals[0] if trial.is_allowed else np.inf

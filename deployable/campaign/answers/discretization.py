@@ -39,7 +39,8 @@ COMPONENTS = ("step", "mesh")
 
 
 def checked_components(plan: Plan, verify: Verify) -> tuple[str, ...]:
-    """Which of step and mesh the bounds of a plan are to be checked for."""
+    """Components, "step" and "mesh", for which the errors of a plan's bounds are to be estimated:
+    with an `accuracy` those of its round, else both or none, as `verify` says."""
     if plan.experiment.is_sought:
         return plan.adaptive.check
     return COMPONENTS if verify.discretization else ()
@@ -53,11 +54,10 @@ def check_bounds(
     threads: int = 1,
     components: tuple = COMPONENTS,
 ) -> Any:
-    """The bounds' dataset of a campaign in `folder` with the errors of `step` and `mesh` added.
-
-    Of an `accuracy`, whose rounds look at quantities too, it also has, over quantity,
-    ``quantity_error_<component>``.
-    """
+    """Add the errors by step and mesh to the dataset of the bounds of a campaign's responses, from
+    runs that are repeated with finer ones; returns the new dataset. bounds: as
+    `intervals.bounds_dataset` returns it; components: some of `COMPONENTS`. With an `accuracy` it
+    also has ``quantity_error_<component>`` over quantity, in their units."""
     from deployable import intervals
 
     model = ModelEvaluator.from_folder(folder, jobs, tell, threads)
@@ -77,16 +77,21 @@ def check_bounds(
 
 
 class RefinementLevel(NamedTuple):
-    """Plans that show a component of the error: `finer` than the one before, and a `third`, half
-    as fine as that or twice as fine as the finer one (`ends_finest`); None where there is none."""
+    """Plans that show the error by one component, step or mesh.
+
+    finer: with twice as fine a step or mesh as before; third: for the order of the error, twice as
+    fine again (`ends_finest`), or half as fine as before; None where there is no such plan.
+    """
 
     finer: Plan
     third: Plan | None
     ends_finest: bool
 
     def ratio(self, coarse: np.ndarray, fine: np.ndarray, third: np.ndarray) -> np.ndarray:
-        """How many times less the later of two halvings changes numbers (..., T) or (...), by their
-        means over T; coarse, fine: without and with the finer mesh or step."""
+        """Ratio of successive changes under refinement, |coarse to medium| / |medium to fine|: 2**p
+        at order p. coarse, fine: values (n,) or series (..., T) without and with the finer mesh or
+        step; third: of the third plan. Of series the mean sizes of the changes over T are
+        compared."""
         levels = (coarse, fine, third) if self.ends_finest else (third, coarse, fine)
         return refinement_ratio(*(_mean_size(change) for change in np.diff(levels, axis=0)))
 
@@ -98,10 +103,13 @@ def _mean_size(change: np.ndarray) -> np.ndarray:
 def estimate_discretization_errors(
     model: ModelEvaluator, bounds: list[QuantityBounds], components: tuple = COMPONENTS
 ) -> dict[str, np.ndarray]:
-    """Errors (q, 2) of `step` and `mesh` by name: of the lower and upper bound of each quantity,
-    by the order at the one that a finer one changes most. Where the finer run at an end has no
-    number, by that of the one nearest to it that has. NaN where there is none; no mesh where no
-    parameter sets it.
+    """Errors (q, 2) by "step" and "mesh", in a dict, of the lower and upper bounds of all
+    quantities, in their units: the changes under refinement at the points of the bounds,
+    extrapolated by the order at the bound that changes most.
+
+    bounds: of `converge_bounds`; components: some of `COMPONENTS`. Where the refined run at a bound
+    does not have the quantity, the nearest one that has it is taken. NaN without a value; no mesh
+    where no parameter sets it.
     """
     points = np.array([point for b in bounds for point in (b.argmin, b.argmax)])
     values = np.array([value for b in bounds for value in (b.lower, b.upper)])
@@ -156,9 +164,10 @@ def _find_nearest_values(
 def estimate_fraction_errors(
     model: ModelEvaluator, bounds: list[QuantityBounds], errors: dict[str, np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What the runs are wrong by (q,) by mesh and step, for shares of the box: the numbers, by the
-    errors of their bounds, and next to where they cease if that passes a bound; and the certainty
-    that there are any. Infinite where finer runs tell that it is wrong, not how much."""
+    """Errors (q,) by mesh and step of what decides the volume fractions of the box: of the values
+    of each quantity, in its unit, and of the decision function of whether it occurs. Infinite where
+    refined runs disagree and do not show by how much. bounds: of `converge_bounds`; errors: of
+    `estimate_discretization_errors`."""
     numbers, shifts = np.zeros(len(bounds)), np.zeros(len(bounds))
     if not errors:
         return numbers, shifts

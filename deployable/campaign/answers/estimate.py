@@ -42,12 +42,12 @@ _SHARE_CURVES = 4  # of a response in the file of a share of a scan
 
 @dataclass(frozen=True)
 class Estimate:
-    """runs: at most, but for those that answers take; seconds on all cores of this machine, of
-    which `compiling` takes some if the time loop is not compiled yet; integrating: seconds of a
-    core of it that the runs take, those of answers too; bytes on disk.
+    """What a campaign takes, estimated before it runs.
 
-    is_budget: they are what may be spent, mostly far more than what will be. answers: what takes
-    further runs, in words.
+    runs: at most, but for those that answers add; seconds: wall-clock time on all cores, of which
+    `compiling` goes to the time loop if it is not compiled yet; integrating: core time (s) of all
+    runs; bytes: on disk; is_budget: whether these are what may be spent, mostly far more than what
+    will be; answers: what adds runs, in words.
     """
 
     runs: int
@@ -70,8 +70,9 @@ class Estimate:
 
 
 def estimate(campaign: Campaign) -> Estimate:
-    """What a campaign takes in one call, with its page; time is right to a factor of 1.5 where
-    little is left to chance, and of two or so where runs are most of it (`fpm.scenes.effort`)."""
+    """Estimate what a campaign takes in one call of `run`, with its page. The time is right to a
+    factor of 1.5 where little is left to chance, and of two or so where runs are most of it
+    (`fpm.scenes.effort`)."""
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs = count_runs(experiment)
     batch = LANES * effort.machine() * run_seconds(experiment, choose_step(experiment))
@@ -128,8 +129,9 @@ def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
 
 
 def runs_there(campaign: Campaign, folder: Folder) -> str:
-    """Which of a campaign's runs are there, and why others must be made again; nothing where none
-    is there, and for an `accuracy`, whose runs are not known beforehand."""
+    """Text that says how many runs of a campaign are stored in its folder of results, and why
+    others must be made again; empty where none is stored, and with an `accuracy`, whose runs are
+    not known yet."""
     keep = campaign.jobs.keep
     if campaign.experiment.is_sought or not folder.runs(keep).is_dir():
         return ""
@@ -152,7 +154,7 @@ def runs_there(campaign: Campaign, folder: Folder) -> str:
 
 
 def cores() -> int:
-    """Cores of this machine."""
+    """Number of cores of this machine."""
     return os.cpu_count() or 1
 
 

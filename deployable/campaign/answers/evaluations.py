@@ -29,12 +29,14 @@ SAME_RUN, SAME_POINT = 1e-6, 2e-4
 
 
 class ModelEvaluator:
-    """Model evaluations at unit points `unit` (R, k): quantity values `numbers` (R, q) and event
-    `margins` (R, q), positive where the event occurs; `further` are those that were requested
-    here, at most `max_further`, and `simulated` of which were not stored.
+    """Model evaluations: normalized points `unit` (R, k), quantities `numbers` (R, q), NaN for
+    none, and event `margins` (R, q), positive where the event occurs. Missing points are simulated
+    with the step of `plan`, and stored in the campaign's folder.
 
-    Of a large scan it has some of the runs (`fitted_rows`): `unfitted` counts the rest of
-    them, `unfitted_with` (q) those of the rest that have each number.
+    `further`: the runs that were added here, at most `max_further`; `simulated`: number of runs
+    that were not stored. Of a large scan only some runs are held (`fitted_rows`): `unfitted` counts
+    the others, `unfitted_with` (q) those of them that have each quantity. jobs: section of the
+    config; tell: called with messages.
     """
 
     max_further: float = math.inf
@@ -57,7 +59,8 @@ class ModelEvaluator:
     def from_folder(
         cls, folder: Folder, jobs: Jobs, tell: Tell, threads: int = 1, further: bool = False
     ) -> ModelEvaluator:
-        """The runs of a campaign that was sampled, perhaps with the further ones of quantities."""
+        """Make an evaluator that holds the runs in `samples.nc` of a campaign; further: and those
+        in `further.nc`."""
         model = cls(read_plan(folder.plan), jobs, folder, tell, threads)
         with open_netcdf(folder.samples) as samples:
             unit = samples["normalized"][:]
@@ -80,7 +83,7 @@ class ModelEvaluator:
 
     @property
     def experiment(self) -> Experiment:
-        """What the runs are of."""
+        """The experiment of the plan, the settings that decide its runs."""
         return self.plan.experiment
 
     @cached_property
@@ -89,14 +92,16 @@ class ModelEvaluator:
         return self.experiment.box.to_unit(self.experiment.nominal)
 
     def nearest(self, point: np.ndarray) -> tuple[int, float]:
-        """The run nearest to a unit point (k), and how far it is (largest coordinate)."""
+        """Index of the run nearest to a normalized point (k), and its distance: the largest
+        difference of a coordinate."""
         distances = np.abs(self.unit - point).max(axis=1)
         row = int(distances.argmin())
         return row, float(distances[row])
 
     def describe_point(self, point: np.ndarray, q: int) -> dict:
-        """A unit point (k) as parameter values `at`, whether there is a run there (`ran`), and what
-        was `simulated` of quantity number `q`: None where there is no run, or no number."""
+        """A normalized point (k) as plain data: parameter values `at`, whether a run was made there
+        (`ran`), and its value of the quantity with index `q` (`simulated`), None without a run or a
+        value."""
         box = self.experiment.box
         values = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
         run, distance = self.nearest(point)
@@ -105,8 +110,8 @@ class ModelEvaluator:
         return {"at": values, "ran": ran, "simulated": number(value)}
 
     def add(self, points: Sequence[np.ndarray]) -> np.ndarray:
-        """Indices of the runs at unit points (P, k), or of the nearest ones where `max_further` is
-        reached; simulated unless they are there.
+        """Add runs at normalized points (P, k), but where there is one, and return the indices (P,)
+        of the runs there, or of the nearest where `max_further` runs are added.
 
         Raises `CampaignError` if one fails.
         """
@@ -126,7 +131,7 @@ class ModelEvaluator:
 
     @property
     def distinct_rows(self) -> np.ndarray:
-        """Rows of runs, each once: the nominal run may be a node, too."""
+        """Indices of the runs, each once: the nominal run may be a node, too."""
         return np.sort(np.unique(np.round(self.unit, 9) + 0.0, axis=0, return_index=True)[1])
 
     def surrogates(self) -> list[Any]:
@@ -141,17 +146,16 @@ class ModelEvaluator:
         ]
 
     def evaluate(self, plan: Plan, points: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers and margins (P, q) of a plan's runs at unit points (P, k), simulated unless the
-        store has them."""
+        """Quantities and event margins, each (P, q), of runs at normalized points (P, k), simulated
+        with mesh and step of `plan` unless the store has them; they are not added to those held
+        here."""
         records = self.records(plan, runs_at(plan, points))
         margins = margins_of(self.experiment, np.array([record.values for record in records]))
         return np.array([record.numbers for record in records]), margins
 
     def records(self, plan: Plan, runs: Sequence[PlannedRun]) -> list[RunRecord]:
-        """What there is of runs of a plan, simulated unless the store has them.
-
-        Raises `CampaignError` if one fails.
-        """
+        """The records of runs of a plan, in order, simulated unless the store has them. Raises
+        `CampaignError` if one fails."""
         store = open_store(self.keep, self.store, plan.experiment)
         records, simulation = {}, Simulation(plan, self.jobs.group, self.threads)
         for group in store.groups(Runs.of(runs).unique(), self.jobs.group):
@@ -169,7 +173,7 @@ class ModelEvaluator:
 
 
 def runs_at(plan: Plan, points: Sequence[np.ndarray]) -> list[PlannedRun]:
-    """The runs of a plan's experiment, with its step, at unit points (P, k)."""
+    """Planned runs, of role further, at normalized points (P, k), with mesh and step of a plan."""
     experiment, runs = plan.experiment, []
     for point in points:
         values = tuple(map(float, experiment.box.from_unit(point)))
@@ -180,5 +184,5 @@ def runs_at(plan: Plan, points: Sequence[np.ndarray]) -> list[PlannedRun]:
 
 
 def number(value: float) -> float | None:
-    """A number for JSON; None for what is none."""
+    """A number as JSON can hold it; None for NaN and infinity."""
     return float(value) if np.isfinite(value) else None

@@ -25,9 +25,10 @@ _HALVINGS = 3  # of the stretch on which a border lies
 def estimate_limit_state_error(
     model: ModelEvaluator, q: int, occurrence: Any, finest: Plan
 ) -> tuple[float, float]:
-    """How far the border of quantity `q` moves, as a change of the certainty; and the change of the
-    number next to it, NaN where no run there has it. Where all runs agree, by how much their
-    margins change; 0 where they have none."""
+    """Error by step and mesh of the limit-state surface between occurrence and absence of quantity
+    `q`, as a change of the decision function; and of the quantity's value near it, NaN where no run
+    has it. occurrence: of the quantity's surrogate; finest: plan with the finest step and mesh.
+    Where all runs agree, the error is the change of their event margins, 0 where they have none."""
     happens = np.isfinite(model.numbers[:, q])
     if occurrence.is_mixed:
         scores, score = occurrence.certainty(model.unit), occurrence.run_certainty

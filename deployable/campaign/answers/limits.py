@@ -18,7 +18,9 @@ _OVERSHOOT = 1e-3  # by how much farther from the nominal values than the border
 
 @dataclass(frozen=True)
 class LimitSpec:
-    """One limit: of which requirement, and of which quantity, by its number."""
+    """One limit of a requirement on the quantity with index `quantity`. kind: "at_least", "at_most"
+    or "happens"; level: in the quantity's unit; of "happens" 1 if it must occur, 0 if it must
+    not."""
 
     requirement: str
     quantity: int
@@ -27,7 +29,8 @@ class LimitSpec:
 
 
 def list_limits(requirements: Mapping[str, Mapping], quantities: list[str]) -> list[LimitSpec]:
-    """All limits that requirements set, in their order."""
+    """All limits that requirements set, in their order. requirements: section of the config, limits
+    by the names of requirement and quantity; quantities: names of all quantities, in order."""
     return [
         LimitSpec(name, quantities.index(quantity), kind, float(bounds[kind]))
         for name, limits in requirements.items()
@@ -39,9 +42,14 @@ def list_limits(requirements: Mapping[str, Mapping], quantities: list[str]) -> l
 
 @dataclass(frozen=True)
 class LimitAssessment:
-    """Limits (`intervals.scalars.Limit`) as specified, the slack (l, R) of each in all runs, the
-    worst (slack, point) of each over the box by surrogate, and (share, index, point) of the largest
-    box that keeps all of them."""
+    """Assessment of l limits over the box by surrogates, and in R runs.
+
+    limits: `intervals.scalars.Limit`; slack (l, R): margin of each limit in each run, below 0 where
+    it is broken; worst: of each limit the least slack in the box, and its normalized point (k);
+    largest: scale (0 to 1) of the largest box about the nominal point in which all limits hold,
+    and, below 1, index of the limit that fails first beyond it, and where; failure_point (k): where
+    a run fails.
+    """
 
     specs: Sequence[LimitSpec]
     limits: list[Any]
@@ -52,7 +60,7 @@ class LimitAssessment:
 
     @property
     def points(self) -> list[np.ndarray]:
-        """Unit points (k) that decide."""
+        """Normalized points (k) at which runs decide whether limits hold."""
         return [point for _, point in self.worst] + (
             [] if self.failure_point is None else [self.failure_point]
         )
@@ -64,8 +72,9 @@ def assess_limits(
     specs: Sequence[LimitSpec],
     errors: np.ndarray | None = None,
 ) -> LimitAssessment:
-    """Assess limits by the surrogates of all quantities and by the runs; errors (2, q): of the runs
-    themselves, where they are known: of the quantities, and of where they happen."""
+    """Assess limits, `specs`, by the surrogates of all quantities, and by the runs of `model`.
+    errors (2, q): by mesh and step, of the quantities and of the decision functions of whether they
+    occur; None: 0."""
     from deployable.intervals.scalars import Limit, largest_share, share_reaching
 
     errors = np.zeros((2, len(surrogates))) if errors is None else errors
@@ -97,9 +106,10 @@ def assess_limits(
 
 
 def is_shown(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
-    """Whether limit `i`, which no run breaks, is kept everywhere by more than the errors; and
-    whether the number is there, or not, by more than that of a margin that tells so. Without one
-    runs in which something happens prove nothing of others."""
+    """Whether it is shown that limit `i` of an assessment, which no run breaks, holds in the whole
+    box: by more than the estimated errors, with an event margin that shows by more than its error
+    that the quantity occurs, or does not. Without such a margin, runs with an event prove nothing
+    of others."""
     from deployable.intervals.scalars import fit_scalar
 
     limit, q = result.limits[i], result.specs[i].quantity
@@ -122,7 +132,7 @@ def is_shown(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
 
 
 def describe_limit(model: ModelEvaluator, spec: LimitSpec) -> dict:
-    """A limit as plain data."""
+    """A limit as plain data for JSON: quantity, its units and words, kind and level."""
     quantity = model.experiment.numbers[spec.quantity]
     level = bool(spec.level) if spec.kind == "happens" else spec.level
     description = {"quantity": quantity.name, "units": quantity.unit, **words_of(quantity)}

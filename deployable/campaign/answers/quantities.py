@@ -50,8 +50,10 @@ def answer(
     tell: Tell,
     threads: int,
 ) -> None:
-    """Write quantities.nc and further.nc of a sampled campaign that has quantities, with the runs
-    that requirements take."""
+    """Find the intervals of the quantities of a sampled campaign, simulate the refinement runs that
+    they and the requirements take, and write `quantities.nc` and `further.nc`. requirements,
+    verify, jobs: sections of the config; tell: called with each message; threads: number of them
+    that simulate."""
     model = ModelEvaluator.from_folder(folder, jobs, tell, threads)
     if (rounds := model.plan.adaptive) is not None and rounds.rounds:
         reserve = CHECKED_RUNS * len(model.experiment.quantities)
@@ -70,8 +72,9 @@ def answer(
 def quantities_dataset(
     model: ModelEvaluator, bounds: list[QuantityBounds], finer: Mapping[str, np.ndarray]
 ) -> Any:
-    """The intervals of all quantities as an xarray Dataset; finer: errors (q, 2) of step and mesh
-    by name, of both ends."""
+    """The intervals of all quantities as an `xarray.Dataset`, the content of `quantities.nc`.
+    bounds: of `converge_bounds`; finer: errors (q, 2) of the lower and upper bounds by "step" and
+    "mesh", as `estimate_discretization_errors` returns them; empty if not estimated."""
     import xarray as xr
 
     from deployable.intervals.estimates import AVERAGED
@@ -178,7 +181,8 @@ def _put_shares(variables: _Variables, model: ModelEvaluator, bounds: list[Quant
 
 
 def further_dataset(model: ModelEvaluator) -> Any:
-    """The further runs with their quantities as an xarray Dataset."""
+    """The refinement runs with their quantities as an `xarray.Dataset`, the content of
+    `further.nc`."""
     import xarray as xr
 
     runs, k = model.further, model.unit.shape[1]
@@ -198,7 +202,8 @@ def further_dataset(model: ModelEvaluator) -> Any:
 
 
 def coordinates(model: ModelEvaluator) -> dict:
-    """Coordinates over quantity and parameter."""
+    """Coordinates of a dataset over quantity and parameter, by name: dimension, values and
+    attributes."""
     experiment = model.experiment
     quantities, parameters = experiment.numbers, experiment.scene_type.parameters
     names, rows = list(experiment.intervals), experiment.intervals.values()
@@ -216,7 +221,7 @@ def coordinates(model: ModelEvaluator) -> dict:
 
 
 def attributes_of(model: ModelEvaluator) -> dict:
-    """What files of answers tell of the campaign."""
+    """Attributes of the files of answers: campaign, config and numbers of runs."""
     return {
         "Conventions": CONVENTIONS,
         "campaign": model.experiment.name,

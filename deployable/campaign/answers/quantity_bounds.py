@@ -42,17 +42,18 @@ class QuantityBounds:
 
     @property
     def error(self) -> float:
-        """By how much either bound may be off by what the surrogate leaves possible; NaN where
-        there is none."""
+        """Largest error of the two bounds by what the surrogate leaves possible, in the quantity's
+        unit; NaN without a value."""
         return max((e.error for e in self.estimates), default=np.nan)
 
 
 def converge_bounds(
     model: ModelEvaluator, max_iterations: int, specs: Sequence[LimitSpec] = ()
 ) -> list[QuantityBounds]:
-    """The bounds of all quantities, after at most so many iterations of further runs: at the bounds
-    of the surrogates and where runs may still extend them, about limit-state surfaces of events,
-    and at the points that decide the limits that are asked."""
+    """Refine the bounds of all quantities for at most `max_iterations` iterations, and return them.
+    Each iteration adds runs at the bounds of the surrogates and where these may still go farther,
+    near limit-state surfaces of events, and at the points that decide the limits `specs`, then
+    refits."""
     mispredictions = np.zeros((len(model.experiment.numbers), 2))
     for iteration in range(max_iterations + 1):
         surrogates = model.surrogates()

@@ -37,7 +37,8 @@ PROGRAM = "deployable-intervals"
 
 
 def main(arguments: list[str]) -> int:
-    """Do what the arguments ask for; the exit status, 0 when all went well."""
+    """Run the command that the arguments name, those of the shell without the program's name;
+    returns the exit status, 0 when all went well."""
     if arguments[:1] == ["attack"] and _evidence_is_there():
         return _attack(arguments[1:])
     if arguments and arguments[0].endswith((".yaml", ".yml")):
@@ -74,7 +75,9 @@ def _parser(is_stage: bool = False) -> argparse.ArgumentParser:
 def command(
     commands: argparse._SubParsersAction, name: str, description: str, function: Callable
 ) -> argparse.ArgumentParser:
-    """Add a command, which a function of its options does; its description by its first line."""
+    """Add a command to a parser's subcommands, and return its own parser. description: help text,
+    of which the first line is taken; function: takes the parsed options and returns the exit
+    status."""
     text = description.splitlines()[0]
     parser = commands.add_parser(name, help=text, description=text)
     parser.set_defaults(act=function)

@@ -27,7 +27,9 @@ UNMET = 3
 
 
 def add_to(commands: argparse._SubParsersAction, command: Callable) -> None:
-    """Add the commands; command(commands, name, about, function) adds one."""
+    """Add the commands on whole campaigns and structures to a parser's subcommands; command:
+    function `command(commands, name, description, function)` that adds one and returns its
+    parser."""
     new = command(commands, "new", _new.__doc__, _new)
     new.add_argument("folder", type=Path, metavar="FOLDER", help="folder to make, or to fill")
     new.add_argument(

@@ -126,7 +126,8 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
 
 
 def merge(target: dict, update: Mapping) -> dict:
-    """Put `update` into `target`, mapping by mapping; returns `target`."""
+    """Merge the mapping `update` into `target`, which is changed and returned: mappings key by key,
+    any other value replaces that of `target`."""
     for key, value in update.items():
         if isinstance(value, Mapping) and isinstance(target.get(key), Mapping):
             target[key] = merge(dict(target[key]), value)
@@ -136,10 +137,8 @@ def merge(target: dict, update: Mapping) -> dict:
 
 
 def anchored(raw: Mapping, folder: str | Path) -> Mapping:
-    """`raw` with the path of its scene's file, which is relative to `folder`, as seen from here.
-
-    A path below the working folder stays short; any other becomes absolute.
-    """
+    """The raw config with the path of its scene's file, which is relative to `folder`, as seen from
+    the working folder: below that it stays relative; any other becomes absolute."""
     scene = raw.get("scene")
     if not isinstance(scene, Mapping) or not isinstance(scene.get("file"), str):
         return raw

@@ -16,8 +16,9 @@ from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origi
 
 
 class RefusedError(ValueError):
-    """What keys of a section must not be together: `key` is the one to blame, below the section;
-    without `text`, the whole section is not what is allowed."""
+    """A combination of values that a section of the config must not have. key: the one to blame,
+    relative to the section; text: what is wrong and what is allowed; empty: the section is refused
+    as a whole, with what is allowed for it."""
 
     def __init__(self, key: str = "", text: str = ""):
         self.key, self.text = key, text
@@ -25,9 +26,11 @@ class RefusedError(ValueError):
 
 @dataclass(frozen=True)
 class Rule:
-    """What `Annotated` says of a key: its limits, and what is allowed where these do not tell.
+    """Limits and wording of a key of the config, put beside its type by `Annotated`.
 
-    least, most: entries of a mapping or list; pattern: of the whole text; about: what an entry is.
+    allowed: what is allowed, in words, where the limits do not say it; about: what an entry of a
+    mapping is; unit: of the number; pattern: of the whole text; gt, ge, le: limits of a number,
+    above, from and up to; least, most: number of entries of a mapping or list.
     """
 
     allowed: str = ""
@@ -58,7 +61,8 @@ class Rule:
         return all(end is None or is_right(number, end) for end, is_right in limits)
 
     def words(self, kind: Any) -> str:
-        """What is allowed of a type, in words."""
+        """What is allowed, in words: `allowed` or else what the type, `kind`, and the limits
+        say."""
         if self.allowed or is_dataclass(kind):
             return self.allowed or "a mapping"
         if get_origin(kind) is Literal:
@@ -80,9 +84,11 @@ def _text(limit: float) -> str:
 
 @dataclass(frozen=True)
 class ConfigKey:
-    """A key of the config: what stands below it, by name or as the entries of a mapping.
+    """A key of the config, with what may stand below it: `children` by name, or any name with an
+    `entry`.
 
-    names: what names of entries may be. default: `MISSING` where the key is required.
+    key: its limits; allowed, about: what is allowed and what it is, in words; default: `MISSING`
+    where the key is required; names: what names of entries may be, in words.
     """
 
     key: Rule
@@ -94,12 +100,14 @@ class ConfigKey:
     names: str
 
     def child(self, name: Any) -> ConfigKey | None:
-        """The key or entry of a name; None where there is none."""
+        """The key below this one, or its entry, that has a name; None where there is none."""
         return self.children.get(name, self.entry)
 
 
 def config_key_of(kind: Any, default: Any = MISSING, description: str = "") -> ConfigKey:
-    """The key that a type describes, by its `Rule` and by its fields or entries."""
+    """The `ConfigKey` of a type, with all that are below it. kind: a type with its `Rule` in
+    `Annotated`, a dataclass, a dict or a choice of these; default: of the key; description: what it
+    is, in words."""
     key = next((m for m in getattr(kind, "__metadata__", ()) if isinstance(m, Rule)), Rule())
     kind = get_args(kind)[0] if get_origin(kind) is Annotated else kind
     children, entry, names = {}, None, ""
@@ -144,7 +152,8 @@ are in SI units unless a unit is given. This page is made from
 
 
 def rows(section: ConfigKey, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
-    """Key, description, what is allowed and default of every key of a section."""
+    """Rows of the table of all keys below a section: key, description, what is allowed, and
+    default, as texts. prefix: what the names of the keys begin with, such as `solver.`."""
     entries = {"<name>": section.entry} if section.entry and section.entry.about else {}
     for name, child in (section.children | entries).items():
         unit = f" ({child.key.unit})" if child.key.unit else ""
@@ -164,7 +173,7 @@ def _default_text(key: ConfigKey) -> str:
 
 
 def table(config: ConfigKey) -> str:
-    """The page of all keys as Markdown."""
+    """The page of all keys of a config as Markdown, `docs/config.md`; config: of `read.whole`."""
     groups = {f"`{name}`": [] for name in config.children}
     for key, *row in rows(config):
         groups[f"`{key.partition('.')[0]}`"].append(f"| `{key}` | {' | '.join(row)} |\n")

@@ -46,8 +46,8 @@ class UniqueKeyLoader(yaml.SafeLoader):
         self.sizes: dict[int, tuple[int, int]] = {}  # of nodes: values, and how deep they go
 
     def compose_node(self, parent, index):
-        """The next node; `ExcessError` where it lies too deep or after too many: it is refused
-        anyway, and to read on would take long."""
+        """The next YAML node, as of `yaml.Composer`; `ExcessError` where it lies too deep or after
+        too many: it is refused anyway, and to read on would take long."""
         is_alias = self.check_event(yaml.AliasEvent)
         self.depth += 1
         count, deepest, self.deepest = self.count, self.deepest, self.depth
@@ -101,18 +101,16 @@ UniqueKeyLoader.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, list("-
 
 
 class Text(NamedTuple):
-    """The mapping that a text holds, and the lines of its keys, by their names joined by dots."""
+    """The mapping that a YAML text holds, `data`, and the lines of its keys, by their names joined
+    by dots."""
 
     data: dict
     lines: dict[str, int]
 
 
 def read(text: str, source: str) -> Text:
-    """What `text` holds.
-
-    Raises `ConfigError`, naming `source` and the line, when `text` is not YAML, repeats a key, or
-    is not a mapping.
-    """
+    """Read a YAML text: the mapping that it holds, and the lines of its keys. Raises `ConfigError`,
+    naming `source` and the line, when `text` is not YAML, repeats a key, or is not a mapping."""
     if len(text) > LARGEST:
         allowed = f"at most {LARGEST}"
         raise ConfigError(source, [f"the file has {len(text)} characters; allowed: {allowed}"])
@@ -137,7 +135,7 @@ def _lines(node: yaml.Node, path: str = "") -> Iterator[tuple[str, int]]:
 
 
 def parse(text: str, source: str) -> dict:
-    """The mapping that `text` holds; raises `ConfigError` like `read`."""
+    """The mapping in a YAML text; raises `ConfigError` like `read`, naming `source`."""
     return read(text, source).data
 
 
@@ -158,7 +156,8 @@ def _reading_error(error: Exception, text: str) -> str:
 
 
 def retyped(value: Any) -> Any:
-    """`value` with the text in it read as YAML: Snakemake's `--config` leaves numbers as text."""
+    """The value with all text in it, also in lists and mappings, read as YAML: Snakemake's
+    `--config` leaves numbers as text."""
     if isinstance(value, Mapping):
         return {key: retyped(item) for key, item in value.items()}
     if isinstance(value, list):
@@ -169,12 +168,14 @@ def retyped(value: Any) -> Any:
 
 
 def load(path: str | Path) -> dict:
-    """The mapping in the file at `path`; raises `ConfigError` like `read`, and without a file."""
+    """The mapping in the YAML file at `path`; raises `ConfigError` like `read`, and without a
+    file."""
     return read_file(path).data
 
 
 def read_file(path: str | Path) -> Text:
-    """What the file at `path` holds; raises `ConfigError` like `read`, and without a file."""
+    """Read the YAML file at `path`: its mapping, and the lines of its keys; raises `ConfigError`
+    like `read`, and without a file."""
     try:
         return read(read_text(path), str(path))
     except StructureError as error:
@@ -182,9 +183,9 @@ def read_file(path: str | Path) -> Text:
 
 
 def look(arguments: Sequence[str] | None = None) -> None:
-    """End with status 1 and our own words if a file that Snakemake's arguments name (those of this
-    process) cannot be read, is not YAML, or asks for Python in it to be run, or if the working
-    folder cannot be written to.
+    """Check the files that Snakemake's arguments name (None: the arguments of this process), and
+    end the process with status 1 and a message if one cannot be read, is not YAML, or asks for
+    Python in it to be run, or if the working folder cannot be written to.
 
     Snakemake reads them before any rule of ours, tells neither the line of an error nor which file
     is missing, and would run what a key `__use_yte__` holds; workflow/profiles/default, which it

@@ -215,7 +215,7 @@ class Limits(ConfigSection):
 
     @property
     def by_name(self) -> dict[str, Any]:
-        """The limits that there are."""
+        """The limits that are given, by name: at_least, at_most, happens."""
         return {name: limit for name, limit in vars(self).items() if limit is not None}
 
     def __post_init__(self):

@@ -16,11 +16,9 @@ from fpm.structures.reading import commas
 
 
 def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
-    """What `raw` says, the part of it that is right, and a sentence for each thing that is wrong.
-
-    What is wrong is left out, so that the rest can be looked at too; None where that leaves no
-    config.
-    """
+    """Check a raw config by the models of its sections: returns the `Config`, the part of `raw`
+    that is valid, and a sentence for each problem. What is wrong is left out, so that the rest can
+    be looked at too; the config is None where that leaves none."""
     endless: dict[str, Any] = {}
     right, problems = _as_meant(_plain(raw, "", endless))
     problems += [f"{key}: {value} is not allowed; allowed: a finite number"
@@ -38,7 +36,7 @@ def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
 
 @cache
 def whole() -> ConfigKey:
-    """The config with all its keys."""
+    """The `ConfigKey` of the whole config, with all its keys."""
     return config_key_of(Config)
 
 
@@ -50,8 +48,9 @@ def _adapter() -> Any:
 
 
 class Fault(NamedTuple):
-    """A sentence of what is wrong, at `path`, and the path of what to leave out for it: of an entry
-    of a mapping all, since one without one of its keys would only raise another complaint."""
+    """A problem of a config: a sentence, `text`, on the key at `path`, and the path of what is left
+    out for it: of an entry of a mapping all, since one without one of its keys would only raise
+    another complaint."""
 
     path: tuple[str, ...]
     left_out: tuple[str, ...]

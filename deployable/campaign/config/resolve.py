@@ -37,7 +37,9 @@ OWN_FACTORS = ("uncertainty_factors", "actuation_factors", "classes")
 def campaign_of(
     config: Config, user_config: Mapping, structure: Any, intervals: Mapping
 ) -> Campaign:
-    """The campaign of a config with a structure and the intervals of its parameters."""
+    """Resolve a checked config into a campaign, with numbers for what it leaves open. user_config:
+    the mapping as the user gave it; structure: the `fpm` structure; intervals: `Interval` by
+    parameter."""
     accuracy, order = Accuracy(), config.design.order
     if config.design.method == "sobol" and "order" not in user_config.get("design", {}):
         order = None
@@ -73,8 +75,8 @@ BRIEFLY = {"duration": 1e-3, "instants": 201}
 
 
 def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
-    """The config with its margins as responses, quantities and requirements, and what is wrong with
-    them, one sentence each. solver: what is given of that section."""
+    """Add the margins of a config to its responses, quantities and requirements; returns the new
+    config and sentences on what is wrong with them. solver: what the user gave of that section."""
     if not (config.responses or config.quantities or "duration" in solver):
         brief = {key: value for key, value in BRIEFLY.items() if key not in solver}
         config = replace(config, solver=replace(config.solver, **brief))
@@ -126,11 +128,10 @@ def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
 
 
 def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
-    """The config with what its `accuracy` chooses, and that with all names.
-
-    The mesh starts at half of the structure's own, and is refined from there, unless the config
-    gives one.
-    """
+    """Replace what the `accuracy` of a config chooses: mesh, design, model of the bounds and
+    checks; returns the new config, and the accuracy with a tolerance for every response and
+    quantity. The mesh starts at half of the structure's own, and is refined from there, unless the
+    config gives one. scene_type: the `fpm` structure."""
     aim, scene, mesh = config.accuracy, config.scene, scene_type.mesh
     aim = aim if isinstance(aim, Aim) else Aim(tolerance=aim)
     if mesh is None or mesh in scene.parameters:
@@ -153,7 +154,8 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
 
 
 def choose_of(choosing: Choosing, intervals: Mapping[str, IntervalSpec]) -> Choose:
-    """What `choose` of a config asks for; `intervals` as the user gave them."""
+    """Resolve the section `choose` of a config; intervals: the section as the user gave it, by
+    parameter."""
     relative = [
         n for n in choosing.parameters if n in intervals and intervals[n].relative is not None
     ]
@@ -165,10 +167,9 @@ def choose_of(choosing: Choosing, intervals: Mapping[str, IntervalSpec]) -> Choo
 def intervals_of(
     specs: Mapping[str, IntervalSpec], scene_values: Mapping, scene_type: Any
 ) -> tuple[dict[str, Interval], list[str]]:
-    """The intervals by parameter name, and one sentence for each that cannot be used.
-
-    scene_values: the parameters of the scene that the config sets.
-    """
+    """Resolve the section `intervals`, `specs` by parameter: returns the intervals by name, and a
+    sentence for each that cannot be used. scene_values: the parameters of the scene that the config
+    sets; scene_type: the `fpm` structure."""
     intervals: dict[str, Interval] = {}
     problems: list[str] = []
     for name, spec in specs.items():
@@ -219,18 +220,19 @@ def _ends(spec: IntervalSpec, default: Any) -> Interval:
 
 
 def real_names(scene_type: Any) -> list[str]:
-    """Names of the parameters that may be intervals."""
+    """Names of the parameters of a structure that may be intervals, those that are real numbers."""
     return [name for name, parameter in scene_type.parameters.items() if parameter.kind == "real"]
 
 
 def unknown(name: str, noun: str, names: Iterable[str]) -> str:
-    """That there is nothing of this name, with the likely one."""
+    """Text for a message: there is nothing called `name`, the most similar one, and all allowed
+    names. noun: what the name would be of, such as response."""
     hint, names = did_you_mean(name, names), ", ".join(names)
     return f"there is no such {noun}{hint}; allowed: {names or 'none'}"
 
 
 def allows(parameter: Any, value: Any) -> bool:
-    """Whether the scene's parameter may have this value."""
+    """Whether a parameter of a scene (of `fpm` structures) may have a value."""
     try:
         parameter.check("", value)
     except SceneError:

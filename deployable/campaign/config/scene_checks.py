@@ -46,8 +46,9 @@ EXCLUSIVE = ("design", "bounds", "held_out")
 
 
 def resolve(config: Config, user_config: Mapping) -> tuple[Campaign | None, list[str]]:
-    """The campaign of a config, `user_config` as the user gave it, and what is wrong
-    with it, one sentence each. No campaign without a scene."""
+    """Resolve a checked config into a campaign and check it with its scene; returns the campaign,
+    None without a scene, and a sentence for each problem. user_config: the mapping as the user gave
+    it."""
     section = config.scene
     try:
         structure = scene_type(section.name or "", section.file or "")
@@ -239,7 +240,8 @@ def _sentence(key: str, error: Any) -> str:
 
 
 def parameter_problems(values: Mapping, scene_type: Any) -> list[str]:
-    """What is wrong with `scene.parameters`, one sentence each."""
+    """Sentences on what is wrong with `scene.parameters`, their values by name; scene_type: the
+    `fpm` structure."""
     problems, parameters = [], scene_type.parameters
     for name, value in values.items():
         if name not in parameters:
@@ -254,7 +256,8 @@ def parameter_problems(values: Mapping, scene_type: Any) -> list[str]:
 
 
 def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
-    """What does not go together with `accuracy`, one sentence each."""
+    """Sentences on what does not go together with `accuracy`; user_config: the mapping as the user
+    gave it."""
     if config.accuracy is None:
         return []
     problems = [
@@ -273,7 +276,7 @@ def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
 
 
 def answer_problems(campaign: Campaign) -> list[str]:
-    """What is wrong with `requirements` and `choose`, one sentence each."""
+    """Sentences on what is wrong with `requirements` and `choose` of a campaign."""
     problems = []
     quantities = campaign.experiment.quantities
     for name, limits in campaign.requirements.items():
@@ -324,7 +327,7 @@ def _choice_problem(name: str, choose: Choose, experiment: Experiment) -> str:
 
 
 def keep_problems(campaign: Campaign) -> list[str]:
-    """What of `jobs.keep` does not go with the other keys, as sentences."""
+    """Sentences on what does not go together with `jobs.keep`, or leaves no room on the disk."""
     design, bounds = campaign.experiment.design, campaign.bounds
     if campaign.jobs.keep == "extremes":
         if campaign.experiment.is_sought or design.method != "sobol" or design.order is not None:

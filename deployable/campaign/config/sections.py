@@ -55,8 +55,8 @@ _GOAL = re.compile(r"(\w+)\((\w+)\)")
 
 
 def scene_type(name: str, file: str = "") -> Any:
-    """The `fpm` structure of a file that a user names, or else the shipped one of a name; raises
-    `fpm.SceneError`."""
+    """The `fpm` structure in a file that a user names, or without a file the shipped one called
+    `name`; raises `fpm.SceneError`."""
     if not file:
         if name not in (files := shipped.structures()):
             raise SceneError("scene.name", name, f"one of {', '.join(files)}")
@@ -73,7 +73,8 @@ _TRUSTED: set[str] = set()
 
 
 def trust(file: str) -> None:
-    """Let results name this file of a structure."""
+    """Allow results to name this file of a structure, which is then read, or run if it is
+    Python."""
     if "\0" not in file:
         _TRUSTED.add(os.path.realpath(file))
 
@@ -98,7 +99,8 @@ class Interval:
 
 
 def corners(intervals: Mapping[str, Interval], most: int = 16) -> Iterator[dict[str, float]]:
-    """The nominal values, then corners of the box; beyond `most` only both ends of each axis."""
+    """Parameter values by name at the nominal point, then at corners of the box; if it has more
+    than `most` corners, at both ends of each interval with the others at their nominal values."""
     nominal = {name: interval.nominal for name, interval in intervals.items()}
     yield nominal
     if 2 ** len(intervals) <= most:
@@ -113,10 +115,8 @@ def corners(intervals: Mapping[str, Interval], most: int = 16) -> Iterator[dict[
 
 @dataclass(frozen=True)
 class SceneChoice:
-    """The scene, and the parameters in which it differs from the scene's defaults.
-
-    file: the path of its text, "" for one that is shipped.
-    """
+    """The scene by the name of its structure, and the parameters that differ from its defaults.
+    file: path of the structure's text, "" for one that is shipped."""
 
     name: str
     parameters: dict[str, Any]
@@ -125,10 +125,8 @@ class SceneChoice:
 
 @dataclass(frozen=True)
 class DesignChoice(DesignSection):
-    """Where the runs are and what is fitted to them, nothing with order None.
-
-    existing: the points (n, k) that rounds have run.
-    """
+    """Design of experiments: where the runs are, and the order of the surrogate, None for no
+    polynomial. existing: normalized points (n, k) of an adaptive design."""
 
     order: int | None = 3
     existing: tuple = ()
@@ -136,10 +134,11 @@ class DesignChoice(DesignSection):
 
 @dataclass(frozen=True)
 class Accuracy:
-    """What the whole error may be, as shares of the widths of responses and quantities by name, and
-    what may be spent: runs, and minutes of one core. No tolerances: it is not asked for.
+    """Target and budget of adaptive runs; without tolerances the runs are not adaptive.
 
-    mesh: the parameter of the mesh that may be refined, "" for none.
+    tolerances: of the estimated errors of responses and quantities by name, relative to the widths
+    of their intervals; max_core_minutes: minutes of one core; mesh: name of the parameter that may
+    be refined, "" for none.
     """
 
     tolerances: dict[str, float] = field(default_factory=dict)
@@ -150,7 +149,9 @@ class Accuracy:
 
 @dataclass(frozen=True)
 class Experiment:
-    """All that decides which runs there are, and which of their curves are wanted."""
+    """All settings that determine the runs of a campaign, and what is evaluated of them. held_out:
+    number of validation runs; responses, quantities: their definitions by name, as in the
+    config."""
 
     name: str
     scene: SceneChoice
@@ -164,7 +165,8 @@ class Experiment:
 
     @classmethod
     def read(cls, text: str) -> Experiment:
-        """The experiment that a file of results is of, from its attribute `config`."""
+        """The experiment of a file of results, from `text`, its attribute `config` (JSON). Raises
+        `HeldConfigError`."""
         try:
             return cls.of_results(json.loads(text))
         except (TypeError, ValueError, RecursionError) as error:
@@ -173,8 +175,8 @@ class Experiment:
 
     @classmethod
     def of_results(cls, data: Mapping) -> Experiment:
-        """The experiment that results state, which may be anybody's: what files are called after is
-        checked. Raises `HeldConfigError`."""
+        """The experiment from `data`, what results hold of it, which may come from anybody: names,
+        after which files are called, and limits are checked. Raises `HeldConfigError`."""
         try:
             experiment = from_data(cls, data)
             names = [*experiment.responses, *experiment.quantities]
@@ -195,7 +197,8 @@ class Experiment:
 
     @property
     def is_sought(self) -> bool:
-        """Whether an accuracy is asked for, towards which runs, mesh and step are chosen."""
+        """Whether runs are adaptive: an accuracy is required, towards which runs, mesh and step are
+        chosen."""
         return bool(self.accuracy.tolerances)
 
     @cached_property
@@ -213,7 +216,7 @@ class Experiment:
 
     @property
     def mechanics(self) -> str:
-        """Digest of the structure and of all code that makes runs: another one makes others."""
+        """Digest of the structure and of all code that computes runs; where it differs, runs do."""
         return made_by(self.scene_type.digest)
 
     @cached_property
@@ -238,9 +241,9 @@ class Experiment:
 
     @cached_property
     def doubts(self) -> dict[str, str]:
-        """Of responses, and quantities of them, that the model does not determine, by name: why,
-        and what to do. Peaks are those of shocks that mesh and step alone decide
-        (fpm.reading.shocks), all are those of joints that others make redundant."""
+        """Reasons, with advice, why the model does not determine responses or quantities, by their
+        names: peaks of shocks, which mesh and step alone decide (fpm.reading.shocks), and forces of
+        joints that others make redundant."""
         curves = [(curve.name, curve, True) for curve in self.curves]
         quantities = [(q.name, q.response, q.is_instantaneous) for q in self.numbers if q.response]
         undetermined = undetermined_forces(self.nominal_scene, self.curves)
@@ -253,7 +256,8 @@ class Experiment:
 
     @property
     def warnings(self) -> list[str]:
-        """What of the structure at the nominal values is hardly meant; `fpm.SceneError`."""
+        """Texts on what of the structure at the nominal values is likely a mistake; raises
+        `fpm.SceneError`."""
         from fpm.structures.plausible import warnings  # scipy's graphs take 0.1 s to load
 
         return warnings(self.nominal_scene, self.solver.duration)
@@ -279,22 +283,22 @@ class Experiment:
         return self.build(self._nominal_values)
 
     def parameters(self, values: Mapping[str, float]) -> dict[str, Any]:
-        """All of the scene's parameters in the run whose interval parameters have `values`."""
+        """Values of all parameters of the scene by name, in a run whose interval parameters have
+        `values`."""
         defaults = {name: p.default for name, p in self.scene_type.parameters.items()}
         return {**defaults, **self.scene.parameters, **values}
 
     def build(self, values: Mapping[str, float]) -> Any:
-        """The `fpm.Scene` of that run; raises `fpm.SceneError`."""
+        """Build the `fpm.Scene` of a run whose interval parameters have `values`; raises
+        `fpm.SceneError`."""
         return self.scene_type.build(**self.parameters(values))
 
 
 @dataclass(frozen=True)
 class Choose(Choosing):
-    """Which nominal values are sought, and the goals, such as `upper(t)`.
-
+    """Nominal values to be chosen by their worst case, and the goals, texts such as `upper(t)`.
     relative: parameters whose intervals grow with the nominal value; others keep their width, and a
-    parameter without an interval has none.
-    """
+    parameter without an interval has none."""
 
     minimise: tuple[str, ...] = ()
     maximise: tuple[str, ...] = ()
@@ -302,7 +306,8 @@ class Choose(Choosing):
 
     @property
     def goals(self) -> list[tuple[float, str, str]]:
-        """Goals as (1 to minimise or -1 to maximise, end of the interval, quantity)."""
+        """Goals as (1.0 to minimise or -1.0 to maximise, `upper`, `lower` or `width`, name of the
+        quantity); of a text that is no goal, it and "" in place of the last two."""
         goals = []
         for sign, texts in ((1.0, self.minimise), (-1.0, self.maximise)):
             for text in texts:
@@ -311,7 +316,7 @@ class Choose(Choosing):
         return goals
 
     def interval(self, name: str, value: float, experiment: Experiment) -> tuple[float, float]:
-        """The ends of a parameter's interval about a chosen nominal value."""
+        """Lower and upper end of the interval of parameter `name` about a chosen nominal value."""
         interval = experiment.intervals.get(name)
         if interval is None:
             return value, value
@@ -323,14 +328,20 @@ class Choose(Choosing):
         return value + interval.lower - interval.nominal, value + interval.upper - interval.nominal
 
     def ends(self, name: str, experiment: Experiment) -> tuple[float, float]:
-        """Least and largest value of a parameter over all choices and their intervals."""
+        """Least and largest value of parameter `name` over all choices, with the intervals about
+        them."""
         values = [end for v in self.parameters[name] for end in self.interval(name, v, experiment)]
         return min(values), max(values)
 
 
 @dataclass(frozen=True)
 class Campaign:
-    """A whole campaign: its runs and what is made of them."""
+    """A whole campaign, its config resolved: the experiment, and sections on what is made of the
+    runs.
+
+    published: largest differences of bounds from the literature, by response; review: standard of
+    the review sheet, None for no sheet.
+    """
 
     experiment: Experiment
     bounds: BoundsChoice
@@ -371,7 +382,8 @@ MOST_STEPS = 10**9
 
 
 def steps_problems(solver: Solver, step: float) -> list[str]:
-    """Whether a run has more steps (of `step` s) than anybody waits for, as a sentence."""
+    """Sentence on a run of more than `MOST_STEPS` steps, in a list; empty where it has fewer. step:
+    s."""
     if solver.duration / step <= MOST_STEPS:
         return []
     key = "duration" if solver.step == "auto" else "step"
@@ -401,13 +413,13 @@ def as_json(**sections: Any) -> str:
 
 
 def plain_data(section: Any) -> Any:
-    """A section as nested dicts and lists."""
+    """A section of the config as nested dicts and lists; other values are returned as they are."""
     return asdict(section) if is_dataclass(section) else section
 
 
 def from_data(kind: Any, data: Any) -> Any:
-    """A section of type `kind` from what `plain_data` gave, which is not checked again: pydantic
-    takes 0.1 s to import, and every job reads sections."""
+    """A section of type `kind` from data as `plain_data` returns them, which are not checked again:
+    pydantic takes 0.1 s to import, and every job reads sections."""
     if is_dataclass(kind):
         hints = _hints(kind)
         return kind(**{name: from_data(hints[name], value) for name, value in data.items()})
@@ -422,7 +434,7 @@ _hints = cache(get_type_hints)
 
 
 def digest(data: Any) -> str:
-    """First 16 hex digits of the SHA-256 of `data`, or of a section, as JSON that is the same for
-    equal data (floats to their last bit)."""
+    """Digest of plain data or a section: the first 16 hex digits of the SHA-256 of its JSON, which
+    is the same for equal data (floats to their last bit)."""
     text = json.dumps(plain_data(data), sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -33,7 +33,8 @@ _FACTS: ContextVar[Mapping[str, str]] = ContextVar("facts of the results", defau
 
 @contextmanager
 def results_of(facts: Mapping[str, str]) -> Iterator[None]:
-    """A block in which results that are written carry `facts` in their seals, texts by name."""
+    """A block in which results that are written carry `facts` in their seals, texts by name, such
+    as the digest `plan`."""
     token = _FACTS.set({**_FACTS.get(), **facts})
     try:
         yield
@@ -44,11 +45,8 @@ def results_of(facts: Mapping[str, str]) -> Iterator[None]:
 @contextmanager
 def result_file(path: str | Path, **facts: str) -> Iterator[Path]:
     """A temporary path of a result, which is sealed and renamed to `path` when the block ends
-    without an error.
-
-    facts: of the seal, beside name and date. Raises `CampaignError` if the program was edited since
-    it was imported.
-    """
+    without an error. facts: texts by name for the seal, besides its name and date. Raises
+    `CampaignError` if the program was edited since it was imported."""
     with whole_file(path, {"name": Path(path).name, **dated(), **_FACTS.get(), **facts}) as file:
         yield file
         check_code()
@@ -174,7 +172,8 @@ def write_text(path: str | Path, text: str) -> None:
 
 
 def write_result(path: str | Path, text: str, **facts: str) -> None:
-    """Write a text file as a sealed result; facts: of its seal."""
+    """Write a text file as a sealed result, whole or not at all; facts: texts by name for the
+    seal."""
     with result_file(path, **facts) as temporary:
         temporary.write_text(text, encoding="utf-8")
 

@@ -273,11 +273,9 @@ def _no_number(text: str) -> None:
 
 
 def matches(schema: Mapping, data: Any, path: str = "") -> None:
-    """Raise ValueError if data do not match a JSON schema, of which the keywords used in
-    `summary.schema.json` are known.
-
-    path: of the data, for messages.
-    """
+    """Check that plain data match a JSON schema, of which the keywords used in
+    `summary.schema.json` are known; raises ValueError where not. path: dotted path of the data, for
+    messages."""
     if "$ref" in schema:
         matches(_schema()["$defs"][schema["$ref"].rpartition("/")[2]], data, path)
     kinds = schema.get("type", "object" if "required" in schema else [])

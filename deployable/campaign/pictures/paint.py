@@ -20,11 +20,9 @@ _HALO = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6}
 def paint_solid(
     ax: Any, solid: Solid, moment: int, view: View, colours: np.ndarray | None = None
 ) -> Any:
-    """Paint the visible faces of a structure at a moment, and return their matplotlib collection.
-
-    moment: index among the moments of `solid`; colours (m, 3): of the elements, 0 to 1; None: those
-    of their bars.
-    """
+    """Paint the visible faces of a structure at a moment into matplotlib axes, and return their
+    collection. moment: index among the moments of `solid`; colours (m, 3): of the elements, 0 to 1;
+    None: those of their bars."""
     from matplotlib.collections import PolyCollection
 
     faces, shades = visible_faces(solid, moment, view, colours)
@@ -35,8 +33,8 @@ def paint_solid(
 
 
 def paint_cables(ax: Any, solid: Solid, moment: int, view: View) -> Any:
-    """Paint the cables of a structure at a moment, dashed where slack, and return their
-    collection."""
+    """Paint the cables of a structure into matplotlib axes, dashed where slack, and return their
+    collection. moment: index among the moments of `solid`."""
     from matplotlib.collections import LineCollection
 
     cables = solid.cables

@@ -53,9 +53,13 @@ where the errors are expected to be small enough after it."""
 
 @dataclass(frozen=True)
 class Resources:
-    """What was spent, `runs` and `seconds` of a core by estimate, and what is at hand: so many
-    `nodes` with so many `elements`, `next_runs`, `checked` points in a check, a run takes
-    `run_seconds`; `reserved` runs are kept for the answers after the rounds."""
+    """What the rounds of an `accuracy` have spent, and what the next actions take.
+
+    runs, seconds: spent, checks included; the time (s of one core) is an estimate; nodes: runs that
+    surrogates are fitted to; next_runs: those that would be added; checked: runs of a check of one
+    of step and mesh; run_seconds: of one core, for a run; elements: value of the mesh's parameter;
+    reserved: runs that are kept for the answers after the rounds.
+    """
 
     runs: int
     seconds: float
@@ -67,8 +71,9 @@ class Resources:
     reserved: int = 0
 
     def of(self, action: str) -> tuple[int, float]:
-        """Runs and seconds of the next round after an action, with the check that belongs to it,
-        and with that of step and mesh at the end, for which there must be room."""
+        """Runs and seconds of one core that an action ("check", "runs", "step" or "mesh") takes,
+        with the check that belongs to it and the last check of step and mesh, for which there must
+        be room."""
         checked, time = self.checked, self.run_seconds
         if action == "check":
             return 2 * checked, 6 * checked * time
@@ -81,8 +86,12 @@ class Resources:
 
 @dataclass(frozen=True)
 class Decision:
-    """What to do next, and why: action "stop", "check", "runs", "mesh" or "step"; what to `check`
-    then; met: whether everything is as accurate as asked for."""
+    """The next action towards an `accuracy`, and the reason as a sentence.
+
+    action: "stop"; "check", to estimate the errors by step and mesh with finer runs; "runs", to add
+    some; "mesh" or "step", to halve it and make all runs again. check: those of step and mesh for
+    which the next round is checked; met: whether all errors are within their tolerances.
+    """
 
     action: str
     reason: str
@@ -92,8 +101,9 @@ class Decision:
 
 @dataclass(frozen=True)
 class Errors:
-    """The errors of a response or quantity by part, as shares of its width, and what they may be
-    together, `aim`."""
+    """Estimated errors of the bounds of a response or quantity, relative to the width of its
+    interval. aim: tolerance of their sum; parts: errors by component: surrogate and, if known, step
+    and mesh."""
 
     name: str
     aim: float
@@ -101,22 +111,23 @@ class Errors:
 
     @property
     def whole(self) -> float:
-        """All of them."""
+        """Sum of the errors of all components, relative to the width."""
         return sum(self.parts.values())
 
     @property
     def discretization(self) -> float:
-        """Those of mesh and step, which no run helps."""
+        """Error of mesh and step together, which more runs do not reduce."""
         return self.parts.get("mesh", 0.0) + self.parts.get("step", 0.0)
 
     @property
     def larger(self) -> str:
-        """Which of mesh and step has the larger one."""
+        """Name of the component, "mesh" or "step", with the larger error."""
         return "mesh" if self.parts.get("mesh", 0.0) >= self.parts.get("step", 0.0) else "step"
 
     @property
     def allowance(self) -> float:
-        """What is left of the aim for the surrogate."""
+        """Error that the surrogate may have: what mesh and step leave of the aim, at least a
+        quarter of it."""
         mesh, step = self.parts.get("mesh", 0.0), self.parts.get("step", 0.0)
         return max(self.aim - mesh - step, (1 - _FINAL_SHARE) * self.aim)
 
@@ -128,7 +139,8 @@ class Errors:
 
 @dataclass(frozen=True)
 class Need:
-    """The action that a response or quantity needs, and why it cannot be had, if so."""
+    """The action ("runs", "mesh" or "step") that brings a response or quantity within its
+    tolerance; why_not: why it cannot be taken, empty where it can."""
 
     action: str
     why_not: str = ""
@@ -136,8 +148,13 @@ class Need:
 
 @dataclass(frozen=True)
 class Standing:
-    """How things stand after a round: what is wanted, the errors, the rounds so far, what was spent
-    and is at hand, and whether the step may be chosen."""
+    """State of an `accuracy` after a finished round, from which `decide` takes the next action.
+
+    accuracy: tolerances and budget; shares: errors of responses and quantities by name and
+    component, relative to the widths; state: the rounds before, and what this one was checked for;
+    cost: spent and needed; step_is_free: whether the step may be halved, since the config does not
+    give it.
+    """
 
     accuracy: Accuracy
     shares: Shares
@@ -147,7 +164,8 @@ class Standing:
 
     @cached_property
     def unmet(self) -> list[Errors]:
-        """Errors that are larger than they may be; what is no number is none of them."""
+        """Errors of the responses and quantities beyond their tolerances; those that are NaN do not
+        count."""
         return [error for error in self._all if error.whole > error.aim]
 
     @property
@@ -157,27 +175,33 @@ class Standing:
 
     @cached_property
     def needs(self) -> dict[str, Need]:
-        """What each response and quantity needs that is not as accurate as it should be."""
+        """What each response and quantity that is beyond its tolerance needs, by name."""
         return {error.name: self._need(error) for error in self.unmet}
 
     @property
     def pursued(self) -> list[Errors]:
-        """What of these can be had."""
+        """Errors of those beyond their tolerances for which the action that they need can be
+        taken."""
         return [error for error in self.unmet if not self.needs[error.name].why_not]
 
     def decide(self) -> Decision:
-        """Decide on the next round.
+        """Decide on the next action of the rounds; the `Decision` names it and the reason.
 
-        1. Where all errors are small enough, stop if this round was checked for step and mesh, else
-           check it.
-        2. What step or mesh alone make too large, where these are kept or what would be needed is
-           not affordable, is set aside: no run helps it. Where nothing else is unmet, that ends the
-           rounds.
-        3. Where step and mesh of the others take too much of an aim, halve the larger.
-        4. Else add runs, as many as the errors are expected to need, and check them at once where
-           that is cheap.
-        5. When the budget allows no more runs, end; the reason names what is not met, and what that
-           would cost.
+        A check repeats the runs that decide the bounds with a finer step and mesh, to estimate the
+        errors by both.
+
+        1. If all errors are within their tolerances, stop if this round was checked for the step,
+           else check.
+        2. A response or quantity is given up if step or mesh alone exceed its tolerance and cannot
+           be made finer (the config gives them, the budget is too small, or a finer mesh hardly
+           helps), or if the surrogate's error did not fall with four times the runs. If all that
+           are beyond their tolerances are given up, stop, after a check as in 1.
+        3. Else, if step and mesh take more than half of a tolerance (three quarters once there were
+           rounds with other actions), halve the larger of the two.
+        4. Else add `cost.next_runs` runs, and check in the same round if these are expected to
+           suffice and the check takes little time.
+        5. If the budget does not allow these runs, stop, after a check as in 1; the reason names
+           what is beyond its tolerance, and what it would take.
         """
         if not self.unmet:
             if "step" in self.state.check:
@@ -203,8 +227,9 @@ class Standing:
         return Decision("runs", f"{worst}; {self.cost.next_runs} runs are added", check)
 
     def growth(self) -> float:
-        """The factor by which nodes have to become more for surrogates of what is pursued to be
-        accurate enough, by how errors fell when runs were added last."""
+        """Factor (1.25 to 2) by which the runs that surrogates are fitted to should become more, so
+        that the errors of `pursued` fall to what is allowed, at the rate at which they fell
+        last."""
         factors = [
             (error.parts["surrogate"] / (_SPARE * error.allowance)) ** (1 / self._rate(error))
             for error in self.pursued

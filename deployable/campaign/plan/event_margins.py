@@ -13,12 +13,10 @@ _AT_ONCE = 256  # runs
 
 
 def margins_of(experiment: Experiment, values: np.ndarray) -> np.ndarray:
-    """Event margins (R, q) of runs from the values (R, n, t) of their responses: how far beyond a
-    level a response goes, above 0 where a run has the quantity.
-
-    They are continuous where a quantity comes and goes, and show where that is; NaN where a
-    quantity has none.
-    """
+    """Event margins (R, q) of runs from the values (R, n, t) of their n responses at t instants: by
+    how much a response goes beyond the level of the quantity, in its unit, above 0 where the run
+    has it. They are continuous where a quantity comes and goes, and so show where that is; NaN for
+    a quantity on which no response decides."""
     names = list(experiment.responses)
     margins = np.full((len(values), len(experiment.quantities)), np.nan)
     for q, quantity in enumerate(experiment.numbers):
@@ -29,7 +27,8 @@ def margins_of(experiment: Experiment, values: np.ndarray) -> np.ndarray:
 
 def margins_of_samples(experiment: Experiment, samples: Any, rows: Sequence[int]) -> np.ndarray:
     """Event margins (len(rows), q) of some runs of the open `samples.nc` (`netCDF4.Dataset` or
-    `xarray.Dataset`); NaN where their curves were not kept."""
+    `xarray.Dataset`); NaN where their curves were not stored. rows: indices of the runs, in
+    order."""
     if "values" not in samples.variables or all(q.decider is None for q in experiment.numbers):
         return np.full((len(rows), len(experiment.quantities)), np.nan)
     parts = [rows[first : first + _AT_ONCE] for first in range(0, len(rows), _AT_ONCE)]

@@ -21,11 +21,9 @@ PROGRAM, PROCESS = 600.0, 150.0
 
 
 def run_seconds(experiment: Experiment, time: TimeStep) -> float:
-    """Seconds of a core for a run, one of eight side by side.
-
-    Of a core as `fpm.scenes.effort` has them, whichever this one is: what rounds may spend depends
-    on it.
-    """
+    """Estimated seconds of one core for a run that is one of eight side by side: of the reference
+    core of `fpm.scenes.effort`, whichever this one is, since what rounds may spend depends on it.
+    time: step of the plan."""
     instants = experiment.solver.instants
     return effort.run_seconds(
         experiment.nominal_scene, time.steps_per_instant * (instants - 1), instants
@@ -33,18 +31,17 @@ def run_seconds(experiment: Experiment, time: TimeStep) -> float:
 
 
 def runs_in_job(campaign: Campaign) -> int:
-    """Most runs in a job that takes `jobs.minutes`: whole groups, one at least for each process."""
+    """Largest number of runs in a job that is to take `jobs.minutes` of the config: whole groups,
+    at least one for each process."""
     jobs = campaign.jobs
     fitting = 60.0 * jobs.minutes * jobs.processes / seconds_of_run(campaign)
     return max(1, jobs.processes, int(fitting / jobs.group)) * jobs.group
 
 
 def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> int:
-    """Minutes to ask a queue for, for a job of so many runs: twice the estimate, and what it takes
-    to start and to compile. Where the mesh is sought, all the time that it may take.
-
-    time: the step of their plan, if there is one; to find it takes longer.
-    """
+    """Minutes of wall-clock time to ask a queue for, for a job of `runs` runs: twice the estimate,
+    and `JOB_STARTING`. With an `accuracy`, whose mesh is not known yet, its whole budget is the
+    estimate. time: the step of the plan; None: it is found here, which takes longer."""
     if campaign.experiment.is_sought:
         minutes = campaign.experiment.accuracy.max_core_minutes
     else:
@@ -53,18 +50,16 @@ def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> 
 
 
 def job_megabytes(campaign: Campaign) -> int:
-    """Memory to ask a queue for, for a job: a program for each process, which holds a group of runs
-    as they are written and the next as they are recorded."""
+    """Megabytes of memory to ask a queue for, for a job: a program for each process, which holds a
+    group of runs as they are written and the next as they are recorded."""
     experiment, jobs = campaign.experiment, campaign.jobs
     run = 8 * experiment.solver.instants * (recorded(experiment) + len(experiment.responses))
     return math.ceil(PROGRAM + jobs.processes * (PROCESS + 2.0 * jobs.group * run / 1e6))
 
 
 def seconds_of_run(campaign: Campaign, time: TimeStep | None = None) -> float:
-    """Seconds of a core that a run takes among others side by side: the config's, or estimated.
-
-    time: as for `job_minutes`.
-    """
+    """Seconds of a core of this machine for a run that is one of eight side by side:
+    `jobs.run_seconds` of the config, or else estimated. time: as for `job_minutes`."""
     experiment = campaign.experiment
     if seconds := campaign.jobs.run_seconds:
         return seconds
@@ -79,7 +74,8 @@ machines must find as many batches."""
 
 
 def batch_count(campaign: Campaign, runs: int) -> int:
-    """Number of batches that runs are shared among."""
+    """Number of batches, one for each job, that `runs` runs are divided into: by `jobs.minutes` of
+    the config, else by `jobs.runs_per_job`, and if that is `auto` by the number of cores."""
     if campaign.jobs.minutes:
         return -(-runs // runs_in_job(campaign))
     if campaign.jobs.runs_per_job != "auto":

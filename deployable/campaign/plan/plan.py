@@ -49,10 +49,10 @@ MOST_LISTED = 10_000
 
 @dataclass(frozen=True)
 class TimeStep:
-    """The step that serves all runs, the largest stable one (s), and what limits it where.
-
-    assembly_energy: most strain energy (J) that forcing parts together leaves, there.
-    """
+    """The time step of all runs of a plan, `step` (s), and the largest stable one, `step_limit`
+    (s), which the element `limiting_element` limits. steps_per_instant: steps between two recorded
+    instants; assembly_energy: largest strain energy (J) that forcing parts together leaves at the
+    start of a run."""
 
     step: float
     steps_per_instant: int
@@ -63,13 +63,12 @@ class TimeStep:
 
 @dataclass(frozen=True)
 class Round:
-    """A finished round of an `accuracy`: the runs so far, its error as a share of the width in the
-    worst response or quantity, and what was decided for which reason.
+    """A finished round of an `accuracy`, with the action that was decided after it and the reason.
 
-    The errors by part (surrogate, step, mesh) of every response and quantity as `shares` of the
-    widths, the `elements` and the `safety` of the step (or the step, s) that the runs have, the
-    `seconds` of a core that rounds so far took, by estimate, and how many `nodes` the surrogate
-    went through.
+    runs, seconds: spent so far, with checks, the time (s of one core) by estimate; error: of the
+    worst response or quantity; shares: all errors by name and component (surrogate, step, mesh),
+    relative to the widths; elements: value of the mesh's parameter; safety: factor on the stable
+    step, or the step (s) itself if the config gives it; nodes: runs that surrogates were fitted to.
     """
 
     runs: int
@@ -85,10 +84,10 @@ class Round:
 
 @dataclass(frozen=True)
 class Rounds:
-    """The rounds before a plan, and all points (n, k) that were nodes so far.
-
-    check: which of step and mesh the bounds of this plan are to be checked for, with finer runs.
-    """
+    """State of an `accuracy` in a plan: the finished rounds, and the normalized points (n, k) of
+    the runs that surrogates are fitted to. met: whether all errors are within their tolerances,
+    None while rounds go on; check: those of step and mesh whose errors of this plan's bounds are to
+    be estimated, with finer runs."""
 
     rounds: tuple[Round, ...]
     points: tuple[tuple[float, ...], ...]
@@ -98,7 +97,8 @@ class Rounds:
 
 @dataclass(frozen=True)
 class Plan:
-    """All runs of an experiment. `mechanics` is the digest of the code that computes them."""
+    """All runs of an experiment, and their time step. mechanics: digest of the code that computes
+    them, and of the structure; adaptive: state of the rounds of an `accuracy`, None without one."""
 
     experiment: Experiment
     mechanics: str
@@ -125,7 +125,8 @@ class Plan:
         return digest([self.config_hash, self.mechanics, self.time.step, self.runs.digest])
 
     def unique_runs(self) -> Runs:
-        """The runs, each once, in their order."""
+        """The runs in their order, without those that have the parameter values of an earlier
+        one."""
         return self._unique
 
     @cached_property
@@ -138,7 +139,8 @@ class Plan:
 
 
 def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
-    """The plan of a checked experiment; time: the step, where it is known already."""
+    """Make the plan of a checked experiment: the nominal run, those of its design and, unless that
+    is a Sobol sequence, held-out ones. time: their step; None: that of `choose_step`."""
     box = experiment.box
     design = make_design(experiment.design, box)
     parts = [("nominal", box.to_unit(experiment.nominal)[None]), ("node", design.points)]
@@ -156,9 +158,10 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
 
 
 def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
-    """One time step for all runs: stable at the centre and, unless `corners` is false, at every
-    corner of the box, times the safety, then shortened until the recording interval is a whole
-    number of steps (s)."""
+    """Choose one time step for all runs of an experiment: the solver's safety times the largest
+    stable step, or the step of the config, shortened until instants are a whole number of steps
+    apart. corners: whether it is stable at every corner of the box, or at the centre alone. Raises
+    `CampaignError` for a run of more than `MOST_STEPS` steps."""
     solver, box = experiment.solver, experiment.box
     limit, element, energy = math.inf, "", 0.0
     for unit in [np.zeros(box.dimension), *(box.corners() if corners else ())]:
@@ -177,12 +180,14 @@ def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
 
 
 def share(items: list, part: int, parts: int) -> list:
-    """Part `part` of `items` split evenly, in order, into `parts`."""
+    """Part number `part` (from 0) of a list that is divided, in order, into `parts` parts of nearly
+    equal length."""
     return items[len(items) * part // parts : len(items) * (part + 1) // parts]
 
 
 def write_plan(plan: Plan, path: str | Path) -> None:
-    """Write `plan.json`; one run a line, so that it can be read and compared, or all packed."""
+    """Write a plan to `path` as `plan.json`, a line for each run, or, of more than `MOST_LISTED`,
+    all runs packed as arrays."""
     head = {
         "campaign": plan.experiment.name,
         "config_hash": plan.config_hash,

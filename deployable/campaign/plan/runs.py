@@ -18,7 +18,8 @@ _REMEMBERED = 1 << 17  # names
 
 @dataclass(frozen=True)
 class PlannedRun:
-    """One run: normalized coordinates (k) in the box, and values (k) of the interval parameters."""
+    """One run: normalized coordinates (k) in the box, and values (k) of the interval parameters.
+    id: digest, after which its file is called; role: nominal, node, held_out or further."""
 
     id: str
     role: str
@@ -27,10 +28,11 @@ class PlannedRun:
 
 
 class Runs(Sequence[PlannedRun]):
-    """N runs in order; a `PlannedRun`, with its name, is made when it is asked for.
+    """N runs in order, held as arrays; a `PlannedRun` is made when one is accessed.
 
-    role: indices (N) into `ROLES`; normalized, values (N, k): coordinates in the box, and
-    values of the interval parameters; name: what a run with values (k) is called.
+    role: indices (N,) into `ROLES`; unit, values (N, k): normalized coordinates in the box, kept as
+    `normalized`, and values of the interval parameters; name: function of values (k) that returns a
+    run's id.
     """
 
     def __init__(
@@ -94,10 +96,9 @@ class Runs(Sequence[PlannedRun]):
 
 
 def values_of(experiment: Experiment, role: np.ndarray, unit: np.ndarray) -> np.ndarray:
-    """Values (N, k) of the interval parameters in runs of these roles (N) at unit points (N, k).
-
-    The nominal values are those of the config; a map to the box and back may round.
-    """
+    """Values (N, k) of the interval parameters in runs with roles `role` (N,), indices into
+    `ROLES`, at normalized points `unit` (N, k). The nominal values are those of the config; a map
+    to the box and back may round."""
     values = experiment.box.from_unit(unit)
     values[role == ROLES.index("nominal")] = experiment.nominal
     return values
@@ -106,7 +107,8 @@ def values_of(experiment: Experiment, role: np.ndarray, unit: np.ndarray) -> np.
 def namer(
     experiment: Experiment, step: float, mechanics: str
 ) -> Callable[[tuple[float, ...]], str]:
-    """Names of runs by the values (k) of the interval parameters."""
+    """A function that returns the id of a run from its values (k) of the interval parameters. step:
+    of time, s; mechanics: digest, as in `Plan`."""
 
     @lru_cache(_REMEMBERED)
     def name(values: tuple[float, ...]) -> str:
@@ -117,7 +119,8 @@ def namer(
 
 
 def run_id(experiment: Experiment, parameters: Mapping, step: float, mechanics: str) -> str:
-    """The name of a run: a digest of all that its motion depends on."""
+    """The id of a run: a digest, 16 hex digits, of all that its motion depends on. parameters:
+    values of all parameters of the scene by name; step, mechanics: as for `namer`."""
     return digest(
         {
             "scene": experiment.scene.name,

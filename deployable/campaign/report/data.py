@@ -126,11 +126,11 @@ class Work:
 class PageData:
     """All data that the page shows.
 
-    facts: content of `summary.json`; time (t,): s; runs: those of the design, and refinement runs
-    that move; moving: the nominal run first, then those at which quantities and bounds are
-    attained; omitted: runs for whose motion the page has no room; provenance: texts by name;
-    config: text of a config that repeats the campaign; verdicts: None without quantities; what_if:
-    surrogates of the sliders.
+    facts: content of `summary.json`; time (t,): s; responses: their bounds; runs: those of the
+    design, and refinement runs that move; moving: the nominal run first, then those at which
+    quantities and bounds are attained; omitted: runs for whose motion the page has no room; work:
+    times that tasks took; provenance: texts by name; config: text of a config that repeats the
+    campaign; verdicts: None without quantities; what_if: surrogates of the sliders.
     """
 
     facts: Mapping[str, Any]

@@ -22,7 +22,8 @@ MOST_MARKS = 400
 class Panel:
     """A plot of runs over one or two parameters, with whether they meet all requirements.
 
-    marks: x, y, whether the run meets all requirements, whether its other parameters lie within the
+    x_axis, y_axis: parameters with name, units, lower, upper, None for one parameter alone; marks:
+    x, y, whether the run meets all requirements, whether its other parameters lie within the
     feasible part; runs: index of each mark's run; feasible: lowest and highest corner of the part
     of the box without failures, None if there is none. Coordinates are from 0 to 1.
     """

@@ -473,7 +473,8 @@ def closures(samples: Any, run: int) -> list[dict[str, Any]]:
 
 
 def moments(rows: Iterable[Mapping]) -> dict[str, list[str]]:
-    """Names of contacts that close, by the time as it is written; rows: of `closures`."""
+    """Names of contacts that close, in lists by the time as it is written, such as `0.3100 s`;
+    rows: of `closures`."""
     contacts: dict[str, list[str]] = {}
     for row in rows:
         names = contacts.setdefault(f"{row['time']:.4f} s", [])

@@ -50,8 +50,9 @@ def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dic
 
 
 def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
-    """Energies (J) of the nominal run: the largest change of one, `exchanged`, the `largest`, and
-    by how much the energy balance is `off`; None where the trajectory was not kept."""
+    """Energies (J) of the nominal run of a plan: the largest change of one, `exchanged`, the
+    `largest`, and the largest error of the energy balance, `off`; None where the trajectory was not
+    stored."""
     path = folder.runs("trajectories") / f"{plan.runs[0].id}.nc"
     if not path.exists():
         return None
@@ -166,8 +167,9 @@ def travel_of(
     no latch and no stop ends it.
 
     It reaches from the start to the farthest latch, without one to the nearest stop, in any of the
-    scenes. openings: names, the first that of the coordinate; along: first and last opening of the
-    margin; stowed: whether each scene begins at its own start.
+    scenes. openings: names, the first that of the coordinate; positions: of the margin, with
+    `first` and `last` opening; stowed: whether the travel begins at `first` instead of each scene's
+    own start.
     """
     sign = 1.0 if positions.last > positions.first else -1.0
     starts, ends = [], []
@@ -193,7 +195,8 @@ def travel_of(
 
 def own_settings(scene: Any, definition: Mapping[str, Any], response: Any) -> list[str]:
     """Factors and classes of a margin that differ from those of the standard or the structure, in
-    words."""
+    words. scene: `fpm.Scene`; definition: of the margin in the config; response: the margin, as
+    parsed."""
     standard = STANDARDS[standard_of(response)]
     resists, parts = standard.resists[evidence_of(response)], parts_of(scene)
     return [
@@ -208,7 +211,7 @@ def own_settings(scene: Any, definition: Mapping[str, Any], response: Any) -> li
 
 def weaker_classes(scene: Any, response: Any) -> list[str]:
     """Components that the structure's file assigns to a class with weaker factors than that of
-    their type, in words."""
+    their type, in words. scene: `fpm.Scene`; response: a margin, whose standard has the factors."""
     standard, parts = STANDARDS[standard_of(response)], parts_of(scene)
     drives, resists = standard.drives, standard.resists[evidence_of(response)]
     return [

@@ -148,7 +148,7 @@ BUDGET_HEADS = ("part", "class", "acts", "moment", "factor", "weighted")
 
 def budgets_of(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Tables of the components of each margin at its worst position: title, heads, rows, and the
-    sum in words."""
+    sum in words. facts: of `facts_of`, with `mechanism`."""
     budgets = []
     for name, margin in facts["mechanism"]["margins"].items():
         budget = margin["budget"]

@@ -73,7 +73,7 @@ def _escaped(facts: Any, code: str = "") -> Any:
 
 def met_text(row: Mapping[str, Any]) -> str:
     """Volume fraction of the box in which a requirement is met, in words: `All`, `None`, a
-    percentage, or that no run fails."""
+    percentage, or that no run fails. row: of a requirement or limit in the facts."""
     if row["met"] == "undecided":
         return f"No failure found in {row['runs']} run{'s' * (row['runs'] != 1)}"
     sure = row["met"] != "some" and 100 * row["share_uncertainty"] < numbers.OPEN
@@ -89,7 +89,8 @@ def doubts(facts: Mapping[str, Any]) -> list[str]:
 
 
 def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
-    """Sentences on what the model does not determine, from the reasons by name."""
+    """Sentences on the responses and quantities that the model does not determine; doubts: the
+    reasons by name."""
     names: dict[str, list[str]] = {}
     for name, text in doubts.items():
         names.setdefault(text, []).append(name)
@@ -97,7 +98,7 @@ def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
 
 
 def sentence(name: str, *facts: Any) -> str:
-    """One of the macros of `sentences.jinja` as text; facts: its arguments, whose texts are
+    """Text of a macro of `sentences.jinja`, by its name; facts: its arguments, whose texts are
     escaped."""
     module = environment().get_template("sentences.jinja").module
     return getattr(module, name)(*map(_escaped, facts))

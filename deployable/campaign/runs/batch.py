@@ -222,7 +222,8 @@ class Simulation:
         self.after_group: Callable[[], None] = lambda: None
 
     def take(self, totals: tuple[int, list[Failure], np.ndarray]) -> None:
-        """Add count, failures and seconds of another simulation."""
+        """Add the results of another simulation: number of runs that succeeded, failures, and
+        seconds (2,)."""
         count, failures, seconds = totals
         self.count += count
         self.failures += failures
@@ -283,11 +284,9 @@ def _one_ahead(start: Callable, items: Iterable[tuple]) -> Iterator[Any]:
 def simulate(
     plan: Plan, runs: Sequence[PlannedRun], columns: Iterable[Column] = ()
 ) -> tuple[list[Result], list[Failure], np.ndarray]:
-    """Simulate runs side by side: results of those that succeed, the others with the reasons, and
-    the seconds (2,) of integration, wall-clock and processor time of this thread.
-
-    columns: recorded besides what responses need.
-    """
+    """Simulate runs of a plan side by side: returns the results of those that succeed, the others
+    with the reasons, and seconds (2,) of integration, wall-clock and processor time of this thread.
+    columns: recorded besides what responses need."""
     experiment, solver = plan.experiment, plan.experiment.solver
     parameters = [experiment.parameters(plan.named(run)) for run in runs]
     with _BUILDING:
@@ -324,7 +323,8 @@ def simulate(
 
 
 def failure_text(plan: Plan, failures: Sequence[Failure]) -> str:
-    """A message with the runs of a plan that failed, their parameters and the reasons."""
+    """A message with the runs of a plan that failed, pairs of run and reason, and their
+    parameters."""
     lines = [f"{len(failures)} of the runs failed; all others were written:"]
     for run, reason in failures[:_MOST]:
         values = ", ".join(f"{name} = {value:.9g}" for name, value in plan.named(run).items())

@@ -51,10 +51,10 @@ EVENTS = {"event_time": ("f4", np.nan), "event_contact": ("i2", -1), "event_clos
 
 
 class ScanChunk:
-    """What is kept of a chunk of `count` runs: running extremes of responses, quantities, impacts.
-
-    `mask` (count,): which runs are included already.
-    """
+    """What is stored of a chunk of `count` runs of a scan: running extremes of the responses, and
+    of each run its quantities and impacts. `mask` (count,): which runs are included already.
+    responses, quantities: their definitions, as `Experiment.curves` and `Experiment.numbers` have
+    them."""
 
     def __init__(self, count: int, responses: Sequence[Any], quantities: Sequence[Any]):
         self.responses, self.quantities = responses, quantities
@@ -116,7 +116,8 @@ class ScanChunk:
 
     @classmethod
     def read(cls, path: Path, responses: Sequence[Any], quantities: Sequence[Any]) -> ScanChunk:
-        """The chunk that a netCDF file holds."""
+        """Read the chunk in a netCDF file of `write`; responses, quantities: as of the class.
+        Raises `DamagedError` for malformed content."""
         import netCDF4
 
         with reading(path), netCDF4.Dataset(path) as file:

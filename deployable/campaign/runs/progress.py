@@ -55,10 +55,8 @@ class Teller:
 
 class Progress:
     """Reports how many runs of a campaign are done and how long the rest takes, estimated from
-    those that all jobs finished since this one began.
-
-    total: number of runs; count: function that returns how many are done.
-    """
+    those that all jobs finished since this one began. total: number of runs; count: function that
+    returns how many are done; tell: called with each message."""
 
     def __init__(self, campaign: str, total: int, count: Callable[[], int], tell: Tell):
         self.campaign, self.total, self.count, self.tell = campaign, total, count, tell

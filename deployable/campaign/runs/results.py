@@ -64,10 +64,11 @@ class RunRecord:
 
 
 class Store:
-    """A folder of results of runs under names that follow from their content.
+    """A folder of results of runs under names that follow from their content; responses and
+    quantities are those of `experiment`.
 
     A finished run is found again by a campaign that was killed. A file that is damaged or another
-    run's counts as absent, and is kept in `damage` until written again; `lacking` has, by run, the
+    run's counts as absent, and is noted in `damage` until written again; `lacking` has, by run, the
     columns that its file lacks. A store knows which runs of a group are `missing`, and can `write`
     the results of a group and `read` its records.
     """
@@ -79,12 +80,12 @@ class Store:
         self.lacking: dict[str, set[Column]] = {}
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
-        """Groups of runs that are written together."""
+        """Divide runs into groups that are written together, of `size` runs each but the last."""
         return groups_of(runs, size)
 
     def previous_columns(self, runs: Runs) -> set[Column]:
-        """Columns to be recorded of runs besides what responses need, since their files had
-        them."""
+        """Columns (variables of `fpm.reading.variables`) to be recorded again of runs besides what
+        responses need, since their files had them."""
         return set()
 
     def file_of(self, group: Runs) -> str:
@@ -106,7 +107,8 @@ class Store:
         return lambda: sum(sizes.get(path.name, 0) for path in self.folder.glob("*.nc"))
 
     def checked(self, record: RunRecord) -> RunRecord:
-        """The record, if shapes and values are those of the campaign; else ValueError."""
+        """Check that shapes and values of a record are those of the campaign, and return it; raises
+        ValueError where not."""
         shapes = [np.shape(array) for array in (record.time, record.values, record.numbers)]
         count, instants = len(self.responses), self.experiment.solver.instants
         if shapes != [(instants,), (count, instants), (len(self.quantities),)]:
@@ -119,7 +121,7 @@ class Store:
         return record
 
     def is_whole(self, path: Path) -> bool:
-        """Whether a file is there undamaged; damage is kept in `damage`."""
+        """Whether the file at `path` is there undamaged; a damaged one is noted in `damage`."""
         try:
             check(path, title(path))
             refuse_outside(path)
@@ -138,12 +140,13 @@ def title(path: Path) -> str:
 
 
 def groups_of(runs: Runs, size: int) -> list[Runs]:
-    """Runs in groups of `size`; only the last group may be smaller."""
+    """Divide runs, in order, into groups of `size`; only the last group may be smaller."""
     return [runs[first : first + size] for first in range(0, len(runs), size)]
 
 
 def values_of(responses: Sequence[Any], outcomes: Sequence[Any]) -> np.ndarray:
-    """Values (r, n, t) of n responses of r runs; ValueError if one is not finite."""
+    """Values (r, n, t) of n responses of r runs at t instants; outcomes: `fpm.Outcome` of each run.
+    Raises ValueError if one is not finite."""
     values = np.array([[r.evaluate(outcome) for r in responses] for outcome in outcomes])
     for i, response in enumerate(responses):
         if not np.isfinite(values[:, i]).all():
@@ -152,8 +155,9 @@ def values_of(responses: Sequence[Any], outcomes: Sequence[Any]) -> np.ndarray:
 
 
 def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
-    """Quantities (q,) of one run, NaN for one that does not occur; raises `CampaignError` where one
-    cannot be evaluated."""
+    """Quantities (q,) of one run, NaN for one that does not occur. quantities: their definitions;
+    curves: of the run, or its `fpm.Outcome`. Raises `CampaignError` where one cannot be
+    evaluated."""
     try:
         return np.array([quantity.evaluate(curves) for quantity in quantities], dtype=float)
     except ValueError as error:
@@ -176,7 +180,8 @@ def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str])
 
 
 def write_dimension(file: Any, dimension: str, names: Iterable[str], long_name: str) -> None:
-    """Define a dimension in an open netCDF file, with names as its coordinate."""
+    """Define a dimension in an open netCDF file, with names as its coordinate, which gets the
+    attribute `long_name`."""
     names = np.array([str(name) for name in names], dtype=object)
     file.createDimension(dimension, len(names))
     variable = file.createVariable(dimension, str, (dimension,))

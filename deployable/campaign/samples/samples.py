@@ -107,10 +107,8 @@ def _write_runs(file: Any, plan: Plan) -> None:
 
 
 def write_places(file: Any, runs: Runs, **packing: Any) -> None:
-    """Write the points of the runs: normalized coordinates and parameter values.
-
-    packing: options of netCDF4's `createVariable`.
-    """
+    """Write the points of the runs into an open `netCDF4.Dataset`: normalized coordinates and
+    parameter values. packing: options of netCDF4's `createVariable`."""
     dims = ("run", "parameter")
     text = "coordinates in the box, -1 to 1"
     _numbers(file, "normalized", dims, runs.normalized, text, packing, units="1")
@@ -118,7 +116,8 @@ def write_places(file: Any, runs: Runs, **packing: Any) -> None:
 
 
 def write_box(file: Any, plan: Plan) -> list[str]:
-    """Write the box and the attributes of the samples; returns the units of the parameters."""
+    """Write the box and the attributes of the samples into an open `netCDF4.Dataset`; returns the
+    units of the parameters."""
     experiment = plan.experiment
     names, parameters = list(experiment.intervals), experiment.scene_type.parameters
     units = [parameters[name].unit for name in names]
@@ -165,7 +164,8 @@ def _define_curves(file: Any, record: RunRecord, parameters: Iterable[str]) -> N
 
 
 def write_time(file: Any, instants: np.ndarray, contacts: Sequence[str]) -> None:
-    """Write the instants (t,), s, and the names of contacts, stops and latches."""
+    """Write the instants (t,), s, and the names of contacts, stops and latches into an open
+    `netCDF4.Dataset`."""
     file.createDimension("time", len(instants))
     time = file.createVariable("time", "f8", ("time",))
     time[:] = instants
@@ -175,10 +175,8 @@ def write_time(file: Any, instants: np.ndarray, contacts: Sequence[str]) -> None
 
 
 def write_names(file: Any, dimension: str, items: Sequence[Any]) -> None:
-    """Write names, units and long names of responses or quantities.
-
-    dimension: `response` or `quantity`; items: their definitions.
-    """
+    """Write names, units and long names of responses or quantities into an open `netCDF4.Dataset`.
+    dimension: `response` or `quantity`; items: their definitions."""
     write_dimension(file, dimension, [item.name for item in items], f"name of the {dimension}")
     for key, values in (
         ("units", [item.unit for item in items]),

@@ -53,12 +53,14 @@ OPTIONS = {
 
 @dataclass(frozen=True)
 class Stage:
-    """A stage of a campaign: what it does, the sections of the config that it takes, the names of
-    the results that it takes and leaves (of a batch, with its number in braces), and the `OPTIONS`
-    of its command.
+    """A stage of a campaign: its name, what it does (a sentence), and the files that it reads and
+    writes.
 
-    is_sought: whether it is of campaigns alone whose runs are sought, or planned; None: of all.
-    draws: whether it shows results, of which nothing is made.
+    sections: those of the config that it depends on; takes: names of the results that it reads;
+    leaves: function of a campaign that returns the names of the results that it writes, `{batch}`
+    for the number of a batch; options: of its command, keys of `OPTIONS`; is_sought: True for
+    adaptive campaigns alone, False for all others, None for both; draws: whether it only shows
+    results.
 
     Its module here has the name of the stage, and a function `work(folder, tell, **arguments)`. It
     is imported where the stage runs, so that a process loads what its own work needs.
@@ -74,14 +76,14 @@ class Stage:
     draws: bool = False
 
     def work(self, folder: Folder, tell: Tell, **arguments: Any) -> None:
-        """Do the work of the stage, by its module."""
+        """Do the work of the stage, the function `work` of its module. folder: of the campaign's
+        results; tell: called with each message; arguments: sections and options by name."""
         import_module(f"{__name__}.{self.name}").work(folder, tell, **arguments)
 
     def run(self, folder: Folder, tell: Tell, **arguments: Any) -> None:
-        """Do the work on a folder; its arguments are the sections, and those of the batch.
-
-        Raises `CampaignError` for trouble with files, among them those that do not belong together.
-        """
+        """Do the work of the stage on a folder of results, and seal what it writes. tell: called
+        with each message; arguments: sections and options by name. Raises `CampaignError` for
+        trouble with files, among them those that do not belong together."""
         sections = {name: arguments[name] for name in self.sections}
         try:
             refuse_links(folder.whole)
@@ -100,19 +102,21 @@ class Stage:
             raise file_error from error
 
     def basis(self, sections: Mapping[str, Any]) -> str:
-        """Digest of what the stage's results depend on beside the files that it takes."""
+        """Digest of what the stage's results depend on beside the files that it reads: program,
+        structure and sections of the config, by name."""
         mechanics = [s.mechanics for s in sections.values() if isinstance(s, Experiment)]
         return digest([program_digest(), json.loads(as_json(**sections)), mechanics])
 
     def inputs(self, campaign: Campaign) -> list[str]:
-        """Names of all results that the stage may read, which are those of all stages before where
-        it shows them."""
+        """Names of all results that the stage may read: if it shows results, also plan, samples,
+        bounds, summary and answers."""
         shown_files = [PLAN, *BOUNDS_FILES, *_answered(campaign)] if self.draws else []
         return list(dict.fromkeys([*self.takes, *shown_files]))
 
     def sections_in(self, config: str) -> dict[str, Any]:
-        """The stage's sections in the name of a YAML file, or in JSON, as the workflow passes
-        them with the `structure` that the user's config names."""
+        """The stage's sections of the config by name. config: the path of a YAML file, or JSON as
+        the workflow passes it, with the `structure` that the user's config names. Raises
+        `CampaignError`."""
         if not config.lstrip().startswith("{"):  # jobs of the workflow load no checks of a config
             check = import_module("deployable.campaign.config.check")
             return self.sections_of(check.load_config([config]))
@@ -125,12 +129,14 @@ class Stage:
             raise CampaignError(text) from None
 
     def sections_of(self, campaign: Campaign) -> dict[str, Any]:
-        """The stage's sections of a campaign."""
+        """The stage's sections of a campaign's config by name."""
         return {name: getattr(campaign, name) for name in self.sections}
 
 
 def plan_of(folder: Folder, names: Sequence[str]) -> dict[str, str]:
-    """The plan that all these files are of, as a fact for results that are made from them."""
+    """The digest of the plan that the named results are of, as `{"plan": digest}` for the seals of
+    what is made from them, or {} without names. Raises `DamagedError` where they are of different
+    plans."""
     check_results(folder, names)
     plans = {name: check(folder / name, name).get("plan") for name in names}
     for name, plan in plans.items():

@@ -17,7 +17,8 @@ def work(
     verify: Any, jobs: Any, threads: int = 1,
 ) -> None:  # fmt: skip
     """Find the intervals of the quantities, what of the box meets the requirements, and the best
-    choice, with the runs that decide them; sum everything up."""
+    choice, with the runs that these take; write the summary. tell: called with each message;
+    threads: number of them that simulate; the others: sections of the config."""
     if read_plan(folder.plan).experiment.quantities:
         quantities.answer(folder, requirements, verify, jobs, tell, threads)
     if requirements:

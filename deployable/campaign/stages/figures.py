@@ -14,8 +14,8 @@ from deployable.campaign.stages import ANSWERS, PLAN, SAMPLES, drawings
 
 
 def work(folder: Folder, tell: Tell, error: Any) -> None:
-    """Draw each response with its bounds, what each parameter contributes, and each quantity over
-    the box."""
+    """Draw each response with its bounds, the contribution of each parameter, and each quantity
+    over the box. tell: not called; error: section of the config."""
     experiment = read_plan(folder.plan).experiment
     names = drawings(experiment)
     if "ranges" in names:

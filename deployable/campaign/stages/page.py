@@ -13,8 +13,9 @@ from deployable.campaign.stages import ANSWERS, FRAMES, SAMPLES
 
 
 def work(folder: Folder, tell: Tell, figures: Any, frames: int = FRAMES) -> None:
-    """Make the page that shows and tells everything, with the motion of some runs, and draw some
-    moments of the nominal one."""
+    """Make the page of a campaign, with the motion of some runs, and draw some moments of the
+    nominal run. tell: called with each message; figures: section of the config; frames: of each
+    motion, at least 2."""
     if frames < 2:
         raise CampaignError(f"--frames {frames}: allowed: 2 and more")
     if read_json(folder / "summary.json")["quantities"]:

@@ -10,7 +10,8 @@ from deployable.campaign.runs.progress import Tell
 
 
 def work(folder: Folder, tell: Tell, experiment: Any) -> None:
-    """Choose the runs of a campaign and the time step that serves them all."""
+    """Choose the runs of a campaign and the time step of all of them, and write `plan.json`. tell:
+    called with each message; experiment: of the config."""
     warn(tell, experiment)
     plan = make_plan(experiment)
     write_plan(plan, folder.plan)
@@ -22,6 +23,7 @@ def work(folder: Folder, tell: Tell, experiment: Any) -> None:
 
 
 def warn(tell: Tell, experiment: Any) -> None:
-    """Tell what seems wrong with a campaign."""
+    """Report what seems wrong with the structure of an experiment, by calls of `tell` with
+    texts."""
     for text in experiment.warnings:
         tell(f"{experiment.name}: warning: {text}")

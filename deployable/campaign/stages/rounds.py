@@ -20,7 +20,8 @@ def work(
     threads: int = 1,
 ) -> None:  # fmt: skip
     """Make runs in rounds until an accuracy is met or its budget is spent; the last round's results
-    are the campaign's."""
+    are the campaign's. tell: called with each message; experiment, bounds, verify, jobs: of the
+    config; threads: number of them that simulate."""
     number = 0
     while not _plan_round(place := folder.round(number), tell, experiment):
         with results_of(plan_of(place, (PLAN,))):

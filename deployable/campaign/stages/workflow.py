@@ -27,10 +27,8 @@ from fpm.files.sealed import DamagedError, check, unsealed
 
 
 class Workflow:
-    """A campaign with the names of its files.
-
-    Importing and making one is cheap, since every call of Snakemake does it.
-    """
+    """A campaign with the names of its files, as the Snakefile needs it. results: folder of all
+    campaigns. Importing and making one is cheap, since every call of Snakemake does it."""
 
     def __init__(self, campaign: Campaign, results: str | Path = "results"):
         self.campaign, self.name = campaign, campaign.name
@@ -47,11 +45,8 @@ class Workflow:
 
     @classmethod
     def from_module(cls, config: Mapping) -> Workflow:
-        """The campaign that a workflow gives to this one, its module; paths in it are relative to
-        the working folder.
-
-        Raises `ConfigError`.
-        """
+        """The campaign of a config that another workflow, of which this one is a module, passes to
+        it; paths in it are relative to the working folder. Raises `ConfigError`."""
         return cls(load_config([], retyped(config), "the config of the module"))
 
     def sections(self, stage: str) -> str:
@@ -63,29 +58,25 @@ class Workflow:
 
     @cache  # noqa: B019 - there is one campaign in a process
     def batch_count(self) -> int:
-        """Number of jobs that the runs are shared among."""
+        """Number of jobs, each of one batch, that the runs are divided into."""
         return batch_count(self.campaign, count_runs(self.campaign.experiment))
 
     @cache  # noqa: B019
     def minutes(self, batches: int = 1, plan_path: str | None = None) -> int:
-        """Minutes to ask a queue for: for one of so many jobs that the runs are shared among.
-
-        plan_path: the plan of these runs, if it is there.
-        """
+        """Minutes of wall-clock time to ask a queue for, for a job of one of `batches` equal parts
+        of the runs. plan_path: of the `plan.json` of these runs, None if it is not there."""
         runs = -(-count_runs(self.campaign.experiment) // batches)
         return job_minutes(self.campaign, runs, read_step(plan_path) if plan_path else None)
 
     @cache  # noqa: B019
     def megabytes(self) -> int:
-        """Memory to ask a queue for."""
+        """Megabytes of memory to ask a queue for, for one job."""
         return job_megabytes(self.campaign)
 
     def stale(self) -> dict[str, str]:
-        """Results that are there and must be made again, with the reason: damaged or of something
-        else.
-
-        Snakemake knows what it made here itself; the files know it wherever they were made.
-        """
+        """Paths of results that must be made again, with the reasons: they are damaged, or were
+        made from another config, program or plan. Snakemake knows what it made here itself; the
+        files know it wherever they were made."""
         folder, plan, reasons = self.folder, None, {}
         self._damaged_motions(folder, reasons)
         for stage in stages_of(self.campaign):
@@ -104,18 +95,20 @@ class Workflow:
         return reasons
 
     def files_of(self, stage: Stage) -> list[Path]:
-        """The files that a stage leaves here; of batches, those that are there."""
+        """Paths of the files that a stage writes here; of batches, those that are there."""
         names = stage.leaves(self.campaign)
         if any("{batch}" in name for name in names):
             return sorted(self.folder.path.glob("batches/*.json"))
         return [self.folder / name for name in names]
 
     def inputs(self, stage: str) -> list[str]:
-        """The files that the job of a stage reads, for its rule."""
+        """Patterns of the files that the job of a stage, by name, reads: `{stage}/<name>` for its
+        rule, in which `{stage}` stands for the folder of results."""
         return [f"{{stage}}/{name}" for name in STAGES[stage].inputs(self.campaign)]
 
     def outputs(self, stage: str, *kinds: str) -> list[str]:
-        """The files that the job of a stage leaves, for its rule: of some kinds, or all."""
+        """Patterns of the files that the job of a stage, by name, writes, as of `inputs`. kinds:
+        endings of the names that are meant; none: all."""
         names = STAGES[stage].leaves(self.campaign)
         return [f"{{stage}}/{name}" for name in names if name.endswith(kinds or "")]
 
@@ -129,7 +122,7 @@ class Workflow:
                 reasons[str(folder.report)] = str(error)
 
     def results(self) -> list[str]:
-        """The files that a campaign leaves for its reader."""
+        """Paths of the files that a campaign leaves for its reader: summary, figures and page."""
         last = [stage for stage in stages_of(self.campaign) if stage.draws]
         names = ["summary.json", "summary.md", *(n for s in last for n in s.leaves(self.campaign))]
         return [str(self.folder / name) for name in names]
@@ -147,7 +140,7 @@ class Workflow:
         )
 
     def last_words(self) -> str:
-        """What was told when the page was made: which file to open; nothing where the log is kept
+        """Message that the stage `page` ended with, which file to open; empty where its log is
         elsewhere."""
         log = self.folder / "logs/page.log"
         return log.read_text(encoding="utf-8").strip() if log.exists() else ""

@@ -162,9 +162,7 @@ def escaped(text: str, code: str = "") -> str:
 
 def unbroken(text: str, units: Iterable[str]) -> str:
     """A text with no-break spaces between numbers and their units, signs, powers of ten or names.
-
-    units: spellings such as `m/s`; seconds, radians and per cent are included.
-    """
+    units: spellings such as `m/s`, besides seconds, radians and per cent."""
     pattern = "|".join(sorted(map(re.escape, {*units, "s", "rad", "%"}), key=len, reverse=True))
     text = re.sub(rf"(?<=[\d⁰-⁹]) (?=(?:{pattern})(?!\w))", _NO_BREAK, text)
     for unit in units:
@@ -175,7 +173,8 @@ def unbroken(text: str, units: Iterable[str]) -> str:
 
 
 def coded(text: str, units: Iterable[str] = ()) -> Any:
-    """A sentence as HTML in which keys of a config, between backticks, are code."""
+    """A sentence as HTML in which keys of a config, between backticks, are code, and no line is
+    broken between a number and its unit. units: spellings such as `m/s`, as for `unbroken`."""
     from markupsafe import Markup, escape
 
     return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", unbroken(str(escape(text)), units)))

@@ -12,10 +12,7 @@ if TYPE_CHECKING:
 
 def words_of(quantity: Quantity) -> dict[str, str]:
     """A quantity in words: `event`, a sentence of what must happen for it to exist, and `words`,
-    what it is.
-
-    For example `L latches` and `speed of the tip when L latches`.
-    """
+    what it is, for example `L latches` and `speed of the tip when L latches`."""
     from fpm.reading.quantities import Quantity
 
     name = quantity.response.long_name if quantity.response else ""

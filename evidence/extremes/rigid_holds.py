@@ -51,7 +51,11 @@ def chain(
 def simulate(rows: list[Row], name: str, scene: fpm.Scene, duration: float, step: float):
     """The outcome of a run; None where it was refused, which is a row."""
     instants = min(201, round(duration / step) + 1)
-    (outcome,) = fpm.simulate(scene, duration=duration, instants=instants, step=step)
+    try:
+        (outcome,) = fpm.simulate(scene, duration=duration, instants=instants, step=step)
+    except fpm.SceneError as error:  # of masses too far apart
+        rows.append(refusal(name, error))
+        return None
     if outcome.failure is None:
         return outcome
     rows.append(refusal(name, outcome.failure))

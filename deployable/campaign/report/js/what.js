@@ -23,6 +23,9 @@ function answer({ value, there, least, latest }, unit) {
 
 const keeps = ({ kind, level }, value) => (kind === "happens" ? Number.isNaN(value) !== level : kind === "at_most" ? value <= level : value >= level);
 
+// Whether a value is nearer to a limit than its error, so that the surrogate does not decide.
+const isAtLimit = ({ kind, level }, value, error) => kind !== "happens" && Math.abs(value - level) <= (error ?? 0);
+
 class WhatIf {
   constructor({ quantities, limits, indices, constants, slopes }) {
     Object.assign(this, { quantities, limits, indices, constants, slopes, shown: null });
@@ -82,9 +85,13 @@ class WhatIf {
     this.tell(values);
     if (this.number) this.number.value = run === null ? "" : run + 1;
     const numbers = run === null ? this.quantities.map((one) => answer(one, unit)) : [...DATA.judged.numbers.subarray(q * run, q * (run + 1))];
-    const broken = [...new Set(this.limits.filter((limit) => !keeps(limit, numbers[this.quantities.findIndex(({ name }) => name === limit.quantity)])).map(({ of }) => of))];
+    const index = ({ quantity }) => this.quantities.findIndex(({ name }) => name === quantity);
+    const names = (limits) => [...new Set(limits.map(({ of }) => of))];
+    const near = run === null ? this.limits.filter((limit) => isAtLimit(limit, numbers[index(limit)], this.quantities[index(limit)].error)) : [];
+    const broken = names(this.limits.filter((limit) => !near.includes(limit) && !keeps(limit, numbers[index(limit)])));
+    const [mark, verdict] = broken.length ? ["bad", `Fails: ${broken.join(", ")}`] : near.length ? ["", `About at the limit: ${names(near).join(", ")}`] : ["good", "Meets all requirements"];
     const basis = run === null ? "by what was fitted" : "simulated";
-    byId("what-verdict").replaceChildren(...(this.limits.length ? [make("b", { class: broken.length ? "bad" : "good" }, broken.length ? `Fails: ${broken.join(", ")}` : "Meets all requirements"), ` (${basis}).`] : []));
+    byId("what-verdict").replaceChildren(...(this.limits.length ? [make("b", { class: mark }, verdict), ` (${basis}).`] : []));
     byId("what-numbers").replaceChildren(...this.quantities.flatMap(({ name, words, unit: of, latest, error }, i) => {
       const late = run === null && latest !== null && numbers[i] >= latest;
       const text = Number.isNaN(numbers[i]) ? "does not happen" : late ? `not within ${digits(latest)} s` : `${measured(numbers[i], run === null ? error : 0)} ${of}`;

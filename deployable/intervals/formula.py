@@ -50,7 +50,12 @@ def polynomial(surrogate: Surrogate) -> Formula:
 def cubes(
     points: np.ndarray, scales: np.ndarray, weights: np.ndarray, linear: np.ndarray
 ) -> Formula:
-    """The formula of a spline of points (N, k) and weights (N), with a constant and the slopes in
-    each direction, `linear` (1 + k)."""
+    """The formula of a cubic spline: a linear function plus, for each of N points, its weight times
+    the cubed distance from it.
+
+    points (N, k), weights (N); scales (k): factors by which the differences in each direction are
+    multiplied before the distance is taken; linear (1 + k): the constant, and the slope in each
+    direction.
+    """
     indices = np.concatenate([np.zeros((1, len(scales)), int), np.eye(len(scales), dtype=int)])
     return Formula(indices, linear, points, scales, weights, "cube")

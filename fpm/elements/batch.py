@@ -169,7 +169,9 @@ class Batch:
         return self._rows[self.rows.of[kind]]
 
     def log_of(self, kind: type) -> Log:
-        """Log of the events of an element type."""
+        """Log into which the kernels of an element type write their events. Its arrays are those of
+        all types (events: time, element, which of its events); only `first`, the number of the
+        type's first element among all that have events, is the type's own."""
         return Log(self.events, self.event_count, self.eventful.of[kind].start)
 
     # -- the whole --------------------------------------------------------------------------------

@@ -86,11 +86,12 @@ class Imported:
         return self._digests_of[include, exclude]
 
     def check(self, reread: bool = False) -> None:
-        """Check that the code in memory is that of the files at first, and, if `reread`, of the
-        files as they are now; raises ChangedError if it may not be.
+        """Check that the package's code in memory is that of its files as they were when this
+        object was made; raises ChangedError if it may not be.
 
-        Without `reread`, a file that was imported and had not changed by then may change
-        afterwards, unless it is imported once more.
+        The first call after the import of a Python file compares the file. If it changes after this
+        call, that is no error until it is imported once more; but with `reread`, the call compares
+        all that are imported. Files other than Python are compared at every call.
         """
         start, package = f"{self.folder}{os.sep}", self.folder.name
         for module in sys.modules.keys() - self._foreign_modules:

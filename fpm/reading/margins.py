@@ -95,8 +95,11 @@ def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
 
 
 def column_of(travel: Travel, variable: str, part: str) -> np.ndarray:
-    """Values (p,) at the positions of a travel, of one variable: WORK (of component `part`; N m, on
-    slides N), INERTIA (kg m², kg) or OPENING (rad, m)."""
+    """Values (p,) of one variable at the p positions of a quasi-static sweep of an opening.
+
+    travel: result of the sweep; variable: WORK, the virtual work of component `part` per unit of
+    the opening (N m; N on slides), INERTIA that the opening moves (kg m²; kg), or OPENING (rad; m).
+    """
     return {WORK: travel.work.get(part), INERTIA: travel.inertia, OPENING: travel.opening}[variable]
 
 

@@ -70,8 +70,9 @@ class Variable(NamedTuple):
         return [f"{name} {part}" for name in names for part in self.parts] if self.parts else names
 
     def split(self, label: str) -> tuple[str, str]:
-        """Split a label into the item's name and the component, one of `parts`; "" for a variable
-        without components."""
+        """Split the label of a recorded column, such as `hinge1 spring`, at its last space into the
+        item's name and the component, one of `parts`. A variable without components has the name
+        alone as label; then the component is ""."""
         return label.rpartition(" ")[::2] if self.parts else (label, "")
 
     def column(self, recording: Recording, label: str) -> np.ndarray:

@@ -119,7 +119,8 @@ class Scene:
 
     @property
     def gravity(self) -> np.ndarray:
-        """Acceleration of gravity (3,), m/s², in global axes, all summed; may be set, for all."""
+        """Acceleration of gravity (3,), m/s², in global axes: the sum of all that were added to
+        the scene. Setting it replaces these by one."""
         return sum((g.acceleration for g in self.kinds.get(Gravity, [])), np.zeros(3))
 
     @gravity.setter
@@ -128,7 +129,8 @@ class Scene:
 
     @property
     def damping(self) -> float:
-        """Mass-proportional damping rate (1/s), all summed; may be set, for all."""
+        """Mass-proportional damping rate (1/s): the sum of all that were added to the scene.
+        Setting it replaces these by one."""
         return float(sum(d.rate for d in self.kinds.get(Damping, [])))
 
     @damping.setter

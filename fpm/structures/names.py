@@ -23,8 +23,10 @@ class Context:
     """Where something is written in a file, by which short names are found: at the top, or in one
     unit of a repeat.
 
-    prefix: "" or `bay3.`; adjacent: the prefixes of the neighbours, None at a row's end; ends: the
-    prefixes of all repeats' first and last units, by `bay.first` and `bay.last`.
+    prefix: of names in this unit, such as `bay3.`, "" at the top; adjacent: the prefixes of the
+    neighbouring units by "next" and "previous", None at a row's end, empty where neighbours
+    cannot be named; ends: the prefixes of the first and last units of all repeats, by `bay.first`
+    and `bay.last`.
     """
 
     ends: dict[str, str]
@@ -199,7 +201,11 @@ class Names:
 
 @dataclass(frozen=True)
 class Place:
-    """Where a value is written: its dotted key, the table's context, and the file's names."""
+    """Where a value is written in a structure's file, for messages and to find names in it.
+
+    key: its keys joined by dots; context: the unit of a repeat that it is in, or the top of the
+    file, by which short names are completed; names: all names of the file.
+    """
 
     key: str
     context: Context

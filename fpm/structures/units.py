@@ -25,7 +25,8 @@ class Dimension(NamedTuple):
         return self[:3]
 
     def fits(self, dimension: "Dimension") -> bool:
-        """Whether a number of this dimension may stand where `dimension` is required."""
+        """Whether a number of this dimension may stand where `dimension` is required: if the powers
+        of kg, m and s are equal, or if this one is a plain number without unit, which fits all."""
         return self.bare or self.powers == dimension.powers
 
     def __str__(self) -> str:

@@ -221,7 +221,9 @@ def coordinates(model: ModelEvaluator) -> dict:
 
 
 def attributes_of(model: ModelEvaluator) -> dict:
-    """Attributes of the files of answers: campaign, config and numbers of runs."""
+    """Attributes, by name, that files of answers have in common: conventions, campaign, scene, the
+    config with its hash, the digest of the mechanics, and two counts: of the runs that the answers
+    are made of, each once, and of those among them that were added for the answers."""
     return {
         "Conventions": CONVENTIONS,
         "campaign": model.experiment.name,

@@ -39,7 +39,9 @@ def write_tables(run: SelectedRun, folder: Path) -> list[Path]:
 def curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np.ndarray]:
     """Curves (t,) of a run by heading with unit: time, responses, points, openings, energies.
 
-    outcome: an `fpm.Outcome`; responses: definitions of `fpm.reading.responses`.
+    Of points there are positions (m) and velocities (m/s) along x, y and z. outcome: an
+    `fpm.Outcome`; responses: objects `fpm.reading.responses.Response`, of which `name`, `unit` and
+    `evaluate(outcome)` are read.
     """
     columns = {"time (s)": outcome.time}
     columns |= {f"{r.name} ({r.unit})": r.evaluate(outcome) for r in responses}

@@ -13,10 +13,15 @@ _AT_ONCE = 256  # runs
 
 
 def margins_of(experiment: Experiment, values: np.ndarray) -> np.ndarray:
-    """Event margins (R, q) of runs from the values (R, n, t) of their n responses at t instants: by
-    how much a response goes beyond the level of the quantity, in its unit, above 0 where the run
-    has it. They are continuous where a quantity comes and goes, and so show where that is; NaN for
-    a quantity on which no response decides."""
+    """Event margins (R, q) of R runs: by how much each has, or misses, each of the q quantities.
+
+    values (R, n, t): of the n responses at t instants. A margin is in the unit of the response that
+    decides on the quantity, and above 0 where the run has it. For the nth crossing of a level it is
+    the least distance beyond the level that the response reaches, on each side of it in turn; for
+    settling it is what the response, at the last instant, keeps to the edge of its band. It is
+    continuous where a quantity comes and goes, and so shows where that is. NaN for a quantity on
+    which no response decides.
+    """
     names = list(experiment.responses)
     margins = np.full((len(values), len(experiment.quantities)), np.nan)
     for q, quantity in enumerate(experiment.numbers):

@@ -71,7 +71,11 @@ def _text(name: str) -> str:
 
 def still_picture(motion: xarray.Dataset) -> str:
     """An SVG element with three moments of a whole motion side by side, for browsers that show no
-    motion."""
+    motion.
+
+    The moments are the start, the end, and the middle by length of the particles' paths; the end is
+    the first closure of a contact, if there is one. motion: the whole motion of a run.
+    """
     frames, view = telling_moments(motion, _MOMENTS), View()
     solid = solid_of_motion(motion, frames)
     low, high = limits_of(solid.places, view, margin=0.03)

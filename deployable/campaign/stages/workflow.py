@@ -128,8 +128,10 @@ class Workflow:
         return [str(self.folder / name) for name in names]
 
     def other_report(self, results: Path = Path("results")) -> str:
-        """What to say where the campaign of `--report` was not asked for and is not the last one
-        that was run; nothing where it is."""
+        """A message that another campaign than this one was the last to be run, by the times of
+        `<campaign>/report.html` in the folder `results`; "" if this one was, or none has a report.
+
+        For `snakemake --report` without `--configfile`, which would be about this campaign."""
         reports = {path.parent.name: path.stat().st_mtime for path in results.glob("*/report.html")}
         last = max(reports, key=reports.get, default=self.name)
         if last == self.name:

@@ -46,7 +46,20 @@ GAP, TILT = 0, 1  # watched, and recorded
 
 
 class Hinges(NamedTuple):
-    """Arrays of the h hinges that are solved alone; hinge h has the bodies 2h and 2h + 1."""
+    """Arrays of the h hinges that are solved alone: no body of one that can move is in another
+    joint, so that its impulses follow from its two bodies.
+
+    Hinge i has the bodies 2 i and 2 i + 1. ends (2 h,): particle of each body; bodies, hinges:
+    constants, (2 h, BODY, lanes) and (h, HINGE, lanes); fixed_axes (h, 3): 1 where the hinge point
+    is held along global x, y, z; supported: whether any is; body_scratch (2 h, BODY_SCRATCH,
+    lanes), hinge_scratch (h, HINGE_SCRATCH, lanes): working memory; open (h,): whether a hinge
+    needs another round of this step; watched (1, 2, lanes): largest gap (m) and tilt (sine) so far;
+    names (h,): row of each hinge in `excess`; excess (h, 1, lanes): gap and tilt squared,
+    as shares of what is allowed, summed, by which the worst hinge is named; gaps (instants + 1, 2,
+    lanes): the largest gap (m) and tilt (sine) recorded at each instant; sums (h, SUMS, lanes):
+    impulses (N s, N m s) of the step on both bodies; forces ((instants + 1) h, SUMS, lanes): their
+    forces (N) and moments (N m), recorded. Both are None if nothing reads them.
+    """
 
     ends: np.ndarray  # (2h,) particles of the bodies
     bodies: np.ndarray  # (2h, BODY, lanes)

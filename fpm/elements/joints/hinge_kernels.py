@@ -74,8 +74,10 @@ from fpm.kernels.vectors import (
 
 @hook(Hinges)
 def prepare(part, world, timing):
-    """Kick the particles of all hinges (update their momenta by the forces), and apply the aimed
-    impulses (`aim`); all forces must be summed. part: hinge arrays (Hinges); timing: times (s)."""
+    """Kick the particles of all hinges: change their momenta by the forces, summed before, over the
+    length of the kick; then apply impulses at the hinges that would keep them closed if the rates
+    of their gaps stayed as they are over the step. part: hinge arrays (Hinges), whose scratch is
+    filled; world: solver state (World), whose momenta change; timing: time, step, kick (s)."""
     clear(part.sums)
     prepare_bodies(world, part, timing.kick)
     prepare_matrices(part)
@@ -125,8 +127,10 @@ def push_where_far(state, i, r, b, condition):
 
 @kernel
 def gaps(part, state, h):
-    """Constraint residuals of hinge h: its point on body 1 (m), the gap (m) to that on body 2, and
-    sines of the tilts of the axis about p and q. part: hinge arrays; state: of the particles."""
+    """How far hinge h is from closed. Returns its point on body 1 (3, m), the gap (3, m): this
+    point minus the one on body 2, and the sines of the tilts of body 2's axis from body 1's, about
+    p and q, the reference direction of body 1 and the direction normal to it and the axis. Point
+    and gap are in global components. part: hinge arrays (Hinges); state: of the particles."""
     row1, row2 = 2 * h, 2 * h + 1
     bodies, i, k = part.bodies, part.ends[row1], part.ends[row2]
     first, second = frame(state, i), frame(state, k)

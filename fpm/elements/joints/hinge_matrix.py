@@ -93,9 +93,14 @@ def response(b, h, axis):
 
 @kernel
 def moved(part, h, axis, force, mp, mq):
-    """Velocity along a global axis (0 to 2) of the held point of hinge h by impulses at the hinge:
-    force (3, N s) on body 1, mp and mq about p and q (N m s). By symmetry also what a support along
-    that axis does to the tilts. part: hinge arrays."""
+    """Velocity (m/s) along a global axis (0, 1, 2: x, y, z) that impulses at hinge h give its point
+    on body 1, the one that a support may hold.
+
+    force (3): impulse (N s) on body 1; mp, mq: moment impulses (N m s) on body 2, against body 1,
+    about p and q, the two directions normal to the hinge's axis. The matrix is symmetric: the
+    factors of mp and mq are also the rates of the tilts about p and q (1/s per N s) by an impulse
+    of a support along that axis on the point. part: hinge arrays (Hinges).
+    """
     w = part.hinge_scratch
     p, q = load(w, h, TILTS + 2 * axis), load(w, h, TILTS + 2 * axis + 1)
     return dot(response(part.body_scratch, h, axis), force) + (p * mp + q * mq)

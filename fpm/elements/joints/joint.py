@@ -95,8 +95,14 @@ class Joint(JointBase):
 
     @staticmethod
     def create(scene, name, type, particles, point, axis=(1, 0, 0), axis2=None) -> "Joint":
-        """A joint between two particles of a scene in its present position; arguments: as of
-        Scene.add_joint. Raises SceneError if they do not fit."""
+        """A joint between two particles of a scene, as these are placed now; it is not added to the
+        scene.
+
+        name: no other joint's; type: "spherical", "fixed", "universal" or "prismatic"; particles:
+        indices of both; point: position (3,), m, in global axes, or (2, 3), one for each particle;
+        axis (3,): direction, of any length; axis2 (3,): of a universal joint, the axis on the
+        second particle, normal to `axis`, None: any that is. Raises SceneError if they do not fit.
+        """
         allowed = [name for name, joint_type in TYPES.items() if joint_type.conditions]
         if type not in allowed:
             raise SceneError(f"type of joint {name}", type, f"one of {', '.join(allowed)}")

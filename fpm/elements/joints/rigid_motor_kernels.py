@@ -19,8 +19,16 @@ STATE = HOLD_FIELDS
 
 
 class RigidMotors(NamedTuple):
-    """Arrays of m rigid motors. on, turn, curve, by_rate: (m,) hinges, held openings, curves,
-    whether these are rates; numbers: (m, 2, lanes) start, turn; state: (m, STATE, lanes)."""
+    """Arrays of m rigid motors, which prescribe openings exactly.
+
+    on (m,): index of each one's hinge; turn (m,): row of its condition in turns.state; curve (m,):
+    index of its curve, -1: constant 1; numbers (m, 2, lanes): start and factor (rad; m on slides;
+    per second by rate). The opening is start + factor times the curve, or, where by_rate (m,),
+    times the curve's integral over time. openings: arrays of all openings; turns: conditions that
+    hold openings exactly (Turns); state (m, STATE, lanes): moment (N m) at the last positions, and
+    work (J) of the half step up to them; account: index of the motors' work in World.accounts;
+    track ((instants + 1) m, 1, lanes): recorded moments (N m).
+    """
 
     on: np.ndarray
     turn: np.ndarray
@@ -36,8 +44,13 @@ class RigidMotors(NamedTuple):
 
 @hook(RigidMotors)
 def prepare(part, world, timing):
-    """Store the openings (rad; m on slides) prescribed for the end of the step. part: motor arrays;
-    world: solver state, with the curves; timing: times of the step (s)."""
+    """Store the opening (rad; m on slides) that each motor prescribes for the end of the step, as
+    TARGET of its condition in part.turns.state.
+
+    Where the motor's curve (not by rate) has a bend within the step, its time is stored in
+    part.turns.blow as a share of the step: the rate jumps there, as in a blow. part: motor arrays
+    (RigidMotors); world: solver state, with the curves; timing: times of the step (s).
+    """
     for i in range(part.on.shape[0]):
         if not part.by_rate[i]:
             bend = bend_after(world, part.curve[i], timing.time)

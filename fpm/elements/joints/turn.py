@@ -28,7 +28,8 @@ class Turn(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """The elements of a scene, of all types, that hold openings exactly, one per condition."""
+        """The elements of a scene, of all types, that hold an opening exactly, each once: the
+        element at index i is the one of the i-th condition."""
         holding = [kind for kind in scene.kinds if issubclass(kind, HoldsHinge)]
         return [element for kind in holding for element in scene.kinds[kind]]
 

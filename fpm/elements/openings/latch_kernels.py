@@ -136,8 +136,13 @@ def hold(part, i, rate):
 
 @hook(Latches)
 def forces(part, world, timing):
-    """Add the moments (N m) of latches that hold, from the step of their catch on, and their losses
-    (J). part: all latches (Latches); world: solver state (World); timing: times of the step (s)."""
+    """Add the moments (N m) of latches to both particles of their hinges, and what their dampers
+    take out in the step that ends now (J) to the account of losses.
+
+    A latch acts from the step in which it catches; what caught in this step is found first. part:
+    all latches (Latches), in whose state moment and impulse are stored; world: solver state
+    (World), whose forces and accounts change; timing: time, step, kick (s).
+    """
     for i in range(part.on.shape[0]):
         h = part.on[i]
         if timing.time > 0.0:

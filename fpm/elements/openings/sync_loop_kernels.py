@@ -27,10 +27,15 @@ TOUCH = 1e-9
 
 
 class Loops(NamedTuple):
-    """Arrays of all l synchronising loops. on (l, 2): indices of both hinges; numbers (l, 6,
-    lanes): constants, in the order of NUMBERS; state (l, STATE, lanes): slip and slack (m);
-    openings: arrays of all openings; rows (l, 1, lanes): energies, for messages; log: of events;
-    track ((instants + 1) l, 1, lanes): recorded pull (N)."""
+    """Arrays of all l synchronising loops.
+
+    on (l, 2): indices of both hinges; numbers (l, 6, lanes): stiffness (N/m), radii of both pulleys
+    (m), openings of both hinges without slip (rad), slip at which a strand turns slack (m); state
+    (l, 3, lanes): slip (m), slip that is left until a strand is slack (m), the same a step before;
+    openings: arrays of all openings; rows (l, 1, lanes): energy of each (J), to find the worst one
+    for a message; log: of events; track ((instants + 1) l, 1, lanes): recorded pull (N), l rows
+    for each instant.
+    """
 
     on: np.ndarray
     numbers: np.ndarray

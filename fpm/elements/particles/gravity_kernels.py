@@ -30,9 +30,11 @@ def forces(part, world, timing):
 
 @hook(Weight)
 def work_of_place(part, world, energies, row):
-    """Add the work (J) of the weight so far: minus the potential energy, which is 0 at the global
-    origin. part: arrays of gravity (Weight); world: solver state (World); energies: recorded
-    (Record.energies); row: of the instant."""
+    """Add the work (J) that the weight of all particles does on the way from the global origin to
+    their present positions: minus the potential energy. part: arrays of gravity (Weight); world:
+    solver state (World), whose positions are read; energies (instants + 1, columns, lanes):
+    recorded, where it is added in row `row`, that of the instant, and column ACCOUNTS +
+    part.account."""
     g = get3(part.acceleration, 0, 0)
     total = 0.0 * load(world.state, 0, X)
     for i in range(world.state.shape[0]):

@@ -65,7 +65,9 @@ SPRING = {
 def torsion_spring(build, args):
     """Turns a joint towards an opening.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Adds a TorsionSpring."""
+    Adds a TorsionSpring to the scene and returns nothing. build: Builder of the sample; args:
+    `joint` (index of a hinge), `stiffness` (N m/rad; N/m on a slide), `rest` (rad; m), `preload`
+    (N m; N) or None, and the spring's class in margins or None."""
     rest = args.rest
     if args.preload is not None:
         if rest != 0.0:
@@ -98,7 +100,7 @@ whole(Damper)
 def friction(build, args):
     """Dry (Coulomb) friction in a joint.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Adds a Friction or
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds a Friction or
     RigidFriction."""
     slides = build.scene.hinges[args.joint].slides
     if args.sticks == "exactly":
@@ -136,7 +138,7 @@ def _deflection(scene, hinge: int) -> float:
 def bearing(build, args):
     """Friction by the force that a joint itself bears.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Adds a Friction, or a
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds a Friction, or a
     bearing."""
     scene, lever = build.scene, args.mu * (1.0 if args.radius is None else args.radius)
     if scene.hinges[args.joint].slides == (args.radius is not None):
@@ -164,7 +166,8 @@ def bearing(build, args):
 def stop(build, args):
     """Keeps the opening of a joint from going further; never pulls.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Adds one or two Stops."""
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds one or two
+    Stops."""
     if args.lower is None and args.upper is None:
         build.refuse("lower", None, "`lower`, `upper`, or both")
     if args.lower is not None and args.upper is not None and args.lower >= args.upper:
@@ -185,7 +188,7 @@ def stop(build, args):
 def latch(build, args):
     """Catches a joint at an opening and holds it from then on.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Adds a Latch or
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds a Latch or
     RigidLatch."""
     one_sided = args.holds == "one way"
     rigid = _rigid(build, args, damping=args.damping > 0, holds=one_sided)
@@ -215,8 +218,8 @@ MOMENTS = ListKey(
 def tabulated_spring(build, args):
     """Moves a joint by a moment, or force, that a table gives: a tape spring, a harness.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Adds a TableSpring, the mean
-    of `moments` and `back`, and for their difference a Friction with hysteresis."""
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds a TableSpring, the
+    mean of `moments` and `back`, and for their difference a Friction with hysteresis."""
     scene, loading = build.scene, np.array(args.moments)
     unloading = loading if args.back is None else np.array(args.back)
     if len(unloading) != len(loading) or np.any(unloading < loading):
@@ -239,7 +242,7 @@ def tabulated_spring(build, args):
 def loop(build, args):
     """A closed cable over pulleys on two joints, which so open in the ratio of the radii.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Adds a SyncLoop."""
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds a SyncLoop."""
     rest = [_at_start(build, hinge) for hinge in args.joints] if args.rest is None else args.rest
     build.scene.add(element(SyncLoop, args, hinges=args.joints, rest=rest))
 
@@ -256,7 +259,7 @@ def loop(build, args):
 def motor(build, args):
     """Prescribes the opening of a joint, exactly or through an elastic drive train.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Adds a Motor or
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds a Motor or
     RigidMotor."""
     start = _at_start(build, args.joint) if args.start is None else args.start
     if (args.turn is None) == (args.rate is None):
@@ -280,7 +283,7 @@ whole(TorqueMotor)
 def release(build, args):
     """Holds a joint until a time, or until another has opened so far; the first counts.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Adds a Release or
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds a Release or
     RigidRelease."""
     if args.time is None and args.watch is None:
         build.refuse("time", None, "a time, or a joint to `watch`")

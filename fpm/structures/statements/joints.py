@@ -91,8 +91,8 @@ def _further(args, particles) -> Iterator[tuple[str, tuple[int, int], list[int]]
 def revolute(build, args):
     """A hinge: parts share a point and an axis, and turn freely about it.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Returns the index of the
-    hinge of the first two parts, whose opening it is. Further parts are hinged to the first."""
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Returns the index of
+    the hinge of the first two parts, whose opening it is. Further parts are hinged to the first."""
     particles, points = _meet(build, args)
     axes, refs, scene = _axes(build, args), args.references, build.scene
     if refs is not None:
@@ -125,7 +125,7 @@ def _join(build, args, type: str) -> None:
 def spherical(build, args):
     """A ball and socket: parts share a point.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Adds joints."""
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds joints."""
     _join(build, args, "spherical")
 
 
@@ -133,7 +133,7 @@ def spherical(build, args):
 def fixed(build, args):
     """Parts that neither move nor turn against each other there.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Adds joints."""
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds joints."""
     _join(build, args, "fixed")
 
 
@@ -154,8 +154,8 @@ def fixed(build, args):
 def universal(build, args):
     """Cardan's joint: parts share a point, and a cross about two axes that stay normal.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Returns the first hinge's
-    index."""
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Returns the first
+    hinge's index."""
     if abs(args.axis @ args.other) > 1e-6:
         build.refuse("other", args.other.tolist(), f"a direction normal to {args.axis.tolist()}")
     axis2 = unit(args.other - (args.axis @ args.other) * args.axis, "other")
@@ -179,7 +179,8 @@ def universal(build, args):
 def prismatic(build, args):
     """A slider: the second part moves along an axis of the first, and does not turn on it.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Returns the hinge's index."""
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Returns the hinge's
+    index."""
     particles, points = _meet(build, args)
     return build.scene.add_slide(args.name, particles, points, args.axis, args.opening)
 
@@ -194,7 +195,7 @@ def prismatic(build, args):
 def support(build, args):
     """Holds a point of a part along and about global axes.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Holds its particle."""
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Holds its particle."""
     scene, particle = build.scene, args.part.particle(args.at.name)
     scene.supports[args.name] = scene.arm_to(particle, args.at.position)
     distance = np.linalg.norm(args.at.position - scene.position[particle])

@@ -22,7 +22,7 @@ CURVE = ReferenceKey(None, "scales it with time; left out: constant", group="cur
 def curve(build, args):
     """A curve of time, straight between the values given and constant outside them.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Returns its index."""
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Returns its index."""
     return build.scene.add_curve(args.times, args.values)
 
 
@@ -42,7 +42,7 @@ def _index(curve: int | None) -> int:
 def load(build, args):
     """A force and a moment in global axes at a point of a part.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Adds a Load."""
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds a Load."""
     beam = build.scene.arm_to(args.part.particle(args.at.name), args.at.position)
     build.scene.add(Load(beam, args.force, args.moment, _index(args.curve)))
 
@@ -63,7 +63,8 @@ def load(build, args):
 def cable(build, args):
     """Pulls its points together where it is tight, and runs through those between its ends.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Returns the cable's index."""
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Returns the cable's
+    index."""
     points = [(part.particle(point.name), point.position) for part, point in args.through]
     for particle, _ in points:
         build.joints_of.setdefault(particle, [])
@@ -87,7 +88,7 @@ def cable(build, args):
 def drive(build, args):
     """Prescribes how a point of a part moves and turns.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Adds a Drive."""
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds a Drive."""
     particle = args.part.particle(args.at.name)
     arm = build.scene.arm_to(particle, args.at.position)
     distance = float(np.linalg.norm(arm.arm))
@@ -108,7 +109,7 @@ def drive(build, args):
 def motion(build, args):
     """How a part moves at the start, as a rigid body.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Sets velocities."""
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Sets velocities."""
     scene, particles = build.scene, args.part.particles
     arms = scene.position[particles] - args.about.position
     scene.velocity[particles] = args.velocity + np.cross(args.spin, arms)
@@ -121,5 +122,6 @@ def motion(build, args):
 def record(build, args):
     """A point of a part whose motion is recorded under this name.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Adds a point."""
+    Adds a named point to the scene and returns nothing. build: Builder of the sample; args: `part`
+    (a Body, or the ground), `at` (one of its points, with position in m), and `name`."""
     build.scene.add_point(args.name, args.part.particle(args.at.name), args.at.position)

@@ -38,7 +38,7 @@ def _size(text: str, unit: str = "m") -> NumberKey:
 def material(build, args):
     """A linear elastic material.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Returns a Material."""
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Returns a Material."""
     return Material(args.E, args.nu, args.rho)
 
 
@@ -106,7 +106,9 @@ for _type, _text, _sizes, _build in SECTIONS:
 def bar(build, args):
     """An elastic bar through points, each stretch between two of them straight.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Returns a Body."""
+    It is made of beam elements, which bend, twist and stretch; they are added to the scene. build:
+    Builder of the sample; args: values (SI) by the decorator's keys, as `args.through`. Returns a
+    Body: the particles that carry the bar's named points."""
     for key in ("strain", "curvature"):
         if getattr(args, key) and build.hold is None:
             build.refuse(key, getattr(args, key), "0, or `assemble: true`")
@@ -232,7 +234,7 @@ def _sum_inertias(parts) -> tuple[np.ndarray, np.ndarray]:
 def body(build, args):
     """A rigid body, free until something joins or holds it.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Returns a Body."""
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Returns a Body."""
     if (args.box is None) == (args.inertia is None):
         pair = None if args.box is None else [list(args.box), list(args.inertia)]
         build.refuse("box", pair, "either `box` or `inertia`")
@@ -267,7 +269,8 @@ def body(build, args):
 def mass(build, args):
     """A mass at a point of a part, with its centre there.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Adds to its particle."""
+    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds to its
+    particle."""
     scene, particle = build.scene, args.part.particle(args.at.name)
     distance = float(np.linalg.norm(args.at.position - scene.position[particle]))
     if distance > POINT_TOL * build.size:

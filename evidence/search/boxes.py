@@ -49,12 +49,12 @@ class Box:
             sizes = 0.1 * 0.82**number * generator.choice([1, 0.1, 0.01], (BEST, TRIALS, 1))
             steps = sizes * generator.normal(size=(BEST, TRIALS, self.dimension))
             trial = np.clip(points[:, None] + steps, -1, 1)
-            found = sign * self.function(trial.reshape(-1, self.dimension))[0]
-            found = np.where(np.isfinite(found), found, -np.inf).reshape(BEST, TRIALS)
-            column = found.argmax(axis=1)
-            better = found[np.arange(BEST), column] > best
+            trials = sign * self.function(trial.reshape(-1, self.dimension))[0]
+            trials = np.where(np.isfinite(trials), trials, -np.inf).reshape(BEST, TRIALS)
+            column = trials.argmax(axis=1)
+            better = trials[np.arange(BEST), column] > best
             points[better] = trial[better, column[better]]
-            best[better] = found[better, column[better]]
+            best[better] = trials[better, column[better]]
         return float(sign * best.max())
 
 

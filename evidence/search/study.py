@@ -18,7 +18,7 @@ from evidence.search.boxes import BOXES, Box
 
 ITERATIONS = 6  # as `verify.max_iterations`
 FLOOR = 0.002  # fraction of the width that is added to every error
-NEAR = 0.01  # fraction of the width within which a bound is near
+CLOSE = 0.01  # fraction of the width within which a bound is close
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ def report(parts: Mapping[str, list[Searched]]) -> Report:
     """What the study claims, and all boxes as a table."""
     boxes = parts["boxes"]
     covered = [b.misses() <= np.add(b.errors, FLOOR * b.width) for b in boxes]
-    near = [miss <= NEAR * b.width for b in boxes for miss in b.misses()]
+    is_close = [miss <= CLOSE * b.width for b in boxes for miss in b.misses()]
     worse = [
         miss > abs(run - true) + 1e-9 * b.width
         for b in boxes
@@ -102,7 +102,7 @@ def report(parts: Mapping[str, list[Searched]]) -> Report:
     ]
     rows: list[Row] = [
         at_least("true bounds within the reported error", float(np.mean(covered)), 0.95),
-        at_least(f"bounds within {NEAR:.0%} of the width", float(np.mean(near)), 0.8),
+        at_least(f"bounds within {CLOSE:.0%} of the width", float(np.mean(is_close)), 0.8),
         at_most("reported bounds worse than those of the runs", float(np.sum(worse)), 0.0),
     ]
     lines = [

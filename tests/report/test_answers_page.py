@@ -76,7 +76,7 @@ def test_an_end_that_no_run_reached_is_not_told_as_one_that_did(opened):
     assert "is 1.858 to 1.964 s, lower end predicted." in sentence("ranges", data.facts)
     page = render(data).replace("\N{NO-BREAK SPACE}", " ")
     assert 'class="big range predicted"' in page
-    assert "over the box; lower foretold, simulated to 1.868" in page
+    assert "over the box; lower predicted, attained by a run to 1.868" in page
 
 
 def test_the_part_of_the_box_that_fails_is_drawn(opened):

@@ -33,8 +33,8 @@ ALL = -1.0
 
 @kernel
 def clear(sums):
-    """Set the impulses summed over a step to 0, at its start. sums: (rows, fields, lanes), or None
-    where impulses are not summed; then nothing is done."""
+    """Set the impulses summed over a step to 0, at its start. sums (rows, fields, lanes): those of
+    hinges or joints, or None where nothing reads them; then nothing is done."""
     if sums is not None:
         for r in range(sums.shape[0]):
             for k in range(sums.shape[1]):
@@ -43,8 +43,9 @@ def clear(sums):
 
 @kernel
 def count_hinge(sums, part, h, condition):
-    """Add the impulses last found for hinge h to row h of `sums` (None: nothing is done) in the
-    lanes where `condition` is below 0. part: hinge arrays (Hinges)."""
+    """Add the impulses (N s, N m s) last found for hinge h (index), on both bodies, to row h of
+    `sums` (Hinges.sums; None: nothing is done) in the lanes (samples simulated side by side) where
+    `condition` (lanes) is below 0. part: arrays of all hinges (Hinges)."""
     if sums is not None:
         w, b = part.hinge_scratch, part.body_scratch
         lanes = condition + 0.0 * load(sums, h, 0)
@@ -56,16 +57,18 @@ def count_hinge(sums, part, h, condition):
 
 @kernel
 def count_joints(part, condition):
-    """Add the impulses last found for all conditions of joints, and for held openings, to their
-    sums, in the lanes where `condition` is below 0. part: joint arrays."""
+    """Add the impulses (N s, N m s) last found to part.sums, of all constraint equations of joints,
+    and part.turns.state, of those that hold openings, in the lanes (samples side by side) where
+    `condition` (lanes) is below 0. part: arrays of all joints (Joints)."""
     count_conditions(part.sums, part, condition)
     count_turns(part.turns, part, condition)
 
 
 @kernel
 def count_conditions(sums, part, condition):
-    """Add the impulses last found for all conditions to `sums` (None: nothing is done), in the
-    lanes where `condition` is below 0. part: joint arrays."""
+    """Add the impulses (N s, N m s) last found for all constraint equations of joints to `sums`
+    (Joints.sums; None: nothing is done), in the lanes (samples side by side) where `condition`
+    (lanes) is below 0. part: arrays of all joints."""
     if sums is not None:
         for r in range(sums.shape[0]):
             total = load(sums, r, 0)
@@ -75,8 +78,9 @@ def count_conditions(sums, part, condition):
 
 @kernel
 def count_turns(turns, part, condition):
-    """Add the impulses last found for all held openings to TURN_IMPULSE of `turns` (None: nothing
-    is done), in the lanes where `condition` is below 0. part: joint arrays."""
+    """Add the impulses (N m s) last found that hold openings exactly to the field TURN_IMPULSE of
+    turns.state (turns: Joints.turns; None: nothing is done), in the lanes (samples side by side)
+    where `condition` (lanes) is below 0. part: arrays of all joints."""
     if turns is not None:
         sums = turns.state
         for t in range(sums.shape[0]):
@@ -88,8 +92,9 @@ def count_turns(turns, part, condition):
 
 @kernel
 def keep(b, r, state, i, axes):
-    """Save the position of particle i and the directors of its frame in row r of the bodies'
-    scratch b. state: of the particles; axes: the frame's three."""
+    """Save the position (m) and the axes 2 and 3 of particle i in row r of `b`, the working memory
+    of bodies (body_scratch), at the start of a step. state: of the particles; axes: the particle's
+    three unit vectors, global."""
     put3(b, r, OLD_X, get3(state, i, X))
     put3(b, r, OLD_D2, axes[1])
     put3(b, r, OLD_D3, axes[2])
@@ -97,8 +102,9 @@ def keep(b, r, state, i, axes):
 
 @kernel
 def restore(b, r, state, i):
-    """Bring particle i back to its saved position and directors at the start of the step, from row
-    r of the bodies' scratch b; i, r: indices or pairs of them. state: of the particles."""
+    """Set particle i back to the position and axes that `keep` saved at the start of the step, in
+    row r of `b`, the working memory of bodies; i, r: indices or pairs of them. state: of the
+    particles, changed in place."""
     put3(state, i, X, get3(b, r, OLD_X))
     put3(state, i, D2, get3(b, r, OLD_D2))
     put3(state, i, D3, get3(b, r, OLD_D3))
@@ -106,8 +112,8 @@ def restore(b, r, state, i):
 
 @kernel
 def turn_little(state, i, turn):
-    """Rotate particle i (or a pair) by a rotation vector `turn` (rad, 3, global) so small that its
-    square does not show. state: of the particles."""
+    """Rotate the axes of particle i (index or a pair) in `state`, of the particles, by a rotation
+    vector `turn` (rad, 3, global) so small that its square does not show."""
     for k in (D2, D3):
         axis = get3(state, i, k)
         put3(state, i, k, axis + cross(turn, axis))
@@ -115,15 +121,17 @@ def turn_little(state, i, turn):
 
 @kernel
 def coarse(time, size):
-    """Factor (1/m): times a gap (m), or with `time` (s) times its rate (m/s), it gives more than 1
-    where another round is due. size (m): characteristic length of the scene."""
+    """Factor for gaps of joints: times a gap (m) with time 1.0, or times the gap's rate (m/s) with
+    `time` in s, it gives more than 1 where the step needs another round of closing. size:
+    characteristic length of the scene (m), of which the allowed gap is a share."""
     return (time / COARSE_GAP) / where_negative(size - 1.0, size, 0.0 * size + 1.0)
 
 
 @kernel
 def watch(part, gap2, tilt2):
-    """Raise the watched maxima to the gaps of a hinge or joint, given by their squares; returns gap
-    (m) and tilt (sine). part: hinge or joint arrays."""
+    """Raise the largest gap and tilt so far, in part.watched, to those of a hinge or joint, given
+    as squares gap2 (m²) and tilt2 (sine squared); returns the gap (m) and the tilt (sine of the
+    angle between axes). part: arrays of all hinges or joints."""
     gap, tilt = sqrt(gap2), sqrt(tilt2)
     store(part.watched, 0, GAP, larger(load(part.watched, 0, GAP), gap))
     store(part.watched, 0, TILT, larger(load(part.watched, 0, TILT), tilt))
@@ -131,12 +139,14 @@ def watch(part, gap2, tilt2):
 
 
 def report_gaps(arrays, find):
-    """Register the hooks that report gaps for an element type with these arrays (NamedTuple).
-    find(part, state, i): squares of the gaps of element i, of points (m) and directions (sines)."""
+    """Register the hooks `record` and `list_excess`, which report gaps, for a type of kernel arrays
+    (Hinges, Joints or a subclass). find(part, state, i) -> (gap2, tilt2): squares of how far the
+    points of element i are apart (m²) and of the sine between its axes."""
 
     @hook(arrays)
     def record(part, world, row):
-        """Record the largest gap (m) and tilt (sine) of all elements in row `row`."""
+        """Store the largest gap (m) and tilt (sine) of all elements in part.gaps, at the index
+        `row` of the recorded instant. part: their arrays; world: state of the solver."""
         gap2 = 0.0 * load(world.state, 0, X)
         tilt2 = gap2
         for i in range(part.names.shape[0]):
@@ -148,7 +158,8 @@ def report_gaps(arrays, find):
 
     @hook(arrays)
     def list_excess(part, world):
-        """Store for each element the summed squares of gap and tilt as fractions of the allowed."""
+        """Store in part.excess, for each element, the squares of gap and tilt over those allowed,
+        summed, by which a failed run names the worst. part: their arrays; world: solver state."""
         for i in range(part.names.shape[0]):
             gap2, tilt2 = find(part, world.state, i)
             size = MOST_GAP * load(world.size, 0, 0)

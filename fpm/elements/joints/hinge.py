@@ -38,10 +38,9 @@ ANGLES = "_axis", "_other"
 
 
 def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Watch]:
-    """Two failure criteria, for the gaps (m) and the tilts (rad) of hinges or joints.
-
-    noun: "hinge" or "joint"; gap, tilt: names of the two criteria; remedy: sentence for messages.
-    """
+    """Two failure criteria (Watch), for the gaps (m) and the tilts (rad) of hinges or joints, above
+    which a run fails. noun: "hinge" or "joint"; gap, tilt: names of the two criteria; remedy: the
+    sentence that tells the user what to do."""
 
     def failure(values: dict[str, float]) -> tuple[str, str]:
         return f"a {noun} gapes by {values[gap]:.2g} m and {values[tilt]:.2g} rad", remedy
@@ -50,8 +49,9 @@ def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Wat
 
 
 class JointBase(ElementType):
-    """Base class of hinges and joints. They have a `name`, a `type` (as "revolute"), and virtual
-    `beams`, one or two, whose free ends are kept together or held."""
+    """Base class of hinges and joints. Each has a `name`, a `type` (as "revolute"), and `beams`:
+    one or two rigid arms (VirtualBeam) from particles to the joint, whose free ends are kept
+    together, or held in place if there is one."""
 
     joins = True
     gaps: ClassVar[dict[str, str]]  # recorded: the largest of points and of directions, in words
@@ -68,16 +68,18 @@ class JointBase(ElementType):
 
     @property
     def joint(self) -> str:
-        """Name of the joint that the element is, or is an opening of; here its own."""
+        """Name of the whole joint that the element belongs to; here its own name."""
         return self.name
 
     @staticmethod
     def are_impulses_read(scene) -> bool:
-        """Whether some element type in a scene needs the joints' impulses summed over each step."""
+        """Whether some element type in a scene, as a probe, needs the joints' impulses summed over
+        each step."""
         return any(kind.reads_impulses(scene) for kind in scene.kinds)
 
     def check(self, scene):
-        """Check that no other hinge or joint of a scene has this name; SceneError if one has."""
+        """Check that no other hinge or joint of a scene has this element's name; raises SceneError
+        if one has."""
         if {self.name, self.joint} & names_taken(scene):
             raise SceneError(type(self).__name__.lower(), self.joint, "a name not yet used")
 
@@ -88,13 +90,15 @@ class JointBase(ElementType):
 
     @classmethod
     def moved(cls, scene):
-        """Indices of the particles of all elements, side by side; driven ones move otherwise."""
+        """Indices of the particles of all elements of this type in a scene, two per element,
+        element by element; the type's own kernels move these particles, unless a drive does."""
         return [p for element in cls.of(scene) for p in element.particles]
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """Recorded largest gap (m) and tilt (rad) over all elements, at every instant of one
-        sample. part: kernel arrays; lane: of the sample in its batch."""
+        """Largest gap (m) and tilt (sine, as rad) over all elements at every recorded instant of
+        one sample, as Series by variable name. part: kernel arrays after the run; scene: not used;
+        lane: index of the sample in the batch."""
         columns = zip(cls.gaps.items(), part.gaps[:, :, lane].T, ("m", "rad"), strict=True)
         return {name: Series(values, unit, words) for (name, words), values, unit in columns}
 
@@ -136,8 +140,12 @@ class Hinge(JointBase):
 
     @staticmethod
     def create(scene, name, particles, point, axis, references, opening, support) -> "Hinge":
-        """A hinge between two particles of a scene in its present position; arguments: as of
-        Scene.add_hinge. Raises SceneError if they do not fit."""
+        """A revolute hinge between two particles of a scene, as placed now; it is not added to the
+        scene. name: no other joint's; particles: pair of indices; point (3,) m: on the axis,
+        global; axis: direction (3,); references: a direction for each particle, normal to the axis,
+        equal at opening 0, None: chosen so that the opening is `opening` (rad) now; support: global
+        axes ("xyz") along which the point is held. point and axis may be (2, 3), one for each
+        particle. Raises SceneError if they do not fit."""
         pair = two_of(scene, particles, f"hinge {name}")
         if set(support) - set(AXES):
             raise SceneError(f"support of hinge {name}", support, "letters out of 'xyz'")
@@ -173,16 +181,19 @@ class Hinge(JointBase):
 
     @property
     def joint(self) -> str:
-        """Name of the hinge as a joint; of a universal joint without the name of its angle."""
+        """Name of the whole joint that the hinge belongs to: its own; of an angle of a universal
+        joint (type "universal") that without the ending "_axis"."""
         return self.name.removesuffix(ANGLES[0]) if self.type == "universal" else self.name
 
     @classmethod
     def of(cls, scene):
-        """Hinges of a scene that are solved alone; the others are among the joints (joint.py)."""
+        """Hinges of a scene of which each is solved by itself (`are_alone`); all other hinges are
+        solved as coupled joints (Joint.of)."""
         return [hinge for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True) if lone]
 
     def topology(self):
-        """What must be equal in scenes that run side by side: name, type, particles, held axes."""
+        """What must be equal in scenes that run side by side: name, type, indices of particles,
+        support axes."""
         return self.name, self.type, self.particles, self.support
 
     @classmethod
@@ -216,7 +227,8 @@ class Hinge(JointBase):
 
 
 def names_taken(scene) -> set[str]:
-    """Names of joints and hinges of a scene; of universal joints also without their angles'."""
+    """Set of the names of all joints and hinges of a scene; of a universal joint both the names of
+    its two angles and its own."""
     names = {e.name for kind, elements in scene.kinds.items() if kind.joins for e in elements}
     return names | {hinge.joint for hinge in scene.hinges}
 
@@ -237,23 +249,25 @@ def _places(scene, hinges: Sequence[Hinge]) -> np.ndarray:
 
 
 def held_axes(letters: str) -> list[bool]:
-    """Whether each of the global axes x, y, z is among some letters, as "xz"."""
+    """Three truth values: whether the global axes x, y, z are among `letters`, as "xz"."""
     return [axis in letters for axis in AXES]
 
 
 def places_of(scene, joints: Sequence[JointBase]) -> np.ndarray:
-    """Positions (j, 3), m, of the ends of the joints' first virtual beams at the start."""
+    """Positions (j, 3), m, global, of the free ends of the first virtual beams (rigid arms) of
+    `joints` (j elements of a scene), as the scene is placed now."""
     beams = [element.beams[0] for element in joints]
     return np.array([scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams])
 
 
 def are_alone(scene) -> list[bool]:
-    """Whether each hinge of a scene can be solved alone.
+    """Whether each hinge of a scene, a list in their order, can be solved alone, which is cheaper
+    than as a coupled joint.
 
-    Its particles, unless held altogether, are in no other hinge or joint and not driven; and its
-    own matrix is regular, whatever arms and axis are and become: no axis is held for both
-    particles, nor for a particle and the hinge point, one of the two may turn, and about all axes
-    or none. Nor does anything hold its opening exactly (turn.py).
+    It can if it is revolute; nothing holds its opening exactly (turn.py); its particles, unless
+    held altogether, are in no other hinge or joint and not driven; and its own matrix is regular,
+    whatever arms and axis are and become: no axis is held for both particles, nor for a particle
+    and the hinge point, one of the two may turn, and about all axes or none.
     """
     joining = [e for kind, elements in scene.kinds.items() if kind.joins for e in elements]
     uses = Counter(p for element in joining for p in element.particles)
@@ -270,8 +284,9 @@ def are_alone(scene) -> list[bool]:
 
 
 def two_of(scene, particles, owner: str) -> tuple[int, int]:
-    """Indices of two particles that something joins; SceneError unless they are two different ones
-    of the scene. particles: a pair; owner: name of what joins them, for the message."""
+    """Check that `particles`, a pair of indices, are two different particles of a scene, and return
+    them as ints; else raises SceneError. owner: name in messages of what joins them, as "hinge
+    A"."""
     first, second = (int(p) for p in particles)
     count = len(scene.position)
     if first == second or not (0 <= first < count and 0 <= second < count):
@@ -280,19 +295,22 @@ def two_of(scene, particles, owner: str) -> tuple[int, int]:
 
 
 def arms(scene, particles, point) -> tuple[VirtualBeam, VirtualBeam]:
-    """Virtual beams from two particles (indices) to a point (3,) m, or each to its own (2, 3)."""
+    """Virtual beams (rigid arms) from two particles (pair of indices) of a scene to one point (3,)
+    m, global, or from each to its own point (2, 3)."""
     return tuple(scene.arm_to(p, q) for p, q in zip(particles, of_both(point), strict=True))
 
 
 def of_both(vector) -> Sequence[np.ndarray]:
-    """A pair of vectors for two particles: one (3,) for both, or one for each (2, 3)."""
+    """A pair of vectors (3,), one for each of two particles: `vector` twice if it is (3,), or its
+    rows if it is (2, 3)."""
     vector = np.asarray(vector, float)
     return (vector, vector) if vector.ndim == 1 else np.broadcast_to(vector, (2, 3))
 
 
 def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:
-    """Whether a hinge's own matrix is regular: every impulse moves something. fixed (n, 6): whether
-    each particle is held along the global axes, and about them."""
+    """Whether the constraint matrix of a hinge by itself can be inverted: every impulse at the
+    hinge moves something. fixed (n, 6): whether each particle is held along x, y, z and about x, y,
+    z."""
     return _is_regular(hinge.support, *(fixed[p].tobytes() for p in hinge.particles))
 
 
@@ -308,7 +326,8 @@ def _is_regular(support: str, fixed1: bytes, fixed2: bytes) -> bool:
 
 
 def unit(vector, noun: str) -> np.ndarray:
-    """The vector (3,) scaled to length 1; SceneError about `noun` if it is zero or not finite."""
+    """A vector (3,) scaled to length 1; raises SceneError if it is zero or not finite. noun: what
+    the vector is, for the message, as "axis of hinge A"."""
     vector = np.asarray(vector, float)
     size = length(vector)
     if not size > 0 or not math.isfinite(size):

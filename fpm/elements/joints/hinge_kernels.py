@@ -88,8 +88,9 @@ def prepare(part, world, timing):
 
 @kernel
 def aim(part, state):
-    """Apply the impulses that would keep every hinge closed if the rates of its gaps were constant
-    over the step. part: hinge arrays; state: of the particles."""
+    """Apply the impulses that would keep every hinge closed at the end of the step if the rates of
+    its gaps stayed as they are; changes momenta in `state`, of the particles. part: arrays of all
+    hinges."""
     ends, b, w = part.ends, part.body_scratch, part.hinge_scratch
     part.open[:] = True
     for h in range(w.shape[0]):
@@ -112,15 +113,18 @@ def aim(part, state):
 
 @kernel
 def push(state, i, r, b):
-    """Add the changes DV (m/s) and DP (N m s) of bodies r, a row or pair of rows of the scratch b,
-    to the momenta of particles i."""
+    """Add the changes of velocity DV (m/s) and angular momentum DP (N m s), from rows r of `b`, the
+    working memory of bodies, to particles i in `state`, of the particles. i, r: indices or
+    pairs."""
     add3(state, i, V, get3(b, r, DV))
     add3(state, i, P, get3(b, r, DP))
 
 
 @kernel
 def push_where_far(state, i, r, b, condition):
-    """Add DV and DP to particles i as `push` does, in the lanes where `condition` is below 0."""
+    """Add the changes of velocity DV and angular momentum DP of rows r of `b`, the working memory
+    of bodies, to particles i in `state`, in the lanes (samples side by side) where `condition` is
+    below 0."""
     for k, change in ((V, DV), (P, DP)):
         add_where(state, i, k, get3(b, r, change), condition)
 
@@ -144,8 +148,8 @@ def gaps(part, state, h):
 
 @kernel
 def move_bodies(state, particles, pair, step):
-    """Move two particles, the indices `pair`, by a step (s) with their momenta. state, particles:
-    of the particles (World)."""
+    """Move two particles, indices `pair`, in `state` by a step (s) at their present momenta. state,
+    particles: arrays of all particles' states and constants (World.state, World.particles)."""
     put3(state, pair, X, step * get3(state, pair, V) + get3(state, pair, X))
     axes = frame(state, pair)
     half = half_turn(to_local(axes, get3(state, pair, P)), get3(particles, pair, HALF))
@@ -154,8 +158,8 @@ def move_bodies(state, particles, pair, step):
 
 @kernel
 def nudge(state, i, r, b, step):
-    """Push bodies r, rows of the scratch b, by DV and DP (`push`), and move their particles i by
-    these changes over a step (s)."""
+    """Add the changes DV and DP of rows r of `b`, the working memory of bodies, to the momenta of
+    particles i in `state` (`push`), and move them by what these changes give over a step (s)."""
     push(state, i, r, b)
     put3(state, i, X, step * get3(b, r, DV) + get3(state, i, X))
     turn_little(state, i, step * symmetric(get6(b, r, INVERSE), get3(b, r, DP)))
@@ -163,8 +167,9 @@ def nudge(state, i, r, b, step):
 
 @kernel
 def ask(part, state, h, rate):
-    """Set GOAL of hinge h to the rates that close its gaps within 1/rate (s): of the point (m/s),
-    of the sines of tilts (1/s), and of the support (m/s). part: hinge arrays."""
+    """Store in GOAL of hinge h (index) the rates that its impulses must produce to close its gaps
+    in the time 1/rate: -rate (1/s) times the gap (m), the sines of both tilts, and the distance of
+    its point from where it is held (m). part: arrays of all hinges; state: of the particles."""
     w = part.hinge_scratch
     point, gap, ep, eq = gaps(part, state, h)
     put3(w, h, GOAL, -rate * gap)
@@ -176,11 +181,10 @@ def ask(part, state, h, rate):
 
 @hook(Hinges)
 def move(part, world, timing):
-    """Move the particles of all hinges by a step, and close the hinges at its end.
-
-    part: hinge arrays; world: solver state; timing: times of the step (s). Gaps that the last round
-    leaves are watched.
-    """
+    """Move the particles of all hinges by a step, in up to ROUNDS rounds, and close the hinges at
+    its end by impulses. part: arrays of all hinges; world: state of the solver (positions,
+    momenta), changed; timing: times of this step (s). Gaps that the last round leaves raise
+    part.watched."""
     state, ends, open_ = world.state, part.ends, part.open
     b, w = part.body_scratch, part.hinge_scratch
     open_[:] = True
@@ -221,8 +225,9 @@ def move(part, world, timing):
 
 @hook(Hinges)
 def look_back(part, world, timing):
-    """Close the hinges a step before the start as well, in the first step only (joint_kernels.py).
-    part: hinge arrays; world: solver state; timing: times (s)."""
+    """Close the hinges also one step before the start, in the first step only: changes the momenta
+    in world.start_state, those half a step before the start (why: joint_kernels.look_back). part:
+    arrays of all hinges; world: solver state; timing: times of this step (s)."""
     start, ends, b = world.start_state, part.ends, part.body_scratch
     part.open[:] = True
     for h in range(part.hinge_scratch.shape[0]):
@@ -243,8 +248,9 @@ def look_back(part, world, timing):
 
 @kernel
 def gap_squares(part, state, h):
-    """Square of the gap of hinge h (m²), or of its distance from its support if larger, and squared
-    sine of the angle between its axes. part: hinge arrays; state: of the particles."""
+    """Square of the gap of hinge h (m²), the distance between its points on both bodies, or of its
+    point from where it is held if larger, and squared sine of the angle between its axes on both.
+    part: arrays of all hinges; state: of the particles."""
     point, gap, ep, eq = gaps(part, state, h)
     gap2 = dot(gap, gap)
     if part.supported:
@@ -255,9 +261,10 @@ def gap_squares(part, state, h):
 
 @kernel
 def distance(w, h, step, size):
-    """Margin (1: none needed; below 0: in such lanes hinge h needs another round, as its GOAL is
-    too large for `nudge`). w: scratch of the hinges; step (s); size: characteristic length of the
-    scene (m)."""
+    """Margin (lanes) of hinge h, by its GOAL (rates that impulses must produce): 1 where its gaps
+    are small enough for a last small correction (`nudge`), below 0 in lanes that need another
+    round. w: working memory of the hinges (hinge_scratch); step (s); size: scene's characteristic
+    length (m)."""
     most = coarse(step, size)
     gap, gap2 = get3(w, h, GOAL), get3(w, h, GOAL + 5)
     ep, eq = load(w, h, GOAL + 3), load(w, h, GOAL + 4)
@@ -271,15 +278,17 @@ report_gaps(Hinges, gap_squares)
 
 @hook(Hinges)
 def record_step(part, world, row, timing):
-    """Record the constraint forces (N) and moments (N m) of the step, where they are recorded.
-    part: hinge arrays; row: of the instant; timing: times of the step (s)."""
+    """Record the forces (N) and moments (N m) that hold each hinge together in this step, if
+    impulses are summed. part: arrays of all hinges; world: not used; row: index of the recorded
+    instant; timing: times of this step (s)."""
     record_sums(part.sums, part.forces, row, timing)
 
 
 @kernel
 def record_sums(sums, forces, row, timing):
-    """Record the summed impulses of the step, divided by the kick, as forces (N) and moments (N m).
-    sums, forces: those of Hinges, or None: not recorded; row: of the instant."""
+    """Store the impulses of a step, `sums` (Hinges.sums; None: nothing is done), divided by the
+    length of the kick, as forces (N) and moments (N m) in `forces` (Hinges.forces). row: index of
+    the recorded instant; timing: times of this step (s)."""
     if sums is not None:
         count = sums.shape[0]
         for h in range(count):

@@ -59,8 +59,9 @@ from fpm.kernels.vectors import (
 
 @kernel
 def solve(w, h, g, ep, eq):
-    """Impulse (3) and moment impulses about p and q that change the gap rates of hinge h by g (m/s,
-    3), ep and eq (rad/s, of the tilts). w: scratch of the hinges."""
+    """Impulse (3, N s) and moment impulses about p and q (N m s; p, q: the directions normal to the
+    axis) that change the gap rate of hinge h by g (3, m/s) and the tilt rates by ep, eq (rad/s). w:
+    working memory of the hinges, with the factorised matrices."""
     cpp, cqq, cpq = load(w, h, C), load(w, h, C + 1), load(w, h, C + 2)
     rp, rq = get3(w, h, E), get3(w, h, E + 3)
     yp, yq = cpp * ep + cpq * eq, cpq * ep + cqq * eq
@@ -71,21 +72,23 @@ def solve(w, h, g, ep, eq):
 
 @kernel
 def is_held(part, h):
-    """Whether the point of hinge h is held along any global axis. part: hinge arrays (Hinges)."""
+    """Whether the point of hinge h is held along any global axis. part: arrays of all hinges
+    (Hinges)."""
     axes = part.fixed_axes
     return axes[h, 0] + axes[h, 1] + axes[h, 2] > 0
 
 
 @kernel
 def entry(i, k):
-    """Index of element i, k of a symmetric matrix stored as (xx, yy, zz, xy, xz, yz)."""
+    """Index of element i, k (0 to 2) of a symmetric 3 by 3 matrix stored as (xx, yy, zz, xy, xz,
+    yz)."""
     return i if i == k else 2 + i + k
 
 
 @kernel
 def response(b, h, axis):
-    """Velocity (3, m/s) of the point of hinge h on body 1 by a unit impulse there along a global
-    axis (0 to 2). b: scratch of the bodies."""
+    """Velocity (3, m/s per N s) of the point of hinge h on body 1 by a unit impulse there along the
+    global `axis` (0, 1, 2: x, y, z). b: working memory of the bodies (body_scratch)."""
     x, y, z = entry(axis, 0), entry(axis, 1), entry(axis, 2)
     row, k = 2 * h, RESPONSE
     return vector(load(b, row, k + x), load(b, row, k + y), load(b, row, k + z))
@@ -94,13 +97,11 @@ def response(b, h, axis):
 @kernel
 def moved(part, h, axis, force, mp, mq):
     """Velocity (m/s) along a global axis (0, 1, 2: x, y, z) that impulses at hinge h give its point
-    on body 1, the one that a support may hold.
-
-    force (3): impulse (N s) on body 1; mp, mq: moment impulses (N m s) on body 2, against body 1,
-    about p and q, the two directions normal to the hinge's axis. The matrix is symmetric: the
-    factors of mp and mq are also the rates of the tilts about p and q (1/s per N s) by an impulse
-    of a support along that axis on the point. part: hinge arrays (Hinges).
-    """
+    on body 1, the one that a support may hold. force (3): impulse (N s) on body 1; mp, mq: moment
+    impulses (N m s) on body 2, against body 1, about p and q, the two directions normal to the
+    hinge's axis. The matrix is symmetric: the factors of mp and mq are also the rates of the tilts
+    about p and q (1/s per N s) by an impulse of a support along that axis on the point. part:
+    arrays of all hinges."""
     w = part.hinge_scratch
     p, q = load(w, h, TILTS + 2 * axis), load(w, h, TILTS + 2 * axis + 1)
     return dot(response(part.body_scratch, h, axis), force) + (p * mp + q * mq)
@@ -108,8 +109,8 @@ def moved(part, h, axis, force, mp, mq):
 
 @kernel
 def prepare_supports(part):
-    """Build and invert the matrix of the support impulses of all hinges, a Schur complement, for
-    the step. part: hinge arrays."""
+    """Build and invert, for the step, the matrix of the impulses that hold hinge points along
+    global axes (a Schur complement), stored in part.hinge_scratch. part: arrays of all hinges."""
     axes, b, w = part.fixed_axes, part.body_scratch, part.hinge_scratch
     for h in range(w.shape[0]):
         if not is_held(part, h):
@@ -136,7 +137,9 @@ def prepare_supports(part):
 
 @kernel
 def hold_point(part, h):
-    """Add support impulses of hinge h to those that close it, FORCE1 and MP. part: hinge arrays."""
+    """Add the impulses that hold the point of hinge h along global axes, and change those that
+    close the hinge accordingly: FORCE1, FORCE2, MP and HOLD in part.hinge_scratch. part: arrays of
+    all hinges."""
     axes, w = part.fixed_axes, part.hinge_scratch
     force, mp, mq = get3(w, h, FORCE1), load(w, h, MP), load(w, h, MP + 1)
     for axis in range(3):
@@ -158,8 +161,8 @@ def hold_point(part, h):
 
 @kernel
 def world_inverse(axes, j):
-    """Inverse inertia in global components (xx, yy, zz, xy, xz, yz). axes: the body's principal
-    axes, global; j: inverse inertias about them (3)."""
+    """Inverse inertia of a body in global components (xx, yy, zz, xy, xz, yz), 1/(kg m²). axes: its
+    three principal axes, global; j: inverse inertias about them (3)."""
     a, b, _ = axes
     # The dyads of the three axes add up to the unit matrix, which spares the third.
     ja, jb = (j.x - j.z) * a, (j.y - j.z) * b
@@ -175,8 +178,8 @@ def world_inverse(axes, j):
 
 @kernel
 def spins(j, r):
-    """Angular velocities J^-1 (r x e) by unit impulses along the three global axes e at arm r (m,
-    3). j: inverse inertia J^-1 (6, global)."""
+    """Angular velocities J^-1 (r x e) of a body, three vectors, by unit impulses along the global
+    axes e at a point; r (m, 3): arm to it from the centre; j: inverse inertia J^-1 (6, global)."""
     xx, yy, zz, xy, xz, yz = j
     return (
         vector(xy * r.z - xz * r.y, yy * r.z - yz * r.y, yz * r.z - zz * r.y),
@@ -187,8 +190,8 @@ def spins(j, r):
 
 @kernel
 def point_response(inverse_mass, spins, r):
-    """Velocity of a point at arm r (m, 3) by unit impulses there: a symmetric matrix (6).
-    inverse_mass: along the global axes (3); spins: of `spins` at r."""
+    """Velocity of a body's point by unit impulses there, a symmetric matrix (xx, yy, zz, xy, xz,
+    yz). inverse_mass: along the global axes (3); spins: by the function `spins`; r (m, 3): arm."""
     ux, uy, uz = spins
     return (
         inverse_mass.x + (r.z * ux.y - r.y * ux.z),
@@ -202,8 +205,9 @@ def point_response(inverse_mass, spins, r):
 
 @kernel
 def prepare_bodies(world, part, kick):
-    """Save each body's state, kick it over the time `kick` (s), and find its response; of the first
-    of a hinge also the two directions normal to the axis. part: hinge arrays."""
+    """Save the state of each body of a hinge, change its momenta by the forces over the time `kick`
+    (s), and store its inverse inertia and response to impulses; of each hinge's first body also the
+    two directions normal to the axis. world: solver state; part: arrays of all hinges."""
     state, bodies, w = world.state, part.bodies, part.body_scratch
     for r in range(part.ends.shape[0]):
         i = part.ends[r]
@@ -236,7 +240,8 @@ def prepare_bodies(world, part, kick):
 
 @kernel
 def pair_sum(b, h, field):
-    """Sum over both bodies of hinge h of a symmetric matrix (6) at `field` of their scratch b."""
+    """Sum over both bodies of hinge h of the symmetric matrix (6) that starts at index `field` in
+    their rows of `b`, the working memory of bodies."""
     first, second = get6(b, 2 * h, field), get6(b, 2 * h + 1, field)
     return (
         first[0] + second[0],
@@ -250,8 +255,8 @@ def pair_sum(b, h, field):
 
 @kernel
 def prepare_matrices(part):
-    """Build and factorise the matrix of every hinge, for the step. part: hinge arrays, with the
-    bodies' responses of `prepare_bodies`."""
+    """Build and factorise, for the step, the matrix by which impulses at each hinge change its gap
+    rates; stored in part.hinge_scratch. part: arrays of all hinges, after `prepare_bodies`."""
     b, w = part.body_scratch, part.hinge_scratch
     for h in range(w.shape[0]):
         row1, row2 = 2 * h, 2 * h + 1
@@ -286,8 +291,9 @@ def prepare_matrices(part):
 
 @kernel
 def find_impulses(part):
-    """Find impulses that change the gap rates of every open hinge by its GOAL; stored in FORCE1,
-    FORCE2, MP, and as changes DV and DP of the bodies. part: hinge arrays."""
+    """Find impulses that change the gap rates of every open hinge (part.open) by its GOAL; stored
+    in FORCE1, FORCE2, MP of part.hinge_scratch, and as changes DV (m/s) and DP (N m s) of its
+    bodies in part.body_scratch. part: arrays of all hinges."""
     bodies, b, w, open_ = part.bodies, part.body_scratch, part.hinge_scratch, part.open
     for h in range(w.shape[0]):
         if open_[h]:

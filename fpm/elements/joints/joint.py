@@ -40,8 +40,9 @@ from fpm.errors import SceneError
 
 
 class JointType(NamedTuple):
-    """Type of joint: its number (joint_arrays.py), and how many conditions (constraint equations)
-    it has; None: not fixed, or not a type that a user states."""
+    """Type of joint. number: the kernels' constant for it (joint_arrays.py); conditions: how many
+    scalar constraint equations it has; None: their number varies, or users cannot state the
+    type."""
 
     number: int
     conditions: int | None = None
@@ -65,12 +66,13 @@ EASE = {8: 1e-10, 4: 1e-5}
 
 @dataclass(frozen=True)
 class Joint(JointBase):
-    """A joint between the free ends of two virtual beams.
+    """A joint between the free ends of two virtual beams (rigid arms from particles).
 
-    type: one of TYPES. axes (2, 3): the axis in each particle's own frame, one and the same but for
-    universal joints, where they are normal to each other; references (2, 3): a direction normal to
-    the axis in each frame, one and the same at the start. A type of "held" has one virtual beam,
-    whose end is held along the global axes `support_axes`.
+    type: a key of TYPES, as "spherical" or "fixed". axes (2, 3): the axis in each particle's own
+    frame, one and the same but for universal joints, where they are normal to each other;
+    references (2, 3): a direction normal to the axis in each frame, one and the same at the start.
+    A type of "held" has one virtual beam, whose end is held along the global axes `support_axes`,
+    as "xz".
     """
 
     name: str
@@ -125,7 +127,9 @@ class Joint(JointBase):
 
     @staticmethod
     def slide(scene, name, particles, point, axis, opening: float) -> Hinge:
-        """A slide between two particles of a scene; arguments: as of Scene.add_slide."""
+        """A slide (prismatic joint) between two particles of a scene, as a Hinge whose opening is a
+        length; not added to the scene. name: no other's; particles: pair of indices; point (3,) m
+        and axis (3,), global: of the line of sliding; opening: its value now (m)."""
         joint = Joint.create(scene, name, "prismatic", particles, point, axis)
         check_number(f"opening of slide {name}", opening, Number(), "m")
         hinge = Hinge(
@@ -135,7 +139,9 @@ class Joint(JointBase):
 
     @staticmethod
     def universal(scene, name, particles, point, axis, axis2, openings) -> tuple[Hinge, Hinge]:
-        """Both angles of a universal joint, each a Hinge; arguments: as of Scene.add_universal."""
+        """Both angles of a universal joint, each a Hinge, not added to the scene. name: no other's;
+        particles: pair of indices; point (3,) m; axis, axis2 (3,): fixed in the first and second
+        particle, normal to each other; openings: the two angles now (rad)."""
         joint = Joint.create(scene, name, "universal", particles, point, axis, axis2)
         u, w = (scene.frame[p] @ a for p, a in zip(joint.particles, joint.axes, strict=True))
         hinges = []
@@ -160,8 +166,9 @@ class Joint(JointBase):
 
     @staticmethod
     def holding(scene, name, particle: int, point, axes: str) -> "Joint":
-        """A point of a particle that is held along global axes, where it is. particle: index; point
-        (3,) m; axes: letters out of "xyz", at least one, else SceneError."""
+        """A "held" joint, not added to the scene: it keeps a point of a particle in its present
+        place along some global axes. name: for messages; particle: index; point (3,) m, global;
+        axes: letters out of "xyz", at least one, else SceneError."""
         if not axes or set(axes) - set(AXES):
             raise SceneError(f"axes of support {name}", axes, "letters out of 'xyz'")
         zeros = np.zeros((2, 3))
@@ -169,22 +176,25 @@ class Joint(JointBase):
 
     @property
     def conditions(self) -> int:
-        """Number of scalar conditions that the joint imposes, 1 to 6."""
+        """Number of scalar constraint equations that the joint imposes, 1 to 6."""
         return 1 if self.holds_opening else TYPES[self.type].conditions or len(self.support_axes)
 
     @property
     def holds_opening(self) -> bool:
-        """Whether the joint holds the opening of a hinge, and keeps nothing together itself."""
+        """Whether the joint only holds the opening of a hinge or slide at a value, for a motor,
+        release, latch or friction; it does not itself keep two particles together."""
         return self.type in ("opening", "slid")
 
     def topology(self):
-        """What must be equal in scenes that run side by side: name, type, particles, held axes."""
+        """What must be equal in scenes that run side by side: name, type, indices of particles,
+        held axes."""
         return self.name, self.type, self.particles, self.support_axes
 
     @classmethod
     def of(cls, scene):
-        """Joints of a scene that are solved together: those stated as such, hinges that are not
-        solved alone, and conditions that hold openings."""
+        """Joints of a scene that are solved together, a list: those added as joints, those made
+        from hinges that are not solved alone (`are_alone`), and those that hold openings
+        exactly."""
         joints = list(scene.kinds.get(cls, []))
         for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True):
             if not lone:
@@ -248,8 +258,9 @@ class Joint(JointBase):
 
 
 def as_joints(hinge: Hinge) -> Sequence[Joint]:
-    """Joints that do what a hinge does: itself as a joint and, if it has one, its support; none for
-    the second angle of a universal joint, which is one with the first."""
+    """Joints (none, one or two) that do what a `hinge` does, in place of it: itself as a Joint and,
+    if its point is held, a "held" one; none for the second angle ("cross") of a universal joint,
+    which the first angle's joint includes."""
     if hinge.type == "cross":
         return []
     name, axes = hinge.joint, hinge.axes

@@ -58,9 +58,14 @@ GAP, TILT = 0, 1  # watched, and recorded: the same places as of hinges, which s
 
 
 class Pattern(NamedTuple):
-    """The matrix of the joints' impulses in blocks, in the order in which they are eliminated.
+    """Which blocks of the joints' matrix are not zero, and where, in the order in which joints are
+    eliminated; block (j, k) stands row by row from an `offset` in the matrix. All integers.
 
-    A block (j, k) is at `offset` in the matrix, row by row. Integers only.
+    first, count (j,): first row (constraint equation) of each joint, and how many; diagonal (j,):
+    offsets of blocks (j, j); meets (m, 5): joint, other joint, side of each that shares a body, and
+    offset of the block to which that adds; below_start (j + 1,): where each joint's rows begin in
+    followers (b, 2): later joint coupled to it, offset of that block; update_start (j + 1,): the
+    same in updates (u, 5): joint, other, offsets of both factors and of the block they change.
     """
 
     first: np.ndarray  # (j,) first row of each joint
@@ -74,16 +79,30 @@ class Pattern(NamedTuple):
 
 
 class Turns(NamedTuple):
-    """State shared by the joints' solver and the elements that hold t openings exactly; its fields
-    are HOLDS to SOLVED_IMPULSE."""
+    """Openings held exactly, t of them: shared by the joints' solver and the elements that hold.
+    state (t, TURN, lanes): held or free, target, rate, impulses (fields HOLDS to SOLVED_IMPULSE);
+    blow (1, 1, lanes): when an impact comes in this step, as a share of it."""
 
     state: np.ndarray  # (t, TURN, lanes)
     blow: np.ndarray  # (1, 1, lanes) when a blow comes, in steps from the start of this one
 
 
 class Joints(NamedTuple):
-    """Arrays of joints that are solved together; joint j has the sides 2j and 2j + 1, in the order
-    of elimination. Sizes: j joints, b bodies, r conditions, t held openings."""
+    """Arrays of all joints that are solved together: j joints in order of elimination, with two
+    sides each (2j and 2j + 1), b bodies (particles), r scalar constraint equations ("rows"), lanes:
+    samples side by side; t held openings.
+
+    types (j,): constants REVOLUTE to SLIDE; names (j,): the joint's index in the scene; slots
+    (2j,): body of each side, -1 for none; sides: arm, axis, reference; places (j, 3, lanes), m, and
+    fixed_axes (j, 3): where, and along which axes, a point is held; on (b,): particle of each body;
+    is_driven (b,): whether a drive moves it; bodies: constants; body_scratch, rows, matrix: working
+    memory (fields above the class); pattern: the matrix's blocks; ease: share added to its
+    diagonal; account: index of the drives' work in World.accounts; watched: largest gap (m) and
+    tilt (sine) so far; excess: how bad each joint is; gaps: those recorded; sums, forces: impulses
+    of this step (N s, N m s) and recorded forces (N, N m), None if nothing reads them; turns
+    (Turns), turn_of (j,), turn_at (t,): held openings, their index by joint (-1: none), and their
+    joints.
+    """
 
     types: np.ndarray  # (j,)
     names: np.ndarray  # (j,) number of each in the scene
@@ -111,4 +130,5 @@ class Joints(NamedTuple):
 
 
 class TurnedJoints(Joints):
-    """Arrays of joints among which some hold openings exactly: `turns` is given."""
+    """Joints of which some hold openings exactly, so that `turns`, turn_of and turn_at are not
+    None; a type of its own, for which other kernels run (turn_kernels.py)."""

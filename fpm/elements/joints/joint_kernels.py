@@ -74,8 +74,10 @@ from fpm.kernels.vectors import (
 
 @hook(Joints)
 def prepare(part, world, timing):
-    """Kick the bodies of all joints (update their momenta by the forces), and apply the aimed
-    impulses; all forces must be summed. part: joint arrays (Joints); timing: times (s)."""
+    """Update the momenta of the bodies of all joints by the forces, summed before, over the kick,
+    and apply impulses that would keep the joints closed if the rates of their gaps stayed as they
+    are. part: arrays of all joints; world: state of the solver, changed; timing: times of this step
+    (s)."""
     clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
     find_rows(part, world.state)
@@ -88,8 +90,9 @@ def prepare(part, world, timing):
 
 @kernel
 def kick_bodies(part, state, kick):
-    """Save the bodies' state, kick all over the time `kick` (s) except those that a drive moves,
-    and store their inverse inertias. part: joint arrays; state: of the particles."""
+    """Save the state of all bodies, update the momenta of those that no drive moves by their forces
+    over the time `kick` (s), and store their inverse inertias in part.body_scratch. part: arrays of
+    all joints; state: of the particles, changed."""
     bodies, b = part.bodies, part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]
@@ -108,8 +111,9 @@ def kick_bodies(part, state, kick):
 
 @kernel
 def find_spin(part, state, s):
-    """Angular velocity (rad/s, 3, global) of body s, about the axes about which it may turn; of a
-    driven body that of the last step. part: joint arrays; state: of the particles."""
+    """Angular velocity (rad/s, 3, global) of body s (index), with components only about axes about
+    which it may turn; of a driven body that of the step before. part: arrays of all joints; state:
+    of the particles."""
     b, turns = part.body_scratch, get3(part.bodies, s, TURNS)
     if part.is_driven[s]:
         return get3(b, s, LAST_SPIN)
@@ -118,9 +122,9 @@ def find_spin(part, state, s):
 
 @kernel
 def find_rates(part, state):
-    """Store in RESIDUAL the rates (m/s, rad/s) of all gaps, the constraint residuals, that the
-    impulses have to cancel, with what was missing in the step before (MISS). part: joint arrays;
-    state: of the particles."""
+    """Store in RESIDUAL of part.rows, for every constraint equation, the rate of its gap (m/s,
+    rad/s) that impulses have to cancel, plus what was missed in the step before (MISS). part:
+    arrays of all joints; state: of the particles."""
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
     for s in range(part.on.shape[0]):
         put3(b, s, SPIN, find_spin(part, state, s))
@@ -138,8 +142,8 @@ def find_rates(part, state):
 
 @kernel
 def push_all(part, state):
-    """Apply the impulses of `find_impulses` to all bodies, and add them to the sums of the step.
-    part: joint arrays; state: of the particles."""
+    """Apply the impulses of `find_impulses` to all bodies' momenta, and add them to the step's
+    sums. part: arrays of all joints; state: of the particles, changed."""
     for s in range(part.on.shape[0]):
         push(part, state, s)
     count_joints(part, ALL)
@@ -147,10 +151,9 @@ def push_all(part, state):
 
 @kernel
 def find_impulses(part, factor):
-    """Find impulses that change the rates of gaps by `factor` times RESIDUAL. part: joint arrays.
-
-    They are stored in IMPULSE, and by body in FORCE (N s) and MOMENT (N m s).
-    """
+    """Find impulses that change the rate of every gap by `factor` times RESIDUAL. They are stored
+    in IMPULSE of part.rows, and summed by body in FORCE (N s) and MOMENT (N m s) of
+    part.body_scratch. part: arrays of all joints; factor: a number, as -1 or -1/step (1/s)."""
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
     for r in range(rows.shape[0]):
         store(rows, r, IMPULSE, factor * load(rows, r, RESIDUAL))
@@ -177,8 +180,8 @@ def find_impulses(part, factor):
 
 @kernel
 def push(part, state, s):
-    """Add FORCE (N s) and MOMENT (N m s) to the momenta of body s, unless it is driven, and to its
-    sums of the step. part: joint arrays; state: of the particles."""
+    """Add the impulses FORCE (N s) and MOMENT (N m s) of body s (index) to its momenta, unless it
+    is driven, and to its sums of the step. part: arrays of all joints; state: of the particles."""
     b, i = part.body_scratch, part.on[s]
     force, moment = get3(b, s, FORCE), get3(b, s, MOMENT)
     if not part.is_driven[s]:
@@ -190,7 +193,8 @@ def push(part, state, s):
 
 @kernel
 def push_where_far(part, state, s, condition):
-    """Add FORCE and MOMENT to body s as `push` does, in the lanes where `condition` is below 0."""
+    """Add FORCE (N s) and MOMENT (N m s) of body s to its momenta and sums (`push`), in the lanes
+    (samples) where `condition` is below 0. part: arrays of all joints; state: of the particles."""
     b, i = part.body_scratch, part.on[s]
     inverse_mass = get3(part.bodies, s, AXIS_IM)
     force, moment = get3(b, s, FORCE), get3(b, s, MOMENT)
@@ -203,8 +207,9 @@ def push_where_far(part, state, s, condition):
 
 @kernel
 def move_bodies(part, state, repeat, step):
-    """Move all bodies that are not driven by a step (s) with their momenta. part: joint arrays;
-    state: of the particles; repeat: whether to go back to the start of the step first."""
+    """Move all bodies that no drive moves by a `step` (s) at their present momenta. part: arrays of
+    all joints; state: of the particles, changed; repeat: whether to restore their positions at the
+    start of the step first."""
     b = part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]
@@ -220,8 +225,9 @@ def move_bodies(part, state, repeat, step):
 
 @kernel
 def nudge(part, state, s, step):
-    """Push body s by its impulses (`push`), and move it by the change of its momenta over a step
-    (s). part: joint arrays; state: of the particles."""
+    """Add the impulses of body s to its momenta (`push`), and move it by what they change over a
+    `step` (s), to close small gaps. part: arrays of all joints; state: of the particles,
+    changed."""
     b, i = part.body_scratch, part.on[s]
     push(part, state, s)
     if not part.is_driven[s]:
@@ -232,11 +238,9 @@ def nudge(part, state, s, step):
 
 @hook(Joints)
 def move(part, world, timing):
-    """Move the bodies of all joints by a step, and close the joints at its end.
-
-    part: joint arrays; world: solver state; timing: times of the step (s). Gaps that the last round
-    leaves are watched.
-    """
+    """Move the bodies of all joints by a step, in up to ROUNDS rounds, and close the joints at its
+    end by impulses. part: arrays of all joints; world: state of the solver (positions, momenta),
+    changed; timing: times of this step (s). Gaps that the last round leaves raise part.watched."""
     state, rows = world.state, part.rows
     inverse_step = 1.0 / timing.step
     most = coarse(1.0, load(world.size, 0, 0))
@@ -268,8 +272,9 @@ def move(part, world, timing):
 
 @hook(Joints)
 def look_back(part, world, timing):
-    """Close the joints a step before the start as well, by the momenta half a step before it.
-    Called once, in the first step. part: joint arrays; world: solver state; timing: times (s).
+    """Close the joints also one step before the start, in the first step only: changes the momenta
+    in world.start_state, those half a step before it. part: arrays of all joints; timing: times
+    (s).
 
     The impulses of the first kick also close gaps of the third order in the step. As those of all
     other steps do so before and after an instant, alike, the momenta change over an instant by what
@@ -285,8 +290,8 @@ def look_back(part, world, timing):
 
 @kernel
 def move_back(part, start, step):
-    """Move the bodies from the start to the end of a step (s) before it. part: joint arrays; start:
-    state of the particles at the start (World.start_state)."""
+    """Move all bodies from the start of the run to one `step` (s) before it. part: arrays of all
+    joints; start: state of the particles (World.start_state), changed."""
     for s in range(part.on.shape[0]):
         i = part.on[s]
         put3(start, i, X, get3(start, i, X) - step * get3(start, i, V))
@@ -300,8 +305,9 @@ def move_back(part, start, step):
 
 @kernel
 def close_before(part, start, step):
-    """Close the gaps in RESIDUAL by the momenta before the start, and restore the bodies'
-    positions. part: joint arrays; start: World.start_state; step (s)."""
+    """Change the momenta before the start so that the gaps in RESIDUAL, those one `step` (s) before
+    it, close; then restore the bodies' positions at the start. part: arrays of all joints; start:
+    state of the particles (World.start_state), changed."""
     b = part.body_scratch
     find_impulses(part, -0.5 / step)
     for s in range(part.on.shape[0]):
@@ -317,8 +323,9 @@ def close_before(part, start, step):
 
 @hook(Joints)
 def work_after(part, world, timing):
-    """Add the work (J) of drives against the impulses of joints on driven bodies to their account.
-    part: joint arrays; world: solver state; timing: times of the step (s)."""
+    """Add the work (J) that drives do against the joints' impulses on driven bodies, over this
+    step, to the energy account part.account in world.accounts. part: arrays of all joints; world:
+    state of the solver; timing: times of this step (s)."""
     state, b = world.state, part.body_scratch
     total = 0.0 * load(state, 0, X)
     for s in range(part.on.shape[0]):
@@ -348,8 +355,9 @@ def work_after(part, world, timing):
 
 @hook(Joints)
 def work_due(part, world, energies, row):
-    """Add to a recorded row the work (J) of drives, from the start to its instant, by the impulses
-    of the step after it. part: joint arrays; energies: Record.energies; row: of the instant."""
+    """Add to column ACCOUNTS + part.account of `energies` the drives' work (J) that belongs before
+    the recorded instant though the next step's impulses do it. part: arrays of all joints; world:
+    not used; energies (instants, columns, lanes): Record.energies; row: index of the instant."""
     account = ACCOUNTS + part.account
     for s in range(part.on.shape[0]):
         if part.is_driven[s]:
@@ -362,19 +370,19 @@ report_gaps(Joints, find_gaps)
 
 @hook(Joints)
 def record_step(part, world, row, timing):
-    """Record the constraint forces (N) and moments (N m) of the step, where they are recorded.
-    part: joint arrays; row: of the instant; timing: times of the step (s)."""
+    """Record the forces (N) and moments (N m) that hold each joint together in this step, if
+    impulses are summed. part: arrays of all joints; row: index of the recorded instant; timing:
+    times (s)."""
     record_sums(part.sums, part, row, timing)
 
 
 @kernel
 def record_sums(sums, part, row, timing):
-    """Record the impulses summed over the step, divided by the kick, as forces (N) and moments (N
-    m) in the scene's order of joints.
-
-    sums: part.sums, or None where they are not recorded; part: joint arrays; row: of the instant;
-    timing: times of the step (s). Only moments about axes about which a body may turn count.
-    """
+    """Store the impulses of a step, divided by the length of the kick, as forces (N) and moments (N
+    m) on both bodies of each joint in part.forces, in the scene's order of joints. sums: part.sums,
+    None where nothing reads them; part: arrays of all joints; row: index of the recorded instant;
+    timing: times of this step (s). Moments about axes about which a body cannot turn are left
+    out."""
     if sums is not None:
         rows, pattern, count = part.rows, part.pattern, part.types.shape[0]
         for j in range(count):

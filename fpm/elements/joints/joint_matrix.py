@@ -16,8 +16,9 @@ from fpm.kernels.vectors import dot, get3, kernel, larger, times
 
 @kernel
 def build(part):
-    """Store the lower blocks of A, the diagonal raised, and in PIVOT its diagonal as it is. part:
-    joint arrays (Joints), with the conditions of `find_rows`."""
+    """Build the matrix A of all joints (rates of gaps by unit impulses; lower blocks, diagonal
+    raised by the share part.ease) in part.matrix, and store its own diagonal in PIVOT of part.rows.
+    part: arrays of all joints, after `find_rows`."""
     pattern, rows, matrix = part.pattern, part.rows, part.matrix
     for e in range(matrix.shape[0]):
         store(matrix, e, 0, 0.0)
@@ -46,8 +47,8 @@ def build(part):
 
 @kernel
 def factorise(part):
-    """Replace the blocks of A, as built, by the blocks of its Cholesky factor, and PIVOT by the
-    inverse of its diagonal. part: joint arrays."""
+    """Replace the matrix in part.matrix, as `build` left it, by its Cholesky factor, and PIVOT of
+    part.rows by the inverse of the factor's diagonal. part: arrays of all joints."""
     pattern, rows, matrix = part.pattern, part.rows, part.matrix
     for j in range(pattern.count.shape[0]):
         first, size, start = pattern.first[j], pattern.count[j], pattern.diagonal[j]
@@ -94,8 +95,8 @@ def factorise(part):
 
 @kernel
 def substitute(part):
-    """Replace the right side in IMPULSE by the impulses, A^-1 times it. part: joint arrays, with
-    the factors of A."""
+    """Solve for the impulses: replace the right side in IMPULSE of part.rows (changes of gap rates,
+    m/s, rad/s) by A^-1 times it (N s, N m s). part: arrays of all joints, after `factorise`."""
     pattern, rows, matrix = part.pattern, part.rows, part.matrix
     count = pattern.count.shape[0]
     for j in range(count):

@@ -13,10 +13,9 @@ from fpm.elements.joints.joint_arrays import Pattern
 
 
 def neighbours(slots: np.ndarray, movable: np.ndarray) -> list[set[int]]:
-    """For each joint the indices of the joints that share a movable body with it.
-
-    slots (j, 2): bodies of the sides, -1 for none; movable (b,): whether a body can move.
-    """
+    """For each joint the set of indices of the joints that share a movable body with it. slots (j,
+    2): indices of the bodies at its two sides, -1 for none; movable (b,): whether each body can
+    move."""
     by_slot: dict[int, list[int]] = {}
     for joint, sides in enumerate(slots):
         for slot in {int(s) for s in sides if s >= 0 and movable[s]}:
@@ -31,8 +30,9 @@ def neighbours(slots: np.ndarray, movable: np.ndarray) -> list[set[int]]:
 
 
 def elimination(graph: Sequence[set[int]]) -> tuple[list[int], list[list[int]]]:
-    """Order of elimination of joints (indices), and for each joint in it the later ones that it is
-    coupled to then, as sorted places in the order. graph: of each joint its `neighbours`."""
+    """Order in which to eliminate joints from their equations (a list of indices), and for each
+    place in it the sorted later places that it is then coupled to. graph: `neighbours` of each
+    joint."""
     active = {joint: set(members) for joint, members in enumerate(graph)}
     by_degree: dict[int, set[int]] = {}
     for joint, members in active.items():
@@ -55,11 +55,10 @@ def elimination(graph: Sequence[set[int]]) -> tuple[list[int], list[list[int]]]:
 
 
 def pattern(counts, slots, movable, followers: list[list[int]]) -> tuple[Pattern, int]:
-    """Pattern of the blocks of the joints' matrix, and its number of entries.
-
-    counts (j,): conditions of each joint; slots (j, 2): bodies of its sides; both in order of
-    elimination; movable (b,): whether a body can move; followers: of `elimination`.
-    """
+    """Layout of the blocks of the joints' matrix (Pattern), and the matrix's number of entries.
+    counts (j,): scalar constraint equations of each joint; slots (j, 2): bodies at its sides, -1
+    for none; both in order of elimination; movable (b,): whether each body can move; followers:
+    second result of `elimination`."""
     count = np.asarray(counts, np.int64)
     offsets: dict[tuple[int, int], int] = {}
     entries = 0

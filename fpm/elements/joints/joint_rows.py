@@ -43,8 +43,9 @@ FULL = 2 * math.pi
 
 @kernel
 def put_row(part, state, j, r, linear, turn1, turn2):
-    """Store condition r of joint j: its direction `linear`, and the moments turn1, turn2 of a unit
-    impulse on its bodies (3 each, global). part: joint arrays; state: of the particles."""
+    """Store constraint equation r of joint j in part.rows: the unit direction `linear` (0 if none)
+    and the moments turn1, turn2 (3 each, global) that its unit impulse puts on the joint's first
+    and second body. part: arrays of all joints; state: of the particles."""
     put3(part.rows, r, DIRECTION, linear)
     put_turn(part, state, part.slots[2 * j], r, 0, turn1)
     if part.slots[2 * j + 1] >= 0:
@@ -53,12 +54,10 @@ def put_row(part, state, j, r, linear, turn1, turn2):
 
 @kernel
 def put_turn(part, state, slot, r, k, turn):
-    """Store the moment `turn` (m, 3) of a unit impulse on the body `slot` in fields k (0, 3: first,
-    second side) of row r, and its product with the root of the body's inverse inertia.
-
-    The products come from roots in the body's own axes, so that they form a matrix that is not
-    negative, however slender the body.
-    """
+    """Store in row r of part.rows the moment `turn` (m, 3, global) that a unit impulse puts on body
+    `slot` (index), and its product with the root of the body's inverse inertia, in the body's own
+    axes, so that the matrix of these is never negative. part: arrays of all joints; state: of the
+    particles; k: 0 for the joint's first side, 3 for its second."""
     turn = times(get3(part.bodies, slot, TURNS), turn)
     own = to_local(frame(state, part.on[slot]), turn)
     put3(part.rows, r, TURN1 + k, turn)
@@ -67,8 +66,9 @@ def put_turn(part, state, slot, r, k, turn):
 
 @kernel
 def place(part, state, j, side):
-    """Position (m) of the particle on a side (0, 1) of joint j, its frame, and the joint's point on
-    it (m), global. part: joint arrays; state: of the particles."""
+    """Position (m, 3) of the particle at a `side` (0: first, 1: second) of joint j, its axes (three
+    unit vectors), and the joint's point on it (m, 3), all global. part: arrays of all joints;
+    state: of the particles."""
     i = part.on[part.slots[2 * j + side]]
     axes = frame(state, i)
     x = get3(state, i, X)
@@ -77,8 +77,9 @@ def place(part, state, j, side):
 
 @kernel
 def directions(part, j, first):
-    """Axis and reference of the first side of joint j, and the direction normal to both: unit
-    vectors, global. part: joint arrays; first: frame of the side's particle."""
+    """Axis of joint j, its reference direction (normal to the axis), and the direction normal to
+    both: unit vectors on its first side, global. part: arrays of all joints; first: axes of the
+    particle there."""
     axis = to_global(first, get3(part.sides, 2 * j, AXIS))
     p = to_global(first, get3(part.sides, 2 * j, REFERENCE))
     return axis, p, cross(axis, p)
@@ -86,7 +87,8 @@ def directions(part, j, first):
 
 @kernel
 def unit_vectors(like):
-    """The global unit vectors x, y, z as vectors of lanes; like: a lane of the type wanted."""
+    """The unit vectors along global x, y, z, each with the same value in all lanes (samples). like:
+    a number in lanes, only for its type."""
     zero = 0.0 * like
     unity = zero + 1.0
     return vector(unity, zero, zero), vector(zero, unity, zero), vector(zero, zero, unity)
@@ -94,8 +96,9 @@ def unit_vectors(like):
 
 @kernel
 def find_rows(part, state):
-    """Store the conditions of all joints, rows of their Jacobian, for the bodies' present state.
-    part: joint arrays (Joints); state: of the particles."""
+    """Store all joints' constraint equations in part.rows: by which velocities and spins of the
+    bodies, as placed now, the gaps grow (Jacobian). part: arrays of all joints; state: of the
+    particles."""
     for j in range(part.types.shape[0]):
         if put_opening_row(part.turns, part, state, j):
             continue
@@ -144,9 +147,9 @@ def find_rows(part, state):
 
 @kernel
 def find_gaps(part, state, j):
-    """Store the gaps (constraint residuals) of joint j in RESIDUAL: of points (m), and of
-    directions, cosines of angles that should be right; returns the sum of squares of either. part:
-    joint arrays; state: of the particles."""
+    """Store the gaps of joint j in RESIDUAL of its rows: between its points (m), and sines of how
+    far its directions are off; returns the sum of squares of the former (m²) and of the latter.
+    part: arrays of all joints; state: of the particles."""
     if is_opening(part.turns, part, j):
         gap = opening_gap(part.turns, part, state, j)
         store(part.rows, part.pattern.first[j], RESIDUAL, gap)
@@ -203,7 +206,8 @@ def find_gaps(part, state, j):
 
 @kernel
 def put_gap(rows, r, gap):
-    """Store the three components of a gap (m) as RESIDUAL of the conditions r, r + 1, r + 2."""
+    """Store the components x, y, z of a gap (m) as RESIDUAL of the rows r, r + 1, r + 2. rows:
+    Joints.rows."""
     store(rows, r, RESIDUAL, gap.x)
     store(rows, r + 1, RESIDUAL, gap.y)
     store(rows, r + 2, RESIDUAL, gap.z)
@@ -214,7 +218,8 @@ def put_gap(rows, r, gap):
 
 @kernel
 def is_opening(turns, part, j):
-    """Whether joint j holds an opening. turns, part: joint arrays, turns None if no joint does."""
+    """Whether joint j only holds an opening (angle or length) exactly. turns: Joints.turns, None if
+    no joint in the scene does; part: arrays of all joints."""
     if turns is None:
         return False
     return part.turn_of[j] >= 0
@@ -222,8 +227,9 @@ def is_opening(turns, part, j):
 
 @kernel
 def put_opening_row(turns, part, state, j):
-    """Store the condition of joint j if it holds an opening; returns whether it does. turns:
-    Joints.turns, None where no joint does; part: joint arrays; state: of the particles."""
+    """Store the constraint equation of joint j if it holds an opening; returns whether it does.
+    turns: Joints.turns, None if no joint does; part: arrays of all joints; state: of the
+    particles."""
     if turns is None:
         return False
     return put_held_row(part, state, j)
@@ -231,8 +237,9 @@ def put_opening_row(turns, part, state, j):
 
 @kernel
 def opening_gap(turns, part, state, j):
-    """Opening (rad, m) of joint j less that at which it is held; 0 in lanes where it is free.
-    turns: Joints.turns; part: joint arrays; state: of the particles."""
+    """Opening (rad; m on slides) of joint j less the value at which it is held; 0 in lanes
+    (samples) where it is free. turns: Joints.turns, None: 0; part: arrays of all joints; state: of
+    the particles."""
     if turns is None:
         return 0.0 * load(state, 0, X)
     return held_gap(part, state, j)
@@ -240,8 +247,9 @@ def opening_gap(turns, part, state, j):
 
 @kernel
 def put_held_row(part, state, j):
-    """Store the condition of joint j if it holds an opening; returns whether it does. For scenes
-    with exact holds; no impulse acts on a row of a free opening. part: joint arrays."""
+    """Store the constraint equation of joint j if it holds an opening, all zero in lanes where that
+    is free; returns whether it does. part: arrays of all joints (TurnedJoints); state: of the
+    particles."""
     t = part.turn_of[j]
     if t < 0:
         return False
@@ -261,8 +269,8 @@ def put_held_row(part, state, j):
 
 @kernel
 def held_gap(part, state, j):
-    """Gap (rad, m) of the opening that joint j holds, actual less held; 0 in lanes where it is
-    free. For scenes with exact holds. part: joint arrays; state: of the particles."""
+    """Opening (rad; m on slides) that joint j holds less the value at which it is held; 0 in lanes
+    where it is free. part: arrays of all joints (TurnedJoints); state: of the particles."""
     t = part.turn_of[j]
     _, first, point = place(part, state, j, 0)
     _, second, end = place(part, state, j, 1)

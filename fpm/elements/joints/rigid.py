@@ -63,8 +63,8 @@ others leaves a tenth (AGREES in solver/start.py)."""
 
 
 class Rigid(HoldsHinge):
-    """Base class of element types that hold an opening exactly. `called`: word for the type; its
-    kernels are in rigid_<called>_kernels."""
+    """Base class of motors, releases, latches and friction that hold an opening exactly, without a
+    spring. `called`: the type's word, as "latch"; its kernels are in rigid_<called>_kernels."""
 
     @classmethod
     def kernels(cls):
@@ -73,11 +73,9 @@ class Rigid(HoldsHinge):
 
 @dataclass(frozen=True)
 class RigidMotor(AnyMotor, Rigid):
-    """A motor that prescribes the opening of a hinge (index) exactly: start (rad) + turn (rad)
-    times the curve of index `curve` (-1: 1); on a slide in m.
-
-    by_rate: whether turn (rad/s) times the curve is the rate of the opening instead.
-    """
+    """A motor that prescribes the opening of a hinge exactly: start + turn times the curve (rad; m
+    on a slide). hinge, curve: indices in the scene (curve -1: constant 1); by_rate: whether turn
+    (rad/s) times the curve is the opening's rate instead."""
 
     hinge: int = on_hinge()
     start: float = number("rad", words="opening of {title}", is_shown=False)
@@ -86,7 +84,8 @@ class RigidMotor(AnyMotor, Rigid):
     by_rate: bool = same(False)
 
     def target(self, scene, time: float) -> float:
-        """Prescribed opening (rad; m on a slide) at a time (s), by the curves of the scene."""
+        """Opening (rad; m on a slide) that the motor prescribes at a `time` (s). scene: holds the
+        curves."""
         times, values = scene.curves[self.curve] if self.curve >= 0 else CONSTANT
         if not self.by_rate:
             return float(self.start + self.turn * np.interp(time, times, values))
@@ -96,7 +95,8 @@ class RigidMotor(AnyMotor, Rigid):
         return float(self.start + self.turn * travelled)
 
     def rate_at_start(self, scene) -> float:
-        """Prescribed rate (rad/s; m/s on a slide) of the opening just after the start."""
+        """Rate (rad/s; m/s on a slide) of the opening that the motor prescribes just after time 0.
+        scene: holds the curves."""
         times, values = scene.curves[self.curve] if self.curve >= 0 else CONSTANT
         if self.by_rate:
             return float(self.turn * np.interp(0.0, times, values))
@@ -106,7 +106,8 @@ class RigidMotor(AnyMotor, Rigid):
         return float(self.turn * (values[k] - values[k - 1]) / (times[k] - times[k - 1]))
 
     def check(self, scene):
-        """Check that the motor begins where its hinge is, to AT_START; else raises SceneError."""
+        """Check the fields, and that the opening prescribed at time 0 is the hinge's opening in the
+        scene, within AT_START (rad, m); raises SceneError if not."""
         super().check(scene)
         hinge = scene.hinges[self.hinge]
         if abs(self.target(scene, 0.0) - hinge.opening) > AT_START:
@@ -121,8 +122,9 @@ class RigidMotor(AnyMotor, Rigid):
 
 @dataclass(frozen=True)
 class RigidRelease(AnyRelease, Rigid):
-    """A release that holds a hinge (index) exactly at its first opening, until `time` (s) or until
-    the opening of hinge `watch` (-1: none) passes `level` (rad; m on a slide)."""
+    """A release that holds a hinge exactly at the opening it has at the start, and lets go at
+    `time` (s) or when the opening of hinge `watch` passes `level` (rad; m on a slide). hinge,
+    watch: indices in the scene (watch -1: none)."""
 
     hinge: int = on_hinge()
     time: float = number("s", above=0.0, finite=False, default=np.inf)
@@ -138,12 +140,9 @@ class RigidRelease(AnyRelease, Rigid):
 
 @dataclass(frozen=True)
 class RigidLatch(AnyLatch, Rigid):
-    """A latch that holds the opening of a hinge (index) exactly where it caught it; named as the
-    hinge if `name` is "".
-
-    It catches within `capture_range` (rad) of `angle` (rad), coming from `side` ("below", "above"
-    or "either"), and at no more than max_capture_rate (rad/s); on a slide in m.
-    """
+    """A latch that stops the opening of a hinge (index) and holds it exactly where it caught it. It
+    catches within capture_range (rad) of `angle` (rad), coming from `side` ("below", "above" or
+    "either"), at no more than max_capture_rate (rad/s); on a slide in m. name: "": the hinge's."""
 
     hinge: int = on_hinge()
     angle: float = number("rad")
@@ -156,8 +155,8 @@ class RigidLatch(AnyLatch, Rigid):
 
     @classmethod
     def array(cls, name, batch):
-        """An array as of HoldsHinge.array; in `state`, the opening up to which a latch has searched
-        is that at the start."""
+        """Kernel array of the given field `name` (HoldsHinge.array) for the scenes of a batch; in
+        "state", the opening up to which a latch has searched (SEARCHED) is that at the start."""
         array = super().array(name, batch)
         if name == "state":
             array[:, cls.kernels().SEARCHED] = start_angles(batch, cls)
@@ -166,8 +165,9 @@ class RigidLatch(AnyLatch, Rigid):
 
 @dataclass(frozen=True)
 class RigidFriction(Rigid):
-    """Coulomb friction in a hinge (index), without a bristle: it sticks exactly up to `moment` (N
-    m), and slips against it."""
+    """Coulomb friction in a hinge (index), without a bristle (a stiff spring that gives while it
+    sticks): it holds the opening exactly up to `moment` (N m), and slips against that moment above
+    it."""
 
     hinge: int = on_hinge(types=TURNING)
     moment: float = number("N m", 0.0)
@@ -179,7 +179,8 @@ class RigidFriction(Rigid):
 
     @classmethod
     def led(cls, scene):
-        """Frictions with a bristle in place of these, for quasi-static travel (fpm/travel)."""
+        """Frictions with a bristle (stiff spring) in place of a scene's rigid ones, a list, for the
+        slow travel of an opening (fpm/travel), in which friction must follow from positions."""
         return [Friction(f.hinge, f.moment, AT_ONCE, 0.0) for f in cls.of(scene)]
 
     def held_at_start(self, scene):
@@ -189,13 +190,15 @@ class RigidFriction(Rigid):
 
     @classmethod
     def held_round(cls, scene):
-        """Sum of all friction moments (N m): in a closed loop, friction may stick with any."""
+        """Sum of the friction moments (N m) of a scene: in a closed loop, friction may stick with
+        any moment up to that."""
         return float(sum(friction.moment for friction in cls.of(scene)))
 
     @classmethod
     def array(cls, name, batch):
-        """An array as of HoldsHinge.array; in `state`, the sign of slip is that of the hinges'
-        rates at the start."""
+        """Kernel array of the given field `name` (HoldsHinge.array) for the scenes of a batch; in
+        "state", the direction in which friction slips (SIGN, 1 or -1) is that of the hinge's rate
+        at the start."""
         if name != "state":
             return super().array(name, batch)
         kernels, count = cls.kernels(), len(cls.of(batch.scene))

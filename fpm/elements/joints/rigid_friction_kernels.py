@@ -35,8 +35,11 @@ CHANGES = 5
 
 
 class RigidFrictions(NamedTuple):
-    """Arrays of f frictions without bristles. on, turn: (f,) hinges and held openings; numbers: (f,
-    1, lanes) N m; past: (f, HISTORY, lanes); state: (f, STATE, lanes); account: of losses."""
+    """Arrays of f frictions that stick exactly. on (f,): index of the hinge; turn (f,): row of its
+    condition in turns.state; numbers (f, 1, lanes): friction moment (N m); openings, turns: arrays
+    of all openings, and of those held exactly; past (f, HISTORY, lanes): rates (rad/s) of the last
+    two steps; state (f, STATE, lanes): fields WORKS to CHANGES_LEFT; account: index of the loss in
+    World.accounts."""
 
     on: np.ndarray
     turn: np.ndarray
@@ -50,9 +53,9 @@ class RigidFrictions(NamedTuple):
 
 @hook(RigidFrictions)
 def forces(part, world, timing):
-    """Add the friction moments (N m) of elements that slip to their particles. part: friction
-    arrays; world: solver state; timing: times of the step (s). An impact of the step before still
-    counts, whose rest falls into this step."""
+    """Add the friction moment (N m) of each element that slips to the particles of its hinge. part:
+    arrays of all rigid frictions; world: state of the solver, changed; timing: times of this step
+    (s). The rest of an impact in the step before still counts."""
     blow = load(part.turns.blow, 0, 0)
     store(part.turns.blow, 0, 0, where_negative(-1.0 * blow, blow - 1.0, 0.0))
     for i in range(part.on.shape[0]):
@@ -74,12 +77,10 @@ account(RigidFrictions, WORKS, -1.0)
 
 @kernel
 def turning(part, i, timing):
-    """Fraction of the kick until the opening of element i is at rest, and angle (rad) until then.
-    part: friction arrays; timing: times of the step (s).
-
-    Its rate would fall below 0 in this kick. If it fell so before, the opening is at rest at the
-    vertex of the parabola; else it is braked only now, from where it is, amid the kick.
-    """
+    """Fraction of the kick until the opening of element i is at rest, and angle (rad) that it turns
+    until then, where its rate would fall below 0 in this kick: if it fell so before, to the vertex
+    of the parabola; else it is braked only now, amid the kick. part: arrays of all rigid frictions;
+    timing: times of this step (s)."""
     sign = load(part.state, i, SIGN)
     last = sign * load(part.past, i, LAST)
     last = where_negative(last, 0.0, last)
@@ -96,14 +97,12 @@ def turning(part, i, timing):
 
 @hook(RigidFrictions)
 def decide(part, world, timing):
-    """Release elements whose moment is above their friction, and reverse or stick elements that
-    come to rest; where any changes, set world.undecided, and the joints are solved again.
-
-    part: friction arrays; world: solver state; timing: times of the step (s). An element that would
-    reverse is braked until it is at rest and pushed the other way from then on; if it would not
-    move back, it sticks. Every element changes but a few times in a step, the last time to slip: no
-    impulse that it holds is above its friction.
-    """
+    """Let elements slip that would need more than their friction moment to stick, and reverse or
+    stick those that come to rest; where any changes, sets world.undecided, and the joints are
+    solved again. part: arrays of all rigid frictions; world: solver state; timing: times of this
+    step (s). One that would reverse is braked until it rests and pushed the other way from then on;
+    if it would not move back, it sticks. Each changes at most CHANGES times in a step, the last
+    time to slip: no impulse that it holds is above its friction."""
     for i in range(part.on.shape[0]):
         t, changes = part.turn[i], load(part.state, i, CHANGES_LEFT)
         hold, sign = load(part.turns.state, t, HOLDS), load(part.state, i, SIGN)
@@ -119,20 +118,17 @@ def decide(part, world, timing):
 
 @kernel
 def needed_by(part, i, timing):
-    """Moment (N m) that holds element i in this step, as the joints were solved last. part:
-    friction arrays; timing: times of the step (s)."""
+    """Moment (N m) that would hold element i in this step, as the joints were last solved. part:
+    arrays of all rigid frictions; timing: times of this step (s)."""
     return (1.0 / timing.kick) * load(part.turns.state, part.turn[i], SOLVED_IMPULSE)
 
 
 @kernel
 def slipping(part, i, full, timing):
-    """Moment (N m) of element i in the step in which it starts to slip, from the holding to the
-    `full` moment (N m, signed). part: friction arrays; timing: times of the step (s).
-
-    Of a load that grows, both agree to first order. An impact comes amid the kick, or a fraction of
-    the step after (before) it: what the next kick (the last) had too little of being held, this one
-    has.
-    """
+    """Moment (N m) of element i in the step in which it starts to slip: a mean of what held it and
+    of the `full` moment (N m, with its sign), which agree to first order for a load that grows.
+    After an impact, a fraction of the step from the kick, it makes up for what the kicks beside it
+    lack. part: arrays of all rigid frictions; timing: times of this step (s)."""
     if timing.time == 0.0:
         return full
     delay = load(part.turns.blow, 0, 0)
@@ -143,8 +139,9 @@ def slipping(part, i, full, timing):
 
 @kernel
 def change(part, world, timing, i, slips, turns, sticks):
-    """Slip, reverse or stick element i in the lanes where slips, turns, sticks are below 0, and
-    have the joints solved again. part: friction arrays; world: state; timing: times (s)."""
+    """Let element i slip, reverse or stick in the lanes (samples) where `slips`, `turns` or
+    `sticks` (lanes) is below 0, and set world.undecided to have the joints solved again. part:
+    arrays of all rigid frictions; world: solver state; timing: times of this step (s)."""
     t, h, most = part.turn[i], part.on[i], load(part.numbers, i, 0)
     old, last = load(part.state, i, SIGN), load(part.state, i, BRAKE)
     sign = where_negative(needed_by(part, i, timing), -1.0, 1.0)
@@ -168,8 +165,9 @@ def change(part, world, timing, i, slips, turns, sticks):
 
 @hook(RigidFrictions)
 def work_after(part, world, timing):
-    """Add the loss (J) of the half step that ends now, by the moments of the step that begins.
-    part: friction arrays; world: solver state; timing: times of the step (s)."""
+    """Add the friction loss (J) of the half step that ends now, by the moments of the step that
+    begins, to part.account. part: arrays of all rigid frictions; world: solver state; timing: times
+    (s)."""
     for i in range(part.on.shape[0]):
         moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], timing)
         late = moment - load(part.state, i, LAST_BRAKE)

@@ -41,8 +41,11 @@ TRACK = 4  # recorded: as of all latches, and the impulse with which it caught
 
 
 class RigidLatches(NamedTuple):
-    """Arrays of l rigid latches. on, turn: (l,) hinges and held openings; numbers: (l, 4, lanes)
-    how they catch; past: (l, HISTORY, lanes); state: (l, STATE, lanes); account: of losses."""
+    """Arrays of l rigid latches. on (l,): index of the hinge; turn (l,): row of its condition in
+    turns.state; numbers (l, 4, lanes): how it catches (NUMBERS); openings, turns: arrays of all
+    openings, and of those held exactly; past: rates (rad/s) of the last steps; state (l, STATE,
+    lanes): its fields, stated above; account: index of the loss in World.accounts; log: of events;
+    track: record."""
 
     on: np.ndarray
     turn: np.ndarray
@@ -64,8 +67,8 @@ account(RigidLatches, WORKS, -1.0)
 
 @hook(RigidLatches)
 def prepare(part, world, timing):
-    """Store the rates (rad/s) of the openings in the step that ended, before the next is solved.
-    part: latch arrays; world: not used; timing: times of the step (s)."""
+    """Store in part.past the rates (rad/s) of the latches' openings in the step that ended, before
+    the next is solved. part: arrays of all rigid latches; world: not used; timing: times (s)."""
     if timing.time > 0.0:
         for i in range(part.on.shape[0]):
             store(part.past, i, LAST, half_rate(part.openings, part.on[i], timing))
@@ -73,21 +76,18 @@ def prepare(part, world, timing):
 
 @kernel
 def predict(part, i, timing):
-    """Opening (rad) of latch i at the end of the step, by its rate as the joints were solved last.
-    part: latch arrays; timing: times of the step (s)."""
+    """Opening (rad; m on slides) of latch i at the end of this step, by its rate as the joints were
+    last solved. part: arrays of all rigid latches; timing: times of this step (s)."""
     rate = load(part.turns.state, part.turn[i], RATE)
     return load(part.openings.angles, part.on[i], NEW) + timing.step * rate
 
 
 @hook(RigidLatches)
 def decide(part, world, timing):
-    """Catch the openings that would enter their capture range in this step; where any does, set
-    world.undecided, and the joints are solved again.
-
-    part: latch arrays; world: solver state; timing: times of the step (s). The search begins at the
-    opening that was predicted in the step before: what comes about otherwise, in the last digits,
-    would else slip through.
-    """
+    """Catch the openings that would enter their capture range in this step; where any does, sets
+    world.undecided, and the joints are solved again. part: arrays of all rigid latches; world:
+    solver state; timing: times of this step (s). The search begins at the opening predicted in the
+    step before, since the real one, which differs in its last digits, might slip through."""
     for i in range(part.on.shape[0]):
         t = part.turn[i]
         start, prediction = load(part.state, i, SEARCHED), predict(part, i, timing)
@@ -111,11 +111,9 @@ def decide(part, world, timing):
 @hook(RigidLatches)
 def work_after(part, world, timing):
     """Add the losses (J) of the half step that ends now, by the impulses of the step that begins,
-    and sum the impulses. part: latch arrays; world: solver state; timing: times of the step (s).
-
-    The impulse of catching is that of the two steps which share it, less what the moment of the
-    third gives in the time since.
-    """
+    to part.account, and sum the impulses (N m s). The impulse of catching is that of the two steps
+    that share it, less what the moment of the third gives in the time since. part: arrays of all
+    rigid latches; world: solver state; timing: times of this step (s)."""
     end_work(part, world, timing, WORKS, -1.0)
     for i in range(part.on.shape[0]):
         moment = moment_of(part.turns, part.turn[i], timing)
@@ -133,8 +131,9 @@ def work_after(part, world, timing):
 
 @hook(RigidLatches)
 def record_step(part, world, row, timing):
-    """Record of each latch the moment (N m), its impulse from the start to this instant (N m s),
-    rate at the catch (rad/s), and impulse of the catch (N m s). row: of the instant."""
+    """Record of each latch its moment (N m), its impulse from the start to this instant (N m s),
+    rate (rad/s) and impulse (N m s) of the catch in part.track. part: arrays of all rigid latches;
+    world: not used; row: index of the recorded instant; timing: times of this step (s)."""
     count = part.on.shape[0]
     for i in range(count):
         index, moment = row * count + i, load(part.state, i, MOMENT)

@@ -19,16 +19,13 @@ STATE = HOLD_FIELDS
 
 
 class RigidMotors(NamedTuple):
-    """Arrays of m rigid motors, which prescribe openings exactly.
-
-    on (m,): index of each one's hinge; turn (m,): row of its condition in turns.state; curve (m,):
-    index of its curve, -1: constant 1; numbers (m, 2, lanes): start and factor (rad; m on slides;
-    per second by rate). The opening is start + factor times the curve, or, where by_rate (m,),
-    times the curve's integral over time. openings: arrays of all openings; turns: conditions that
-    hold openings exactly (Turns); state (m, STATE, lanes): moment (N m) at the last positions, and
-    work (J) of the half step up to them; account: index of the motors' work in World.accounts;
-    track ((instants + 1) m, 1, lanes): recorded moments (N m).
-    """
+    """Arrays of m rigid motors, which prescribe openings exactly: start + factor times a curve, or,
+    where by_rate (m,), times the curve's integral over time. on (m,): index of each one's hinge;
+    turn (m,): row of its condition in turns.state; curve (m,): index of its curve, -1: constant 1;
+    numbers (m, 2, lanes): start and factor (rad; m on slides; factor per second by rate); openings,
+    turns: arrays of all openings, and of those held exactly; state (m, STATE, lanes): moment (N m)
+    at the last positions, and work (J) of the half step up to them; account: index of the motors'
+    work in World.accounts; track ((instants + 1) m, 1, lanes): recorded moments (N m)."""
 
     on: np.ndarray
     turn: np.ndarray
@@ -45,12 +42,10 @@ class RigidMotors(NamedTuple):
 @hook(RigidMotors)
 def prepare(part, world, timing):
     """Store the opening (rad; m on slides) that each motor prescribes for the end of the step, as
-    TARGET of its condition in part.turns.state.
-
-    Where the motor's curve (not by rate) has a bend within the step, its time is stored in
-    part.turns.blow as a share of the step: the rate jumps there, as in a blow. part: motor arrays
-    (RigidMotors); world: solver state, with the curves; timing: times of the step (s).
-    """
+    TARGET of its condition in part.turns.state; where its curve (not by rate) bends within the
+    step, the bend's time is stored in part.turns.blow as a share of the step: the rate jumps there.
+    part: motor arrays (RigidMotors); world: solver state, with the curves; timing: times of the
+    step (s)."""
     for i in range(part.on.shape[0]):
         if not part.by_rate[i]:
             bend = bend_after(world, part.curve[i], timing.time)
@@ -66,14 +61,14 @@ account(RigidMotors, WORKS, 1.0)
 
 @hook(RigidMotors)
 def work_after(part, world, timing):
-    """Add the work (J) of half of the moments of this step, over the step that ends now. part:
-    motor arrays; world: solver state; timing: times of the step (s)."""
+    """Add the work (J) of half of the motors' moments of this step, over the step that ends now, to
+    part.account. part: arrays of all rigid motors; world: solver state; timing: times (s)."""
     end_work(part, world, timing, WORKS, 1.0)
 
 
 @hook(RigidMotors)
 def record_step(part, world, row, timing):
-    """Record the moment (N m) of each motor. part: motor arrays; row: of the recorded instant."""
+    """Record the moment (N m) of each motor in part.track. row: index of the recorded instant."""
     count = part.on.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, WORKS + HELD_BY))

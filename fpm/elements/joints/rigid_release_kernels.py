@@ -24,8 +24,11 @@ NUMBERS = "time", "level"  # which come first of all releases
 
 
 class RigidReleases(NamedTuple):
-    """Arrays of r rigid releases. on, turn, watch: (r,) hinges, held openings, and watched hinges
-    (-1: none); numbers: (r, 2, lanes) time, level; state: (r, STATE, lanes); account: of losses."""
+    """Arrays of r rigid releases. on, watch (r,): index of the hinge held, and of that watched (-1:
+    none); turn (r,): row of its condition in turns.state; numbers (r, 2, lanes): time (s), level
+    (rad); openings, turns: arrays of all openings, and of those held exactly; state (r, STATE,
+    lanes): moment (N m), work due (J), time of release, rest of the moment; account: index of the
+    loss in World.accounts; log: of events."""
 
     on: np.ndarray
     turn: np.ndarray
@@ -40,8 +43,9 @@ class RigidReleases(NamedTuple):
 
 @hook(RigidReleases)
 def forces(part, world, timing):
-    """Release elements that are due, and add the rest of the holding moment (N m) for the part of
-    the step before. part: release arrays; world: solver state; timing: times of the step (s)."""
+    """Free the openings whose release is due, and add to their particles the rest of the moment (N
+    m) that held them, for the part of the step before it. part: arrays of all rigid releases;
+    world: state of the solver, changed; timing: times of this step (s)."""
     for i in range(part.on.shape[0]):
         t = part.turn[i]
         hold = load(part.turns.state, t, HOLDS)
@@ -65,8 +69,8 @@ account(RigidReleases, WORKS, -1.0)
 
 @hook(RigidReleases)
 def work_after(part, world, timing):
-    """Add the work (J) of the half step that ends now, by the impulses of the step that begins.
-    part: release arrays; world: solver state; timing: times of the step (s)."""
+    """Add the work (J) of the half step that ends now, by the moments of the step that begins, to
+    part.account. part: arrays of all rigid releases; world: solver state; timing: times (s)."""
     end_work(part, world, timing, WORKS, -1.0)
     for i in range(part.on.shape[0]):
         total = load(part.state, i, WORKS + HELD_BY) + load(part.state, i, REST_MOMENT)

@@ -23,24 +23,25 @@ from fpm.elements.openings.opening import OnHinge, Opening
 
 @dataclass(frozen=True)
 class Turn(ElementType):
-    """Condition that holds an opening exactly; one comes with every element that holds an opening
-    (HoldsHinge), and is not stated by itself."""
+    """Condition by which an opening (angle of a hinge, length of a slide) is held exactly; there is
+    one for every element that does so (HoldsHinge), and none is stated by itself."""
 
     @classmethod
     def of(cls, scene):
-        """The elements of a scene, of all types, that hold an opening exactly, each once: the
-        element at index i is the one of the i-th condition."""
+        """The elements (HoldsHinge) of a scene, of all types, that hold an opening exactly, a list;
+        the index of an element in it is also that of its condition."""
         holding = [kind for kind in scene.kinds if issubclass(kind, HoldsHinge)]
         return [element for kind in holding for element in scene.kinds[kind]]
 
     @classmethod
     def topology_of(cls, scene):
-        """What must be equal in scenes that run side by side: type and hinge of each condition."""
+        """What must be equal in scenes that run side by side: (element type, hinge index) per
+        condition."""
         return tuple((type(holder), holder.hinge) for holder in cls.of(scene))
 
     @classmethod
     def places(cls, scene, kind: type[ElementType]) -> list[int]:
-        """Indices, among all conditions of a scene, of those of one element type, `kind`."""
+        """Indices, in Turn.of(scene), of the elements of one type, `kind`."""
         return [i for i, holder in enumerate(cls.of(scene)) if type(holder) is kind]
 
     @classmethod
@@ -59,16 +60,16 @@ class Turn(ElementType):
 
 
 class HoldsHinge(OnHinge):
-    """Base class of motors, releases, latches and friction that constrain an opening (angle of a
-    hinge, length of a slide) exactly, without a penalty spring. Each has the field `hinge`, an
-    index."""
+    """Base class of motors, releases, latches and friction that hold an opening (angle of a hinge,
+    length of a slide) exactly, without a spring; each has the field `hinge`, an index in the
+    scene."""
 
     reads: ClassVar = (Opening, Turn)
     resists_as: ClassVar = ""
 
     def held_at_start(self, scene) -> float | None:
-        """Opening (rad; m on a slide) that the element holds from the start of a scene's run on;
-        None: it is free then."""
+        """Opening (rad; m on a slide) at which the element holds its hinge from the start of a
+        scene's run on; None: the hinge is free then."""
         return None
 
     def rate_at_start(self, scene) -> float | None:
@@ -78,8 +79,8 @@ class HoldsHinge(OnHinge):
 
     @classmethod
     def array(cls, name, batch):
-        """An array as of OnHinge.array; `turns`: the conditions on openings; `turn`: indices of the
-        elements among these."""
+        """Kernel array of the given field `name` for the scenes of a batch. "turns": arrays of all
+        conditions (Turns); "turn": index of each element's condition; others by OnHinge.array."""
         match name:
             case "turns":
                 return batch.part(Turn)

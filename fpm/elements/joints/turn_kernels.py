@@ -66,28 +66,32 @@ HOLD_FIELDS = 2
 
 @kernel
 def work_on(openings, h, moment):
-    """Work (J) of half of a moment (N m) on opening h, over the step that ends now. openings:
-    arrays of all openings (Openings)."""
+    """Work (J) of half of a `moment` (N m) on opening h (index) over the step that ends now.
+    openings: arrays of all openings (Openings), with the opening now and a step ago."""
     return 0.5 * moment * (load(openings.angles, h, NEW) - load(openings.angles, h, OLD))
 
 
 @kernel
 def give(world, account, work):
-    """Add work (lanes, J) to energy account number `account`. world: solver state."""
+    """Add `work` (lanes, J) to the energy account of index `account` in world.accounts. world:
+    solver state."""
     store(world.accounts, 0, account, load(world.accounts, 0, account) + work)
 
 
 @kernel
 def moment_of(turns, t, timing):
-    """Moment (N m), on the second particle, that held opening t in the kick at timing.time. turns:
-    state of held openings (Turns), with the impulses of the step."""
+    """Moment (N m), on the hinge's second particle, that held opening t (index among those held) in
+    this kick. turns: state of held openings (Turns), with their impulses; timing: times of this
+    step (s)."""
     return (1.0 / timing.kick) * load(turns.state, t, TURN_IMPULSE)
 
 
 @kernel
 def tell_late(moments, openings, h, moment):
-    """Add a moment (N m) of the last kick, and its work (J), to the component of opening h that
-    belongs to the type of `openings`. moments: rows (h components), or None: not recorded."""
+    """Add a `moment` (N m) that is known only after its step, and its work (J), to the recorded
+    part of opening h that belongs to one type of element. moments: rows (h by type, fields, lanes),
+    None: not recorded, nothing is done; openings: arrays of all openings, as that type sees
+    them."""
     if moments is not None:
         row = h * openings.parts + openings.part
         store(moments, row, ACTING, load(moments, row, ACTING) + moment)
@@ -96,24 +100,23 @@ def tell_late(moments, openings, h, moment):
 
 def account(arrays, first, sign):
     """Register the hooks `work_before` and `work_due` of an element type that holds openings
-    exactly; called once, where its kernels are defined.
-
-    arrays: its named tuple; first: index of the field HELD_BY in part.state; sign: 1 for an account
-    of work given, -1 for losses. Its `work_after` calls `end_work`.
-    """
+    exactly; called once, where its kernels are defined. arrays: its named tuple; first: index of
+    the field HELD_BY in part.state; sign: 1 if its account counts work given, -1 for losses. The
+    type's own hook `work_after` then calls `end_work`."""
 
     @hook(arrays)
     def work_before(part, world, timing):
-        """Add half of the work (J) of the moments of the last step, over the step that ends now.
-        part: element arrays; world: solver state; timing: not used."""
+        """Add half of the work (J) of the moments of the last step, over the step that ends now, to
+        part.account. part: arrays of the elements; world: solver state; timing: not used."""
         for i in range(part.on.shape[0]):
             work = work_on(part.openings, part.on[i], load(part.state, i, first + HELD_BY))
             give(world, part.account, sign * work)
 
     @hook(arrays)
     def work_due(part, world, energies, row):
-        """Add the work (J) that `end_work` counted, due up to an instant, to its recorded row.
-        part: element arrays; energies: Record.energies; row: of the instant."""
+        """Add the part of work_after's work (J) that is due up to the recorded instant to column
+        ACCOUNTS + part.account of `energies` (instants, columns, lanes), Record.energies. part:
+        arrays of the elements; world: not used; row: index of the instant."""
         for i in range(part.on.shape[0]):
             account = ACCOUNTS + part.account
             total = load(energies, row, account) + load(part.state, i, first + WORK_DUE)
@@ -122,8 +125,9 @@ def account(arrays, first, sign):
 
 @kernel
 def end_work(part, world, timing, first, sign):
-    """Add the work (J) of the half step that ends now, by the moments of the step that begins, for
-    all elements. part: element arrays; world: solver state; first, sign: as of `account`."""
+    """Add the work (J) of the half step that ends now, by the moments of the step that begins, of
+    all elements to part.account. part: arrays of the elements; world: solver state; timing: times
+    (s); first: index of HELD_BY in part.state; sign: 1 for work given, -1 for losses."""
     for i in range(part.on.shape[0]):
         moment = moment_of(part.turns, part.turn[i], timing)
         tell_late(part.openings.moments, part.openings, part.on[i], moment)
@@ -132,8 +136,9 @@ def end_work(part, world, timing, first, sign):
 
 @kernel
 def end_work_of(part, world, i, moment, first, sign):
-    """Add the work (J) of the half step that ends now, by the moment (N m) of element i. part:
-    element arrays; world: solver state; first, sign: as of `account`."""
+    """Add the work (J) of the half step that ends now, by the `moment` (N m) of element i, to
+    part.account. part: arrays of the elements; world: solver state; first: index of HELD_BY in
+    part.state, where the moment is kept; sign: 1 for work given, -1 for losses."""
     work = sign * work_on(part.openings, part.on[i], moment)
     give(world, part.account, work)
     store(part.state, i, first + HELD_BY, moment)
@@ -142,8 +147,9 @@ def end_work_of(part, world, i, moment, first, sign):
 
 @hook(TurnedJoints)
 def prepare(part, world, timing):
-    """Kick the bodies of all joints (update their momenta by the forces), and mark the impulses as
-    undecided; all forces must be summed. part: joint arrays; timing: times of the step (s)."""
+    """Update the momenta of the bodies of all joints by the forces, summed before, over the kick,
+    and set world.undecided: the joints' impulses are still to be found (`solve`). part: arrays of
+    all joints; world: state of the solver, changed; timing: times of this step (s)."""
     clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
     world.undecided[0] = 1
@@ -153,8 +159,9 @@ def prepare(part, world, timing):
 
 @hook(TurnedJoints)
 def solve(part, world, timing):
-    """Find the impulses of all joints, with the openings that are held now; repeated after `decide`
-    where that changed any. part: joint arrays; world: solver state; timing: times of the step
+    """Find the impulses of all joints, with the openings that are held now, and store the rates
+    they would give (`tell_rates`); called again where `decide` of an element then holds or frees
+    one. part: arrays of all joints (TurnedJoints); world: solver state; timing: times of this step
     (s)."""
     find_rows(part, world.state)
     build(part)
@@ -170,8 +177,9 @@ def solve(part, world, timing):
 
 @kernel
 def tell_rates(part, state):
-    """Store in part.turns the rates (rad/s, m/s) that openings will have after the impulses, and
-    the impulses (N m s, N s) that hold them. part: joint arrays; state: of the particles."""
+    """Store in part.turns.state the rates (rad/s, m/s) that openings will have after the impulses
+    (RATE), and the impulses (N m s, N s) that hold them (SOLVED_IMPULSE). part: arrays of all
+    joints; state: of the particles."""
     b = part.body_scratch
     for s in range(part.on.shape[0]):
         if not part.is_driven[s]:
@@ -193,8 +201,8 @@ def tell_rates(part, state):
 
 @kernel
 def velocity(part, state, s, point):
-    """Velocity (m/s, 3), after the impulses, of a `point` (m, global) of body s. part: joint
-    arrays; state: of the particles."""
+    """Velocity (m/s, 3), after the impulses, of a `point` (m, 3, global) that moves with body s
+    (index). part: arrays of all joints; state: of the particles."""
     b, i = part.body_scratch, part.on[s]
     v = get3(state, i, V)
     if not part.is_driven[s]:
@@ -204,16 +212,17 @@ def velocity(part, state, s, point):
 
 @hook(TurnedJoints)
 def move(part, world, timing):
-    """Push the bodies by their impulses, move them by a step, and close the joints at its end.
-    part: joint arrays; world: solver state; timing: times of the step (s)."""
+    """Apply the impulses to the bodies, move them by a step, and close the joints at its end. part:
+    arrays of all joints; world: state of the solver, changed; timing: times of this step (s)."""
     push_all(part, world.state)
     joint_kernels.move(part, world, timing)
 
 
 @hook(TurnedJoints)
 def look_back(part, world, timing):
-    """Close the joints a step before the start, with held openings where their motion, reflected at
-    its rate, began. part: joint arrays; world: solver state; timing: times of the first step."""
+    """Close the joints also one step before the start, in the first step only, by the momenta in
+    world.start_state; there, held openings are where their motion, at its rate at the start, began.
+    part: arrays of all joints; world: solver state; timing: times of the first step (s)."""
     state, start, b = world.state, world.start_state, part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]

@@ -28,17 +28,8 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class Material:
-    """Linear elastic isotropic material.
-
-    Attributes
-    ----------
-    E
-        Young's modulus (Pa), above 0.
-    nu
-        Poisson's ratio, -1 < nu <= 0.5.
-    rho
-        Density (kg/m³), above 0.
-    """
+    """Linear elastic isotropic material. E: Young's modulus (Pa), above 0; nu: Poisson's ratio, -1
+    < nu <= 0.5; rho: density (kg/m³), above 0; SceneError if not so."""
 
     E: float
     nu: float
@@ -60,21 +51,9 @@ class Material:
 
 @dataclass(frozen=True)
 class Section:
-    """Cross-section of a bar.
-
-    Attributes
-    ----------
-    A
-        Area (m²).
-    Iy, Iz
-        Second moments of area ∫z² dA and ∫y² dA (m⁴).
-    J
-        Torsion constant (m⁴).
-    outline
-        Contour, for stresses (fpm/reading/stress.py): "rectangle", "round", or "" if unknown.
-    width, height
-        Of the contour along the local y and z axes (m).
-    """
+    """Cross-section of a bar. A: area (m²); Iy, Iz: second moments of area ∫z² dA and ∫y² dA (m⁴);
+    J: torsion constant (m⁴); outline: contour, for stresses (fpm/reading/stress.py): "rectangle",
+    "round", or "" if unknown; width, height: of the contour along the local y and z axes (m)."""
 
     A: float
     Iy: float
@@ -87,11 +66,8 @@ class Section:
     @staticmethod
     def rectangle(width: float, height: float) -> "Section":
         """Solid rectangle with its width (m) along the local y and its height (m) along the local z
-        axis.
-
-        Torsion constant by the series of Timoshenko and Goodier, Theory of Elasticity, § 109.
-        Raises SceneError unless both are above 0.
-        """
+        axis; SceneError unless both are above 0. Torsion constant by the series of Timoshenko and
+        Goodier, Theory of Elasticity, § 109."""
         if not (width > 0 and height > 0):
             raise SceneError("section width, height", (width, height), "positive lengths (m)")
         long, short = max(width, height), min(width, height)
@@ -103,17 +79,17 @@ class Section:
 
     @staticmethod
     def square(side: float) -> "Section":
-        """Solid square; side: its length (m), above 0."""
+        """Section that is a solid square; side: its length (m), above 0."""
         return Section.rectangle(side, side)
 
     @staticmethod
     def circle(radius: float) -> "Section":
-        """Solid circle of the given radius (m)."""
+        """Section that is a solid circle; radius (m)."""
         return Section.tube(radius, 0.0)
 
     @staticmethod
     def tube(outer: float, inner: float) -> "Section":
-        """Round tube; outer, inner: its radii (m), inner 0 for a solid circle."""
+        """Section that is a round tube; outer, inner: its radii (m), inner 0 for a solid circle."""
         inertia = np.pi / 4 * (outer**4 - inner**4)
         area = np.pi * (outer**2 - inner**2)
         return Section(area, inertia, inertia, 2 * inertia, "round", 2 * outer, 2 * outer)
@@ -121,13 +97,11 @@ class Section:
 
 @dataclass(frozen=True)
 class Beams(ElementType):
-    """m beam elements of one section and material, between particles of a scene.
-
-    nodes (m, 2) particle indices; length (m,) undeformed lengths (m); triad (m, 3, 3) initial axes
-    as columns (first along the chord); name: prefix of the elements' names; bow (rad): rotation of
-    the ends against the chord without stress, of the first towards the third axis and of the second
-    the other way; None: no bow, in no sample.
-    """
+    """m beam elements of one section and material, between particles of a scene. nodes (m, 2):
+    particle indices; length (m,): undeformed lengths (m); triad (m, 3, 3): initial axes as columns,
+    first along the chord (line from end to end); name: prefix of the elements' names; bow (rad):
+    rotation of the ends against the chord without stress, of the first towards the third axis and
+    of the second the other way; None: no bow, in no sample."""
 
     nodes: np.ndarray
     length: np.ndarray
@@ -142,13 +116,11 @@ class Beams(ElementType):
 
     @staticmethod
     def create(scene, nodes, section, material, normal, name) -> "Beams":
-        """Elements between particles of a scene, unstressed in their present positions
-        (Scene.add_beams).
-
-        nodes (m, 2): particle indices; section (Section); material (Material); normal: vector in
-        the plane of the local x and z axes, (3,) for all elements or (m, 3), not along one; name:
-        prefix of the elements' names. SceneError if particles do not exist or coincide.
-        """
+        """Beam elements between particles of a scene, unstressed as these are placed now; they are
+        not added to the scene. nodes (m, 2): particle indices; section (Section); material
+        (Material); normal: vector in the plane of the local x and z axes, (3,) for all elements or
+        (m, 3), not along one; name: prefix of the elements' names. SceneError if particles do not
+        exist or coincide."""
         nodes = np.atleast_2d(np.asarray(nodes, int))
         if nodes.shape[1] != 2 or nodes.min() < 0 or nodes.max() >= len(scene.position):
             raise SceneError(f"nodes of {name}", nodes.tolist(), "(m, 2) indices of particles")
@@ -161,16 +133,17 @@ class Beams(ElementType):
         return Beams(nodes, length, axes, section, material, name)
 
     def with_strain(self, strain: float, curvature: float | None) -> "Beams":
-        """A copy whose stress-free shape is longer and curved; its elements must be of equal
-        length. strain: relative elongation; curvature (1/m): above 0 if the side of the third axis
-        is the longer one; None: straight in all samples."""
+        """A copy of these elements, all of equal length, whose stress-free shape is longer and
+        curved. strain: relative elongation; curvature (1/m): above 0 if the side of the local third
+        axis is the longer one; None: straight, in all samples of a batch."""
         length = self.length * (1.0 + strain)
         bow = None if curvature is None else float(curvature * length[0] / 2)
         return replace(self, length=length, bow=bow)
 
     def end_axes(self) -> np.ndarray:
-        """Local axes 2 and 3 of both ends without stress, (2, m, 3, 2): end, element, global
-        component, axis. They are square to the chord unless the elements have a bow."""
+        """Local axes 2 and 3 of both ends of these elements without stress, (2, m, 3, 2): end,
+        element, global component, axis. They are normal to the chord unless the elements have a
+        bow."""
         axes = np.stack([self.triad[:, :, 1:]] * 2)
         if self.bow:
             turn = np.array([self.bow, -self.bow])[:, None, None]
@@ -178,7 +151,8 @@ class Beams(ElementType):
         return axes
 
     def stiffness(self) -> np.ndarray:
-        """Rows (m, 5): l0 (m), EA/l0 (N/m), 2 EIz/l0, 2 EIy/l0 and GJ/l0 (N m)."""
+        """Length and stiffnesses of the elements, (m, 5): l0 (m), EA/l0 (N/m), 2 EIz/l0, 2 EIy/l0
+        and GJ/l0 (N m)."""
         s, m, n = self.section, self.material, len(self.length)
         table = np.empty((n, 5))
         table[:, 0] = self.length
@@ -194,18 +168,15 @@ class Beams(ElementType):
 
     @classmethod
     def names(cls, scene):
-        """Names of all beam elements of a scene: the link's name and a number on it, as
-        `link[0]`."""
+        """Names of all beam elements of a scene: the group's name and the number in it, as
+        "link[0]"."""
         return [f"{b.name}[{i}]" for b in cls.of(scene) for i in range(len(b.length))]
 
     @classmethod
     def deformations(cls, scene):
-        """Deformations of all beam elements of a scene with their stiffness, for the stable step.
-
-        Per element six rows: stretch, twist, and sum and difference of the end rotations in either
-        bending plane, so that the stiffness is diagonal. The particles' axes without strain are
-        scene.unstrained, if given, else scene.frame.
-        """
+        """Independent deformations (Deformations) of all beam elements of a scene with their
+        stiffness, from which the stable time step follows: per element stretch, twist, and sum and
+        difference of the end rotations in either bending plane, six rows (`modes`)."""
         frame = scene.frame if scene.unstrained is None else scene.unstrained
         modes, count = [], 0
         for beams in cls.of(scene):
@@ -214,9 +185,10 @@ class Beams(ElementType):
         return Deformations(*(np.concatenate(x) for x in zip(*modes, strict=True)))
 
     def modes(self, frame: np.ndarray) -> list[Deformations]:
-        """Deformations of these elements, a list: stretch, twist, and sum and difference of the end
-        rotations in both planes, m rows each; frame (n, 3, 3): axes of all particles without
-        strain, as columns."""
+        """Deformations of these m elements with their stiffness, a list of six with m rows each:
+        stretch, twist, and sum and difference of the end rotations in both planes, so that the
+        stiffness is diagonal. frame (n, 3, 3): axes of all particles, as columns, without
+        strain."""
         table, (a, b) = self.stiffness(), self.nodes.T
         six = np.arange(6)
         dofs = np.concatenate([6 * a[:, None] + six, 6 * b[:, None] + six], axis=1)
@@ -269,19 +241,16 @@ ALIGNED = np.array([0.0, 1, 0, 0, 0, 1] * 2)
 
 
 def framed(scene) -> bool:
-    """Whether some beam element's axes are not those of its particles (to rounding), or may not be,
-    as with a bow.
-
-    The kernels take another path then. It must follow from the scene alone: a choice for a whole
-    batch would let a sample's last digits depend on its neighbours.
-    """
+    """Whether some beam element of a scene has local axes other than those of its particles (to
+    rounding), or may have, as with a bow; the kernels take another path then. It must follow from
+    one scene: by batch, a sample's last digits would depend on its neighbours."""
     bowed = any(beams.bow is not None for beams in Beams.of(scene))
     return bowed or bool(Beams.of(scene) and np.abs(end_axes(scene) - ALIGNED).max() >= 1e-12)
 
 
 def end_axes(scene) -> np.ndarray:
-    """Stress-free local axes 2 and 3 of all m beam elements of a scene at both ends, in the frames
-    of their particles: rows (m, 12) of a2, a3, b2, b3."""
+    """Stress-free local axes 2 and 3 of all m beam elements of a scene at both ends a and b, in the
+    frames of their particles: (m, 12), each row a2, a3, b2, b3."""
     frame = scene.frame if scene.unstrained is None else scene.unstrained
     nodes = np.concatenate([beams.nodes for beams in Beams.of(scene)])
     axes = np.concatenate([beams.end_axes() for beams in Beams.of(scene)], axis=1)
@@ -304,11 +273,9 @@ def triad(direction: np.ndarray, normal: np.ndarray) -> np.ndarray:
 
 
 def elements_of(groups: Sequence[Beams]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Elements of several groups, one after the other: nodes (m, 2) particle indices, undeformed
-    lengths (m,), half widths and heights (m, 2), all in metres.
-
-    Width and height are those of a rectangle with the section's area and second moments.
-    """
+    """Join several groups of beam elements: nodes (m, 2) particle indices, undeformed lengths (m,),
+    and half widths and heights (m, 2), all in metres, of rectangles with the sections' areas and
+    second moments."""
     nodes, length, half = [np.zeros((0, 2), int)], [np.zeros(0)], [np.zeros((0, 2))]
     for beams in groups:
         nodes.append(beams.nodes)

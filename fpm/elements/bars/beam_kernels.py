@@ -34,8 +34,8 @@ BEND, STRAIN = 0, 1  # watched
 
 class StraightElements(NamedTuple):
     """Arrays of m beam elements whose local axes are their particles' axes, as on straight bars.
-    beams: constants LENGTH to TWIST; watched: largest BEND and STRAIN so far; rows: a number per
-    element, for `list_energies`."""
+    nodes (m, 2): particles of ends a, b; beams (m, BEAM, lanes): constants LENGTH to TWIST; watched
+    (1, 2, lanes): largest bend and strain so far; rows (m, 1, lanes): energy per element (J)."""
 
     nodes: np.ndarray  # (m, 2) particles
     beams: np.ndarray  # (m, BEAM, lanes)
@@ -44,8 +44,8 @@ class StraightElements(NamedTuple):
 
 
 class FramedElements(NamedTuple):
-    """Arrays of beam elements as StraightElements, and `axes`: local axes 2 and 3 of their own at
-    both ends, in the frames of their particles."""
+    """Arrays of m beam elements with axes of their own: those of StraightElements, and axes (m,
+    AXES, lanes): local axes 2 and 3 at both ends, in the frames of their particles."""
 
     nodes: np.ndarray
     beams: np.ndarray
@@ -56,8 +56,8 @@ class FramedElements(NamedTuple):
 
 @kernel
 def angle(s):
-    """Six times the angle th (rad) with sine s, and twice the derivative dth/ds; th = s + s³/6,
-    wrong from the fifth order on."""
+    """Six times the angle th (rad) with sine s, and twice its derivative dth/ds, from th = s +
+    s³/6, which is wrong from the fifth order on. s: number or lanes."""
     slope = s * s + 2.0
     return s * (slope + 4.0), slope
 
@@ -107,7 +107,8 @@ def _end_axes(part, state, e):
 @kernel
 def chord_of(part, state, e):
     """Direction of the chord of element e (unit vector from end a to b), inverse of its length
-    (1/m), and axial force (N, tension above 0). part: element arrays; state: of the particles."""
+    (1/m), and axial force (N, tension above 0). part: arrays of the elements; state: of the
+    particles."""
     chord = get3(state, part.nodes[e, 1], X) - get3(state, part.nodes[e, 0], X)
     length = sqrt(dot(chord, chord))
     inverse = 1.0 / length
@@ -117,12 +118,9 @@ def chord_of(part, state, e):
 
 @kernel
 def forces(part, world, timing):
-    """Add forces (N) and moments (N m) of all beam elements to their end particles.
-
-    part: element arrays; world: solver state; timing: not used. The chord of the next element is
-    found beside the forces of each: its root and quotient take long, and leave the multipliers
-    idle.
-    """
+    """Add forces (N) and moments (N m) of all beam elements to their end particles. part: arrays of
+    the elements; world: state of the solver, changed; timing: not used. The chord of the next
+    element is found beside the forces of each: its root and quotient take long."""
     state, beams = world.state, part.beams
     last = part.nodes.shape[0] - 1
     following = chord_of(part, state, 0)
@@ -156,11 +154,8 @@ def forces(part, world, timing):
 @kernel
 def shape_of(part, state, e):
     """Deformation of element e: its axial force (N), four sines of the angles between chord and
-    axes (a2, a3, b2, b3), and twice the sine of its twist.
-
-    part: element arrays; state: of the particles (World.state). Each sine is the scalar product of
-    the chord's direction with the axis, which is normal to the chord where the element is straight.
-    """
+    axes (a2, a3, b2, b3: products of their unit vectors, less 0 where straight), and twice the sine
+    of its twist. part: arrays of the elements; state: of the particles (World.state)."""
     a2, a3, b2, b3 = end_axes(part, state, e)
     n, _, force = chord_of(part, state, e)
     return force, (dot(n, a2), dot(n, a3), dot(n, b2), dot(n, b3)), twist_of(a2, a3, b2, b3)
@@ -168,7 +163,8 @@ def shape_of(part, state, e):
 
 @kernel
 def strain_energy(part, e, shape):
-    """Strain energy (J) of element e. part: element arrays; shape: its deformation (`shape_of`)."""
+    """Strain energy (J) of element e. part: arrays of the elements; shape: what `shape_of`
+    returns."""
     force, sines, twist = shape
     ta2, ta3 = angle(sines[0])[0], angle(sines[1])[0]
     tb2, tb3 = angle(sines[2])[0], angle(sines[3])[0]
@@ -204,8 +200,8 @@ def larger_strains(part, e, shape, bend, strain):
 
 @kernel
 def stored(part, world):
-    """Strain energy (J) of all beam elements; raises `part.watched` to their largest bend (sine)
-    and surface strain. part: element arrays; world: solver state."""
+    """Strain energy (J) of all beam elements together; also raises `part.watched` to their largest
+    bend (sine) and surface strain. part: arrays of the elements; world: solver state."""
     total = 0.0 * load(world.state, 0, X)
     bend, strain = 0.0 * load(part.watched, 0, BEND), load(part.watched, 0, STRAIN)
     for e in range(part.nodes.shape[0]):
@@ -219,7 +215,8 @@ def stored(part, world):
 
 @kernel
 def list_energies(part, world):
-    """Store the strain energy (J) of each beam element in `part.rows`. part: element arrays."""
+    """Store the strain energy (J) of each element in `part.rows`. part: arrays of the elements;
+    world: solver state."""
     for e in range(part.nodes.shape[0]):
         store(part.rows, e, 0, strain_energy(part, e, shape_of(part, world.state, e)))
 

@@ -31,11 +31,8 @@ SMALLEST_END = 0.1
 
 def end_weights(elements: int, order: int | None = None) -> np.ndarray:
     """Masses (n+1,) of the particles of a slender link of n elements, as fractions of one element's
-    mass.
-
-    elements: n, at least 1; order: of the last differences in the end corrections, 0 for none (the
-    trapezium rule), at most 4; None: the best for so many elements.
-    """
+    mass. elements: n, at least 1; order: of the last differences in the end corrections, 0 for none
+    (the trapezium rule), at most 4; None: the best for so many elements."""
     return np.array(_end_weights(elements, order))
 
 

@@ -12,13 +12,14 @@ import numpy as np
 
 @dataclass(frozen=True)
 class VirtualBeam:
-    """Rigid offset from a particle: its index, and a vector `arm` (3,), m, in its own frame."""
+    """Rigid, massless arm from a particle to a point. particle: index; arm (3,), m: vector to the
+    point, in the particle's own axes."""
 
     particle: int
     arm: np.ndarray
 
     @staticmethod
     def to_point(particle: int, position, frame, point) -> "VirtualBeam":
-        """The virtual beam from a particle to a point. particle: index; position (3,) m; frame (3,
-        3): the particle's axes as columns; point (3,) m, in global axes like the position."""
+        """The rigid arm from a particle to a point. particle: index; position (3,), m, of the
+        particle and frame (3, 3), its axes as columns; point (3,), m; all in global axes."""
         return VirtualBeam(particle, np.asarray(frame).T @ (np.asarray(point) - position))

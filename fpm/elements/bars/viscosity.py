@@ -28,7 +28,7 @@ from fpm.errors import SceneError
 @dataclass(frozen=True)
 class Viscosity(ElementType):
     """Bulk viscosity of all beam elements of a scene: a damper along each. share: fraction of
-    critical damping of an element's highest axial mode, >= 0; several viscosities add up."""
+    critical damping in an element's highest axial vibration, >= 0; several viscosities add up."""
 
     share: float
 
@@ -42,7 +42,7 @@ class Viscosity(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """The viscosities of a scene, a list; empty where the scene has no beams."""
+        """The bulk viscosities of a scene, a list; empty where the scene has no beams."""
         return scene.kinds.get(cls, []) if scene.beams else []
 
     @classmethod
@@ -52,8 +52,8 @@ class Viscosity(ElementType):
 
     @classmethod
     def dampings(cls, scene):
-        """Stretches of all beam elements of a scene, with damping (N s/m) in place of stiffness,
-        for the stable step."""
+        """Stretches of all beam elements of a scene with their damping (N s/m), as Deformations
+        whose field `stiffness` holds the damping; the stable time step follows from it."""
         frame = scene.frame if scene.unstrained is None else scene.unstrained
         stretches = [beams.modes(frame)[0] for beams in Beams.of(scene)]
         counts = np.cumsum([0, *(len(beams.length) for beams in Beams.of(scene))])

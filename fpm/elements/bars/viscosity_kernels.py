@@ -16,9 +16,9 @@ HISTORY = 3
 
 
 class Viscous(NamedTuple):
-    """Arrays for the dampers of m beam elements. nodes: (m, 2) particles of both ends; damping: (m,
-    1, lanes) N s/m; past: (m, HISTORY, lanes) rate (m/s), tension (N) and length (m) of the last
-    step; account: index of the energy account of the loss."""
+    """Arrays for the dampers of m beam elements. nodes (m, 2): particles of both ends; damping (m,
+    1, lanes): N s/m; past (m, HISTORY, lanes): rate (m/s), tension (N) and length (m) of the last
+    step; account: index of the loss in World.accounts."""
 
     nodes: np.ndarray
     damping: np.ndarray
@@ -28,13 +28,10 @@ class Viscous(NamedTuple):
 
 @hook(Viscous)
 def forces(part, world, timing):
-    """Add to the end particles of all elements the tension (N) of their dampers, damping times rate
-    of length, and the loss (J) of the step that ends to the account.
-
-    part: element arrays (Viscous); world: solver state (World); timing: times of the step (s). The
-    rate is extrapolated as other dampers' (losses_kernels.py), and losses are summed by the
-    trapezium rule, which is what leapfrog does.
-    """
+    """Add the tension (N) of the dampers of all elements, damping times rate of length, to their
+    end particles, and the loss (J) of the step that ends to part.account. part: arrays of the
+    dampers; world: state of the solver, changed; timing: times of this step (s). The rate is
+    extrapolated from the last two steps; losses are summed by the trapezium rule."""
     state, history = world.state, part.past
     loss = load(world.accounts, 0, part.account)
     for e in range(part.nodes.shape[0]):

@@ -41,12 +41,10 @@ def _crowded(values: dict[str, float]) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class Cable(ElementType):
-    """A cable through the free ends of two or more virtual beams.
-
+    """A cable through the free ends of two or more virtual beams (rigid arms from particles).
     stiffness: EA (N); rest: unstrained length R (m); reel: length (m) that a winch takes in, times
     the curve of index `curve` (-1: none); friction: coefficient mu at the points between its ends;
-    None: they turn freely.
-    """
+    None: frictionless."""
 
     name: str = same()
     beams: tuple[VirtualBeam, ...]
@@ -67,13 +65,11 @@ class Cable(ElementType):
 
     @staticmethod
     def create(scene, name, points, stiffness, rest, preload, reel, curve, friction) -> "Cable":
-        """A cable through points of a scene in its present position (Scene.add_cable).
-
-        points: pairs of a particle's index and a position (3,) m; stiffness: EA (N); rest:
-        unstrained length before reeling (m), or preload: tension at the start (N), the other one
-        None; reel (m), curve: length that a winch takes in, times the curve of that index (-1:
-        none); friction: coefficient or None. SceneError if points or numbers do not fit.
-        """
+        """A cable through points of a scene, as placed now; it is not added to the scene. points:
+        pairs of a particle's index and a position (3,) m; stiffness: EA (N); rest: unstrained
+        length before reeling (m), or preload: tension at the start (N), the other one None; reel
+        (m), curve: length that a winch takes in, times the curve of that index (-1: none);
+        friction: coefficient or None. SceneError if points or numbers do not fit."""
         count = len(scene.position)
         particles = [particle for particle, _ in points]
         if len(points) < 2 or not all(0 <= p < count for p in particles):
@@ -92,8 +88,9 @@ class Cable(ElementType):
         return Cable(name, beams, stiffness, float(rest), reel, curve, friction)
 
     def check(self, scene):
-        """Check that the cable fits into a scene: its numbers, a name of its own, points of two
-        particles, an unstrained length above 0 at all times; raises SceneError if not."""
+        """Check that the cable fits into a scene: its numbers, a name that no other cable has,
+        points on two or more particles, an unstrained length above 0 at all times; raises
+        SceneError if not."""
         super().check(scene)
         owner = f"of {self.title(scene)}"
         if self.name in Cable.names_of(scene):
@@ -111,29 +108,31 @@ class Cable(ElementType):
         return f"cable {self.name}"
 
     def rest_at(self, scene, time: float) -> float:
-        """Unstrained length (m) at a time (s), less what the winch has taken in by then."""
+        """Unstrained length (m) outside the winch at a `time` (s): `rest` less what was taken in by
+        then."""
         factor = np.interp(time, *scene.curves[self.curve]) if self.curve >= 0 else 0.0
         return float(self.rest - self.reel * factor)
 
     def shortest(self, scene) -> float:
-        """Least unstrained length (m) at any time, over all points of the winch's curve."""
+        """Least unstrained length (m) that the cable has at any time, over all values of the
+        winch's curve."""
         factors = scene.curves[self.curve][1] if self.curve >= 0 else np.zeros(1)
         return float(self.rest - np.max(self.reel * factors))
 
     @property
     def rubs(self) -> bool:
-        """Whether there is friction at points between its ends."""
+        """Whether the cable has friction, and points between its ends where it acts."""
         return self.friction is not None and len(self.beams) > 2
 
     def lengths(self, scene) -> np.ndarray:
-        """Distances (m) from each of the cable's n points to the next (n - 1,), in the scene's
-        present position."""
+        """Distances (n - 1,), m, from each of the cable's n points to the next, as the scene is
+        placed now."""
         places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in self.beams]
         return np.linalg.norm(np.diff(places, axis=0), axis=1)
 
     def pieces(self, scene) -> Iterator[Piece]:
-        """Parts of the cable with one tension each, as (virtual beams, stiffness in N/m): the whole
-        cable, or each stretch from point to point if it has friction."""
+        """Parts of the cable that have one tension each, as pairs (virtual beams, stiffness in
+        N/m): the whole cable, or with friction each stretch from point to point."""
         shortest = self.shortest(scene)
         if not self.rubs:
             yield self.beams, self.stiffness / shortest
@@ -144,7 +143,7 @@ class Cable(ElementType):
 
     def topology(self):
         """What must be equal in scenes that run side by side: name, particles, curve, and whether
-        it has friction."""
+        it rubs."""
         return self.name, tuple(beam.particle for beam in self.beams), self.curve, self.rubs
 
     @classmethod
@@ -158,13 +157,14 @@ class Cable(ElementType):
 
     @classmethod
     def led(cls, scene):
-        """Copies of a scene's cables without friction, for the quasi-static travel of an opening
-        (fpm/travel), where friction is a component of its own."""
+        """Copies of a scene's cables without friction, a list, for the slow travel of an opening
+        through equilibria (fpm/travel), which counts friction by itself."""
         return [replace(cable, friction=None) for cable in cls.of(scene)]
 
     @classmethod
     def deformations(cls, scene):
-        """Springs as stiff as the cables can be, for the stable step (`bounding_springs`)."""
+        """Springs (Deformations) at least as stiff as the cables of a scene can become, from which
+        the stable time step follows (`bounding_springs`)."""
         return bounding_springs(scene, (cable.pieces(scene) for cable in cls.of(scene)))
 
     @classmethod
@@ -191,8 +191,9 @@ class Cable(ElementType):
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """Recorded tension (N) and strained length (m) of all cables of one sample, (instants,
-        cables) each. part: kernel arrays (Cables); lane: of the sample in its batch."""
+        """Recorded tension (N) and strained length (m) of all cables of one sample, two Series
+        (instants, cables) by variable name. part: kernel arrays (Cables) after the run; scene: for
+        names; lane: index of the sample in its batch."""
         names = cls.names_of(scene)
         tension, length = part.track[:, :, lane].T.reshape(2, -1, len(names))
         return {
@@ -229,6 +230,7 @@ def _with_friction(part, batch):
 
 
 def length_through(scene, beams: Sequence[VirtualBeam]) -> float:
-    """Sum (m) of the distances from each virtual beam's free end to the next, as the scene is."""
+    """Length (m) of the line through the free ends of virtual beams in their order, as the scene is
+    placed now."""
     places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
     return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())

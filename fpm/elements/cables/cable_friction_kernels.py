@@ -51,9 +51,10 @@ from fpm.kernels.world import Log
 
 
 class RubbingCables(NamedTuple):
-    """Arrays of all cables where some have friction at their points; fields as of Cables, then
-    those of friction. rubbed: of each point, and the stretch that begins there, by the fields of
-    cable_slip_kernels.py."""
+    """Arrays of all cables where some have friction: the fields of Cables, then rubs (c,): whether
+    each cable has friction; friction (c, 1, lanes): its coefficient; rubbed (p, RUBBED, lanes): of
+    each point and the stretch that begins there, fields START to SLIPPED (cable_slip_kernels.py);
+    loss: index of friction's loss in World.accounts."""
 
     start: np.ndarray
     on: np.ndarray
@@ -86,8 +87,8 @@ def exponential(x):
 
 @kernel
 def turn_angle(part, j):
-    """Angle (rad, 0 to pi) by which a cable changes direction at point j. part: cable arrays, with
-    the directions of the stretches."""
+    """Angle (rad, 0 to pi) by which a cable changes direction at point j. part: arrays of all
+    cables, after `lay`."""
     first, second = get3(part.stretches, j - 1, DIRECTION), get3(part.stretches, j, DIRECTION)
     normal = cross(first, second)
     return arctan2(sqrt(dot(normal, normal)), dot(first, second))
@@ -95,20 +96,18 @@ def turn_angle(part, j):
 
 @kernel
 def length_at(part, j, soft, share):
-    """Length (m) of stretch j at a fraction `share` of the step that ends now, between its lengths
-    at both ends. part: cable arrays; soft: 1/EA (1/N)."""
+    """Length (m) of stretch j at a fraction `share` (0 to 1) of the step that ends now, as if it
+    changed evenly in it. part: arrays of all cables; soft: 1/EA (1/N)."""
     length = load(part.rubbed, j, MATERIAL) * (1.0 + soft * load(part.rubbed, j, TENSION))
     return length + share * (load(part.stretches, j, LENGTH) - length)
 
 
 @kernel
 def slip(part, c, rest, excess, turn):
-    """Store the strains FREE_STRAIN of all stretches of cable c by the law of friction, from its
-    first point on.
-
-    part: cable arrays; rest: unstrained length (m); excess: length less unstrained length a step
-    ago (m); turn: fraction of the step up to where it turns tight, if it was slack.
-    """
+    """Let cable c slip over its points by the law of friction: stores FREE_STRAIN of every stretch,
+    its strain if nothing slipped over the point after it. part: arrays of all cables; rest:
+    unstrained length (m); excess: length less unstrained length a step ago (m); turn: fraction of
+    the step up to where the cable turns tight, if it was slack."""
     first, last = part.start[c], part.start[c + 1] - 1
     soft, rest_sum = 1.0 / load(part.cables, c, EA), 0.0 * rest
     for j in range(first + 1, last):
@@ -125,12 +124,10 @@ def slip(part, c, rest, excess, turn):
 
 @kernel
 def pull_on(part, c, excess, turn, slack):
-    """Store tension (N), slipped length (m), unstrained length (m) and pull (N) of every stretch of
-    cable c.
-
-    part: cable arrays; excess: length less unstrained length (m); turn: fraction of the step up to
-    where it turns slack, if it is now; slack: fraction of the step in which it is slack.
-    """
+    """Store tension (N), slipped length (m), unstrained length (m) and pull on its points (N) of
+    every stretch of cable c. part: arrays of all cables; excess: length less unstrained length (m);
+    turn: fraction of the step up to where the cable turns slack, if it is now; slack: fraction of
+    the step in which it is slack."""
     first, last = part.start[c], part.start[c + 1] - 1
     stiffness = load(part.cables, c, EA)
     soft, strain, inflow = 1.0 / stiffness, load(part.rubbed, last - 1, FREE_STRAIN), 0.0 * excess
@@ -150,8 +147,9 @@ def pull_on(part, c, excess, turn, slack):
 
 @kernel
 def find_tensions(part, world, timing, c):
-    """Store the tension (N) of every stretch of cable c, which has friction: its lengths, slip over
-    its points, and pulls. part: cable arrays; world: solver state; timing: times (s)."""
+    """Find and store in part.rubbed the tension (N) of every stretch of cable c, which has
+    friction: measures its lengths, and lets it slip. part: arrays of all cables; world: solver
+    state; timing: times of this step (s)."""
     length, rest = lay(part, world.state, c), unstrained_now(part, world, timing, c)
     last, excess = load(part.state, c, LONGER), length - rest
     reeled = rest - load(part.state, c, UNSTRAINED)
@@ -169,8 +167,8 @@ def find_tensions(part, world, timing, c):
 
 @hook(RubbingCables)
 def forces(part, world, timing):
-    """Add the forces (N) and moments (N m) of all cables to their particles. part: cable arrays;
-    world: solver state; timing: times of the step (s)."""
+    """Add the forces (N) and moments (N m) of all cables to the particles they run over. part:
+    arrays of all cables; world: state of the solver, changed; timing: times of this step (s)."""
     for c in range(part.curve.shape[0]):
         if part.rubs[c]:
             find_tensions(part, world, timing, c)
@@ -181,16 +179,17 @@ def forces(part, world, timing):
 
 @kernel
 def gain(part, j, soft):
-    """Energy (J/m) that enters stretch j with a metre of unstrained cable, as a mean over the step
-    that ends now. part: cable arrays; soft: 1/EA (1/N)."""
+    """Energy (J/m) that a metre of unstrained cable brings into stretch j, as a mean over the step
+    that ends now. part: arrays of all cables; soft: 1/EA (1/N)."""
     tension, last = load(part.rubbed, j, TENSION), load(part.rubbed, j, TENSION_BEFORE)
     return 0.5 * (tension + last) + 0.25 * soft * (tension * tension + last * last)
 
 
 @hook(RubbingCables)
 def work_before(part, world, timing):
-    """Add the work (J) of the winches, and the losses of friction, over the step that ends now to
-    their accounts. part: cable arrays; world: solver state; timing: not used."""
+    """Add the winches' work (J) over the step that ends now to part.account in world.accounts, and
+    friction's loss to part.loss. part: arrays of all cables; world: solver state; timing: not
+    used."""
     work, loss = load(world.accounts, 0, part.account), load(world.accounts, 0, part.loss)
     for c in range(part.curve.shape[0]):
         if not part.rubs[c]:
@@ -209,7 +208,8 @@ def work_before(part, world, timing):
 
 @hook(RubbingCables)
 def energy_of(part, world, c):
-    """Strain energy (J) of cable c, of all its stretches. part: cable arrays; world: not used."""
+    """Strain energy (J) of cable c, over all its stretches. part: arrays of all cables; world: not
+    used."""
     total = energy_of_cable(part, c)
     if part.rubs[c]:
         total = 0.0 * total
@@ -222,8 +222,8 @@ def energy_of(part, world, c):
 
 @hook(RubbingCables)
 def record(part, world, row):
-    """Record of each cable the tension (N) of its first stretch and the strained length (m). part:
-    cable arrays; world: not used; row: of the recorded instant."""
+    """Store each cable's tension (N), of its first stretch, and strained length (m) in part.track.
+    part: arrays of all cables; world: not used; row: index of the recorded instant."""
     count = part.curve.shape[0]
     for c in range(count):
         if not part.rubs[c]:

@@ -40,10 +40,12 @@ TINY = 1e-30
 
 
 class Cables(NamedTuple):
-    """Arrays of all cables, one after the other: (c,) per cable, (p,) per point. on: the points'
-    particles; curve: indices, -1 for none; arms: of the points in their particles' frames; cables:
-    constants EA, REST, REEL; stretches, state: scratch by the fields above; watched: largest
-    elongation ratio so far; rows: the ratio of each cable, by `list_excess`."""
+    """Arrays of all cables, one after the other: c cables, p points; a stretch runs from a point to
+    the next. start (c + 1,): first point of each; on (p,): particle of each point; curve (c,): of
+    the winch, -1: none; arms (p, 3, lanes): of points, in particles' frames; cables (c, CABLE,
+    lanes): EA, REST, REEL; stretches, state: working memory (fields above); account: index of the
+    winches' work in World.accounts; watched: largest elongation ratio so far; rows (c, 1, lanes):
+    that of each cable; log: of events; track: recorded tension (N) and length (m)."""
 
     start: np.ndarray  # (c + 1,) first point of each
     on: np.ndarray  # (p,) particles
@@ -61,8 +63,8 @@ class Cables(NamedTuple):
 
 @kernel
 def lay(part, state, c):
-    """Store directions and lengths (m) of the stretches of cable c, for the present positions;
-    returns its whole length (m). part: cable arrays; state: of the particles (World.state)."""
+    """Measure cable c: stores directions and lengths (m) of its stretches as the particles stand,
+    and returns its whole length (m). part: arrays of all cables; state: of the particles."""
     first, last = part.start[c], part.start[c + 1] - 1
     total = 0.0 * load(part.cables, c, REST)
     for j in range(first, last + 1):
@@ -81,8 +83,8 @@ def lay(part, state, c):
 
 @kernel
 def unstrained_now(part, world, timing, c):
-    """Unstrained length (m) of cable c at timing.time, less what its winch has taken in. part:
-    cable arrays; world: solver state, with the curves."""
+    """Unstrained length (m) of cable c at timing.time, without what its winch has taken in. part:
+    arrays of all cables; world: solver state, with the curves; timing: times of this step (s)."""
     rest = load(part.cables, c, REST)
     if part.curve[c] >= 0:
         rest = rest - curve_value(world, part.curve[c], timing.time) * load(part.cables, c, REEL)
@@ -91,9 +93,8 @@ def unstrained_now(part, world, timing, c):
 
 @kernel
 def missing(new, old):
-    """Correction (m), to be added to the elongation `new`, of a cable that turned tight or slack in
-    the step that ends now, else 0. new, old: length less unstrained length now and a step ago (m),
-    below 0 where slack.
+    """Correction (m) to add to the elongation `new` of a cable that turned tight or slack in the
+    step that ends now; 0 otherwise. new, old: length less unstrained length now and a step ago (m).
 
     Where a cable turns tight or slack between two steps, the force of either is not that of the way
     between them, k s²/2 on the way from -b to s. The half of what is missing is added at the later
@@ -106,8 +107,8 @@ def missing(new, old):
 
 @kernel
 def find_pull(part, world, timing, c):
-    """Store elongation (m) and tension (N) of cable c, one tension in all its stretches. part:
-    cable arrays; world: solver state; timing: times of the step (s)."""
+    """Store elongation (m) and tension (N) of cable c, which has one tension all along (no
+    friction). part: arrays of all cables; world: solver state; timing: times of this step (s)."""
     length = lay(part, world.state, c)
     store(part.state, c, LONGER_BEFORE, load(part.state, c, LONGER))
     store(part.state, c, UNSTRAINED_BEFORE, load(part.state, c, UNSTRAINED))
@@ -125,8 +126,8 @@ def find_pull(part, world, timing, c):
 
 @kernel
 def pull_points(part, state, c):
-    """Add the tensions (PULL) of cable c as forces (N) and moments (N m) to its particles, at each
-    point towards its neighbours. part: cable arrays; state: of the particles (World.state)."""
+    """Add the tensions of cable c as forces (N) and moments (N m) to its particles, at each point
+    towards the points beside it. part: arrays of all cables; state: of the particles, changed."""
     first, last = part.start[c], part.start[c + 1] - 1
     for j in range(first, last + 1):
         force = 0.0 * get3(part.stretches, j, DIRECTION)
@@ -141,8 +142,8 @@ def pull_points(part, state, c):
 
 @hook(Cables)
 def forces(part, world, timing):
-    """Add the forces (N) and moments (N m) of all cables to their particles. part: cable arrays;
-    world: solver state; timing: times of the step (s)."""
+    """Add the forces (N) and moments (N m) of all cables to the particles they run over. part:
+    arrays of all cables; world: state of the solver, changed; timing: times of this step (s)."""
     for c in range(part.curve.shape[0]):
         find_pull(part, world, timing, c)
         pull_points(part, world.state, c)
@@ -150,8 +151,8 @@ def forces(part, world, timing):
 
 @hook(Cables)
 def note_events(part, world, timing):
-    """Log an event for each cable that turned tight or slack since the last step, at the strain
-    TAUT. part: cable arrays; timing: times of the step (s)."""
+    """Log an event (part.log) for each cable that turned tight or slack since the last step, at the
+    strain TAUT. part: arrays of all cables; world: not used; timing: times of this step (s)."""
     for c in range(part.curve.shape[0]):
         new = load(part.state, c, LONGER) - TAUT * load(part.state, c, UNSTRAINED)
         old = load(part.state, c, LONGER_BEFORE) - TAUT * load(part.state, c, UNSTRAINED_BEFORE)
@@ -165,16 +166,16 @@ def note_events(part, world, timing):
 
 @kernel
 def work_of_winch(part, c):
-    """Work (J) that the winch of cable c gave over the step that ends now, above 0 where it takes
-    tight cable in. part: cable arrays."""
+    """Work (J) of the winch of cable c over the step that ends now, above 0 where it takes tight
+    cable in. part: arrays of all cables."""
     reeled = load(part.state, c, UNSTRAINED_BEFORE) - load(part.state, c, UNSTRAINED)
     return 0.5 * reeled * (load(part.state, c, WINCH) + load(part.state, c, WINCH_BEFORE))
 
 
 @hook(Cables)
 def work_before(part, world, timing):
-    """Add the work (J) of all winches over the step that ends now to their energy account. part:
-    cable arrays; world: solver state; timing: not used."""
+    """Add the winches' work (J) over the step that ends now to part.account in world.accounts.
+    part: arrays of all cables; world: solver state; timing: not used."""
     work = load(world.accounts, 0, part.account)
     for c in range(part.curve.shape[0]):
         if part.curve[c] >= 0:
@@ -184,28 +185,29 @@ def work_before(part, world, timing):
 
 @kernel
 def strain_of(part, c):
-    """Strain of cable c, 0 where it is slack, by the elongation last stored. part: cable arrays."""
+    """Strain of cable c at the last forces, 0 where it is slack. part: arrays of all cables."""
     strain = load(part.state, c, LONGER) / load(part.state, c, UNSTRAINED)
     return where_negative(strain, 0.0, strain)
 
 
 @kernel
 def energy_of_cable(part, c):
-    """Strain energy (J) of cable c, with one strain in all its stretches. part: cable arrays."""
+    """Strain energy (J) of cable c, if one strain reigns all along it. part: arrays of all
+    cables."""
     strain = strain_of(part, c)
     return 0.5 * load(part.cables, c, EA) * load(part.state, c, UNSTRAINED) * strain * strain
 
 
 @hook(Cables)
 def energy_of(part, world, c):
-    """Strain energy (J) of cable c. part: cable arrays; world: not used."""
+    """Strain energy (J) of cable c. part: arrays of all cables; world: not used."""
     return energy_of_cable(part, c)
 
 
 @kernel
 def crowding(part, c):
     """Elongation ratio of cable c: its elongation over the length of its shortest stretch, 0 where
-    it is slack; a run fails above 1. part: cable arrays."""
+    it is slack; a run fails above 1. part: arrays of all cables."""
     longer = where_negative(load(part.state, c, LONGER), 0.0, load(part.state, c, LONGER))
     most = 0.0 * longer
     for j in range(part.start[c], part.start[c + 1] - 1):
@@ -215,8 +217,9 @@ def crowding(part, c):
 
 @kernel
 def record_cable(part, c, row):
-    """Record tension (N) and length (m) of cable c in row `row` of part.track, and raise the
-    largest elongation ratio (`crowding`) to its own. part: cable arrays."""
+    """Store tension (N) and length (m) of cable c in row `row` (instant times cables + c) of
+    part.track, and raise part.watched to its elongation ratio (`crowding`). part: arrays of all
+    cables."""
     store(part.track, row, 0, load(part.cables, c, EA) * strain_of(part, c))
     store(part.track, row, 1, load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED))
     store(part.watched, 0, 0, larger(load(part.watched, 0, 0), crowding(part, c)))
@@ -224,8 +227,9 @@ def record_cable(part, c, row):
 
 @hook(Cables)
 def record(part, world, row):
-    """Record tension (N) and strained length (m) of each cable, and watch the largest elongation
-    ratio. part: cable arrays; world: not used; row: of the recorded instant."""
+    """Store tension (N) and strained length (m) of each cable in part.track, and raise part.watched
+    to the largest elongation ratio. part: arrays of all cables; row: index of the recorded
+    instant."""
     count = part.curve.shape[0]
     for c in range(count):
         record_cable(part, c, row * count + c)
@@ -233,7 +237,7 @@ def record(part, world, row):
 
 @hook(Cables)
 def list_excess(part, world):
-    """Store the elongation ratio (`crowding`) of each cable in part.rows, to name the worst when a
-    run fails. part: cable arrays; world: not used."""
+    """Store each cable's elongation ratio (`crowding`) in part.rows, by which a failed run names
+    the worst. part: arrays of all cables; world: not used."""
     for c in range(part.curve.shape[0]):
         store(part.rows, c, 0, crowding(part, c))

@@ -40,8 +40,9 @@ def positive(x):
 
 @kernel
 def handed_on(part, first, j, strain):
-    """Unstrained length (m) that slips out of stretches `first` to j over the point after j, if
-    stretch j has this strain, and its derivative by the strain. part: cable arrays."""
+    """Unstrained length (m) that slips from the stretches `first` to j over the point at the end of
+    j, if stretch j has this `strain`, and its derivative by the strain (m). part: arrays of all
+    cables."""
     flow, follows = 0.0 * strain, 0.0 * strain + 1.0
     slope, linked = flow, follows
     for k in range(j, first - 1, -1):
@@ -62,14 +63,11 @@ def handed_on(part, first, j, strain):
 
 @kernel
 def strain_alone(part, first, j, tight, slope, close):
-    """Strain of stretch j > first if nothing could slip over the point after it, 0 if slack; and
-    the derivative of `handed_on` there.
-
-    At this strain `handed_on`, which grows with it, is 0: by Newton's method between bounds, from
-    the solution to first order. part: cable arrays; tight: length less unstrained length of the
-    stretches up to j (m); slope: derivative for the stretches before j (m); close: allowed rest
-    (m).
-    """
+    """Strain of stretch j > first if nothing could slip over the point at its end, 0 if slack, and
+    the derivative of `handed_on` (m) there. At this strain `handed_on`, which grows with it, is 0:
+    by Newton's method between bounds, from the solution to first order. part: arrays of all cables;
+    first: the cable's first point; tight: length less unstrained length (m) of the stretches up to
+    j; slope: derivative (m) for the stretches before j; close: allowed rest (m)."""
     start, length = load(part.rubbed, j, START), load(part.stretches, j, LENGTH)
     free_strain, stuck = load(part.rubbed, j - 1, FREE_STRAIN), positive((length - start) / start)
     ratio, inverse = load(part.rubbed, j, RATIO), load(part.rubbed, j, INVERSE)
@@ -97,8 +95,9 @@ def strain_alone(part, first, j, tight, slope, close):
 
 @kernel
 def strain_before(part, j, strain):
-    """Strain of the stretch before point j, by the `strain` of the stretch after the point and the
-    law of friction. part: cable arrays, with FREE_STRAIN of the stretch before."""
+    """Strain of the stretch before point j by the law of friction, if the stretch after it has
+    `strain`. part: arrays of all cables, with FREE_STRAIN (strain if nothing slips) of the stretch
+    before."""
     least, most = load(part.rubbed, j, INVERSE) * strain, load(part.rubbed, j, RATIO) * strain
     free_strain = load(part.rubbed, j - 1, FREE_STRAIN)
     return larger(least, where_negative(most - free_strain, most, free_strain))
@@ -106,8 +105,9 @@ def strain_before(part, j, strain):
 
 @kernel
 def find_alone(part, first, last, close):
-    """Store the strains FREE_STRAIN of all stretches between the points `first` and `last` of a
-    cable. part: cable arrays; close: allowed rest of unstrained length (m)."""
+    """Store in FREE_STRAIN the strain that each stretch between the points `first` and `last` of a
+    cable would have if nothing slipped over the point at its end. part: arrays of all cables;
+    close: allowed rest of unstrained length (m)."""
     start, length = load(part.rubbed, first, START), load(part.stretches, first, LENGTH)
     tight = length - start
     strain, slope = positive(tight) / larger(start, 0.0 * start + TINY), length

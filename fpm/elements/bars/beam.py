@@ -119,8 +119,8 @@ class Beams(ElementType):
         """Beam elements between particles of a scene, unstressed as these are placed now; they are
         not added to the scene. nodes (m, 2): particle indices; section (Section); material
         (Material); normal: vector in the plane of the local x and z axes, (3,) for all elements or
-        (m, 3), not along one; name: prefix of the elements' names. SceneError if particles do not
-        exist or coincide."""
+        (m, 3), not along one; name: prefix of the elements' names. SceneError if particles are
+        missing or coincide."""
         nodes = np.atleast_2d(np.asarray(nodes, int))
         if nodes.shape[1] != 2 or nodes.min() < 0 or nodes.max() >= len(scene.position):
             raise SceneError(f"nodes of {name}", nodes.tolist(), "(m, 2) indices of particles")
@@ -142,8 +142,7 @@ class Beams(ElementType):
 
     def end_axes(self) -> np.ndarray:
         """Local axes 2 and 3 of both ends of these elements without stress, (2, m, 3, 2): end,
-        element, global component, axis. They are normal to the chord unless the elements have a
-        bow."""
+        element, global component, axis. They are normal to the chord but for a bow."""
         axes = np.stack([self.triad[:, :, 1:]] * 2)
         if self.bow:
             turn = np.array([self.bow, -self.bow])[:, None, None]
@@ -151,8 +150,7 @@ class Beams(ElementType):
         return axes
 
     def stiffness(self) -> np.ndarray:
-        """Length and stiffnesses of the elements, (m, 5): l0 (m), EA/l0 (N/m), 2 EIz/l0, 2 EIy/l0
-        and GJ/l0 (N m)."""
+        """Rows (m, 5), one per element: l0 (m), EA/l0 (N/m), 2 EIz/l0, 2 EIy/l0 and GJ/l0 (N m)."""
         s, m, n = self.section, self.material, len(self.length)
         table = np.empty((n, 5))
         table[:, 0] = self.length
@@ -168,7 +166,7 @@ class Beams(ElementType):
 
     @classmethod
     def names(cls, scene):
-        """Names of all beam elements of a scene: the group's name and the number in it, as
+        """Names of all beam elements of a scene: the group's name and number in it, as
         "link[0]"."""
         return [f"{b.name}[{i}]" for b in cls.of(scene) for i in range(len(b.length))]
 
@@ -187,8 +185,8 @@ class Beams(ElementType):
     def modes(self, frame: np.ndarray) -> list[Deformations]:
         """Deformations of these m elements with their stiffness, a list of six with m rows each:
         stretch, twist, and sum and difference of the end rotations in both planes, so that the
-        stiffness is diagonal. frame (n, 3, 3): axes of all particles, as columns, without
-        strain."""
+        stiffness is diagonal. frame (n, 3, 3): the strain-free axes of all particles, as
+        columns."""
         table, (a, b) = self.stiffness(), self.nodes.T
         six = np.arange(6)
         dofs = np.concatenate([6 * a[:, None] + six, 6 * b[:, None] + six], axis=1)
@@ -273,9 +271,9 @@ def triad(direction: np.ndarray, normal: np.ndarray) -> np.ndarray:
 
 
 def elements_of(groups: Sequence[Beams]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Join several groups of beam elements: nodes (m, 2) particle indices, undeformed lengths (m,),
-    and half widths and heights (m, 2), all in metres, of rectangles with the sections' areas and
-    second moments."""
+    """Join groups of beam elements: nodes (m, 2) particle indices, undeformed lengths (m,) and half
+    widths and heights (m, 2), in metres, of rectangles with the sections' areas and second
+    moments."""
     nodes, length, half = [np.zeros((0, 2), int)], [np.zeros(0)], [np.zeros((0, 2))]
     for beams in groups:
         nodes.append(beams.nodes)

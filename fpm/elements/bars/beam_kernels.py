@@ -107,7 +107,7 @@ def _end_axes(part, state, e):
 @kernel
 def chord_of(part, state, e):
     """Direction of the chord of element e (unit vector from end a to b), inverse of its length
-    (1/m), and axial force (N, tension above 0). part: arrays of the elements; state: of the
+    (1/m), and axial force (N, tension above 0). part: arrays of elements; state: of the
     particles."""
     chord = get3(state, part.nodes[e, 1], X) - get3(state, part.nodes[e, 0], X)
     length = sqrt(dot(chord, chord))
@@ -153,9 +153,9 @@ def forces(part, world, timing):
 
 @kernel
 def shape_of(part, state, e):
-    """Deformation of element e: its axial force (N), four sines of the angles between chord and
-    axes (a2, a3, b2, b3: products of their unit vectors, less 0 where straight), and twice the sine
-    of its twist. part: arrays of the elements; state: of the particles (World.state)."""
+    """Deformation of element e: its axial force (N), sines of the angles between chord and axes at
+    both ends (four: a2, a3, b2, b3; 0 where straight), and twice the sine of its twist. part:
+    arrays of the elements; state: of the particles (World.state)."""
     a2, a3, b2, b3 = end_axes(part, state, e)
     n, _, force = chord_of(part, state, e)
     return force, (dot(n, a2), dot(n, a3), dot(n, b2), dot(n, b3)), twist_of(a2, a3, b2, b3)
@@ -163,8 +163,8 @@ def shape_of(part, state, e):
 
 @kernel
 def strain_energy(part, e, shape):
-    """Strain energy (J) of element e. part: arrays of the elements; shape: what `shape_of`
-    returns."""
+    """Strain energy (J) of element e. part: arrays of the elements; shape: returned by
+    `shape_of`."""
     force, sines, twist = shape
     ta2, ta3 = angle(sines[0])[0], angle(sines[1])[0]
     tb2, tb3 = angle(sines[2])[0], angle(sines[3])[0]
@@ -178,12 +178,10 @@ def strain_energy(part, e, shape):
 
 @kernel
 def larger_strains(part, e, shape, bend, strain):
-    """Raise the running maxima `bend` and `strain` to those of element e; returns both.
-
-    bend: squared sine of the largest bend or twist; strain: at the surface of a rectangle with the
-    element's radius of gyration, of height sqrt(12 I/A). part: element arrays; shape: as `shape_of`
-    returns it.
-    """
+    """Larger of `bend` and `strain`, maxima so far, and those of element e; returns both. bend:
+    squared sine of the largest bend or twist; strain: at the surface of a rectangle of height
+    sqrt(12 I/A), with the element's I and A. part: arrays of the elements; shape: returned by
+    `shape_of`."""
     beams = part.beams
     force, (sa2, sa3, sb2, sb3), twist = shape
     bend = larger(bend, sa2 * sa2 + sa3 * sa3)
@@ -215,8 +213,8 @@ def stored(part, world):
 
 @kernel
 def list_energies(part, world):
-    """Store the strain energy (J) of each element in `part.rows`. part: arrays of the elements;
-    world: solver state."""
+    """Store each element's strain energy (J) in part.rows. part: arrays of the elements; world:
+    solver's."""
     for e in range(part.nodes.shape[0]):
         store(part.rows, e, 0, strain_energy(part, e, shape_of(part, world.state, e)))
 

@@ -43,8 +43,8 @@ def _crowded(values: dict[str, float]) -> tuple[str, str]:
 class Cable(ElementType):
     """A cable through the free ends of two or more virtual beams (rigid arms from particles).
     stiffness: EA (N); rest: unstrained length R (m); reel: length (m) that a winch takes in, times
-    the curve of index `curve` (-1: none); friction: coefficient mu at the points between its ends;
-    None: frictionless."""
+    the curve of index `curve` (-1: none); friction: coefficient mu at the points between its ends,
+    None: none."""
 
     name: str = same()
     beams: tuple[VirtualBeam, ...]
@@ -89,8 +89,8 @@ class Cable(ElementType):
 
     def check(self, scene):
         """Check that the cable fits into a scene: its numbers, a name that no other cable has,
-        points on two or more particles, an unstrained length above 0 at all times; raises
-        SceneError if not."""
+        points on two or more particles, an unstrained length always above 0; raises SceneError if
+        not."""
         super().check(scene)
         owner = f"of {self.title(scene)}"
         if self.name in Cable.names_of(scene):
@@ -108,14 +108,13 @@ class Cable(ElementType):
         return f"cable {self.name}"
 
     def rest_at(self, scene, time: float) -> float:
-        """Unstrained length (m) outside the winch at a `time` (s): `rest` less what was taken in by
-        then."""
+        """Unstrained length (m) outside the winch at a `time` (s). scene: for the winch's curve."""
         factor = np.interp(time, *scene.curves[self.curve]) if self.curve >= 0 else 0.0
         return float(self.rest - self.reel * factor)
 
     def shortest(self, scene) -> float:
-        """Least unstrained length (m) that the cable has at any time, over all values of the
-        winch's curve."""
+        """Least unstrained length (m) that the cable has at any time. scene: for the winch's
+        curve."""
         factors = scene.curves[self.curve][1] if self.curve >= 0 else np.zeros(1)
         return float(self.rest - np.max(self.reel * factors))
 
@@ -125,8 +124,8 @@ class Cable(ElementType):
         return self.friction is not None and len(self.beams) > 2
 
     def lengths(self, scene) -> np.ndarray:
-        """Distances (n - 1,), m, from each of the cable's n points to the next, as the scene is
-        placed now."""
+        """Distances (n - 1,), m, from each of the cable's n points to the next, as placed now in
+        `scene`."""
         places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in self.beams]
         return np.linalg.norm(np.diff(places, axis=0), axis=1)
 
@@ -142,8 +141,8 @@ class Cable(ElementType):
             yield self.beams[i : i + 2], self.stiffness * lengths.sum() / (shortest * length)
 
     def topology(self):
-        """What must be equal in scenes that run side by side: name, particles, curve, and whether
-        it rubs."""
+        """What must be equal in scenes that run side by side: name, particles, curve, friction or
+        not."""
         return self.name, tuple(beam.particle for beam in self.beams), self.curve, self.rubs
 
     @classmethod
@@ -230,7 +229,6 @@ def _with_friction(part, batch):
 
 
 def length_through(scene, beams: Sequence[VirtualBeam]) -> float:
-    """Length (m) of the line through the free ends of virtual beams in their order, as the scene is
-    placed now."""
+    """Length (m) of the line through the virtual beams' free ends in their order, as placed now."""
     places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
     return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())

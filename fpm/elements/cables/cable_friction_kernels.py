@@ -87,8 +87,8 @@ def exponential(x):
 
 @kernel
 def turn_angle(part, j):
-    """Angle (rad, 0 to pi) by which a cable changes direction at point j. part: arrays of all
-    cables, after `lay`."""
+    """Angle (rad, 0 to pi) by which a cable turns at its point j. part: arrays of all cables
+    (`lay`)."""
     first, second = get3(part.stretches, j - 1, DIRECTION), get3(part.stretches, j, DIRECTION)
     normal = cross(first, second)
     return arctan2(sqrt(dot(normal, normal)), dot(first, second))
@@ -188,8 +188,8 @@ def gain(part, j, soft):
 @hook(RubbingCables)
 def work_before(part, world, timing):
     """Add the winches' work (J) over the step that ends now to part.account in world.accounts, and
-    friction's loss to part.loss. part: arrays of all cables; world: solver state; timing: not
-    used."""
+    friction's loss to part.loss. part: arrays of all cables; world: solver state; timing:
+    unused."""
     work, loss = load(world.accounts, 0, part.account), load(world.accounts, 0, part.loss)
     for c in range(part.curve.shape[0]):
         if not part.rubs[c]:
@@ -208,7 +208,7 @@ def work_before(part, world, timing):
 
 @hook(RubbingCables)
 def energy_of(part, world, c):
-    """Strain energy (J) of cable c, over all its stretches. part: arrays of all cables; world: not
+    """Strain energy (J) of cable c, over all stretches. part: arrays of all cables; world: not
     used."""
     total = energy_of_cable(part, c)
     if part.rubs[c]:

@@ -192,8 +192,7 @@ def strain_of(part, c):
 
 @kernel
 def energy_of_cable(part, c):
-    """Strain energy (J) of cable c, if one strain reigns all along it. part: arrays of all
-    cables."""
+    """Strain energy (J) of cable c, if its strain is one all along. part: arrays of all cables."""
     strain = strain_of(part, c)
     return 0.5 * load(part.cables, c, EA) * load(part.state, c, UNSTRAINED) * strain * strain
 
@@ -218,8 +217,7 @@ def crowding(part, c):
 @kernel
 def record_cable(part, c, row):
     """Store tension (N) and length (m) of cable c in row `row` (instant times cables + c) of
-    part.track, and raise part.watched to its elongation ratio (`crowding`). part: arrays of all
-    cables."""
+    part.track, and raise part.watched to its elongation ratio. part: arrays of all cables."""
     store(part.track, row, 0, load(part.cables, c, EA) * strain_of(part, c))
     store(part.track, row, 1, load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED))
     store(part.watched, 0, 0, larger(load(part.watched, 0, 0), crowding(part, c)))
@@ -228,8 +226,7 @@ def record_cable(part, c, row):
 @hook(Cables)
 def record(part, world, row):
     """Store tension (N) and strained length (m) of each cable in part.track, and raise part.watched
-    to the largest elongation ratio. part: arrays of all cables; row: index of the recorded
-    instant."""
+    to the largest elongation ratio. part: arrays of all cables; row: index of the instant."""
     count = part.curve.shape[0]
     for c in range(count):
         record_cable(part, c, row * count + c)

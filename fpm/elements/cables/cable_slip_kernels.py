@@ -41,8 +41,7 @@ def positive(x):
 @kernel
 def handed_on(part, first, j, strain):
     """Unstrained length (m) that slips from the stretches `first` to j over the point at the end of
-    j, if stretch j has this `strain`, and its derivative by the strain (m). part: arrays of all
-    cables."""
+    j, if stretch j has this `strain`, and its derivative by it (m). part: arrays of all cables."""
     flow, follows = 0.0 * strain, 0.0 * strain + 1.0
     slope, linked = flow, follows
     for k in range(j, first - 1, -1):
@@ -96,7 +95,7 @@ def strain_alone(part, first, j, tight, slope, close):
 @kernel
 def strain_before(part, j, strain):
     """Strain of the stretch before point j by the law of friction, if the stretch after it has
-    `strain`. part: arrays of all cables, with FREE_STRAIN (strain if nothing slips) of the stretch
+    `strain`. part: arrays of all cables, with FREE_STRAIN (strain if nothing slips) of that
     before."""
     least, most = load(part.rubbed, j, INVERSE) * strain, load(part.rubbed, j, RATIO) * strain
     free_strain = load(part.rubbed, j - 1, FREE_STRAIN)

@@ -73,13 +73,13 @@ class JointBase(ElementType):
 
     @staticmethod
     def are_impulses_read(scene) -> bool:
-        """Whether some element type in a scene, as a probe, needs the joints' impulses summed over
-        each step."""
+        """Whether an element type in a scene, as a probe, needs the joints' impulses summed over a
+        step."""
         return any(kind.reads_impulses(scene) for kind in scene.kinds)
 
     def check(self, scene):
-        """Check that no other hinge or joint of a scene has this element's name; raises SceneError
-        if one has."""
+        """Check that no other hinge or joint of a scene has this element's name; else raises
+        SceneError."""
         if {self.name, self.joint} & names_taken(scene):
             raise SceneError(type(self).__name__.lower(), self.joint, "a name not yet used")
 
@@ -192,8 +192,8 @@ class Hinge(JointBase):
         return [hinge for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True) if lone]
 
     def topology(self):
-        """What must be equal in scenes that run side by side: name, type, indices of particles,
-        support axes."""
+        """What must be equal in scenes that run side by side: name, type, particles (indices), held
+        axes."""
         return self.name, self.type, self.particles, self.support
 
     @classmethod
@@ -227,8 +227,8 @@ class Hinge(JointBase):
 
 
 def names_taken(scene) -> set[str]:
-    """Set of the names of all joints and hinges of a scene; of a universal joint both the names of
-    its two angles and its own."""
+    """Names of all joints and hinges of a scene; of universal joints both their own and their
+    angles'."""
     names = {e.name for kind, elements in scene.kinds.items() if kind.joins for e in elements}
     return names | {hinge.joint for hinge in scene.hinges}
 
@@ -285,8 +285,7 @@ def are_alone(scene) -> list[bool]:
 
 def two_of(scene, particles, owner: str) -> tuple[int, int]:
     """Check that `particles`, a pair of indices, are two different particles of a scene, and return
-    them as ints; else raises SceneError. owner: name in messages of what joins them, as "hinge
-    A"."""
+    them as ints; else raises SceneError. owner: name in messages of what joins them ("hinge A")."""
     first, second = (int(p) for p in particles)
     count = len(scene.position)
     if first == second or not (0 <= first < count and 0 <= second < count):
@@ -301,16 +300,15 @@ def arms(scene, particles, point) -> tuple[VirtualBeam, VirtualBeam]:
 
 
 def of_both(vector) -> Sequence[np.ndarray]:
-    """A pair of vectors (3,), one for each of two particles: `vector` twice if it is (3,), or its
-    rows if it is (2, 3)."""
+    """Vectors (3,) of two particles, a pair: `vector` twice if it is (3,), or its rows if (2,
+    3)."""
     vector = np.asarray(vector, float)
     return (vector, vector) if vector.ndim == 1 else np.broadcast_to(vector, (2, 3))
 
 
 def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:
-    """Whether the constraint matrix of a hinge by itself can be inverted: every impulse at the
-    hinge moves something. fixed (n, 6): whether each particle is held along x, y, z and about x, y,
-    z."""
+    """Whether a hinge's own constraint matrix can be inverted: every impulse at the hinge moves
+    something. fixed (n, 6): whether each particle is held along x, y, z and about x, y, z."""
     return _is_regular(hinge.support, *(fixed[p].tobytes() for p in hinge.particles))
 
 

@@ -88,9 +88,8 @@ def prepare(part, world, timing):
 
 @kernel
 def aim(part, state):
-    """Apply the impulses that would keep every hinge closed at the end of the step if the rates of
-    its gaps stayed as they are; changes momenta in `state`, of the particles. part: arrays of all
-    hinges."""
+    """Apply the impulses that would keep every hinge closed over the step if the rates of its gaps
+    stayed as they are; changes momenta in `state`, of the particles. part: arrays of all hinges."""
     ends, b, w = part.ends, part.body_scratch, part.hinge_scratch
     part.open[:] = True
     for h in range(w.shape[0]):
@@ -114,17 +113,16 @@ def aim(part, state):
 @kernel
 def push(state, i, r, b):
     """Add the changes of velocity DV (m/s) and angular momentum DP (N m s), from rows r of `b`, the
-    working memory of bodies, to particles i in `state`, of the particles. i, r: indices or
-    pairs."""
+    bodies' working memory, to particles i in `state`, of all particles. i, r: indices or pairs."""
     add3(state, i, V, get3(b, r, DV))
     add3(state, i, P, get3(b, r, DP))
 
 
 @kernel
 def push_where_far(state, i, r, b, condition):
-    """Add the changes of velocity DV and angular momentum DP of rows r of `b`, the working memory
-    of bodies, to particles i in `state`, in the lanes (samples side by side) where `condition` is
-    below 0."""
+    """Add the changes of velocity DV and angular momentum DP of rows r of `b`, the bodies' working
+    memory, to particles i in `state`, in the lanes (samples) where `condition` (lanes) is below
+    0."""
     for k, change in ((V, DV), (P, DP)):
         add_where(state, i, k, get3(b, r, change), condition)
 
@@ -182,9 +180,8 @@ def ask(part, state, h, rate):
 @hook(Hinges)
 def move(part, world, timing):
     """Move the particles of all hinges by a step, in up to ROUNDS rounds, and close the hinges at
-    its end by impulses. part: arrays of all hinges; world: state of the solver (positions,
-    momenta), changed; timing: times of this step (s). Gaps that the last round leaves raise
-    part.watched."""
+    its end by impulses. part: arrays of all hinges; world: state of the solver, changed; timing:
+    times of this step (s). Gaps that the last round leaves raise part.watched."""
     state, ends, open_ = world.state, part.ends, part.open
     b, w = part.body_scratch, part.hinge_scratch
     open_[:] = True
@@ -263,8 +260,7 @@ def gap_squares(part, state, h):
 def distance(w, h, step, size):
     """Margin (lanes) of hinge h, by its GOAL (rates that impulses must produce): 1 where its gaps
     are small enough for a last small correction (`nudge`), below 0 in lanes that need another
-    round. w: working memory of the hinges (hinge_scratch); step (s); size: scene's characteristic
-    length (m)."""
+    round. w: working memory of the hinges (hinge_scratch); step (s); size: of the scene (m)."""
     most = coarse(step, size)
     gap, gap2 = get3(w, h, GOAL), get3(w, h, GOAL + 5)
     ep, eq = load(w, h, GOAL + 3), load(w, h, GOAL + 4)

@@ -72,15 +72,14 @@ def solve(w, h, g, ep, eq):
 
 @kernel
 def is_held(part, h):
-    """Whether the point of hinge h is held along any global axis. part: arrays of all hinges
-    (Hinges)."""
+    """Whether the point of hinge h is held along any global axis. part: arrays of all hinges."""
     axes = part.fixed_axes
     return axes[h, 0] + axes[h, 1] + axes[h, 2] > 0
 
 
 @kernel
 def entry(i, k):
-    """Index of element i, k (0 to 2) of a symmetric 3 by 3 matrix stored as (xx, yy, zz, xy, xz,
+    """Index of element i, k (0 to 2) of a symmetric 3 by 3 matrix kept as (xx, yy, zz, xy, xz,
     yz)."""
     return i if i == k else 2 + i + k
 
@@ -99,9 +98,9 @@ def moved(part, h, axis, force, mp, mq):
     """Velocity (m/s) along a global axis (0, 1, 2: x, y, z) that impulses at hinge h give its point
     on body 1, the one that a support may hold. force (3): impulse (N s) on body 1; mp, mq: moment
     impulses (N m s) on body 2, against body 1, about p and q, the two directions normal to the
-    hinge's axis. The matrix is symmetric: the factors of mp and mq are also the rates of the tilts
-    about p and q (1/s per N s) by an impulse of a support along that axis on the point. part:
-    arrays of all hinges."""
+    hinge's axis; part: arrays of all hinges. By symmetry, the factors of mp and mq are also the
+    rates of the tilts about p and q (1/s per N s) by a support's impulse on the point along that
+    axis."""
     w = part.hinge_scratch
     p, q = load(w, h, TILTS + 2 * axis), load(w, h, TILTS + 2 * axis + 1)
     return dot(response(part.body_scratch, h, axis), force) + (p * mp + q * mq)
@@ -138,8 +137,8 @@ def prepare_supports(part):
 @kernel
 def hold_point(part, h):
     """Add the impulses that hold the point of hinge h along global axes, and change those that
-    close the hinge accordingly: FORCE1, FORCE2, MP and HOLD in part.hinge_scratch. part: arrays of
-    all hinges."""
+    close it accordingly: FORCE1, FORCE2, MP and HOLD in part.hinge_scratch. part: arrays of all
+    hinges."""
     axes, w = part.fixed_axes, part.hinge_scratch
     force, mp, mq = get3(w, h, FORCE1), load(w, h, MP), load(w, h, MP + 1)
     for axis in range(3):

@@ -41,8 +41,7 @@ from fpm.errors import SceneError
 
 class JointType(NamedTuple):
     """Type of joint. number: the kernels' constant for it (joint_arrays.py); conditions: how many
-    scalar constraint equations it has; None: their number varies, or users cannot state the
-    type."""
+    scalar constraint equations it has; None: it varies, or users cannot state the type."""
 
     number: int
     conditions: int | None = None
@@ -66,14 +65,11 @@ EASE = {8: 1e-10, 4: 1e-5}
 
 @dataclass(frozen=True)
 class Joint(JointBase):
-    """A joint between the free ends of two virtual beams (rigid arms from particles).
-
-    type: a key of TYPES, as "spherical" or "fixed". axes (2, 3): the axis in each particle's own
-    frame, one and the same but for universal joints, where they are normal to each other;
-    references (2, 3): a direction normal to the axis in each frame, one and the same at the start.
-    A type of "held" has one virtual beam, whose end is held along the global axes `support_axes`,
-    as "xz".
-    """
+    """A joint between the free ends of two virtual beams (rigid arms from particles). type: a key
+    of TYPES, as "fixed"; axes (2, 3): the axis in each particle's own frame, one and the same but
+    for universal joints, where they are normal to each other; references (2, 3): a direction normal
+    to the axis in each frame, one and the same at the start. A type of "held" has one virtual beam,
+    whose end is held along the global axes `support_axes`, as "xz"."""
 
     name: str
     type: str
@@ -186,15 +182,13 @@ class Joint(JointBase):
         return self.type in ("opening", "slid")
 
     def topology(self):
-        """What must be equal in scenes that run side by side: name, type, indices of particles,
-        held axes."""
+        """What must be equal in scenes that run side by side: name, type, particles, held axes."""
         return self.name, self.type, self.particles, self.support_axes
 
     @classmethod
     def of(cls, scene):
         """Joints of a scene that are solved together, a list: those added as joints, those made
-        from hinges that are not solved alone (`are_alone`), and those that hold openings
-        exactly."""
+        from hinges not solved alone (`are_alone`), and those that hold openings exactly."""
         joints = list(scene.kinds.get(cls, []))
         for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True):
             if not lone:

@@ -88,20 +88,19 @@ class Turns(NamedTuple):
 
 
 class Joints(NamedTuple):
-    """Arrays of all joints that are solved together: j joints in order of elimination, with two
-    sides each (2j and 2j + 1), b bodies (particles), r scalar constraint equations ("rows"), lanes:
-    samples side by side; t held openings.
+    """Arrays of all joints solved together: j joints in order of elimination, with two sides each
+    (2j and 2j + 1), b bodies (particles), r scalar constraint equations ("rows"), t held openings;
+    lanes: samples side by side.
 
     types (j,): constants REVOLUTE to SLIDE; names (j,): the joint's index in the scene; slots
     (2j,): body of each side, -1 for none; sides: arm, axis, reference; places (j, 3, lanes), m, and
     fixed_axes (j, 3): where, and along which axes, a point is held; on (b,): particle of each body;
     is_driven (b,): whether a drive moves it; bodies: constants; body_scratch, rows, matrix: working
-    memory (fields above the class); pattern: the matrix's blocks; ease: share added to its
-    diagonal; account: index of the drives' work in World.accounts; watched: largest gap (m) and
-    tilt (sine) so far; excess: how bad each joint is; gaps: those recorded; sums, forces: impulses
-    of this step (N s, N m s) and recorded forces (N, N m), None if nothing reads them; turns
-    (Turns), turn_of (j,), turn_at (t,): held openings, their index by joint (-1: none), and their
-    joints.
+    memory; pattern: the matrix's blocks; ease: share added to its diagonal; account: index of the
+    drives' work in World.accounts; watched: largest gap (m) and tilt (sine) so far; excess: how bad
+    each joint is; gaps: those recorded; sums, forces: impulses of this step (N s, N m s) and
+    recorded forces (N, N m), None if nothing reads them; turns (Turns), turn_of (j,), turn_at (t,):
+    held openings, their index by joint (-1: none), their joints.
     """
 
     types: np.ndarray  # (j,)

@@ -75,8 +75,8 @@ from fpm.kernels.vectors import (
 @hook(Joints)
 def prepare(part, world, timing):
     """Update the momenta of the bodies of all joints by the forces, summed before, over the kick,
-    and apply impulses that would keep the joints closed if the rates of their gaps stayed as they
-    are. part: arrays of all joints; world: state of the solver, changed; timing: times of this step
+    and apply impulses that would keep the joints closed if their gaps' rates stayed as they are.
+    part: arrays of all joints; world: state of the solver, changed; timing: times of this step
     (s)."""
     clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
@@ -111,9 +111,9 @@ def kick_bodies(part, state, kick):
 
 @kernel
 def find_spin(part, state, s):
-    """Angular velocity (rad/s, 3, global) of body s (index), with components only about axes about
-    which it may turn; of a driven body that of the step before. part: arrays of all joints; state:
-    of the particles."""
+    """Angular velocity (rad/s, 3, global) of body s, with components only about axes about which it
+    may turn; of a driven body that of the last step. part: arrays of all joints; state: of the
+    particles."""
     b, turns = part.body_scratch, get3(part.bodies, s, TURNS)
     if part.is_driven[s]:
         return get3(b, s, LAST_SPIN)
@@ -207,9 +207,9 @@ def push_where_far(part, state, s, condition):
 
 @kernel
 def move_bodies(part, state, repeat, step):
-    """Move all bodies that no drive moves by a `step` (s) at their present momenta. part: arrays of
-    all joints; state: of the particles, changed; repeat: whether to restore their positions at the
-    start of the step first."""
+    """Move all bodies that no drive moves by a `step` (s) at their momenta. part: arrays of all
+    joints; state: of the particles, changed; repeat: whether to start again from where the step
+    began."""
     b = part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]
@@ -226,8 +226,7 @@ def move_bodies(part, state, repeat, step):
 @kernel
 def nudge(part, state, s, step):
     """Add the impulses of body s to its momenta (`push`), and move it by what they change over a
-    `step` (s), to close small gaps. part: arrays of all joints; state: of the particles,
-    changed."""
+    `step` (s), to close small gaps. part: arrays of all joints; state: of the particles."""
     b, i = part.body_scratch, part.on[s]
     push(part, state, s)
     if not part.is_driven[s]:
@@ -371,8 +370,8 @@ report_gaps(Joints, find_gaps)
 @hook(Joints)
 def record_step(part, world, row, timing):
     """Record the forces (N) and moments (N m) that hold each joint together in this step, if
-    impulses are summed. part: arrays of all joints; row: index of the recorded instant; timing:
-    times (s)."""
+    summed. part: arrays of all joints; row: index of the recorded instant; timing: times of this
+    step (s)."""
     record_sums(part.sums, part, row, timing)
 
 
@@ -381,8 +380,7 @@ def record_sums(sums, part, row, timing):
     """Store the impulses of a step, divided by the length of the kick, as forces (N) and moments (N
     m) on both bodies of each joint in part.forces, in the scene's order of joints. sums: part.sums,
     None where nothing reads them; part: arrays of all joints; row: index of the recorded instant;
-    timing: times of this step (s). Moments about axes about which a body cannot turn are left
-    out."""
+    timing: times of this step (s). Left out: moments about axes about which a body cannot turn."""
     if sums is not None:
         rows, pattern, count = part.rows, part.pattern, part.types.shape[0]
         for j in range(count):

@@ -66,9 +66,9 @@ def put_turn(part, state, slot, r, k, turn):
 
 @kernel
 def place(part, state, j, side):
-    """Position (m, 3) of the particle at a `side` (0: first, 1: second) of joint j, its axes (three
-    unit vectors), and the joint's point on it (m, 3), all global. part: arrays of all joints;
-    state: of the particles."""
+    """Of joint j at a `side` (0, 1: first, second): position of the particle (m, 3), its axes
+    (three unit vectors), and the joint's point on it (m, 3). part: arrays of all joints; state: of
+    the particles."""
     i = part.on[part.slots[2 * j + side]]
     axes = frame(state, i)
     x = get3(state, i, X)
@@ -78,8 +78,8 @@ def place(part, state, j, side):
 @kernel
 def directions(part, j, first):
     """Axis of joint j, its reference direction (normal to the axis), and the direction normal to
-    both: unit vectors on its first side, global. part: arrays of all joints; first: axes of the
-    particle there."""
+    both: unit vectors on its first side. part: arrays of all joints; first: axes of the particle
+    there."""
     axis = to_global(first, get3(part.sides, 2 * j, AXIS))
     p = to_global(first, get3(part.sides, 2 * j, REFERENCE))
     return axis, p, cross(axis, p)
@@ -96,9 +96,8 @@ def unit_vectors(like):
 
 @kernel
 def find_rows(part, state):
-    """Store all joints' constraint equations in part.rows: by which velocities and spins of the
-    bodies, as placed now, the gaps grow (Jacobian). part: arrays of all joints; state: of the
-    particles."""
+    """Store all joints' constraint equations in part.rows: how velocities and spins of bodies, as
+    placed now, change the gaps (Jacobian). part: arrays of all joints; state: of the particles."""
     for j in range(part.types.shape[0]):
         if put_opening_row(part.turns, part, state, j):
             continue
@@ -206,7 +205,7 @@ def find_gaps(part, state, j):
 
 @kernel
 def put_gap(rows, r, gap):
-    """Store the components x, y, z of a gap (m) as RESIDUAL of the rows r, r + 1, r + 2. rows:
+    """Store the components x, y, z of a gap (m) in RESIDUAL of rows r, r + 1, r + 2 of
     Joints.rows."""
     store(rows, r, RESIDUAL, gap.x)
     store(rows, r + 1, RESIDUAL, gap.y)
@@ -228,7 +227,7 @@ def is_opening(turns, part, j):
 @kernel
 def put_opening_row(turns, part, state, j):
     """Store the constraint equation of joint j if it holds an opening; returns whether it does.
-    turns: Joints.turns, None if no joint does; part: arrays of all joints; state: of the
+    turns: Joints.turns, None: no joint does; part: arrays of all joints; state: of the
     particles."""
     if turns is None:
         return False
@@ -237,9 +236,8 @@ def put_opening_row(turns, part, state, j):
 
 @kernel
 def opening_gap(turns, part, state, j):
-    """Opening (rad; m on slides) of joint j less the value at which it is held; 0 in lanes
-    (samples) where it is free. turns: Joints.turns, None: 0; part: arrays of all joints; state: of
-    the particles."""
+    """Opening (rad; m on slides) of joint j less the value at which it is held; 0 in lanes where it
+    is free. turns: Joints.turns, None: 0; part: arrays of all joints; state: of the particles."""
     if turns is None:
         return 0.0 * load(state, 0, X)
     return held_gap(part, state, j)
@@ -247,8 +245,8 @@ def opening_gap(turns, part, state, j):
 
 @kernel
 def put_held_row(part, state, j):
-    """Store the constraint equation of joint j if it holds an opening, all zero in lanes where that
-    is free; returns whether it does. part: arrays of all joints (TurnedJoints); state: of the
+    """Store the constraint equation of joint j if it holds an opening, all zero in lanes where it
+    is free; returns whether it does. part: arrays of all joints (with turns); state: of the
     particles."""
     t = part.turn_of[j]
     if t < 0:

@@ -84,7 +84,7 @@ class RigidMotor(AnyMotor, Rigid):
     by_rate: bool = same(False)
 
     def target(self, scene, time: float) -> float:
-        """Opening (rad; m on a slide) that the motor prescribes at a `time` (s). scene: holds the
+        """Opening (rad; m on a slide) that the motor prescribes at a `time` (s). scene: for the
         curves."""
         times, values = scene.curves[self.curve] if self.curve >= 0 else CONSTANT
         if not self.by_rate:
@@ -95,8 +95,8 @@ class RigidMotor(AnyMotor, Rigid):
         return float(self.start + self.turn * travelled)
 
     def rate_at_start(self, scene) -> float:
-        """Rate (rad/s; m/s on a slide) of the opening that the motor prescribes just after time 0.
-        scene: holds the curves."""
+        """Rate (rad/s; m/s on a slide) that the motor prescribes just after time 0. scene: for the
+        curves."""
         times, values = scene.curves[self.curve] if self.curve >= 0 else CONSTANT
         if self.by_rate:
             return float(self.turn * np.interp(0.0, times, values))
@@ -166,8 +166,7 @@ class RigidLatch(AnyLatch, Rigid):
 @dataclass(frozen=True)
 class RigidFriction(Rigid):
     """Coulomb friction in a hinge (index), without a bristle (a stiff spring that gives while it
-    sticks): it holds the opening exactly up to `moment` (N m), and slips against that moment above
-    it."""
+    sticks): it holds the opening exactly up to `moment` (N m), and slips against that above."""
 
     hinge: int = on_hinge(types=TURNING)
     moment: float = number("N m", 0.0)
@@ -190,15 +189,15 @@ class RigidFriction(Rigid):
 
     @classmethod
     def held_round(cls, scene):
-        """Sum of the friction moments (N m) of a scene: in a closed loop, friction may stick with
-        any moment up to that."""
+        """Sum of the friction moments (N m) of a scene, as in a closed loop any may stick with up
+        to its own."""
         return float(sum(friction.moment for friction in cls.of(scene)))
 
     @classmethod
     def array(cls, name, batch):
         """Kernel array of the given field `name` (HoldsHinge.array) for the scenes of a batch; in
-        "state", the direction in which friction slips (SIGN, 1 or -1) is that of the hinge's rate
-        at the start."""
+        "state", the direction in which friction slips (SIGN, 1 or -1) is that of the hinge's first
+        rate."""
         if name != "state":
             return super().array(name, batch)
         kernels, count = cls.kernels(), len(cls.of(batch.scene))

@@ -36,10 +36,9 @@ CHANGES = 5
 
 class RigidFrictions(NamedTuple):
     """Arrays of f frictions that stick exactly. on (f,): index of the hinge; turn (f,): row of its
-    condition in turns.state; numbers (f, 1, lanes): friction moment (N m); openings, turns: arrays
-    of all openings, and of those held exactly; past (f, HISTORY, lanes): rates (rad/s) of the last
-    two steps; state (f, STATE, lanes): fields WORKS to CHANGES_LEFT; account: index of the loss in
-    World.accounts."""
+    condition in turns.state; numbers (f, 1, lanes): friction moment (N m); openings, turns: all
+    openings, and those held exactly; past (f, HISTORY, lanes): rates (rad/s) of the last two steps;
+    state (f, STATE, lanes): WORKS to CHANGES_LEFT; account: index of the loss in World.accounts."""
 
     on: np.ndarray
     turn: np.ndarray
@@ -79,8 +78,8 @@ account(RigidFrictions, WORKS, -1.0)
 def turning(part, i, timing):
     """Fraction of the kick until the opening of element i is at rest, and angle (rad) that it turns
     until then, where its rate would fall below 0 in this kick: if it fell so before, to the vertex
-    of the parabola; else it is braked only now, amid the kick. part: arrays of all rigid frictions;
-    timing: times of this step (s)."""
+    of the parabola; else braked only now, amid it. part: arrays of all rigid frictions; timing:
+    times (s)."""
     sign = load(part.state, i, SIGN)
     last = sign * load(part.past, i, LAST)
     last = where_negative(last, 0.0, last)
@@ -166,8 +165,8 @@ def change(part, world, timing, i, slips, turns, sticks):
 @hook(RigidFrictions)
 def work_after(part, world, timing):
     """Add the friction loss (J) of the half step that ends now, by the moments of the step that
-    begins, to part.account. part: arrays of all rigid frictions; world: solver state; timing: times
-    (s)."""
+    begins, to part.account. part: arrays of all rigid frictions; world: solver state; timing:
+    times."""
     for i in range(part.on.shape[0]):
         moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], timing)
         late = moment - load(part.state, i, LAST_BRAKE)

@@ -44,8 +44,7 @@ def prepare(part, world, timing):
     """Store the opening (rad; m on slides) that each motor prescribes for the end of the step, as
     TARGET of its condition in part.turns.state; where its curve (not by rate) bends within the
     step, the bend's time is stored in part.turns.blow as a share of the step: the rate jumps there.
-    part: motor arrays (RigidMotors); world: solver state, with the curves; timing: times of the
-    step (s)."""
+    part: arrays of all rigid motors; world: solver state, with the curves; timing: times (s)."""
     for i in range(part.on.shape[0]):
         if not part.by_rate[i]:
             bend = bend_after(world, part.curve[i], timing.time)

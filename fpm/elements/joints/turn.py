@@ -35,8 +35,8 @@ class Turn(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """What must be equal in scenes that run side by side: (element type, hinge index) per
-        condition."""
+        """What must be equal in scenes that run side by side: type and hinge of each element that
+        holds."""
         return tuple((type(holder), holder.hinge) for holder in cls.of(scene))
 
     @classmethod
@@ -61,8 +61,7 @@ class Turn(ElementType):
 
 class HoldsHinge(OnHinge):
     """Base class of motors, releases, latches and friction that hold an opening (angle of a hinge,
-    length of a slide) exactly, without a spring; each has the field `hinge`, an index in the
-    scene."""
+    length of a slide) exactly, without a spring; each has the field `hinge`, an index."""
 
     reads: ClassVar = (Opening, Turn)
     resists_as: ClassVar = ""

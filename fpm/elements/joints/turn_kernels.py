@@ -73,16 +73,14 @@ def work_on(openings, h, moment):
 
 @kernel
 def give(world, account, work):
-    """Add `work` (lanes, J) to the energy account of index `account` in world.accounts. world:
-    solver state."""
+    """Add `work` (lanes, J) to world.accounts at the index `account`. world: solver state."""
     store(world.accounts, 0, account, load(world.accounts, 0, account) + work)
 
 
 @kernel
 def moment_of(turns, t, timing):
     """Moment (N m), on the hinge's second particle, that held opening t (index among those held) in
-    this kick. turns: state of held openings (Turns), with their impulses; timing: times of this
-    step (s)."""
+    this kick. turns: held openings (Turns), with their impulses; timing: times of this step (s)."""
     return (1.0 / timing.kick) * load(turns.state, t, TURN_IMPULSE)
 
 
@@ -90,8 +88,7 @@ def moment_of(turns, t, timing):
 def tell_late(moments, openings, h, moment):
     """Add a `moment` (N m) that is known only after its step, and its work (J), to the recorded
     part of opening h that belongs to one type of element. moments: rows (h by type, fields, lanes),
-    None: not recorded, nothing is done; openings: arrays of all openings, as that type sees
-    them."""
+    None: not recorded, nothing is done; openings: arrays of all openings, as the type sees them."""
     if moments is not None:
         row = h * openings.parts + openings.part
         store(moments, row, ACTING, load(moments, row, ACTING) + moment)
@@ -161,8 +158,7 @@ def prepare(part, world, timing):
 def solve(part, world, timing):
     """Find the impulses of all joints, with the openings that are held now, and store the rates
     they would give (`tell_rates`); called again where `decide` of an element then holds or frees
-    one. part: arrays of all joints (TurnedJoints); world: solver state; timing: times of this step
-    (s)."""
+    one. part: arrays of all joints (TurnedJoints); world: solver state; timing: times (s)."""
     find_rows(part, world.state)
     build(part)
     factorise(part)

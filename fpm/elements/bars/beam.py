@@ -166,8 +166,7 @@ class Beams(ElementType):
 
     @classmethod
     def names(cls, scene):
-        """Names of all beam elements of a scene: the group's name and number in it, as
-        "link[0]"."""
+        """Names of all beam elements of a scene: the group's name and a number, as "link[0]"."""
         return [f"{b.name}[{i}]" for b in cls.of(scene) for i in range(len(b.length))]
 
     @classmethod
@@ -185,8 +184,7 @@ class Beams(ElementType):
     def modes(self, frame: np.ndarray) -> list[Deformations]:
         """Deformations of these m elements with their stiffness, a list of six with m rows each:
         stretch, twist, and sum and difference of the end rotations in both planes, so that the
-        stiffness is diagonal. frame (n, 3, 3): the strain-free axes of all particles, as
-        columns."""
+        stiffness is diagonal. frame (n, 3, 3): all particles' strain-free axes, as columns."""
         table, (a, b) = self.stiffness(), self.nodes.T
         six = np.arange(6)
         dofs = np.concatenate([6 * a[:, None] + six, 6 * b[:, None] + six], axis=1)
@@ -272,8 +270,7 @@ def triad(direction: np.ndarray, normal: np.ndarray) -> np.ndarray:
 
 def elements_of(groups: Sequence[Beams]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Join groups of beam elements: nodes (m, 2) particle indices, undeformed lengths (m,) and half
-    widths and heights (m, 2), in metres, of rectangles with the sections' areas and second
-    moments."""
+    widths and heights (m, 2), in m, of rectangles with the sections' areas and second moments."""
     nodes, length, half = [np.zeros((0, 2), int)], [np.zeros(0)], [np.zeros((0, 2))]
     for beams in groups:
         nodes.append(beams.nodes)

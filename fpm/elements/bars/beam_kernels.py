@@ -107,8 +107,7 @@ def _end_axes(part, state, e):
 @kernel
 def chord_of(part, state, e):
     """Direction of the chord of element e (unit vector from end a to b), inverse of its length
-    (1/m), and axial force (N, tension above 0). part: arrays of elements; state: of the
-    particles."""
+    (1/m), and axial force (N, tension above 0). part: arrays of elements; state: particles'."""
     chord = get3(state, part.nodes[e, 1], X) - get3(state, part.nodes[e, 0], X)
     length = sqrt(dot(chord, chord))
     inverse = 1.0 / length
@@ -163,8 +162,7 @@ def shape_of(part, state, e):
 
 @kernel
 def strain_energy(part, e, shape):
-    """Strain energy (J) of element e. part: arrays of the elements; shape: returned by
-    `shape_of`."""
+    """Strain energy (J) of element e. part: arrays of elements; shape: returned by `shape_of`."""
     force, sines, twist = shape
     ta2, ta3 = angle(sines[0])[0], angle(sines[1])[0]
     tb2, tb3 = angle(sines[2])[0], angle(sines[3])[0]
@@ -180,8 +178,7 @@ def strain_energy(part, e, shape):
 def larger_strains(part, e, shape, bend, strain):
     """Larger of `bend` and `strain`, maxima so far, and those of element e; returns both. bend:
     squared sine of the largest bend or twist; strain: at the surface of a rectangle of height
-    sqrt(12 I/A), with the element's I and A. part: arrays of the elements; shape: returned by
-    `shape_of`."""
+    sqrt(12 I/A), with the element's I and A. part: arrays of elements; shape: by `shape_of`."""
     beams = part.beams
     force, (sa2, sa3, sb2, sb3), twist = shape
     bend = larger(bend, sa2 * sa2 + sa3 * sa3)
@@ -213,8 +210,7 @@ def stored(part, world):
 
 @kernel
 def list_energies(part, world):
-    """Store each element's strain energy (J) in part.rows. part: arrays of the elements; world:
-    solver's."""
+    """Store each element's strain energy (J) in part.rows. part: arrays of elements."""
     for e in range(part.nodes.shape[0]):
         store(part.rows, e, 0, strain_energy(part, e, shape_of(part, world.state, e)))
 

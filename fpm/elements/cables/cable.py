@@ -89,8 +89,7 @@ class Cable(ElementType):
 
     def check(self, scene):
         """Check that the cable fits into a scene: its numbers, a name that no other cable has,
-        points on two or more particles, an unstrained length always above 0; raises SceneError if
-        not."""
+        points on two or more particles, an unstrained length always above 0; else SceneError."""
         super().check(scene)
         owner = f"of {self.title(scene)}"
         if self.name in Cable.names_of(scene):
@@ -113,8 +112,7 @@ class Cable(ElementType):
         return float(self.rest - self.reel * factor)
 
     def shortest(self, scene) -> float:
-        """Least unstrained length (m) that the cable has at any time. scene: for the winch's
-        curve."""
+        """Least unstrained length (m) that the cable has at any time. scene: for its curve."""
         factors = scene.curves[self.curve][1] if self.curve >= 0 else np.zeros(1)
         return float(self.rest - np.max(self.reel * factors))
 
@@ -124,8 +122,7 @@ class Cable(ElementType):
         return self.friction is not None and len(self.beams) > 2
 
     def lengths(self, scene) -> np.ndarray:
-        """Distances (n - 1,), m, from each of the cable's n points to the next, as placed now in
-        `scene`."""
+        """Distances (n - 1,), m, from each of the cable's n points to the next, as placed now."""
         places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in self.beams]
         return np.linalg.norm(np.diff(places, axis=0), axis=1)
 
@@ -141,8 +138,7 @@ class Cable(ElementType):
             yield self.beams[i : i + 2], self.stiffness * lengths.sum() / (shortest * length)
 
     def topology(self):
-        """What must be equal in scenes that run side by side: name, particles, curve, friction or
-        not."""
+        """What must be equal in scenes that run side by side: name, particles, curve, friction."""
         return self.name, tuple(beam.particle for beam in self.beams), self.curve, self.rubs
 
     @classmethod

@@ -87,8 +87,7 @@ def exponential(x):
 
 @kernel
 def turn_angle(part, j):
-    """Angle (rad, 0 to pi) by which a cable turns at its point j. part: arrays of all cables
-    (`lay`)."""
+    """Angle (rad, 0 to pi) by which a cable turns at its point j. part: arrays of all cables."""
     first, second = get3(part.stretches, j - 1, DIRECTION), get3(part.stretches, j, DIRECTION)
     normal = cross(first, second)
     return arctan2(sqrt(dot(normal, normal)), dot(first, second))
@@ -208,8 +207,7 @@ def work_before(part, world, timing):
 
 @hook(RubbingCables)
 def energy_of(part, world, c):
-    """Strain energy (J) of cable c, over all stretches. part: arrays of all cables; world: not
-    used."""
+    """Strain energy (J) of cable c, over all stretches. part: arrays of all cables."""
     total = energy_of_cable(part, c)
     if part.rubs[c]:
         total = 0.0 * total

@@ -73,13 +73,11 @@ class JointBase(ElementType):
 
     @staticmethod
     def are_impulses_read(scene) -> bool:
-        """Whether an element type in a scene, as a probe, needs the joints' impulses summed over a
-        step."""
+        """Whether a scene has elements (as probes) that need joints' impulses summed over steps."""
         return any(kind.reads_impulses(scene) for kind in scene.kinds)
 
     def check(self, scene):
-        """Check that no other hinge or joint of a scene has this element's name; else raises
-        SceneError."""
+        """Check that no other hinge or joint of a scene has this name; else raises SceneError."""
         if {self.name, self.joint} & names_taken(scene):
             raise SceneError(type(self).__name__.lower(), self.joint, "a name not yet used")
 
@@ -192,8 +190,7 @@ class Hinge(JointBase):
         return [hinge for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True) if lone]
 
     def topology(self):
-        """What must be equal in scenes that run side by side: name, type, particles (indices), held
-        axes."""
+        """What must be equal in scenes that run side by side: name, type, particles, held axes."""
         return self.name, self.type, self.particles, self.support
 
     @classmethod
@@ -227,8 +224,7 @@ class Hinge(JointBase):
 
 
 def names_taken(scene) -> set[str]:
-    """Names of all joints and hinges of a scene; of universal joints both their own and their
-    angles'."""
+    """Names of all joints and hinges of a scene; of universal joints also those of their angles."""
     names = {e.name for kind, elements in scene.kinds.items() if kind.joins for e in elements}
     return names | {hinge.joint for hinge in scene.hinges}
 
@@ -300,8 +296,7 @@ def arms(scene, particles, point) -> tuple[VirtualBeam, VirtualBeam]:
 
 
 def of_both(vector) -> Sequence[np.ndarray]:
-    """Vectors (3,) of two particles, a pair: `vector` twice if it is (3,), or its rows if (2,
-    3)."""
+    """Vectors (3,) of two particles: `vector` for both if it is (3,), or its rows if (2, 3)."""
     vector = np.asarray(vector, float)
     return (vector, vector) if vector.ndim == 1 else np.broadcast_to(vector, (2, 3))
 

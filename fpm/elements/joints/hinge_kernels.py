@@ -74,10 +74,10 @@ from fpm.kernels.vectors import (
 
 @hook(Hinges)
 def prepare(part, world, timing):
-    """Kick the particles of all hinges: change their momenta by the forces, summed before, over the
-    length of the kick; then apply impulses at the hinges that would keep them closed if the rates
-    of their gaps stayed as they are over the step. part: hinge arrays (Hinges), whose scratch is
-    filled; world: solver state (World), whose momenta change; timing: time, step, kick (s)."""
+    """Update the momenta of the particles of all hinges by the forces, summed before, over the time
+    timing.kick; then apply impulses at the hinges that would keep them closed if the rates of their
+    gaps stayed as they are over the step. part: hinge arrays (Hinges), whose scratch is filled;
+    world: solver state (World), whose momenta change; timing: time, step, kick (s)."""
     clear(part.sums)
     prepare_bodies(world, part, timing.kick)
     prepare_matrices(part)
@@ -120,7 +120,7 @@ def push(state, i, r, b):
 
 @kernel
 def push_where_far(state, i, r, b, condition):
-    """Add the changes of velocity DV and angular momentum DP of rows r of `b`, the bodies' working
+    """Add changes of velocity DV and angular momentum DP of rows r of `b`, the bodies' working
     memory, to particles i in `state`, in the lanes (samples) where `condition` (lanes) is below
     0."""
     for k, change in ((V, DV), (P, DP)):

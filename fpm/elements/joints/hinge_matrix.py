@@ -79,8 +79,7 @@ def is_held(part, h):
 
 @kernel
 def entry(i, k):
-    """Index of element i, k (0 to 2) of a symmetric 3 by 3 matrix kept as (xx, yy, zz, xy, xz,
-    yz)."""
+    """Index of element i, k (0 to 2) of a symmetric matrix kept as (xx, yy, zz, xy, xz, yz)."""
     return i if i == k else 2 + i + k
 
 
@@ -99,8 +98,7 @@ def moved(part, h, axis, force, mp, mq):
     on body 1, the one that a support may hold. force (3): impulse (N s) on body 1; mp, mq: moment
     impulses (N m s) on body 2, against body 1, about p and q, the two directions normal to the
     hinge's axis; part: arrays of all hinges. By symmetry, the factors of mp and mq are also the
-    rates of the tilts about p and q (1/s per N s) by a support's impulse on the point along that
-    axis."""
+    rates of tilts about p and q (1/s per N s) by a support's impulse there along that axis."""
     w = part.hinge_scratch
     p, q = load(w, h, TILTS + 2 * axis), load(w, h, TILTS + 2 * axis + 1)
     return dot(response(part.body_scratch, h, axis), force) + (p * mp + q * mq)
@@ -136,9 +134,8 @@ def prepare_supports(part):
 
 @kernel
 def hold_point(part, h):
-    """Add the impulses that hold the point of hinge h along global axes, and change those that
-    close it accordingly: FORCE1, FORCE2, MP and HOLD in part.hinge_scratch. part: arrays of all
-    hinges."""
+    """Add the impulses that hold the point of hinge h along global axes, and correct those that
+    close it: FORCE1, FORCE2, MP and HOLD in part.hinge_scratch. part: arrays of all hinges."""
     axes, w = part.fixed_axes, part.hinge_scratch
     force, mp, mq = get3(w, h, FORCE1), load(w, h, MP), load(w, h, MP + 1)
     for axis in range(3):

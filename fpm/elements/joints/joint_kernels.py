@@ -74,10 +74,9 @@ from fpm.kernels.vectors import (
 
 @hook(Joints)
 def prepare(part, world, timing):
-    """Update the momenta of the bodies of all joints by the forces, summed before, over the kick,
-    and apply impulses that would keep the joints closed if their gaps' rates stayed as they are.
-    part: arrays of all joints; world: state of the solver, changed; timing: times of this step
-    (s)."""
+    """Update the momenta of the bodies of all joints by the forces, summed before, over the time
+    timing.kick, and apply impulses that would keep the joints closed if their gaps' rates stayed as
+    they are. part: arrays of all joints; world: solver state, changed; timing: times (s)."""
     clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
     find_rows(part, world.state)
@@ -111,9 +110,8 @@ def kick_bodies(part, state, kick):
 
 @kernel
 def find_spin(part, state, s):
-    """Angular velocity (rad/s, 3, global) of body s, with components only about axes about which it
-    may turn; of a driven body that of the last step. part: arrays of all joints; state: of the
-    particles."""
+    """Angular velocity (rad/s, 3, global) of body s, only about axes about which it may turn; of a
+    driven body that of the last step. part: arrays of all joints; state: of the particles."""
     b, turns = part.body_scratch, get3(part.bodies, s, TURNS)
     if part.is_driven[s]:
         return get3(b, s, LAST_SPIN)
@@ -208,8 +206,8 @@ def push_where_far(part, state, s, condition):
 @kernel
 def move_bodies(part, state, repeat, step):
     """Move all bodies that no drive moves by a `step` (s) at their momenta. part: arrays of all
-    joints; state: of the particles, changed; repeat: whether to start again from where the step
-    began."""
+    joints; state: of the particles, changed; repeat: whether to go back to the step's start
+    before."""
     b = part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]
@@ -370,8 +368,7 @@ report_gaps(Joints, find_gaps)
 @hook(Joints)
 def record_step(part, world, row, timing):
     """Record the forces (N) and moments (N m) that hold each joint together in this step, if
-    summed. part: arrays of all joints; row: index of the recorded instant; timing: times of this
-    step (s)."""
+    summed. part: arrays of all joints; row: index of the recorded instant; timing: times (s)."""
     record_sums(part.sums, part, row, timing)
 
 

@@ -14,8 +14,7 @@ from fpm.elements.joints.joint_arrays import Pattern
 
 def neighbours(slots: np.ndarray, movable: np.ndarray) -> list[set[int]]:
     """For each joint the set of indices of the joints that share a movable body with it. slots (j,
-    2): indices of the bodies at its sides, -1 for none; movable (b,): whether each body can
-    move."""
+    2): indices of the bodies at its sides, -1 for none; movable (b,): whether a body can move."""
     by_slot: dict[int, list[int]] = {}
     for joint, sides in enumerate(slots):
         for slot in {int(s) for s in sides if s >= 0 and movable[s]}:

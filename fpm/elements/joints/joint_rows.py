@@ -77,8 +77,8 @@ def place(part, state, j, side):
 
 @kernel
 def directions(part, j, first):
-    """Axis of joint j, its reference direction (normal to the axis), and the direction normal to
-    both: unit vectors on its first side. part: arrays of all joints; first: axes of the particle
+    """Axis of joint j, its reference direction (normal to it), and the direction normal to both:
+    unit vectors on its first side. part: arrays of all joints; first: axes of the particle
     there."""
     axis = to_global(first, get3(part.sides, 2 * j, AXIS))
     p = to_global(first, get3(part.sides, 2 * j, REFERENCE))
@@ -227,8 +227,7 @@ def is_opening(turns, part, j):
 @kernel
 def put_opening_row(turns, part, state, j):
     """Store the constraint equation of joint j if it holds an opening; returns whether it does.
-    turns: Joints.turns, None: no joint does; part: arrays of all joints; state: of the
-    particles."""
+    turns: Joints.turns, None: none does; part: arrays of all joints; state: of the particles."""
     if turns is None:
         return False
     return put_held_row(part, state, j)
@@ -245,9 +244,8 @@ def opening_gap(turns, part, state, j):
 
 @kernel
 def put_held_row(part, state, j):
-    """Store the constraint equation of joint j if it holds an opening, all zero in lanes where it
-    is free; returns whether it does. part: arrays of all joints (with turns); state: of the
-    particles."""
+    """Store the constraint equation of joint j if it holds an opening, all zero in lanes where that
+    is free; returns whether it does. part: arrays of all joints; state: of the particles."""
     t = part.turn_of[j]
     if t < 0:
         return False

@@ -84,7 +84,7 @@ class RigidMotor(AnyMotor, Rigid):
     by_rate: bool = same(False)
 
     def target(self, scene, time: float) -> float:
-        """Opening (rad; m on a slide) that the motor prescribes at a `time` (s). scene: for the
+        """Opening (rad; m on a slide) that the motor prescribes at a `time` (s). scene: for
         curves."""
         times, values = scene.curves[self.curve] if self.curve >= 0 else CONSTANT
         if not self.by_rate:
@@ -189,15 +189,13 @@ class RigidFriction(Rigid):
 
     @classmethod
     def held_round(cls, scene):
-        """Sum of the friction moments (N m) of a scene, as in a closed loop any may stick with up
-        to its own."""
+        """Sum of a scene's friction moments (N m): in closed loops, each may bear up to its own."""
         return float(sum(friction.moment for friction in cls.of(scene)))
 
     @classmethod
     def array(cls, name, batch):
         """Kernel array of the given field `name` (HoldsHinge.array) for the scenes of a batch; in
-        "state", the direction in which friction slips (SIGN, 1 or -1) is that of the hinge's first
-        rate."""
+        "state", the direction in which friction slips (SIGN, 1 or -1) is that of its first rate."""
         if name != "state":
             return super().array(name, batch)
         kernels, count = cls.kernels(), len(cls.of(batch.scene))

@@ -79,7 +79,7 @@ def turning(part, i, timing):
     """Fraction of the kick until the opening of element i is at rest, and angle (rad) that it turns
     until then, where its rate would fall below 0 in this kick: if it fell so before, to the vertex
     of the parabola; else braked only now, amid it. part: arrays of all rigid frictions; timing:
-    times (s)."""
+    times."""
     sign = load(part.state, i, SIGN)
     last = sign * load(part.past, i, LAST)
     last = where_negative(last, 0.0, last)
@@ -166,7 +166,7 @@ def change(part, world, timing, i, slips, turns, sticks):
 def work_after(part, world, timing):
     """Add the friction loss (J) of the half step that ends now, by the moments of the step that
     begins, to part.account. part: arrays of all rigid frictions; world: solver state; timing:
-    times."""
+    (s)."""
     for i in range(part.on.shape[0]):
         moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], timing)
         late = moment - load(part.state, i, LAST_BRAKE)

@@ -35,8 +35,8 @@ class Turn(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """What must be equal in scenes that run side by side: type and hinge of each element that
-        holds."""
+        """What must be equal in scenes that run side by side: each such element's type and
+        hinge."""
         return tuple((type(holder), holder.hinge) for holder in cls.of(scene))
 
     @classmethod

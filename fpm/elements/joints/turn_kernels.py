@@ -79,8 +79,8 @@ def give(world, account, work):
 
 @kernel
 def moment_of(turns, t, timing):
-    """Moment (N m), on the hinge's second particle, that held opening t (index among those held) in
-    this kick. turns: held openings (Turns), with their impulses; timing: times of this step (s)."""
+    """Moment (N m), on the hinge's second particle, that held opening t (index among those held)
+    over the time timing.kick (s). turns: held openings (Turns), with their impulses (N m s)."""
     return (1.0 / timing.kick) * load(turns.state, t, TURN_IMPULSE)
 
 
@@ -144,9 +144,10 @@ def end_work_of(part, world, i, moment, first, sign):
 
 @hook(TurnedJoints)
 def prepare(part, world, timing):
-    """Update the momenta of the bodies of all joints by the forces, summed before, over the kick,
-    and set world.undecided: the joints' impulses are still to be found (`solve`). part: arrays of
-    all joints; world: state of the solver, changed; timing: times of this step (s)."""
+    """Update the momenta of the bodies of all joints by the forces, summed before, over the time
+    timing.kick, and set world.undecided: the joints' impulses are still to be found (`solve`).
+    part: arrays of all joints; world: state of the solver, changed; timing: times of this step
+    (s)."""
     clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
     world.undecided[0] = 1

@@ -142,7 +142,8 @@ class Beams(ElementType):
 
     def end_axes(self) -> np.ndarray:
         """Local axes 2 and 3 of both ends of these elements without stress, (2, m, 3, 2): end,
-        element, global component, axis. They are normal to the chord but for a bow."""
+        element, global component, axis. They are normal to the chord, or off by the angle of the
+        bow."""
         axes = np.stack([self.triad[:, :, 1:]] * 2)
         if self.bow:
             turn = np.array([self.bow, -self.bow])[:, None, None]
@@ -172,8 +173,8 @@ class Beams(ElementType):
     @classmethod
     def deformations(cls, scene):
         """Independent deformations (Deformations) of all beam elements of a scene with their
-        stiffness, from which the stable time step follows: per element stretch, twist, and sum and
-        difference of the end rotations in either bending plane, six rows (`modes`)."""
+        stiffness, from which the stable time step follows: six per element, stretch, twist, and sum
+        and difference of the end rotations in either bending plane (`modes`)."""
         frame = scene.frame if scene.unstrained is None else scene.unstrained
         modes, count = [], 0
         for beams in cls.of(scene):
@@ -238,8 +239,8 @@ ALIGNED = np.array([0.0, 1, 0, 0, 0, 1] * 2)
 
 def framed(scene) -> bool:
     """Whether some beam element of a scene has local axes other than those of its particles (to
-    rounding), or may have, as with a bow; the kernels take another path then. It must follow from
-    one scene: by batch, a sample's last digits would depend on its neighbours."""
+    rounding), or may have, as with a bow; the kernels take another path then. Decided by one scene,
+    not by a batch: else a sample's last digits would depend on its neighbours."""
     bowed = any(beams.bow is not None for beams in Beams.of(scene))
     return bowed or bool(Beams.of(scene) and np.abs(end_axes(scene) - ALIGNED).max() >= 1e-12)
 

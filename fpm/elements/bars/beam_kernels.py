@@ -107,7 +107,8 @@ def _end_axes(part, state, e):
 @kernel
 def chord_of(part, state, e):
     """Direction of the chord of element e (unit vector from end a to b), inverse of its length
-    (1/m), and axial force (N, tension above 0). part: arrays of elements; state: particles'."""
+    (1/m), and axial force (N, tension above 0). part: arrays of the elements; state: of the
+    particles."""
     chord = get3(state, part.nodes[e, 1], X) - get3(state, part.nodes[e, 0], X)
     length = sqrt(dot(chord, chord))
     inverse = 1.0 / length
@@ -176,9 +177,9 @@ def strain_energy(part, e, shape):
 
 @kernel
 def larger_strains(part, e, shape, bend, strain):
-    """Larger of `bend` and `strain`, maxima so far, and those of element e; returns both. bend:
-    squared sine of the largest bend or twist; strain: at the surface of a rectangle of height
-    sqrt(12 I/A), with the element's I and A. part: arrays of elements; shape: by `shape_of`."""
+    """Maxima `bend` and `strain`, raised to those of element e; returns both. bend: squared sine of
+    its largest bend or twist; strain: at the surface of a rectangle of height sqrt(12 I/A), with
+    the element's I and A. part: arrays of the elements; shape: deformation, from `shape_of`."""
     beams = part.beams
     force, (sa2, sa3, sb2, sb3), twist = shape
     bend = larger(bend, sa2 * sa2 + sa3 * sa3)
@@ -210,7 +211,8 @@ def stored(part, world):
 
 @kernel
 def list_energies(part, world):
-    """Store each element's strain energy (J) in part.rows. part: arrays of elements."""
+    """Store the strain energy (J) of each beam element in part.rows, by which a failed run names
+    the worst. part: arrays of the elements; world: state of the solver."""
     for e in range(part.nodes.shape[0]):
         store(part.rows, e, 0, strain_energy(part, e, shape_of(part, world.state, e)))
 

@@ -138,7 +138,8 @@ class Cable(ElementType):
             yield self.beams[i : i + 2], self.stiffness * lengths.sum() / (shortest * length)
 
     def topology(self):
-        """What must be equal in scenes that run side by side: name, particles, curve, friction."""
+        """What must be equal in scenes that run side by side: name, particles, curve, and whether
+        it has friction."""
         return self.name, tuple(beam.particle for beam in self.beams), self.curve, self.rubs
 
     @classmethod

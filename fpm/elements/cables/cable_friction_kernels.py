@@ -87,7 +87,8 @@ def exponential(x):
 
 @kernel
 def turn_angle(part, j):
-    """Angle (rad, 0 to pi) by which a cable turns at its point j. part: arrays of all cables."""
+    """Angle (rad, 0 to pi) between the stretches of a cable before and after its point j. part:
+    arrays of all cables, after `lay`."""
     first, second = get3(part.stretches, j - 1, DIRECTION), get3(part.stretches, j, DIRECTION)
     normal = cross(first, second)
     return arctan2(sqrt(dot(normal, normal)), dot(first, second))
@@ -207,7 +208,8 @@ def work_before(part, world, timing):
 
 @hook(RubbingCables)
 def energy_of(part, world, c):
-    """Strain energy (J) of cable c, over all stretches. part: arrays of all cables."""
+    """Strain energy (J) of cable c, over all its stretches. part: arrays of all cables; world:
+    unused."""
     total = energy_of_cable(part, c)
     if part.rubs[c]:
         total = 0.0 * total

@@ -43,9 +43,10 @@ class Cables(NamedTuple):
     """Arrays of all cables, one after the other: c cables, p points; a stretch runs from a point to
     the next. start (c + 1,): first point of each; on (p,): particle of each point; curve (c,): of
     the winch, -1: none; arms (p, 3, lanes): of points, in particles' frames; cables (c, CABLE,
-    lanes): EA, REST, REEL; stretches, state: working memory (fields above); account: index of the
-    winches' work in World.accounts; watched: largest elongation ratio so far; rows (c, 1, lanes):
-    that of each cable; log: of events; track: recorded tension (N) and length (m)."""
+    lanes): EA, REST, REEL; stretches (p, STRETCH, lanes): direction, length, arm, pull; state (c,
+    STATE, lanes): elongation, unstrained length, winch force, now and a step ago; account: index of
+    the winches' work in World.accounts; watched: largest elongation ratio so far; rows (c, 1,
+    lanes): that of each cable; log: of events; track: recorded tension (N) and length (m)."""
 
     start: np.ndarray  # (c + 1,) first point of each
     on: np.ndarray  # (p,) particles
@@ -192,7 +193,8 @@ def strain_of(part, c):
 
 @kernel
 def energy_of_cable(part, c):
-    """Strain energy (J) of cable c, if its strain is one all along. part: arrays of all cables."""
+    """Strain energy (J) of cable c, of one tension all along (no friction). part: arrays of all
+    cables."""
     strain = strain_of(part, c)
     return 0.5 * load(part.cables, c, EA) * load(part.state, c, UNSTRAINED) * strain * strain
 

@@ -145,8 +145,8 @@ def report_gaps(arrays, find):
 
     @hook(arrays)
     def record(part, world, row):
-        """Store the largest gap (m) and tilt (sine) of all elements in part.gaps, at the index
-        `row` of the recorded instant. part: their arrays; world: state of the solver."""
+        """Store the largest gap (m) and tilt (sine) of all hinges or joints in part.gaps, at index
+        `row`, that of the recorded instant. part: their arrays; world: state of the solver."""
         gap2 = 0.0 * load(world.state, 0, X)
         tilt2 = gap2
         for i in range(part.names.shape[0]):
@@ -158,8 +158,9 @@ def report_gaps(arrays, find):
 
     @hook(arrays)
     def list_excess(part, world):
-        """Store in part.excess, for each element, the squares of gap and tilt over those allowed,
-        summed, by which a failed run names the worst. part: their arrays; world: solver state."""
+        """Store in part.excess, for each hinge or joint, the squares of its gap and tilt over those
+        allowed, summed, by which a failed run names the worst. part: their arrays; world: solver
+        state."""
         for i in range(part.names.shape[0]):
             gap2, tilt2 = find(part, world.state, i)
             size = MOST_GAP * load(world.size, 0, 0)

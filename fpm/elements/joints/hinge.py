@@ -103,16 +103,17 @@ class JointBase(ElementType):
 
 @dataclass(frozen=True)
 class Hinge(JointBase):
-    """A hinge between the free ends of two virtual beams.
+    """A hinge, or another opening of a joint, between the free ends of two virtual beams (rigid
+    arms from particles).
 
-    axes (2, 3): the axis in each particle's own frame; references (2, 3): directions normal to the
-    axis, one in each frame, that coincide at opening 0; the opening grows when the second turns by
-    the right-hand rule about the axis against the first. opening (rad): at the start, including
-    full turns. support: global axes along which the hinge point is held.
-
-    type: "revolute"; "prismatic": a slide, whose opening (m) is the way of the second beam's end
-    from the first's, along the axis, and `offset` (m); "universal" and "cross": the first and the
-    second angle of a universal joint, whose axis lies fixed in the first of its two particles.
+    name: no other's; axes (2, 3): the axis in each particle's own frame; references (2, 3):
+    directions normal to the axis, one in each frame, that coincide at opening 0; opening (rad): at
+    the start, with full turns; it grows when the second particle turns by the right-hand rule about
+    the axis against the first; support: global axes along which the hinge point is held, as "xz".
+    type: "revolute"; "prismatic": a slide, whose opening (m) is the distance along the axis from
+    the first beam's end to the second's, plus `offset` (m); "universal" and "cross": the first and
+    the second angle of a universal joint; the axis of each is fixed in the first of its two
+    particles.
     """
 
     name: str
@@ -179,8 +180,8 @@ class Hinge(JointBase):
 
     @property
     def joint(self) -> str:
-        """Name of the whole joint that the hinge belongs to: its own; of an angle of a universal
-        joint (type "universal") that without the ending "_axis"."""
+        """Name of the whole joint: the hinge's own; if it is the first angle of a universal joint
+        (type "universal"), without its ending "_axis"."""
         return self.name.removesuffix(ANGLES[0]) if self.type == "universal" else self.name
 
     @classmethod
@@ -224,7 +225,8 @@ class Hinge(JointBase):
 
 
 def names_taken(scene) -> set[str]:
-    """Names of all joints and hinges of a scene; of universal joints also those of their angles."""
+    """Set of the names in use by all joints and hinges of a scene, to which a new name is compared;
+    of universal joints also those of their two angles."""
     names = {e.name for kind, elements in scene.kinds.items() if kind.joins for e in elements}
     return names | {hinge.joint for hinge in scene.hinges}
 
@@ -296,7 +298,8 @@ def arms(scene, particles, point) -> tuple[VirtualBeam, VirtualBeam]:
 
 
 def of_both(vector) -> Sequence[np.ndarray]:
-    """Vectors (3,) of two particles: `vector` for both if it is (3,), or its rows if (2, 3)."""
+    """A pair of vectors (3,), one for each of two particles: `vector` for both if it is (3,), or
+    its two rows if it is (2, 3)."""
     vector = np.asarray(vector, float)
     return (vector, vector) if vector.ndim == 1 else np.broadcast_to(vector, (2, 3))
 

@@ -76,8 +76,8 @@ from fpm.kernels.vectors import (
 def prepare(part, world, timing):
     """Update the momenta of the particles of all hinges by the forces, summed before, over the time
     timing.kick; then apply impulses at the hinges that would keep them closed if the rates of their
-    gaps stayed as they are over the step. part: hinge arrays (Hinges), whose scratch is filled;
-    world: solver state (World), whose momenta change; timing: time, step, kick (s)."""
+    gaps stayed as they are over the step. part: arrays of all hinges (Hinges), whose working memory
+    is filled; world: state of the solver, changed; timing: times of this step (s)."""
     clear(part.sums)
     prepare_bodies(world, part, timing.kick)
     prepare_matrices(part)
@@ -260,7 +260,8 @@ def gap_squares(part, state, h):
 def distance(w, h, step, size):
     """Margin (lanes) of hinge h, by its GOAL (rates that impulses must produce): 1 where its gaps
     are small enough for a last small correction (`nudge`), below 0 in lanes that need another
-    round. w: working memory of the hinges (hinge_scratch); step (s); size: of the scene (m)."""
+    round. w: working memory of the hinges (hinge_scratch); step (s); size: characteristic length of
+    the scene (m)."""
     most = coarse(step, size)
     gap, gap2 = get3(w, h, GOAL), get3(w, h, GOAL + 5)
     ep, eq = load(w, h, GOAL + 3), load(w, h, GOAL + 4)

@@ -75,8 +75,9 @@ from fpm.kernels.vectors import (
 @hook(Joints)
 def prepare(part, world, timing):
     """Update the momenta of the bodies of all joints by the forces, summed before, over the time
-    timing.kick, and apply impulses that would keep the joints closed if their gaps' rates stayed as
-    they are. part: arrays of all joints; world: solver state, changed; timing: times (s)."""
+    timing.kick, and apply impulses that would keep the joints closed if the rates of their gaps
+    stayed as they are. part: arrays of all joints; world: state of the solver, changed; timing:
+    times of this step (s)."""
     clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
     find_rows(part, world.state)
@@ -352,9 +353,9 @@ def work_after(part, world, timing):
 
 @hook(Joints)
 def work_due(part, world, energies, row):
-    """Add to column ACCOUNTS + part.account of `energies` the drives' work (J) that belongs before
-    the recorded instant though the next step's impulses do it. part: arrays of all joints; world:
-    not used; energies (instants, columns, lanes): Record.energies; row: index of the instant."""
+    """Add the work (J) of drives that `work_after` counted after the instant was recorded, but that
+    is due before it, to column ACCOUNTS + part.account of `energies` (instants, columns, lanes),
+    Record.energies. part: arrays of all joints; world: not used; row: index of the instant."""
     account = ACCOUNTS + part.account
     for s in range(part.on.shape[0]):
         if part.is_driven[s]:

@@ -66,9 +66,9 @@ def put_turn(part, state, slot, r, k, turn):
 
 @kernel
 def place(part, state, j, side):
-    """Of joint j at a `side` (0, 1: first, second): position of the particle (m, 3), its axes
-    (three unit vectors), and the joint's point on it (m, 3). part: arrays of all joints; state: of
-    the particles."""
+    """Where joint j stands on one `side` (0: first, 1: second): position of the particle (m, 3),
+    its axes (three unit vectors), and the joint's point on it (m, 3), all global. part: arrays of
+    all joints; state: of the particles."""
     i = part.on[part.slots[2 * j + side]]
     axes = frame(state, i)
     x = get3(state, i, X)

@@ -142,7 +142,8 @@ class RigidRelease(AnyRelease, Rigid):
 class RigidLatch(AnyLatch, Rigid):
     """A latch that stops the opening of a hinge (index) and holds it exactly where it caught it. It
     catches within capture_range (rad) of `angle` (rad), coming from `side` ("below", "above" or
-    "either"), at no more than max_capture_rate (rad/s); on a slide in m. name: "": the hinge's."""
+    "either"), at no more than max_capture_rate (rad/s); on a slide in m. name: in results, "": as
+    the hinge."""
 
     hinge: int = on_hinge()
     angle: float = number("rad")
@@ -155,8 +156,8 @@ class RigidLatch(AnyLatch, Rigid):
 
     @classmethod
     def array(cls, name, batch):
-        """Kernel array of the given field `name` (HoldsHinge.array) for the scenes of a batch; in
-        "state", the opening up to which a latch has searched (SEARCHED) is that at the start."""
+        """Array of the kernels' field `name` (HoldsHinge.array) for a batch of scenes side by side;
+        in "state", the opening up to which a latch has searched (SEARCHED) is that at the start."""
         array = super().array(name, batch)
         if name == "state":
             array[:, cls.kernels().SEARCHED] = start_angles(batch, cls)
@@ -178,8 +179,9 @@ class RigidFriction(Rigid):
 
     @classmethod
     def led(cls, scene):
-        """Frictions with a bristle (stiff spring) in place of a scene's rigid ones, a list, for the
-        slow travel of an opening (fpm/travel), in which friction must follow from positions."""
+        """Frictions with a bristle (stiff spring that gives while friction sticks) in place of a
+        scene's rigid ones, a list, for the slow travel of an opening through equilibria
+        (fpm/travel)."""
         return [Friction(f.hinge, f.moment, AT_ONCE, 0.0) for f in cls.of(scene)]
 
     def held_at_start(self, scene):
@@ -189,13 +191,15 @@ class RigidFriction(Rigid):
 
     @classmethod
     def held_round(cls, scene):
-        """Sum of a scene's friction moments (N m): in closed loops, each may bear up to its own."""
+        """Sum (N m) of the friction moments of a scene: the most that friction that sticks in
+        closed loops may bear at rest."""
         return float(sum(friction.moment for friction in cls.of(scene)))
 
     @classmethod
     def array(cls, name, batch):
-        """Kernel array of the given field `name` (HoldsHinge.array) for the scenes of a batch; in
-        "state", the direction in which friction slips (SIGN, 1 or -1) is that of its first rate."""
+        """Array of the kernels' field `name` (HoldsHinge.array) for a batch of scenes side by side;
+        in "state", the direction in which friction slips (SIGN, 1 or -1) is that of the rate at the
+        start."""
         if name != "state":
             return super().array(name, batch)
         kernels, count = cls.kernels(), len(cls.of(batch.scene))

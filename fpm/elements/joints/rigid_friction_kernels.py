@@ -36,9 +36,10 @@ CHANGES = 5
 
 class RigidFrictions(NamedTuple):
     """Arrays of f frictions that stick exactly. on (f,): index of the hinge; turn (f,): row of its
-    condition in turns.state; numbers (f, 1, lanes): friction moment (N m); openings, turns: all
-    openings, and those held exactly; past (f, HISTORY, lanes): rates (rad/s) of the last two steps;
-    state (f, STATE, lanes): WORKS to CHANGES_LEFT; account: index of the loss in World.accounts."""
+    condition in turns.state; numbers (f, 1, lanes): friction moment (N m); openings, turns: arrays
+    of all openings, and of those held exactly; past (f, HISTORY, lanes): rates (rad/s) of the last
+    two steps; state (f, STATE, lanes): moment held and its work, direction of slip, brake moment,
+    changes left in this step; account: index of the loss in World.accounts."""
 
     on: np.ndarray
     turn: np.ndarray
@@ -76,10 +77,10 @@ account(RigidFrictions, WORKS, -1.0)
 
 @kernel
 def turning(part, i, timing):
-    """Fraction of the kick until the opening of element i is at rest, and angle (rad) that it turns
-    until then, where its rate would fall below 0 in this kick: if it fell so before, to the vertex
-    of the parabola; else braked only now, amid it. part: arrays of all rigid frictions; timing:
-    times."""
+    """Fraction of the kick until the opening of element i comes to rest, and angle (rad) that it
+    turns until then, where its rate would fall below 0 in this kick: by the parabola of its motion
+    if its rate fell before, else as braked from the middle of the kick on. part: arrays of all
+    rigid frictions; timing: times of this step (s)."""
     sign = load(part.state, i, SIGN)
     last = sign * load(part.past, i, LAST)
     last = where_negative(last, 0.0, last)
@@ -125,9 +126,9 @@ def needed_by(part, i, timing):
 @kernel
 def slipping(part, i, full, timing):
     """Moment (N m) of element i in the step in which it starts to slip: a mean of what held it and
-    of the `full` moment (N m, with its sign), which agree to first order for a load that grows.
-    After an impact, a fraction of the step from the kick, it makes up for what the kicks beside it
-    lack. part: arrays of all rigid frictions; timing: times of this step (s)."""
+    of the `full` friction moment (N m, with its sign), which agree to first order for a load that
+    grows; after an impact it makes up for what the kicks before and after lack. part: arrays of all
+    rigid frictions; timing: times of this step (s)."""
     if timing.time == 0.0:
         return full
     delay = load(part.turns.blow, 0, 0)
@@ -165,8 +166,8 @@ def change(part, world, timing, i, slips, turns, sticks):
 @hook(RigidFrictions)
 def work_after(part, world, timing):
     """Add the friction loss (J) of the half step that ends now, by the moments of the step that
-    begins, to part.account. part: arrays of all rigid frictions; world: solver state; timing:
-    (s)."""
+    begins, to part.account in world.accounts. part: arrays of all rigid frictions; world: state of
+    the solver; timing: times of this step (s)."""
     for i in range(part.on.shape[0]):
         moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], timing)
         late = moment - load(part.state, i, LAST_BRAKE)

@@ -42,9 +42,11 @@ TRACK = 4  # recorded: as of all latches, and the impulse with which it caught
 
 class RigidLatches(NamedTuple):
     """Arrays of l rigid latches. on (l,): index of the hinge; turn (l,): row of its condition in
-    turns.state; numbers (l, 4, lanes): how it catches (NUMBERS); openings, turns: all openings, and
-    those held exactly; past: rates (rad/s) of the last steps; state (l, STATE, lanes): see above;
-    account: index of the loss in World.accounts; log: of events; track: record."""
+    turns.state; numbers (l, 4, lanes): angle, capture range, side, largest rate (NUMBERS);
+    openings, turns: arrays of all openings, and of those held exactly; past (l, HISTORY, lanes):
+    rates (rad/s) of the last steps; state (l, STATE, lanes): whether and where each has caught,
+    impulses, works; account: index of the loss in World.accounts; log: of events; track: recorded
+    moments (N m), impulses (N m s) and rate of the catch."""
 
     on: np.ndarray
     turn: np.ndarray

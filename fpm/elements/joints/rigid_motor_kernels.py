@@ -67,7 +67,8 @@ def work_after(part, world, timing):
 
 @hook(RigidMotors)
 def record_step(part, world, row, timing):
-    """Record the moment (N m) of each motor in part.track. row: index of the recorded instant."""
+    """Record the moment (N m) of each motor in part.track. part: arrays of all rigid motors; world,
+    timing: not used; row: index of the recorded instant."""
     count = part.on.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, WORKS + HELD_BY))

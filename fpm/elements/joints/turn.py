@@ -29,7 +29,7 @@ class Turn(ElementType):
     @classmethod
     def of(cls, scene):
         """The elements (HoldsHinge) of a scene, of all types, that hold an opening exactly, a list;
-        the index of an element in it is also that of its condition."""
+        the index of an element in it is also that of its row in Turns.state."""
         holding = [kind for kind in scene.kinds if issubclass(kind, HoldsHinge)]
         return [element for kind in holding for element in scene.kinds[kind]]
 
@@ -78,8 +78,9 @@ class HoldsHinge(OnHinge):
 
     @classmethod
     def array(cls, name, batch):
-        """Kernel array of the given field `name` for the scenes of a batch. "turns": arrays of all
-        conditions (Turns); "turn": index of each element's condition; others by OnHinge.array."""
+        """Array of the kernels' field `name` for a batch of scenes side by side. "turns": the state
+        of all conditions that hold openings (Turns); "turn": index of each element's condition
+        among them; other names: OnHinge.array."""
         match name:
             case "turns":
                 return batch.part(Turn)

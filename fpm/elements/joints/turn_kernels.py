@@ -73,7 +73,8 @@ def work_on(openings, h, moment):
 
 @kernel
 def give(world, account, work):
-    """Add `work` (lanes, J) to world.accounts at the index `account`. world: solver state."""
+    """Add `work` (lanes, J) to the energy account of index `account` in world.accounts, in
+    place."""
     store(world.accounts, 0, account, load(world.accounts, 0, account) + work)
 
 
@@ -111,9 +112,10 @@ def account(arrays, first, sign):
 
     @hook(arrays)
     def work_due(part, world, energies, row):
-        """Add the part of work_after's work (J) that is due up to the recorded instant to column
-        ACCOUNTS + part.account of `energies` (instants, columns, lanes), Record.energies. part:
-        arrays of the elements; world: not used; row: index of the instant."""
+        """Add the work (J) that `end_work` counted after the instant was recorded, but that is due
+        before it, to column ACCOUNTS + part.account of `energies` (instants, columns, lanes),
+        Record.energies. part: arrays of the elements; world: not used; row: index of the
+        instant."""
         for i in range(part.on.shape[0]):
             account = ACCOUNTS + part.account
             total = load(energies, row, account) + load(part.state, i, first + WORK_DUE)

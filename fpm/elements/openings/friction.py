@@ -71,9 +71,11 @@ def _unbalanced(element: str) -> str:
 class Friction(OnHinge):
     """Friction in a hinge by a bristle: a spring that slips at a moment.
 
-    damping None: as DAMPED says. angles, shares: openings (rad, on slides m) and factors of the
-    moment there, linear between them; none: 1. load: force of the joint (N) at which the moment is
-    that, and in proportion to which it grows; None: it is constant.
+    moment: at which it slips (N m, on slides N); bristle_deflection: how far the spring is bent
+    then (rad, m); damping: while it sticks, None: DAMPED = 0.3 of critical. angles, shares:
+    openings (rad, on slides m) and factors of the moment there, linear between them; (): 1. load:
+    force of the joint (N) at which it slips at `moment`, which grows in proportion to the force;
+    None: it is constant.
     """
 
     hinge: int = on_hinge()
@@ -99,16 +101,18 @@ class Friction(OnHinge):
 
     @classmethod
     def led(cls, scene):
-        """Friction elements of a scene for the quasi-static motion of an opening (fpm/travel):
-        these slip at once. Those with a `load` get no moment: Scene.bearings has their friction."""
+        """Copies of the scene's friction elements for moving an opening slowly, in static balance
+        (fpm/travel): their bristles slip at once. One with a `load`, whose moment depends on the
+        joint's force, gets the moment 0: the caller takes that friction from Scene.bearings."""
         frictions = [
             replace(friction, bristle_deflection=AT_ONCE, damping=0.0) for friction in cls.of(scene)
         ]
         return [f if f.load is None else replace(f, moment=0.0, load=None) for f in frictions]
 
     def add_to(self, scene):
-        """Add the element to a scene; with a `load`, its moment for each N of it (m) is added to
-        Scene.bearings of the hinge, for quasi-static motions (fpm/travel)."""
+        """Check the element and add it to a scene. If its moment depends on the joint's force
+        (`load`), also add moment / load (m; on slides a bare number) to Scene.bearings of its
+        hinge, for motions in static balance (fpm/travel). Raises SceneError if it does not fit."""
         super().add_to(scene)
         if self.load is not None:
             scene.bearings[self.hinge] += self.moment / self.load
@@ -118,7 +122,8 @@ class Friction(OnHinge):
         return any(friction.load is not None for friction in cls.of(scene))
 
     def check(self, scene):
-        """Check the fields, the table and the load; SceneError if one does not fit."""
+        """Check the element's fields, its table (angles, shares) and its `load` (above 0, and not
+        beside a table) before it is added to a scene; raises SceneError if one does not fit."""
         super().check(scene)
         if self.load is not None and not (self.load > 0 and not self.angles):
             raise SceneError(f"load of {self.title(scene)}", self.load, "above 0, without a table")
@@ -140,8 +145,9 @@ class Friction(OnHinge):
         return self.moment / self.bristle_deflection
 
     def damping_in(self, scene) -> float:
-        """Damping of the bristle while it sticks (N m s/rad, on slides N s/m); unless it is stated,
-        DAMPED times the critical one."""
+        """Damping of the bristle while it sticks (N m s/rad, on slides N s/m): the stated one, else
+        DAMPED = 0.3 of the critical one with the inertias of the hinge's two particles in the
+        scene."""
         if self.damping is not None:
             return self.damping
         inverse = softness(scene, self.hinge)
@@ -149,10 +155,11 @@ class Friction(OnHinge):
 
     @classmethod
     def array(cls, name, batch):
-        """The array of the kernels' field `name`, as of OnHinge.array; batch: scenes being packed.
+        """Array for the field `name` of the kernels' named tuple Frictions. batch: scenes being
+        packed.
 
-        Constants with the dampers, which depend on the scene; tables of the bend (None: no element
-        has one); forces of joints; and a state in which the feet are where the hinges are.
+        "numbers": stiffness, deflection at slip, damping, locking; "start", "points": tables (None:
+        no element has one); "bearing": forces of joints; "state": bristles that begin straight.
         """
 
         def bristles(scene):

@@ -20,8 +20,8 @@ class Weight(NamedTuple):
 
 @hook(Weight)
 def forces(part, world, timing):
-    """Add the weight (N) of every particle. part: arrays of gravity (Weight); world: solver state
-    (World); timing: times of the step (s)."""
+    """Add the weight (N) of every particle to the forces in world.state. part: arrays of gravity
+    (Weight); world: solver state (World), whose forces change; timing: not used."""
     g = get3(part.acceleration, 0, 0)
     for i in range(world.state.shape[0]):
         weight = load(world.particles, i, MASS) * g

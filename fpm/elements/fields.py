@@ -115,8 +115,9 @@ def word(values: Mapping[Any, float], *, default=MISSING, **keys) -> Any:
 
 
 def index(group: str, least: int = 0, *, default=MISSING, **keys) -> Any:
-    """Field of an element with the index of something in the list `group` of the scene, at least
-    `least` (-1: or none). default: MISSING where it must be given; keys: of `Index`."""
+    """Dataclass field of an element with the index of an entry in the scene's list `group`, as
+    "hinges". least: -1 where that means none; default: MISSING where it must be given; keys: of
+    `Index`."""
     return _field(Index(of=group, least=least, same=True, **keys), default)
 
 

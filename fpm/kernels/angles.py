@@ -29,7 +29,8 @@ def arctan(x):
 
 @kernel
 def arctan2(s, c):
-    """Angle (rad, lanes) in (-pi, pi] with sine and cosine in the ratio s : c (lanes)."""
+    """Return the angle (rad, lanes) in (-pi, pi] whose sine and cosine are in the ratio s : c
+    (lanes), like math.atan2."""
     a, b = absolute(s), absolute(c)
     steep = b - a  # negative beyond 45 degrees
     t = where_negative(steep, b, a) / where_negative(steep, a, b)

@@ -38,9 +38,9 @@ INLINED = {
 
 
 def kernel(function: Callable) -> Callable:
-    """Compile a kernel into its callers. A call would spill all vector registers; and a kernel that
-    stood alone as well could be rounded otherwise there than in the cached time loop.
-    """
+    """Decorator that compiles a function as a kernel: into its callers only, on lanes and vectors.
+    A call would spill all vector registers; and what stood alone as well could be rounded
+    otherwise."""
     if config.DISABLE_JIT:
         return function
     options = {"nopython": True, **INLINED}
@@ -117,7 +117,7 @@ _register_product()
 
 @intrinsic
 def vector(typingctx, x, y, z):
-    """The vector with components x, y, z (lanes)."""
+    """Return the vector with components x, y, z, a lane each (numbers of samples side by side)."""
     if not isinstance(x, Lane):
         return None
 
@@ -129,7 +129,8 @@ def vector(typingctx, x, y, z):
 
 @kernel
 def larger(x, y):
-    """The larger of two lanes; x where y is not a number."""
+    """Return the larger of x and y lane by lane (samples side by side); x where y is not a
+    number."""
     return where_negative(x - y, y, x)
 
 

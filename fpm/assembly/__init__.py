@@ -72,9 +72,10 @@ class MisfitError(SceneError):
 
 
 class Assembly(NamedTuple):
-    """Result of an assembly: strain energy (J) of the assembled structure; the joint with the
-    largest misfit before, its gap (m) and tilt (sine of the angle between directions that should
-    agree); number of rounds; openings (rad, of slides m) of the hinges as stated before."""
+    """Result of forcing parts together. energy: strain energy (J) of the assembled structure;
+    joint, gap, tilt: the joint that was open most before, by how much (m; sine of the angle between
+    directions that should agree); rounds: of Newton's method; openings: of all hinges before (rad,
+    of slides m)."""
 
     energy: float
     joint: str
@@ -85,13 +86,13 @@ class Assembly(NamedTuple):
 
 
 def assemble(scene, hold: Sequence[str] = ()) -> None:
-    """Force the parts of a scene together at its joints; the scene is then in static balance and at
-    rest.
+    """Force the parts of a scene together at its joints; the scene, changed in place, is then in
+    static balance and at rest.
 
-    Positions and frames become those of the assembled structure, and `scene.assembly` is an
-    `Assembly`. Beams keep the lengths and axes that they had, and positions stated later refer to
-    the scene before. hold: names of hinges that keep their stated opening. Raises MisfitError where
-    no such position is found.
+    Positions and frames become those of the assembled structure, scene.assembly the result
+    (Assembly). Beams keep the lengths and axes that they had; positions stated later refer to the
+    scene before. hold: names of hinges that keep the opening that the scene states. Raises
+    MisfitError where no such position is found.
     """
     if not len(scene.position):
         return
@@ -266,15 +267,15 @@ def _negative(apply, count: int) -> np.ndarray:
 def linearised(
     scene, poses, conditions, elastic, impulses, scales, free, weight, ease=None, share=MASS_SHARE
 ):
-    """Linear equations of a Newton step at poses, as a function that solves them; and the gradient
-    (6n,) of the energy and of the conditions.
+    """Set up the linear equations of a Newton step: returns a function solve, and the gradient
+    (6n,) of the strain energy and of conditions times impulses.
 
-    solve(forces (6n,), lacks (c,), residuals times their weight) gives the motion (6n,), lengths as
-    fractions of the size, and the change (c,) of the impulses. conditions: c of them, with their
-    impulses and factors `weight` (c,); elastic: Elastic or Unstressed; scales (6n,): size (m), 1
-    for turns; free: indices of dofs that are not held. Rows and columns are scaled so that the
-    largest entries are about one; ease: μ times the largest mass (N m); None: `share` of the
-    largest stiffness.
+    solve(forces (6n,) N, N m; lacks (c,): residuals times `weight`) returns the motion (6n,),
+    lengths as fractions of the size, and the change (c,) of the impulses. scene: for masses; poses:
+    of all particles; conditions: c of them (Conditions); elastic: Elastic or Unstressed; impulses
+    (c,): of the conditions; scales (6n,): size (m), 1 for turns; free: indices of dofs that are not
+    held; weight (c,): factors on the conditions; ease: how much masses hold motions back, times the
+    largest mass (N m); None: `share` of the largest stiffness.
     """
     from scipy.sparse import bmat, identity
     from scipy.sparse.linalg import splu
@@ -308,7 +309,8 @@ def linearised(
 
 
 def masses(scene, poses: ParticlePoses):
-    """Sparse masses (kg) and inertias (kg m²) of all particles (6n, 6n), in global axes."""
+    """Sparse matrix (6n, 6n) of masses (kg) and inertias (kg m²) of all n particles of a scene, in
+    global axes at the given poses."""
     from scipy.sparse import coo_array
 
     blocks = np.zeros((len(scene.mass), 2, 3, 3))

@@ -37,7 +37,8 @@ CONTRACT = ("contract",)
 
 
 def width(dtype: np.dtype) -> int:
-    """Number of lanes of a 512-bit register for `dtype` (float64: 8, float32: 16)."""
+    """Number of samples side by side (lanes) in a 512-bit register for `dtype` (float64: 8,
+    float32: 16)."""
     return WIDTH * 8 // np.dtype(dtype).itemsize
 
 

@@ -64,13 +64,11 @@ def turn(state, particles, i, p):
 
 @kernel
 def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
-    """Integrate `steps` steps of `step` s; returns the number of steps done.
-
-    parts: the named tuples of the element types in the scene; world, record: world.py. Every
-    `per_check` steps the energy balance is checked against `tolerance` times the largest energy so
-    far, every `per_instant` steps an instant is recorded. The run ends early when all lanes have
-    failed.
-    """
+    """Integrate `steps` steps of `step` s; returns the number of steps done, fewer where all lanes
+    have failed. parts: arrays of each element type; world: solver state (World), changed; record:
+    arrays of the run (Record), written; per_instant, per_check: steps between two recorded
+    instants, and between two checks that the energy balance is off by at most `tolerance` times the
+    largest energy so far."""
     parts, world, record = by_reference(parts), by_reference(world), by_reference(record)
     state, free = world.state, world.free
     spare = record.energies.shape[0] - 1

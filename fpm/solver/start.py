@@ -51,10 +51,11 @@ imply.
 
 
 def consistent_scene(scene: Scene) -> Scene:
-    """The scene, or a copy with velocities and spins that agree with its joints, motors and drives.
+    """The scene itself, or a copy with velocities and spins that its joints, motors and drives
+    allow, for the start of a run.
 
-    Where none do, as where motors contradict each other, those with the least error are taken:
-    joints gape then, by which the run fails. Raises SceneError as `check_masses` does.
+    Where none are allowed, as where motors contradict each other, those with the least error are
+    taken: joints gape then, by which the run fails. Raises SceneError as `check_masses` does.
     """
     check_masses(scene)
     # One for each that has any: of a motor and a latch on one hinge, the motor alone.
@@ -82,8 +83,8 @@ def consistent_scene(scene: Scene) -> Scene:
 
 
 def check_masses(scene: Scene) -> None:
-    """Check that masses at joints can be told from each other; raises SceneError where light bodies
-    between heavy ones hide from the joints what these do."""
+    """Check that masses at joints are not too far apart for double precision; raises SceneError
+    where light bodies between heavy ones would hide from joints how these move."""
     masses = scene.mass[~scene.fixed.all(axis=1)]
     if masses.max(initial=0.0) <= MASS_RATIO * masses.min(initial=np.inf):
         return

@@ -152,10 +152,8 @@ def _settle(scene, start: ParticlePoses, conditions: Conditions, elastic: Elasti
 
     def falling(poses, impulses):
         """The motion (6n,) along which the energy falls to both sides at the second order, or None.
-
         Such is the image of a vector on which the inverse of a round's matrix is negative; what
-        rounding alone made negative is left out.
-        """
+        rounding alone made negative is left out."""
         solve, _ = system(poses, elastic, impulses, SOFT_SHARE)
         steps = _negative(lambda force: solve(force / scales, no_gaps)[0], len(scales))
         _, stiffness = elastic.derivatives(poses)
@@ -240,11 +238,9 @@ def _settle(scene, start: ParticlePoses, conditions: Conditions, elastic: Elasti
 
 
 def _negative(apply, count: int) -> np.ndarray:
-    """Directions (count, k) in which a symmetric matrix, `apply`, seems to be negative.
-
-    Lanczos' method from a fixed start, each vector made normal to all before; it has the extremes
-    of a spectrum first.
-    """
+    """Directions (count, k) in which a symmetric matrix, `apply`, seems to be negative. Lanczos'
+    method from a fixed start, each vector made normal to all before; it has the extremes of a
+    spectrum first."""
     basis = [np.random.default_rng(1).standard_normal(count)]
     basis[0] /= np.linalg.norm(basis[0])
     images: list[np.ndarray] = []

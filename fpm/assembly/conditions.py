@@ -55,12 +55,9 @@ class ParticlePoses(NamedTuple):
 def slopes(function, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
     """Exact derivatives (e, k, 12) of `function` by the motions of e pairs of particles, by complex
     steps. Columns: shift (m) and rotation vector (rad) of the first, then of the second, in global
-    axes.
-
-    function(first, second): values (..., e, k); it takes complex poses and must be analytic: no abs
-    (whose derivative would come out as 0), conj or casts to real numbers. first, second: poses
-    (e,).
-    """
+    axes. function(first, second): values (..., e, k); it takes complex poses and must be analytic:
+    no abs (whose derivative would come out as 0), conj or casts to real numbers. first, second:
+    poses (e,)."""
     values = function(first.nudged(0), second.nudged(6))
     return np.moveaxis(values.imag / STEP, 0, -1)
 

@@ -67,12 +67,10 @@ class Slices:
 
 class Batch:
     """Scenes of one topology (that differ in numbers only) while they are packed for the kernels.
-
     scenes: side by side, a sample each; scene: the first, for what all agree in; kinds: element
     types in them, in order; energies: of the balance (Energy); width: number of lanes; dtype: of
     arrays; instants: number of recorded ones; room: number of events of each scene that fit; moved,
-    free: indices of particles that some element type moves itself, and of the others.
-    """
+    free: indices of particles that some element type moves itself, and of the others."""
 
     def __init__(
         self,
@@ -172,8 +170,7 @@ class Batch:
 
     def rows_of(self, kind: type) -> np.ndarray:
         """View (elements, 1, lanes) into World.rows, a number for each element of the type `kind`,
-        its energy or watched quantity: its kernels write it after a failure, to name the worst
-        element."""
+        its energy or watched quantity: its kernels write it after a failure element."""
         return self._rows[self.rows.of[kind]]
 
     def log_of(self, kind: type) -> Log:
@@ -248,12 +245,10 @@ class Batch:
         )
 
     def _least_scale(self, step: float, steps: int) -> np.ndarray:
-        """Energy (lanes,) that rounding may hold in a scene at rest.
-
-        Joints close in every step what rounding has opened, which adds up as a random walk does; of
-        so much way forces do work. At a stable step no spring has more energy of so much strain
-        than masses have of such motion.
-        """
+        """Energy (lanes,) that rounding may hold in a scene at rest. Joints close in every step
+        what rounding has opened, which adds up as a random walk does; of so much way forces do
+        work. At a stable step no spring has more energy of so much strain than masses have of such
+        motion."""
         gap = ROUNDINGS * np.finfo(self.dtype).eps * math.sqrt(steps)
         scale = np.zeros(self.width, self.dtype)
         for lane, scene in enumerate(self.scenes):

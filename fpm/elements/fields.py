@@ -87,10 +87,9 @@ def _field(spec: FieldSpec, default: Any) -> Any:
 def number(
     unit: str = "", least=None, above=None, *, default=MISSING, is_shown=True, **keys
 ) -> Any:
-    """Dataclass field of an element with one or more numbers. unit: as "N m"; least, above: lower
-    bound, itself allowed or not; default: MISSING where it must be given; is_shown: whether
-    descriptions say its value; keys: further fields of `Number` (count, finite, words, text,
-    ...)."""
+    """Field of an element with one or more numbers. unit: as "N m"; least, above: lower bound,
+    itself allowed or not; default: MISSING where it must be given; is_shown: whether descriptions
+    say its value; keys: further fields of `Number` (count, finite, words, text, ...)."""
     keys |= {"is_shown": is_shown and keys.get("count", 1) == 1, "optional": default is None}
     return _field(Number(unit=unit, least=least, above=above, **keys), default)
 
@@ -108,16 +107,14 @@ def damping(**keys) -> Any:
 
 
 def word(values: Mapping[Any, float], *, default=MISSING, **keys) -> Any:
-    """Dataclass field of an element that takes one of some words. values: the number by which
-    kernels know each; default: MISSING where it must be given; keys: fields of `Word` (same, words,
-    text)."""
+    """Field of an element that takes one of some words. values: the number by which kernels know
+    each; default: MISSING where it must be given; keys: fields of `Word` (same, words, text)."""
     return _field(Word(values=values, **keys), default)
 
 
 def index(group: str, least: int = 0, *, default=MISSING, **keys) -> Any:
-    """Dataclass field of an element with the index of an entry in the scene's list `group`, as
-    "hinges". least: -1 where that means none; default: MISSING where it must be given; keys: of
-    `Index`."""
+    """Field of an element with the index of an entry in the scene's list `group`, as "hinges".
+    least: -1 where that means none; default: MISSING where it must be given; keys: of `Index`."""
     return _field(Index(of=group, least=least, same=True, **keys), default)
 
 

@@ -34,13 +34,11 @@ class Energy(NamedTuple):
 
 class Watch(NamedTuple):
     """A failure criterion: a quantity, watched during a run, whose largest value lets the run fail.
-
     name: its key; most: the limit; of_size: whether that is a fraction of the scene's size (m);
     unconditional: whether it counts even where the energy does not balance, as nothing else
     explains it; failure(values): cause and remedy in words, from the largest values of the element
     type's watches by name; unbalanced(element): remedy where the energy does not balance and the
-    element of that name is the worst, "": none.
-    """
+    element of that name is the worst, "": none."""
 
     name: str
     most: float
@@ -82,11 +80,9 @@ class Eventful(NamedTuple):
 class Deformations(NamedTuple):
     """How springs of elements are strained by small motions of particles from the start, for the
     stable step, in the particles' own axes (timestep.py): r springs, one or more for each element.
-
     dofs (r, 12): degrees of freedom of two particles, 6 p .. 6 p + 5 for particle p; values (r,
     12): derivatives of the strain d (m, rad) by them; stiffness (r,): k, of energy 1/2 k d²;
-    element (r,): index of the element in its type.
-    """
+    element (r,): index of the element in its type."""
 
     dofs: np.ndarray
     values: np.ndarray
@@ -258,13 +254,11 @@ class ElementType:
     @classmethod
     def array(cls, name: str, batch: Batch) -> Any:
         """Array for the field `name` of the named tuple that the type's kernels take; by default
-        whole numbers, the elements' field of that name. batch: the scenes being packed.
-
-        "numbers": constants of each element, in the order of NUMBERS in the kernels' module;
-        "state": zeros, STATE for each; "track": zeros, TRACK for each at every instant; "account":
-        index in World.accounts of the work it gives, else of the energy it takes; SHARED has
-        further ones.
-        """
+        whole numbers, the elements' field of that name. batch: the scenes being packed. "numbers":
+        constants of each element, in the order of NUMBERS in the kernels' module; "state": zeros,
+        STATE for each; "track": zeros, TRACK for each at every instant; "account": index in
+        World.accounts of the work it gives, else of the energy it takes; SHARED has further
+        ones."""
         elements = cls.of(batch.scene)
         match name:
             case "numbers":

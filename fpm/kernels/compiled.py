@@ -33,11 +33,8 @@ from fpm.kernels.vectors import OPTIONS
 def own_sources(parts: tuple[type, ...]) -> dict[Path, str]:
     """Files outside of the package fpm on which the compiled code of some element types depends,
     with digests by path: where their arrays and kernels are defined, and files beside that these
-    import.
-
-    parts: the classes of the element types' named tuples of arrays. Raises ChangedError if a file
-    changed since its kernels were imported.
-    """
+    import. parts: the classes of the element types' named tuples of arrays. Raises ChangedError if
+    a file changed since its kernels were imported."""
     kernels = [(part, k.py_func) for (part, _), k in KERNELS.items() if part in parts]
     digests = {}
     for part, definition in [*((part, part) for part in parts), *kernels]:
@@ -59,10 +56,8 @@ def source_digest(parts: tuple[type, ...] = ()) -> str:
 
 @functools.cache
 def processor() -> str:
-    """Hexadecimal digest of what numba compiles for: the processor's name and features.
-
-    Machines that share a file system may differ in it.
-    """
+    """Hexadecimal digest of what numba compiles for: the processor's name and features. Machines
+    that share a file system may differ in it."""
     from numba.core.registry import cpu_target
 
     target = repr(cpu_target.target_context.codegen().magic_tuple())
@@ -120,12 +115,10 @@ def _loop(parts: tuple[type, ...], entry: str, is_cached: bool) -> Dispatcher:
 
 def loop_for(arguments: tuple, entry: str = "loop") -> Callable:
     """The time loop (entry "loop": run.run) or the sum of forces ("act": run.act), compiled or
-    loaded from the cache on disk for some arguments; call it with these.
-
-    arguments: all of them; the first two are the element types' arrays and the World. numba's cache
-    can break when several processes write it at once, so the first that arrives compiles and the
-    others wait for its lock; so do threads, which share numba's setting as well.
-    """
+    loaded from the cache on disk for some arguments; call it with these. arguments: all of them;
+    the first two are the element types' arrays and the World. numba's cache can break when several
+    processes write it at once, so the first that arrives compiles and the others wait for its lock;
+    so do threads, which share numba's setting as well."""
     parts, world = arguments[:2]
     kinds = tuple(map(type, parts))
     ready = entry, kinds, _optional(parts), world.state.dtype
@@ -195,10 +188,8 @@ def _damaged_files(folder: Path) -> list[str]:
 @contextmanager
 def _one_at_a_time(folder: Path) -> Iterator[bool]:
     """Hold a lock for a folder among all processes, on all machines that share its file system.
-
     Gives False where there is no lock to have, as the folder cannot be written or its file system
-    knows no locks; then nothing can be kept there safely.
-    """
+    knows no locks; then nothing can be kept there safely."""
     with ExitStack() as stack:
         try:
             folder.parent.mkdir(parents=True, exist_ok=True)

@@ -78,11 +78,9 @@ def _list(energy_of: Callable) -> Callable:
 
 
 def _unrolled(line: str | None = None) -> Callable:
-    """Make a hook of an empty function of (parts, ...).
-
-    line: what is done for each kind, if not just the call of its `kernel` with its `part` in place
-    of the parts; {j} counts the kinds that have a kernel.
-    """
+    """Make a hook of an empty function of (parts, ...). line: what is done for each kind, if not
+    just the call of its `kernel` with its `part` in place of the parts; {j} counts the kinds that
+    have a kernel."""
 
     def declare(stub):
         name, (_, *arguments) = stub.__name__, inspect.signature(stub).parameters
@@ -120,8 +118,7 @@ def _unrolled(line: str | None = None) -> Callable:
 @_unrolled()
 def forces(parts, world, timing):
     """Add forces (F) and moments (M) of all element types at timing.time to those of particles.
-    parts: arrays of each element type; world: solver state (World); timing: times of this step
-    (s)."""
+    parts: arrays of each element type; world: solver state (World); timing: step times (s)."""
 
 
 @_unrolled()
@@ -154,11 +151,9 @@ def prepare(parts, world, timing):
 @_unrolled()
 def decide(parts, world, timing):
     """Lock or free openings in this step (as rigid latches do), by the impulses that `solve` found.
-
     Where anything changed, World.undecided is set, and `solve` and `decide` are repeated; an
     element may change only finitely often per step. parts: arrays of each element type; world:
-    solver state (World); timing: times of this step (s).
-    """
+    solver state (World); timing: times of this step (s)."""
 
 
 @_unrolled()
@@ -203,8 +198,7 @@ def stored(parts, world, energies, row):
 @_unrolled()
 def work_of_place(parts, world, energies, row):
     """Add work (J) that depends on positions only, as that of weight, to the account's column in
-    row `row` of `energies`, the recorded ones. parts: arrays of each element type; world: solver
-    state."""
+    row `row` of `energies`, the recorded ones. parts: arrays of each type; world: solver state."""
 
 
 @_unrolled()
@@ -237,8 +231,7 @@ def record_step(parts, world, row, timing):
 
 def energy_of(part, world, e):
     """Return the energy (J, lanes) of element e of a type, whose kernels `stored` (the sum) and
-    `list_energies` are made of it. part: arrays of the element type; world: solver state
-    (World)."""
+    `list_energies` are made of it. part: arrays of the element type; world: solver state."""
 
 
 NAMES.append("energy_of")
@@ -255,5 +248,4 @@ def list_energies(parts, world):
 @_unrolled()
 def list_excess(parts, world):
     """After a failure, store in World.rows, in the rows of each type, how large every element's
-    watched quantity is, to name the worst. parts: arrays of each element type; world: solver state
-    (World)."""
+    watched quantity is. parts: arrays of each element type; world: solver state (World)."""

@@ -50,12 +50,9 @@ def reflect(world):
 def kinetic_energies(world):
     """Return the kinetic energy (J, lanes) at an instant, and that of half the change of momenta in
     the step around it. world: solver state, with momenta half a step before the instant in
-    World.start_state, and half a step after it in World.state.
-
-    The first is of the product of both velocities, the form that leapfrog conserves exactly,
-    together with the potential energy at the instant, for linear systems. It is less by the second
-    than the mean of the energies of both.
-    """
+    World.start_state, and half a step after it in World.state. The first is of the product of both
+    velocities, the form that leapfrog conserves exactly, together with the potential energy at the
+    instant, for linear systems. It is less by the second than the mean of the energies of both."""
     state, start, particles = world.state, world.start_state, world.particles
     total = 0.0 * load(start, 0, X)
     kick = total
@@ -87,12 +84,9 @@ def record_before(parts, world, record, row):
 @kernel
 def record_after(parts, world, record, row, timing):
     """Record what depends on momenta before and after an instant: positions and velocities of named
-    points, kinetic energy, error of the balance.
-
-    parts: arrays of each element type; world: solver state, World.start_state: that of the instant,
-    with momenta half a step before it; record: arrays of the run, written (Record); row: index of
-    the instant in them; timing: times of this step (s).
-    """
+    points, kinetic energy, error of the balance. parts: arrays of each type; world: solver state,
+    World.start_state: that of the instant, with momenta half a step before it; record: arrays of
+    the run, written (Record); row: index of the instant in them; timing: times of this step (s)."""
     start, state, points = world.start_state, world.state, record.points
     count = world.point_on.shape[0]
     for n in range(count):
@@ -116,13 +110,10 @@ def record_after(parts, world, record, row, timing):
 def balance(world, energies, row, kick):
     """Store in row `row` of `energies` the error of the energy balance (J) since the start: stored
     energy less work given, plus losses; and in World.sums the sizes of all stored energies, with
-    which it is compared.
-
-    world: solver state (World); energies: recorded ones (Record.energies); row: index of the
-    instant; kick: energy (J) of half the change of momenta in the step. Sizes, as where an element
-    type's energy is zero, and so its sign, is a matter of definition. What an impact starts has no
-    kinetic energy between its half steps yet, but for rounding, some 1e-12 of `kick`.
-    """
+    which it is compared. world: solver state; energies: recorded ones (Record.energies); row: index
+    of the instant; kick: energy (J) of half the change of momenta in the step. Sizes, as where an
+    element type's energy is zero, and so its sign, is a matter of definition. What an impact starts
+    has no kinetic energy between its half steps yet, but for rounding, some 1e-12 of `kick`."""
     stored_energy = load(energies, row, KINETIC)
     size = stored_energy  # of either sign: where a step is not stable, velocities alternate
     accounts = ACCOUNTS + world.accounts.shape[1]

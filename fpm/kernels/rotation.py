@@ -57,11 +57,8 @@ def put_turned(state, i, axes, half):
 @kernel
 def normalise(state):
     """Bring the axes of all particles back to length one and right angles by a Newton step. state
-    (n, STATE, lanes): of all particles.
-
-    They lose it by rounding, and in turns by tenths of a radian by the ends of the series; the time
-    loop calls this now and then.
-    """
+    (n, STATE, lanes): of all particles. They lose it by rounding, and in turns by tenths of a
+    radian by the ends of the series; the time loop calls this now and then."""
     for i in range(state.shape[0]):
         b, c = get3(state, i, D2), get3(state, i, D3)
         skew = -0.5 * dot(b, c)

@@ -65,10 +65,9 @@ def turn(state, particles, i, p):
 @kernel
 def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
     """Integrate `steps` steps of `step` s; returns the number of steps done, fewer where all lanes
-    have failed. parts: arrays of each element type; world: solver state (World), changed; record:
-    arrays of the run (Record), written; per_instant, per_check: steps between two recorded
-    instants, and between two checks that the energy balance is off by at most `tolerance` times the
-    largest energy so far."""
+    have failed. parts: arrays of each type; world: solver state, changed; record: arrays of the run
+    (Record), written; per_instant, per_check: steps between two recorded instants, and between two
+    checks that the energy balance is off by at most `tolerance` times the largest energy so far."""
     parts, world, record = by_reference(parts), by_reference(world), by_reference(record)
     state, free = world.state, world.free
     spare = record.energies.shape[0] - 1
@@ -111,6 +110,5 @@ def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
 @kernel
 def act(parts, world, timing):
     """Add the forces of all element types to those of the particles, in World.state, once; no step
-    is done. parts: arrays of each element type; world: solver state; timing: times of the step
-    (s)."""
+    is done. parts: arrays of each element type; world: solver state; timing: step times (s)."""
     hooks.forces(by_reference(parts), by_reference(world), timing)

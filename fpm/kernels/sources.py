@@ -51,10 +51,8 @@ def state_of(stat: os.stat_result) -> State:
 class Imported:
     """Files of a package as they are when this object is made, which has to be before they are
     imported: then a digest of the files is one of the code in memory, and a later change is found.
-
     folder: of the package; files are named by their paths below it. files: given where this is made
-    after the import; by path, os.stat results of its Python files from before.
-    """
+    after the import; by path, os.stat results of its Python files from before."""
 
     def __init__(self, folder: Path, files: Mapping[Path, os.stat_result] | None = None):
         self.folder = folder
@@ -85,12 +83,10 @@ class Imported:
 
     def check(self, reread: bool = False) -> None:
         """Check that the package's code in memory is that of its files as they were when this
-        object was made; raises ChangedError if it may not be.
-
-        The first call after the import of a Python file compares the file. If it changes after this
-        call, that is no error until it is imported once more; but with `reread`, the call compares
-        all that are imported. Files other than Python are compared at every call.
-        """
+        object was made; raises ChangedError if it may not be. The first call after the import of a
+        Python file compares the file. If it changes after this call, that is no error until it is
+        imported once more; but with `reread`, the call compares all that are imported. Files other
+        than Python are compared at every call."""
         start, package = f"{self.folder}{os.sep}", self.folder.name
         for module in sys.modules.keys() - self._foreign_modules:
             if module.partition(".")[0] != package:
@@ -261,12 +257,10 @@ def _sibling_files(folder: Path, parts: list[str], level: int) -> Iterator[Path]
 
 
 def syntax_digest(paths: Iterable[Path]) -> str:
-    """First 16 hex digits of a SHA-256 of the syntax trees of Python files.
-
-    Comments, formatting and docstrings do not count, nor where the files lie or in which order they
-    are given; their names and everything that runs does, and every byte of other files. SyntaxError
-    for a `.py` that is no Python.
-    """
+    """First 16 hex digits of a SHA-256 of the syntax trees of Python files. Comments, formatting
+    and docstrings do not count, nor where the files lie or in which order they are given; their
+    names and everything that runs does, and every byte of other files. SyntaxError for a `.py` that
+    is no Python."""
     return _short(sorted((path.name, tree_digest(path)) for path in paths))
 
 

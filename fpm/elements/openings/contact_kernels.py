@@ -46,8 +46,7 @@ def forces(part, world, timing):
 @hook(Contacts)
 def note_events(part, world, timing):
     """Note in part.log which contacts closed (event 1) or opened (0) in the step that ends now.
-    part: arrays of all contacts (Contacts); world: solver state, not used; timing: step times
-    (s)."""
+    part: all contacts (Contacts); world: solver state, not used; timing: step times (s)."""
     angles = part.openings.angles
     for c in range(part.on.shape[0]):
         h = part.on[c]

@@ -53,11 +53,9 @@ def _locked(values: dict[str, float]) -> tuple[str, str]:
 
 
 def _unbalanced(element: str) -> str:
-    """The remedy of a bearing whose friction goes with a force that changes much in a step.
-
-    Beyond self-locking (mu tan t > 1) the force on rigid bodies has two values or none (Painleve,
-    Lecons sur le frottement, 1895); a start there may come upon the wrong one.
-    """
+    """The remedy of a bearing whose friction goes with a force that changes much in a step. Beyond
+    self-locking (mu tan t > 1) the force on rigid bodies has two values or none (Painleve, Lecons
+    sur le frottement, 1895); a start there may come upon the wrong one."""
     if not element.startswith("bearing"):
         return ""
     return (
@@ -155,12 +153,9 @@ class Friction(OnHinge):
 
     @classmethod
     def array(cls, name, batch):
-        """Array for the field `name` of the kernels' named tuple Frictions. batch: scenes being
-        packed.
-
+        """Array for the field `name` of the kernels' tuple Frictions. batch: scenes being packed.
         "numbers": stiffness, deflection at slip, damping, locking; "start", "points": tables (None:
-        no element has one); "bearing": forces of joints; "state": bristles that begin straight.
-        """
+        no element has one); "bearing": forces of joints; "state": bristles that begin straight."""
 
         def bristles(scene):
             return [[f.stiffness, f.bristle_deflection * (f.shares or (float(f.load is None),))[0],

@@ -69,12 +69,9 @@ def bend_by_force(bearing, state, i, timing):
     """Return two bristle deflections (rad) at which element i slips by the force of its joint: now
     and a step ago; at the start both are the stated one. bearing: forces of joints (JointForce);
     state (f, STATE, lanes): of all friction elements, in which MOST, MOST_BEFORE and FORCE_BEND are
-    updated; timing: times of this step (s).
-
-    Where friction relieves its own joint by more than itself (beyond the angle of self-locking),
-    taking the force of the step before would grow from step to step; the secant of the last two
-    steps finds the force that agrees with its own friction.
-    """
+    updated; timing: step times (s). Where friction relieves its own joint by more than itself
+    (beyond the angle of self-locking), taking the force of the step before would grow from step to
+    step; the secant of the last two steps finds the force that agrees with its own friction."""
     last = load(state, i, MOST)
     most = last
     if timing.time > 0.0:
@@ -108,13 +105,11 @@ def bends_now(bearing, part, i, psi, psi_before, timing):
 @kernel
 def watch_lock(part, i, bend, most, slips):
     """Measure self-locking of friction element i: by how much its bristle's deflection `bend` (rad)
-    grew without slip while the deflection `most` (rad), at which it slips, grew as fast.
-
-    The growth, in multiples of the deflection at slip, raises LOCKED in part.state and part.watched
-    if larger. part: all friction elements (Frictions); slips: below 0 in lanes where it slips now.
-    It counts from the least `bend` since the last slip, once the bristle was bent on by one
-    deflection.
-    """
+    grew without slip while the deflection `most` (rad), at which it slips, grew as fast. The
+    growth, in multiples of the deflection at slip, raises LOCKED in part.state and part.watched if
+    larger. part: all friction elements (Frictions); slips: below 0 in lanes where it slips now. It
+    counts from the least `bend` since the last slip, once the bristle was bent on by one
+    deflection."""
     state, per_bend = part.state, load(part.numbers, i, LOCKING)
     size, least = absolute(bend), load(state, i, LEAST)
     least = where_negative(slips, size, where_negative(size - least, size, least))
@@ -130,14 +125,11 @@ def watch_lock(part, i, bend, most, slips):
 
 @hook(Frictions)
 def forces(part, world, timing):
-    """Add the moments (N m) of friction, bristles and dampers, to the forces on particles, and what
-    slip and dampers lose in the step (J) to World.accounts; update feet and deflections in
-    part.state.
-
+    """Add the moments (N m) of friction, bristles and dampers, to those on particles, and what slip
+    and dampers lose in the step (J) to World.accounts; update feet and deflections in part.state.
     part: arrays of all friction elements (Frictions); world: solver state (World); timing: times of
     this step (s). Where slip begins within a step, the mean of the moments at both ends is not that
-    over the way between; `edge` corrects it as for a spring that begins at the point of slip.
-    """
+    over the way between; `edge` corrects it as for a spring that begins at the point of slip."""
     for i in range(part.on.shape[0]):
         h, last = part.on[i], load(part.state, i, BENDING)
         stiffness, foot = load(part.numbers, i, STIFFNESS), load(part.state, i, FOOT)

@@ -68,8 +68,7 @@ def watch(part, i, h, timing):
 @kernel
 def reach_of(part, i, start, end):
     """Return by how far (rad) the interval of openings from start to end (rad) stays clear of the
-    range in which latch i catches; below 0: it may enter that. part: arrays of all latches
-    (Latches)."""
+    range in which latch i catches; below 0: it may enter that. part: all latches (Latches)."""
     distance = absolute(0.5 * (end + start) - load(part.numbers, i, ANGLE))
     return distance - 0.5 * absolute(end - start) - load(part.numbers, i, CAPTURE_RANGE) - ANGLE_TOL
 
@@ -77,13 +76,11 @@ def reach_of(part, i, start, end):
 @kernel
 def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
     """Decide whether latch i of sample s (its lane) catches or misses in a step, and write so to
-    part.state: IS_CAUGHT, HOLD_ANGLE, SIGN, NEWS, CATCH_TIME, RATE_THERE.
-
-    part: arrays of all latches; psi_start, psi_end: opening at the start and end of the step (rad);
-    last_rate: rate in the step before (rad/s); end: time of the end of the step (s); step (s). The
-    rate changes evenly within the step; in the code, `first` and `last` (rad) are the openings at
-    its start and end, counted from the edge of the capture range that is met first.
-    """
+    part.state: IS_CAUGHT, HOLD_ANGLE, SIGN, NEWS, CATCH_TIME, RATE_THERE. part: arrays of all
+    latches; psi_start, psi_end: opening at the start and end of the step (rad); last_rate: rate in
+    the step before (rad/s); end: time of the end of the step (s); step (s). The rate changes evenly
+    within the step; in the code, `first` and `last` (rad) are the openings at its start and end,
+    counted from the edge of the capture range that is met first."""
     angle, reach = part.numbers[i, ANGLE, s], part.numbers[i, CAPTURE_RANGE, s]
     change = psi_end - psi_start
     if part.numbers[i, APPROACH, s] * change < 0.0:
@@ -113,8 +110,7 @@ def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
 @kernel
 def excess(part, i, field):
     """Return by how much the opening (rad) is beyond that at which latch i caught, positive in the
-    direction of its catch. part: arrays of all latches; field: NEW (0: now) or OLD (1: a step
-    ago)."""
+    direction of its catch. part: all latches; field: NEW (0: now) or OLD (1: a step ago)."""
     angle = load(part.openings.angles, part.on[i], field) - load(part.state, i, HOLD_ANGLE)
     return load(part.state, i, SIGN) * angle
 
@@ -141,12 +137,10 @@ def hold(part, i, rate):
 @hook(Latches)
 def forces(part, world, timing):
     """Add the moments (N m) of latches to both particles of their hinges, and what their dampers
-    take out in the step that ends now (J) to the account of losses.
-
-    A latch acts from the step in which it catches; what caught in this step is found first. part:
-    all latches (Latches), in whose state moment and impulse are stored; world: solver state
-    (World), whose forces and accounts change; timing: time, step, kick (s).
-    """
+    take out in the step that ends now (J) to the account of losses. A latch acts from the step in
+    which it catches; what caught in this step is found first. part: all latches (Latches), in whose
+    state moment and impulse are stored; world: solver state (World), whose forces and accounts
+    change; timing: time, step, kick (s)."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         if timing.time > 0.0:
@@ -189,8 +183,7 @@ def energy_of(part, world, i):
 @hook(Latches)
 def record(part, world, row):
     """Record the moment (N m), the impulse so far (N m s), and the rate at the catch (rad/s) of
-    each latch in part.track. part: arrays of all latches (Latches); world: solver state, not used;
-    row: index of the recorded instant."""
+    each latch in part.track. part: all latches (Latches); world: not used; row: of the instant."""
     count = part.on.shape[0]
     for i in range(count):
         for k, field in enumerate((MOMENT, IMPULSE, RATE_THERE)):

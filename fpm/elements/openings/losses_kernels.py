@@ -35,8 +35,7 @@ class JointForce(NamedTuple):
 @kernel
 def half_rate(openings, h, timing):
     """Return the mean rate (rad/s, m/s) of the opening of hinge h over the step that ends now.
-    openings: arrays of all openings (Openings); h: index of the hinge; timing: times of this step
-    (s)."""
+    openings: arrays of all openings (Openings); h: index of the hinge; timing: step times (s)."""
     angles = openings.angles
     return (load(angles, h, NEW) - load(angles, h, OLD)) * (1.0 / timing.step)
 
@@ -45,12 +44,9 @@ def half_rate(openings, h, timing):
 def follow_rate(openings, history, i, h, timing):
     """Return the rate (rad/s, m/s) of the opening of hinge h now, for element i, extrapolated to
     second order from the mean rates of the last two steps (Adams and Bashforth). Call it once a
-    step: it stores the mean rate in history.
-
-    openings: arrays of all openings (Openings); history (elements, HISTORY, lanes): of the
-    element's type, whose field RATE is written; h: index of the hinge; timing: times of this step
-    (s).
-    """
+    step: it stores the mean rate in history. openings: arrays of all openings (Openings); history
+    (elements, HISTORY, lanes): of the element's type, whose field RATE is written; h: index of the
+    hinge; timing: times of this step (s)."""
     last = load(history, i, RATE)
     rate = last
     if timing.time > 0.0:
@@ -63,14 +59,11 @@ def follow_rate(openings, history, i, h, timing):
 @kernel
 def lose(world, account, openings, history, i, h, moment):
     """Add to World.accounts the energy (J) that a moment of element i on hinge h takes out in the
-    step that ends now, and store the moment in history.
-
-    moment: on the second particle, now (N m); history (elements, HISTORY, lanes): of the element's
-    type, with the moment a step ago (LOSS); account: index in World.accounts; openings: arrays of
-    all openings (Openings). It is the mean of both moments times the change of the opening, by
-    which leapfrog's kinetic energy of the half steps (record.py) changes: so the balance has no
-    error.
-    """
+    step that ends now, and store the moment in history. moment: on the second particle, now (N m);
+    history (elements, HISTORY, lanes): of the element's type, with the moment a step ago (LOSS);
+    account: index in World.accounts; openings: arrays of all openings (Openings). It is the mean of
+    both moments times the change of the opening, by which leapfrog's kinetic energy of the half
+    steps (record.py) changes: so the balance has no error."""
     angles = openings.angles
     angle = load(angles, h, NEW) - load(angles, h, OLD)
     loss = -0.5 * (moment + load(history, i, LOSS)) * angle
@@ -96,11 +89,9 @@ def force_of(bearing, i, timing):
 @kernel
 def edge(new, old):
     """Return what to add to the overlap `new` of a spring that begins at overlap 0, in the step in
-    which it passes 0; else 0. new, old: overlap now and a step ago (rad or m, as the result).
-
-    From -b to s such a spring does the work k s²/2, but the mean of the forces 0 and k s at both
-    ends does k s (s + b)/2. Half of the difference is taken off now, half by the step that follows.
-    """
+    which it passes 0; else 0. new, old: overlap now and a step ago (rad or m, as the result). From
+    -b to s such a spring does the work k s²/2, but the mean of the forces 0 and k s at both ends
+    does k s (s + b)/2. Half of the difference is taken off now, half by the step that follows."""
     product = new * old
     return where_negative(product, 0.5 * product / absolute(new - old), 0.0)
 
@@ -109,10 +100,8 @@ def edge(new, old):
 def onset(new, old):
     """Return the factor, 0.5 to 1.5, on the impulse of a force that starts (or ends) within this
     step, as the overlap passes 0; 1 in other steps. new, old: overlap now and a step ago (rad, m).
-
     An impulse is that of half a step before and after now; the force acts for half a step and s/(s
-    + b) of one, s and b being the sizes of new and old.
-    """
+    + b) of one, s and b being the sizes of new and old."""
     product = new * old
     return where_negative(product, 0.5 + absolute(new) / absolute(new - old), 1.0)
 
@@ -120,12 +109,10 @@ def onset(new, old):
 @kernel
 def press(new, old, rate, stiffness, damping):
     """Return the forces of the spring and of the damper of a one-sided stop, in sum at least 0 (N
-    m, on slides N); the damper's is 0 where the overlap `new` is not above 0.
-
-    new, old: overlap (rad, m) now and a step ago; rate: of the overlap now (rad/s, m/s); stiffness
-    (N m/rad), damping (N m s/rad), on slides N/m, N s/m. The damper never pulls: it takes off at
-    most the force of the spring.
-    """
+    m, on slides N); the damper's is 0 where the overlap `new` is not above 0. new, old: overlap
+    (rad, m) now and a step ago; rate: of the overlap now (rad/s, m/s); stiffness (N m/rad), damping
+    (N m s/rad), on slides N/m, N s/m. The damper never pulls: it takes off at most the force of the
+    spring."""
     spring = stiffness * where_negative(new, 0.0, new)
     damper = damping * rate * onset(new, old)
     damper = where_negative(damper + spring, -spring, damper)

@@ -58,8 +58,7 @@ class Opening(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """What must be equal in scenes whose samples run side by side: names and particles of all
-        hinges."""
+        """What must be equal in scenes run side by side: names and particles of all hinges."""
         return tuple((hinge.name, hinge.particles) for hinge in scene.hinges)
 
     @classmethod

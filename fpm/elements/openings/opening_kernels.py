@@ -108,12 +108,10 @@ def update(part, state):
 @kernel
 def turn(openings, state, h, moment):
     """Add a moment (N m) about the axis of hinge h to its second particle, and its opposite to the
-    first: to the forces in `state`, and to the recorded component.
-
-    On a slide, a force (N) along its axis, on both particles at the point of the second, so that
-    they are in balance. openings: arrays of all openings, of the acting element type
-    (Openings.part); state (n, STATE, lanes): of the particles.
-    """
+    first: to the forces in `state`, and to the recorded component. On a slide, a force (N) along
+    its axis, on both particles at the point of the second, so that they are in balance. openings:
+    arrays of all openings, of the acting element type (Openings.part); state (n, STATE, lanes): of
+    the particles."""
     first, second = openings.ends[2 * h], openings.ends[2 * h + 1]
     axis = get3(openings.axes, h, 0)
     if is_slide(openings.slides, h):
@@ -176,8 +174,7 @@ def work_parts(moments, part):
 @hook(Openings)
 def record(part, world, row):
     """Record all openings (rad, m) in part.track, and moment (N m) and work (J) of every component
-    in part.told_track. part: all openings (Openings); world: solver state; row: index of the
-    instant."""
+    in part.told_track. part: all openings (Openings); world: solver state; row: of the instant."""
     if not part.is_needed:
         update(part, world.state)
     count = part.angles.shape[0]
@@ -197,8 +194,7 @@ def record_step(part, world, row, timing):
 @kernel
 def record_parts(moments, part, row):
     """Record the moment (N m) and work (J) of every component in part.told_track. moments:
-    Openings.moments, None: nothing is done; part: all openings (Openings); row: index of the
-    instant."""
+    Openings.moments, None: nothing is done; part: all openings (Openings); row: of the instant."""
     if moments is not None:
         count = moments.shape[0]
         for r in range(count):

@@ -50,8 +50,7 @@ class Releases(NamedTuple):
 @kernel
 def let_go(part, timing, i):
     """Return how long ago (lanes, in steps, 0 to 1) release i was due to let go, by its time or its
-    watched opening; below 0: not in this step. part: all releases; timing: times of this step
-    (s)."""
+    watched opening; below 0: not in this step. part: all releases; timing: step times (s)."""
     late = timing.time - load(part.numbers, i, TIME)
     steps = where_negative(late, -1.0, late / timing.step)
     if part.watch[i] >= 0:
@@ -96,8 +95,7 @@ def forces(part, world, timing):
 @hook(Releases)
 def note_events(part, world, timing):
     """Note in part.log which releases let go (event 0) in the step that ends now, and when. part:
-    arrays of all releases (Releases); world: solver state, not used; timing: times of this step
-    (s)."""
+    arrays of all releases (Releases); world: solver state, not used; timing: step times (s)."""
     for i in range(part.on.shape[0]):
         steps = load(part.state, i, STEPS)
         if any_negative(where_negative(steps, 1.0, -1.0)):
@@ -110,8 +108,7 @@ def note_events(part, world, timing):
 def work_before(part, world, timing):
     """Add to World.accounts the energy (J) lost in dampers, and in springs let go, in the step that
     ends at timing.time: the drop of the stored energy less the work on the hinge. part: arrays of
-    all releases (Releases); world: solver state (World); timing: times of this step (s), not
-    used."""
+    all releases (Releases); world: solver state (World); timing: step times (s)."""
     loss = load(world.accounts, 0, part.account)
     for i in range(part.on.shape[0]):
         moment = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE)

@@ -23,8 +23,7 @@ class Stops(NamedTuple):
     """Arrays of all s stops. on (s,): index of each one's hinge; numbers (s, 4, lanes): angle
     (rad), side (1 above, -1 below), stiffness (N m/rad), damping (N m s/rad); openings: of all
     hinges; past (s, HISTORY, lanes): rate and damper's moment of the last step; account: index in
-    World.accounts of the loss; rows (s, 1, lanes): energy of each, to name the worst; log: of
-    events."""
+    World.accounts of the loss; rows (s, 1, lanes): energy of each; log: of events."""
 
     on: np.ndarray
     numbers: np.ndarray

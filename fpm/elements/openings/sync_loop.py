@@ -80,12 +80,9 @@ class SyncLoop(OnHinges):
     def deformations(cls, scene):
         """How the loops are strained by the motion of particles, for the stable step: a spring on
         each hinge of each loop, two that together are at least as stiff as the loop; None if
-        nothing can move.
-
-        By Cauchy and Schwarz (r1 psi1 - r2 psi2)² <= r1² psi1²/s1 + r2² psi2²/s2 with s1 + s2 = 1;
-        with shares as r² w, w being the softness of each hinge, nothing is lost where the hinges
-        share no body.
-        """
+        nothing can move. By Cauchy and Schwarz (r1 psi1 - r2 psi2)² <= r1² psi1²/s1 + r2² psi2²/s2
+        with s1 + s2 = 1; with shares as r² w, w being the softness of each hinge, nothing is lost
+        where the hinges share no body."""
         hinges, stiffness, element = [], [], []
         for i, loop in enumerate(cls.of(scene)):
             soft = [softness(scene, hinge) for hinge in loop.hinges]

@@ -27,15 +27,12 @@ TOUCH = 1e-9
 
 
 class Loops(NamedTuple):
-    """Arrays of all l synchronising loops.
-
-    on (l, 2): indices of both hinges; numbers (l, 6, lanes): stiffness (N/m), radii of both pulleys
-    (m), openings of both hinges without slip (rad), slip at which a strand turns slack (m); state
-    (l, 3, lanes): slip (m), slip that is left until a strand is slack (m), the same a step before;
-    openings: arrays of all openings; rows (l, 1, lanes): energy of each (J), to find the worst one
-    for a message; log: of events; track ((instants + 1) l, 1, lanes): recorded pull (N), l rows
-    for each instant.
-    """
+    """Arrays of all l synchronising loops. on (l, 2): indices of both hinges; numbers (l, 6,
+    lanes): stiffness (N/m), radii of both pulleys (m), openings of both hinges without slip (rad),
+    slip at which a strand turns slack (m); state (l, 3, lanes): slip (m), slip that is left until a
+    strand is slack (m), the same a step before; openings: arrays of all openings; rows (l, 1,
+    lanes): energy of each (J), to find the worst one for a message; log: of events; track
+    ((instants + 1) l, 1, lanes): recorded pull (N), l rows for each instant."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -86,8 +83,7 @@ def forces(part, world, timing):
 @hook(Loops)
 def note_events(part, world, timing):
     """Note in part.log in which loops one strand turned slack (event 1) or both are tight again
-    (0). part: arrays of all loops (Loops); world: solver state, not used; timing: step times
-    (s)."""
+    (0). part: all loops (Loops); world: solver state, not used; timing: step times (s)."""
     for i in range(part.on.shape[0]):
         new = where_negative(load(part.state, i, SLACK), -1.0, 1.0)
         old = where_negative(load(part.state, i, SLACK_BEFORE), -1.0, 1.0)

@@ -37,8 +37,7 @@ class TableSpring(OnHinge):
         check_table(self.angles, self.moments, "moments", "spring by a table")
 
     def topology(self):
-        """What must be equal in scenes whose samples run side by side: hinge and number of table
-        points."""
+        """What must be equal in scenes run side by side: hinge and number of table points."""
         return self.hinge, len(self.angles)
 
     @property

@@ -33,8 +33,7 @@ class TableSprings(NamedTuple):
 def forces(part, world, timing):
     """Add the moments (N m) of springs by tables to the forces on particles; where a point of a
     table is passed, `edge` corrects the work of the step. part: arrays of these springs
-    (TableSprings); world: solver state (World), whose forces change; timing: times of this step
-    (s), not used."""
+    (TableSprings); world: solver state (World), whose forces change; timing: step times (s)."""
     angles = part.openings.angles
     for i in range(part.on.shape[0]):
         h = part.on[i]

@@ -56,8 +56,7 @@ def forces(part, world, timing):
 @hook(TorqueMotors)
 def work_before(part, world, timing):
     """Add to World.accounts the work (J) of the torque motors in the step that ends at timing.time.
-    part: arrays of all torque motors (TorqueMotors); world: solver state (World); timing: times of
-    this step (s), not used."""
+    part: all torque motors (TorqueMotors); world: solver state (World); timing: step times (s)."""
     work = load(world.accounts, 0, part.given)
     for i in range(part.on.shape[0]):
         moment, h = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE), part.on[i]

@@ -40,8 +40,7 @@ def factors(part, kick):
 @kernel
 def take(part, world, path):
     """Add the energy (J) that damping takes out, rate times `path`, to World.accounts. path
-    (lanes): sum over particles of momentum times way (J s); part: arrays of damping; world: solver
-    state."""
+    (lanes): sum over particles of momentum times way (J s); part: damping; world: solver state."""
     loss = load(world.accounts, 0, part.account) + load(part.rate, 0, 0) * path
     store(world.accounts, 0, part.account, loss)
 

@@ -101,9 +101,8 @@ def look_back(part, world, timing):
 @hook(Drives)
 def record_points(part, world, points, row, timing):
     """Write prescribed velocities (m/s), at timing.time, of the named points on driven particles
-    over those recorded in `points` (Record.points), as these particles have no momenta. part:
-    arrays of all drives (Drives); world: solver state; row: index of the instant; timing: step
-    times (s)."""
+    over those recorded in `points` (Record.points), as these particles have no momenta. part: all
+    drives (Drives); world: solver state; row: index of the instant; timing: step times (s)."""
     count = world.point_on.shape[0]
     for n in range(count):
         i, first, index = world.point_on[n], True, row * count + n

@@ -37,8 +37,7 @@ class Load(ElementType):
         return self.beam.arm
 
     def topology(self):
-        """What must be equal in scenes whose samples run side by side: indices of particle and
-        curve."""
+        """What must be equal in scenes run side by side: indices of particle and curve."""
         return self.on, self.curve
 
     @classmethod

@@ -36,8 +36,7 @@ class Loads(NamedTuple):
 def forces(part, world, timing):
     """Add forces (N), acting at the ends of arms, and moments (N m) of loads to the forces on
     particles; keep these ends and the particles' axes in part.state for the work. part: arrays of
-    all loads (Loads); world: solver state (World), whose forces change; timing: times of this step
-    (s)."""
+    all loads (Loads); world: solver state (World), whose forces change; timing: step times (s)."""
     state = world.state
     for n in range(part.on.shape[0]):
         i = part.on[n]
@@ -56,13 +55,10 @@ def forces(part, world, timing):
 @hook(Loads)
 def work_after(part, world, timing):
     """Add to World.accounts the work (J) of all loads in this step: the mean of the loads at its
-    start and end, times the motion between.
-
-    part: arrays of all loads (Loads); world: solver state (World), at the end of the step; timing:
-    times of this step (s). The work of a constant force is exact however its arm turns. Of a
-    rotation by t, the products of the axes before and after it give the sine, from which t follows
-    by the arc sine's series.
-    """
+    start and end, times the motion between. part: arrays of all loads (Loads); world: solver state
+    (World), at the end of the step; timing: times of this step (s). The work of a constant force is
+    exact however its arm turns. Of a rotation by t, the products of the axes before and after it
+    give the sine, from which t follows by the arc sine's series."""
     state = world.state
     total = 0.0 * load(state, 0, X)
     for n in range(part.on.shape[0]):

@@ -34,8 +34,7 @@ class Probes(NamedTuple):
 @hook(Probes)
 def record(part, world, row):
     """Record forces (N) and moments (N m) on particles in part.forces, before the step sets them to
-    0. part: records of particles (Probes); world: solver state; row: index of the recorded
-    instant."""
+    0. part: records of particles (Probes); world: solver state; row: of the instant."""
     count = part.forces_of.shape[0]
     for n in range(count):
         i, index = part.forces_of[n], row * count + n
@@ -47,8 +46,7 @@ def record(part, world, row):
 def record_step(part, world, row, timing):
     """Record, in part.frames, positions and axes of particles at an instant, and in part.forces
     means and changes of their velocities (m/s) and momenta (N m s) over the step around it. part:
-    records (Probes); world: solver state (World); row: index of the instant; timing: step times
-    (s)."""
+    records (Probes); world: solver state; row: index of the instant; timing: step times (s)."""
     start, state = world.start_state, world.state
     count = part.frames_of.shape[0]
     for n in range(count):

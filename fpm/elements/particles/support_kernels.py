@@ -33,8 +33,7 @@ class Supports(NamedTuple):
 @hook(Supports)
 def restrain(part, world, timing):
     """Set forces along, and moments about, the held axes of partly held particles to 0. part:
-    arrays of these (Supports); world: solver state (World), whose forces change; timing: not
-    used."""
+    arrays of these (Supports); world: solver state, whose forces change; timing: not used."""
     state = world.state
     for n in range(part.on.shape[0]):
         i = part.on[n]

@@ -27,9 +27,8 @@ class Turning(NamedTuple):
 
 
 def turns_of(scene) -> Turning:
-    """How the particles of a scene can turn with its supports (Turning). Raises SceneError where
-    one that turns about two axes, with unlike inertias, is in a joint: joints' impulses do not know
-    that."""
+    """How the particles of a scene can turn with its supports (Turning). SceneError where one that
+    turns about two axes, with unlike inertias, is in a joint: joints' impulses do not know that."""
     fixed = scene.fixed[:, 3:]
     count, inertia = fixed.sum(axis=1), scene.inertia.copy()
     no_turn = np.repeat(count[:, None] == 3, 3, axis=1)

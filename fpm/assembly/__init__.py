@@ -72,10 +72,9 @@ class MisfitError(SceneError):
 
 
 class Assembly(NamedTuple):
-    """Result of forcing parts together. energy: strain energy (J) of the assembled structure;
-    joint, gap, tilt: the joint that was open most before, by how much (m; sine of the angle between
-    directions that should agree); rounds: of Newton's method; openings: of all hinges before (rad,
-    of slides m)."""
+    """Result of forcing parts together. energy: strain energy (J) after it; joint, gap, tilt: the
+    joint that was open most before, by how much (m; sine of the angle between directions that
+    should agree); rounds: of Newton's method; openings: of hinges before (rad, m)."""
 
     energy: float
     joint: str
@@ -305,8 +304,8 @@ def linearised(
 
 
 def masses(scene, poses: ParticlePoses):
-    """Sparse matrix (6n, 6n) of masses (kg) and inertias (kg m²) of all n particles of a scene, in
-    global axes at the given poses."""
+    """Sparse matrix (6n, 6n) of masses (kg), inertias (kg m²) of a scene's particles at poses, in
+    global axes."""
     from scipy.sparse import coo_array
 
     blocks = np.zeros((len(scene.mass), 2, 3, 3))

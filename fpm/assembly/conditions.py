@@ -19,8 +19,7 @@ STEP = 1e-30
 
 
 class ParticlePoses(NamedTuple):
-    """Places of n particles: position (n, 3) m, and frame (n, 3, 3), whose columns are a particle's
-    axes."""
+    """Places of n particles: position (n, 3) m, and frame (n, 3, 3), with its axes as columns."""
 
     position: np.ndarray
     frame: np.ndarray
@@ -36,14 +35,13 @@ class ParticlePoses(NamedTuple):
         )
 
     def select(self, particles: np.ndarray) -> "ParticlePoses":
-        """Poses of some particles, in the order of their indices `particles` (k,), which may
-        repeat."""
+        """Poses of some particles, in the order of their indices `particles` (k,)."""
         return ParticlePoses(self.position[particles], self.frame[particles])
 
     def nudged(self, first: int) -> "ParticlePoses":
-        """Complex poses (12, n, ...) for derivatives by complex steps (`slopes`): copies `first` to
-        `first + 5` of these poses after an imaginary shift of STEP along, then turn about, each
-        global axis; the other copies unchanged."""
+        """Complex poses (12, n, ...) for `slopes`: copies `first` to `first + 5` of these poses
+        after an imaginary shift of STEP along, then turn about, each global axis, the others as
+        they are."""
         position = np.tile(self.position.astype(complex), (12, 1, 1))
         frame = np.tile(self.frame.astype(complex), (12, 1, 1, 1))
         position[first : first + 3] += 1j * STEP * np.eye(3)[:, None]
@@ -73,8 +71,7 @@ def sparse_matrix(blocks: np.ndarray, pairs: np.ndarray, count: int):
 
 
 def dofs_of(pairs: np.ndarray) -> np.ndarray:
-    """Indices (e, 12) in a vector (6n,) of motions of the six of each particle in pairs (e, 2), by
-    index."""
+    """Indices (e, 12) in a motion (6n,) of the twelve of each pair (e, 2) of particles."""
     return (6 * pairs[:, :, None] + np.arange(6)).reshape(len(pairs), 12)
 
 
@@ -83,9 +80,8 @@ SMALLEST = 1e-9
 
 
 def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
-    """Find which conditions depend on others. rows (c, f): derivatives of c conditions. Returns
-    their rank, and for each its size (c,) in the combinations whose derivatives vanish, 0:
-    independent."""
+    """Find which of c conditions with derivatives rows (c, f) depend on others: their rank, and for
+    each its size (c,) in the combinations whose derivatives vanish, 0: independent."""
     if not rows.size:
         return 0, np.zeros(len(rows))
     vectors, sizes, _ = np.linalg.svd(rows)
@@ -94,8 +90,8 @@ def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
 
 
 def scaled(matrix, rows: np.ndarray, columns: np.ndarray):
-    """Copy of a sparse matrix (r, c) with each row times a factor in rows (r,), each column times
-    one in columns (c,)."""
+    """Copy of a sparse matrix (r, c) , each row times its factor in rows (r,), each column in
+    columns (c,)."""
     matrix = matrix.tocsc(copy=True)
     matrix.data = matrix.data * rows[matrix.indices] * np.repeat(columns, np.diff(matrix.indptr))
     return matrix
@@ -125,8 +121,7 @@ class Conditions(NamedTuple):
     place: np.ndarray
 
     def weight(self, size: float) -> np.ndarray:
-        """Factors (c,) that make the residuals of all conditions dimensionless: 1 on cosines,
-        1/size on gaps. size: of the structure (m)."""
+        """Factors (c,) that make all residuals dimensionless; size: of the structure (m)."""
         return np.where(self.axis_types == NORMAL, 1.0, 1.0 / size)
 
     def gaps(self, poses: ParticlePoses) -> np.ndarray:
@@ -136,8 +131,7 @@ class Conditions(NamedTuple):
 
     def worst(self, gaps: np.ndarray) -> tuple[str, float, float]:
         """Name of the joint with the largest residual, its gap (m), and its tilt: the root of its
-        summed squares of cosines (rad if small). gaps (c,): residuals of all conditions, as `gaps`
-        returns."""
+        summed squares of cosines (rad if small). gaps (c,): residuals (Conditions.gaps)."""
         gap: dict[str, float] = {}
         tilt: dict[str, float] = {}
         for name, axis_type, residual in zip(self.joint, self.axis_types, gaps, strict=True):
@@ -154,8 +148,7 @@ class Conditions(NamedTuple):
         return self.jacobian(poses), sparse_matrix(blocks, self.pairs, len(poses.position))
 
     def jacobian(self, poses: ParticlePoses):
-        """Sparse derivatives (c, 6n) of all conditions by the motions (m, rad) of all particles at
-        poses."""
+        """Sparse derivatives (c, 6n) of all conditions by motions (m, rad) of all particles."""
         from scipy.sparse import coo_array
 
         rows = self._rows(*self._ends(poses))

@@ -53,8 +53,8 @@ class Elastic(NamedTuple):
         return float(bend.max(initial=0.0)), float(strain.max(initial=0.0))
 
     def derivatives(self, poses: ParticlePoses):
-        """Gradient (6n,), N and N m, and sparse Hessian (6n, 6n) of the strain energy by the
-        motions (m, rad) of all particles, at poses."""
+        """Gradient (6n,), N and N m, and Hessian (6n, 6n) of the strain energy by all particles'
+        motions."""
         count, ends = len(poses.position), self._ends(poses)
         gradient = np.zeros(6 * count)
         np.add.at(gradient, dofs_of(self.nodes), self._gradient(*ends))
@@ -62,8 +62,7 @@ class Elastic(NamedTuple):
 
     @property
     def unstressed(self) -> "Unstressed":
-        """These elements with a Hessian without what their stress adds, so that it is nowhere
-        negative."""
+        """These elements with a Hessian without what stress adds, nowhere negative."""
         return Unstressed(self)
 
     def _ends(self, poses: ParticlePoses) -> tuple[ParticlePoses, ParticlePoses]:
@@ -116,8 +115,7 @@ class Elastic(NamedTuple):
 
 
 class Unstressed(NamedTuple):
-    """Beam elements with the Hessian of Gauss and Newton, which is nowhere negative. bars: the
-    elements."""
+    """Beam elements, bars, with the Hessian of Gauss and Newton, nowhere negative."""
 
     bars: Elastic
 

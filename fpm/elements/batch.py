@@ -36,9 +36,8 @@ def blank(*shape_and_dtype) -> np.ndarray:
 
 
 class SceneData(Protocol):
-    """What element types read of a scene (fpm.Scene), for type checkers: positions (n, 3) m, frames
-    (n, 3, 3), masses (kg), inertias (kg m²), `fixed` (n, 6), elements by type, hinges, curves,
-    points."""
+    """What element types read of a scene (fpm.Scene), for type checkers: places, motion and masses
+    of particles, held axes, elements by type (kinds), hinges, curves, points."""
 
     position: np.ndarray
     frame: np.ndarray
@@ -134,8 +133,7 @@ class Batch:
 
     @staticmethod
     def integers(values: Iterable, columns: int | None = None) -> np.ndarray:
-        """Array of whole numbers, int64, the same for all lanes: (n,), or (n, columns). values:
-        numbers, or rows of `columns` numbers."""
+        """Array (n,) or (n, columns) of the whole numbers `values`, the same for all lanes."""
         shape = (-1,) if columns is None else (-1, columns)
         return np.array(list(values), np.int64).reshape(shape)
 
@@ -154,13 +152,11 @@ class Batch:
         return any(kind in reader.reads for reader in self.kinds)
 
     def given_by(self, kind: type) -> int:
-        """Index in World.accounts (energies given, then taken) of the work that the element type
-        `kind` gives."""
+        """Index in World.accounts of the work (J) that the element type `kind` gives."""
         return self.accounts.index(kind.gives)
 
     def taken_by(self, kind: type) -> int:
-        """Index in World.accounts (energies given, then taken) of the energy that the type `kind`
-        takes out."""
+        """Index in World.accounts of the energy (J) that the element type `kind` takes out."""
         return self.accounts.index(kind.takes)
 
     def watched_by(self, kind: type) -> np.ndarray:
@@ -227,8 +223,7 @@ class Batch:
         )
 
     def record(self, step: float, steps: int) -> Record:
-        """Empty arrays (Record) into which the time loop records a run of `steps` steps of `step`
-        s."""
+        """Empty arrays (Record) for the time loop to record a run of `steps` steps of `step` s."""
         rows, width, dtype = self.instants + 1, self.width, self.dtype
         energies = layout.ACCOUNTS + len(self.accounts) + sum(bool(k.stores) for k in self.kinds)
         failed_step = np.full(width, -1, np.int64)
@@ -276,9 +271,8 @@ def _state(scene: SceneData) -> np.ndarray:
 
 
 def size_of(scene: SceneData) -> float:
-    """Characteristic length (m) of a scene, by which tolerances are scaled: the largest extent
-    along an axis of free particles and points of joints, and at least the largest radius of
-    gyration."""
+    """Characteristic length (m) of a scene, for tolerances: the largest extent along an axis of
+    free particles and joints, at least the largest radius of gyration."""
     free = ~scene.fixed.all(axis=1)
     joining = (e for kind, elements in scene.kinds.items() if kind.joins for e in elements)
     beams = [beam for element in joining for beam in element.beams]

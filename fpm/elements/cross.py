@@ -7,8 +7,7 @@ import numpy as np
 
 
 def cross(a, b) -> np.ndarray:
-    """Vector products (..., 3) of vectors a and b, (..., 3) both of one shape, as `numpy.cross`
-    gives."""
+    """Vector products (..., 3) of vectors a and b (..., 3) of one shape, as numpy.cross."""
     a, b = np.asarray(a, float), np.asarray(b, float)
     if a.ndim == 1:
         (a1, a2, a3), (b1, b2, b3) = a.tolist(), b.tolist()

@@ -20,9 +20,8 @@ _KEY = "fpm"
 @dataclass(frozen=True)
 class FieldSpec:
     """What is stated of a dataclass field of an element. name: the field's; same: whether it must
-    be equal in scenes that run side by side; words: its name in messages, {called} or {title}
-    standing for the element; text: its meaning in the docs; is_shown: whether descriptions say its
-    value."""
+    be equal in scenes that run side by side; words: its name in messages, {called} or {title} the
+    element; text: its meaning, for docs; is_shown: whether descriptions say its value."""
 
     name: str = ""
     same: bool = False
@@ -46,14 +45,13 @@ class Number(FieldSpec):
     zero: bool = True
 
     def allows(self, value: float) -> bool:
-        """Whether one number, in the field's unit, is within the bounds, and finite where that is
-        asked."""
+        """Whether one number, in the field's unit, is within the bounds, and finite if asked."""
         low = self.least is not None and not value >= self.least
         low = low or (self.above is not None and not value > self.above)
         return not low and not math.isnan(value) and (math.isfinite(value) or not self.finite)
 
     def allowed(self, unit: str) -> str:
-        """Allowed values in words for a message, as "a finite number >= 0 (m)". unit: to say, "":
+        """Allowed values in words for a message, as "a finite number >= 0 (m)". unit: "" for
         none."""
         plural = f"{self.count} {'finite ' * self.finite}numbers"
         singular = f"a {'finite ' * self.finite}number"
@@ -64,8 +62,7 @@ class Number(FieldSpec):
 
 @dataclass(frozen=True)
 class Word(FieldSpec):
-    """Spec of a field that takes one of some words (or flags). values: the number by which kernels
-    know each of them."""
+    """Spec of a field that takes one of some words. values: the number of each in kernels."""
 
     values: Mapping[Any, float] | None = None
 
@@ -101,8 +98,7 @@ def stiffness(unit: str = "N m/rad", words: str = "{called} stiffness", **keys) 
 
 
 def damping(**keys) -> Any:
-    """Dataclass field of an element with a damping constant (N m s/rad), at least 0; keys: further
-    arguments of `number`, as default and text."""
+    """Field of an element with a damping constant (N m s/rad), at least 0; keys: as in `number`."""
     return number("N m s/rad", 0.0, zero=False, **keys)
 
 
@@ -126,8 +122,7 @@ def same(default: Any = MISSING) -> Any:
 
 @cache
 def specs(kind: type) -> dict[str, FieldSpec]:
-    """Specs (Number, Word, Index, ...) of the dataclass fields of an element type `kind`, by the
-    field's name; fields without one are left out."""
+    """Specs (Number, Word, Index) of the fields of an element type `kind`, by name."""
     keyed = [f for f in fields(kind) if _KEY in f.metadata]
     return {f.name: replace(f.metadata[_KEY], name=f.name) for f in keyed}
 

@@ -24,7 +24,7 @@ AXES = "xyz"
 
 
 class Energy(NamedTuple):
-    """An energy of the balance (J). name: its key; variable: in a trajectory file; long_name: in
+    """An energy of the balance (J). name: key; variable: in a trajectory file; long_name: in
     words."""
 
     name: str
@@ -62,8 +62,7 @@ class Series(NamedTuple):
     code: str = ""
 
     def merge(self, series: "Series") -> "Series":
-        """A series with the columns and labels of another one, `series`, before those of this
-        one."""
+        """A series with the columns and labels of `series`, then those of this one."""
         values = np.concatenate([series.values, self.values], axis=1)
         return self._replace(values=values, labels=series.labels + self.labels)
 
@@ -123,8 +122,7 @@ class ElementType:
     # -- of one element -----------------------------------------------------------------------
 
     def add_to(self, scene: SceneData) -> None:
-        """Check the element, then add it to the elements of its type in the scene; raises
-        SceneError if it does not fit."""
+        """Check the element and add it to the scene; raises SceneError if it does not fit."""
         self.check(scene)
         scene.kinds.setdefault(type(self), []).append(self)
 
@@ -150,8 +148,7 @@ class ElementType:
             raise SceneError(self.subject(scene, field), value, f"{field.least} to {count - 1}")
 
     def subject(self, scene: SceneData, field: FieldSpec) -> str:
-        """What a message calls a field of this element, as "stiffness of latch A". field: its
-        spec."""
+        """Name for messages of a field of this element, as "stiffness of latch A"; field: spec."""
         words = field.words or field.name.replace("_", " ") + " of {title}"
         title = self.title(scene) if "{title}" in words else ""
         return words.format(called=self.called, title=title)
@@ -166,13 +163,11 @@ class ElementType:
         return unit
 
     def topology(self) -> Hashable:
-        """What of this element must be equal in all scenes that run side by side, as a hashable
-        value: its fields with `same`."""
+        """What of this element (fields with `same`) must be equal in scenes run side by side."""
         return tuple(getattr(self, n) for n, field in specs(type(self)).items() if field.same)
 
     def acts_on(self) -> tuple[int, ...]:
-        """Indices of the hinges, in the scene, on whose openings (angles, lengths) the element
-        acts."""
+        """Indices of the hinges on whose openings (angles, lengths) the element acts."""
         return ()
 
     # -- of all elements of the kind in a scene -------------------------------------------------
@@ -202,14 +197,13 @@ class ElementType:
 
     @classmethod
     def eventful(cls, scene: SceneData) -> list[Eventful]:
-        """Names of the type's elements in a scene, each with the names of its events; [] for a type
-        without."""
+        """Names of the type's elements in a scene, each with the names of its events, if any."""
         return [Eventful(name, cls.events) for name in cls.names(scene) if cls.events]
 
     @classmethod
     def moved(cls, scene: SceneData) -> list[int]:
-        """Indices of particles of a scene that the type's own kernels move (hooks `prepare` and
-        `move`), so that the time loop does not."""
+        """Indices of particles of a scene that the type's kernels move in place of the time
+        loop."""
         return []
 
     @classmethod
@@ -277,22 +271,19 @@ class ElementType:
 
     @classmethod
     def held_up(cls, scene: SceneData) -> float:
-        """Largest force (N) that joints of the scene may have to bear at rest because of this type.
-        Rounding moves what is held a little: that work sets the least energy by which the balance
-        is judged."""
+        """Force (N) that joints of the scene may bear at rest because of this type: its work on
+        ways by rounding sets the least energy by which the energy balance is judged."""
         return 0.0
 
     @classmethod
     def held_round(cls, scene: SceneData) -> float:
-        """Largest moment (N m) that exact holds of openings may have to bear at rest because of
-        this type; used as that of `held_up`, for the least energy by which the balance is
-        judged."""
+        """Moment (N m) that exact holds of openings may bear at rest because of this type: its work
+        on ways by rounding sets the least energy by which the energy balance is judged."""
         return 0.0
 
     @classmethod
     def reads_impulses(cls, scene: SceneData) -> bool:
-        """Whether elements of the type in the scene need the impulses of joints, summed over each
-        step."""
+        """Whether elements of the type in the scene need the impulses of joints in each step."""
         return False
 
     @classmethod
@@ -305,15 +296,13 @@ class ElementType:
     @classmethod
     def recorded(cls, part: Any, scene: SceneData, lane: int) -> dict[str, Series]:
         """Recorded series of one sample after a run, by names of variables in a trajectory file.
-        part: arrays of the type's kernels; scene: the sample's; lane: its index among those side by
-        side."""
+        part: arrays of the type's kernels; scene: the sample's; lane: its index in the batch."""
         return {}
 
     @classmethod
     def prescribe(cls, scene: SceneData, time: float, motion: Any) -> None:
-        """Write the velocities and spins that the type prescribes at a time (s) into `motion`,
-        which has those of all particles of the scene (Motion, fpm/files/outcome.py); by default
-        none."""
+        """Write the velocities and spins that the type prescribes at a time (s) into `motion`
+        (Motion, fpm/files/outcome.py), which has those of all particles; by default none."""
 
 
 def _row(element: ElementType, columns: list) -> list[float]:

@@ -29,8 +29,7 @@ def arctan(x):
 
 @kernel
 def arctan2(s, c):
-    """Return the angle (rad, lanes) in (-pi, pi] whose sine and cosine are in the ratio s : c
-    (lanes), like math.atan2."""
+    """Return the angle (rad, lanes) in (-pi, pi] of sine and cosine in the ratio s : c."""
     a, b = absolute(s), absolute(c)
     steep = b - a  # negative beyond 45 degrees
     t = where_negative(steep, b, a) / where_negative(steep, a, b)

@@ -6,8 +6,8 @@ from fpm.kernels.vectors import kernel
 @kernel
 def note(log, lane, time, element, event):
     """Write an event into a log. log: that of the element's type (Log); lane: index of the sample;
-    time: of the event (s); element: index among the type's elements; event: number of the event
-    (index in ElementType.events)."""
+    time: of the event (s); element: index among the type's elements; event: index in
+    ElementType.events."""
     n = log.count[lane]
     log.count[lane] = n + 1
     if n < log.events.shape[0]:
@@ -19,9 +19,8 @@ def note(log, lane, time, element, event):
 @kernel
 def note_crossing(log, lane, element, previous, value, timing):
     """Note event 1 where a value has become negative in this step, event 0 where it no longer is,
-    at the time of the crossing by linear interpolation. log: of the element's type (Log); lane:
-    index of the sample; element: index in its type; previous, value: at the start and end of the
-    step; timing: times of this step (s)."""
+    by linear interpolation in time. log: of the element's type (Log); lane: index of the sample;
+    element: index in its type; previous, value: at the start and end of the step; timing: in s."""
     if (value < 0.0) != (previous < 0.0):
         time = timing.time - timing.step * value / (value - previous)
         note(log, lane, time, element, 1.0 if value < 0.0 else 0.0)

@@ -42,8 +42,7 @@ class InlinedCompiler(Compiler):
 
 
 class Inlined(CPUDispatcher):
-    """A compiled kernel, for numba: compiled once for all constant arguments, not for each of
-    them."""
+    """A compiled kernel, for numba: compiled once for all constant arguments, not for each."""
 
     def get_call_template(self, args, kws):
         return super().get_call_template(tuple(map(types.unliteral, args)), kws)

@@ -37,8 +37,8 @@ CONTRACT = ("contract",)
 
 
 def width(dtype: np.dtype) -> int:
-    """Number of samples side by side (lanes) in a 512-bit register for `dtype` (float64: 8,
-    float32: 16)."""
+    """Number of samples side by side (lanes) in a register for `dtype` (float64: 8, float32:
+    16)."""
     return WIDTH * 8 // np.dtype(dtype).itemsize
 
 
@@ -224,8 +224,8 @@ absolute = _unary("fabs")
 
 @intrinsic
 def where_negative(typingctx, condition, x, y):
-    """Return, lane by lane, x where `condition` is below 0, else y (also where it is not a number),
-    without a branch; x, y: lanes or numbers."""
+    """Return, lane by lane, x where `condition` < 0, else y, without a branch; x, y: lanes,
+    numbers."""
     if not isinstance(condition, Lane):
         return None
 

@@ -38,8 +38,7 @@ def keep(world):
 @kernel
 def reflect(world):
     """In the first step, set velocities and angular momenta half a step before the start in
-    World.start_state: as much before their values at the start as those in World.state are after
-    them. world: solver state (World)."""
+    World.start_state, mirrored at the start from those in World.state. world: World."""
     for i in range(world.state.shape[0]):
         for k in (V, P):
             momentum = 2.0 * get3(world.start_state, i, k) - get3(world.state, i, k)

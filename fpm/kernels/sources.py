@@ -159,8 +159,7 @@ def reading() -> str:
 
 
 def kernels() -> str:
-    """Digest of the files of the package fpm of which compiled code is made: its folders elements
-    and kernels."""
+    """Digest of the files of fpm that are compiled: its folders elements and kernels."""
     return MECHANICS.digest(include=("elements", "kernels"))
 
 

@@ -129,8 +129,7 @@ def vector(typingctx, x, y, z):
 
 @kernel
 def larger(x, y):
-    """Return the larger of x and y lane by lane (samples side by side); x where y is not a
-    number."""
+    """Return the larger of x and y lane by lane (by sample); x where y is not a number."""
     return where_negative(x - y, y, x)
 
 

@@ -28,8 +28,7 @@ def topology(scene: Scene) -> tuple:
 
 
 def check_topology(scenes: Sequence[Scene]) -> None:
-    """Check that scenes can run side by side, as they differ in numbers only; raises SceneError if
-    not."""
+    """Check that scenes can run side by side (differ in numbers only); raises SceneError if not."""
     first = topology(scenes[0])
     for i, scene in enumerate(scenes[1:], start=1):
         if topology(scene) != first:

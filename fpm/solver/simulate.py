@@ -159,8 +159,8 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
 
 
 def is_compiled(scene: Scene) -> bool:
-    """Whether the cache on disk has the compiled time loop (float64) for the element types of a
-    scene, so that a run of it starts at once."""
+    """Whether the compiled time loop (float64) for a scene's element types is in the cache on
+    disk."""
     from fpm.kernels.compiled import DIGESTS, cache_folder
     from fpm.kernels.lanes import width as lanes_of
 

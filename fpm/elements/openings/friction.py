@@ -71,9 +71,8 @@ class Friction(OnHinge):
 
     moment: at which it slips (N m, on slides N); bristle_deflection: how far the spring is bent
     then (rad, m); damping: while it sticks, None: DAMPED = 0.3 of critical. angles, shares:
-    openings (rad, on slides m) and factors of the moment there, linear between them; (): 1. load:
-    force of the joint (N) at which it slips at `moment`, which grows in proportion to the force;
-    None: it is constant.
+    openings (rad, m) and factors of the moment there, linear between; (): 1. load: force of the
+    joint (N) at which it slips at `moment`, which grows in proportion to the force; None: constant.
     """
 
     hinge: int = on_hinge()
@@ -144,8 +143,7 @@ class Friction(OnHinge):
 
     def damping_in(self, scene) -> float:
         """Damping of the bristle while it sticks (N m s/rad, on slides N s/m): the stated one, else
-        DAMPED = 0.3 of the critical one with the inertias of the hinge's two particles in the
-        scene."""
+        DAMPED = 0.3 of the critical one of the hinge's two particles."""
         if self.damping is not None:
             return self.damping
         inverse = softness(scene, self.hinge)

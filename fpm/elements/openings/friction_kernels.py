@@ -34,9 +34,9 @@ class Frictions(NamedTuple):
     bristle stiffness (N m/rad), deflection at slip (rad), damping, 1/deflection where `bearing`
     counts, else 0; openings: of all hinges; past (f, HISTORY, lanes), state (f, STATE, lanes): of
     the last step (see FOOT to FORCE_BEND); account: index in World.accounts of the loss; rows (f,
-    1, lanes): energy or LOCKED of each, to name the worst; watched: largest LOCKED so far; points:
-    angle (rad) and change of slope of all tables, those of element i from start[i]; bearing: forces
-    of joints. None: no element uses it."""
+    1, lanes): energy or LOCKED of each; watched: largest LOCKED so far; points: angle (rad) and
+    change of slope of all tables, those of element i from start[i]; bearing: of joints. None: not
+    used."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -55,8 +55,7 @@ class Frictions(NamedTuple):
 def bend_at(points, start, i, most, psi):
     """Return the bristle deflection (rad) at which element i slips at opening psi (rad), by its
     table. points (p, 2, lanes), start (f + 1,): tables of all elements (Frictions), None: none;
-    most: deflection at slip up to the table's first point (rad), returned where there is no
-    table."""
+    most: deflection at slip up to the table's first point (rad), the result without one."""
     if points is not None:
         for j in range(start[i], start[i + 1]):
             ramp = psi - load(points, j, ANGLE)

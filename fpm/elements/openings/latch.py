@@ -48,8 +48,7 @@ class AnyLatch(OnHinge):
     resists_as = ""
 
     def check(self, scene):
-        """Check the latch's fields, and that no other latch of the scene has its label; raises
-        SceneError."""
+        """Check the latch's fields, and that no other latch has its label; raises SceneError."""
         super().check(scene)
         if self.label(scene) in [latch.label(scene) for latch in self.alike(scene)]:
             raise SceneError("latch", self.label(scene), "a name that no other latch has")
@@ -61,8 +60,7 @@ class AnyLatch(OnHinge):
     def recorded(cls, part, scene, lane):
         """Recorded series of one sample's latches after a run, by variable name (SERIES): moment (N
         m), impulse (N m s), rate at the catch (rad/s), of rigid ones also the impulse at it. part:
-        arrays of the latches' kernels; scene: the sample's; lane: index of the sample among those
-        side by side."""
+        arrays of the latches' kernels; scene: the sample's; lane: its index."""
         latches = cls.of(scene)
         columns = part.track[:, :, lane].T.reshape(part.track.shape[1], -1, len(latches))
         pairs = zip(SERIES.items(), columns, strict=False)

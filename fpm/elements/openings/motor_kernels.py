@@ -30,8 +30,7 @@ class Motors(NamedTuple):
     time, -1: constant 1; by_rate (m,): 1 where the curve gives the rate; numbers (m, 4, lanes):
     stiffness, damping, start, turn (see NUMBERS); past (m, HISTORY, lanes), state (m, STATE,
     lanes): of the last two steps; openings: of all hinges; given, taken: indices in World.accounts
-    of work and loss; rows (m, 1, lanes): energy of each; track: recorded moment (N m), m rows an
-    instant."""
+    of work and loss; rows (m, 1, lanes): energy of each; track: recorded moment (N m)."""
 
     on: np.ndarray
     curve: np.ndarray
@@ -95,8 +94,8 @@ def work_before(part, world, timing):
 
 @hook(Motors)
 def energy_of(part, world, i):
-    """Return the strain energy (J, lanes) of the drive train of motor i. part: arrays of all motors
-    (Motors); world: solver state, not used."""
+    """Return the strain energy (J, lanes) of motor i's drive train. part: all motors; world:
+    unused."""
     error = load(part.state, i, ERROR)
     return 0.5 * load(part.numbers, i, STIFFNESS) * error * error
 

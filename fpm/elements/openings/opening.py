@@ -94,8 +94,7 @@ class Opening(ElementType):
     @classmethod
     def recorded(cls, part, scene, lane):
         """Recorded openings of one sample after a run, by variable name: `opening` (rad) and
-        `slide_opening` (m). part: arrays of all openings (Openings); scene: the sample's; lane: its
-        index in the batch."""
+        `slide_opening` (m). part: all openings (Openings); lane: index of the sample."""
         values = part.track[:, 0, lane].reshape(-1, len(scene.hinges))
         series = Series(values, "rad", "opening of the hinges", "hinge", ())
         return by_unit({"opening": series}, scene.hinges, [h.name for h in scene.hinges])
@@ -124,9 +123,8 @@ class OnHinges(ElementType):
 
     @classmethod
     def array(cls, name, batch):
-        """Array for the field `name` of the named tuple of the type's kernels; for "openings" the
-        arrays of all openings (Openings), else what ElementType.array gives. batch: the scenes
-        being packed."""
+        """Array for the field `name` of the kernels' named tuple; for "openings" the arrays of all
+        openings (Openings), else what ElementType.array gives. batch: of scenes."""
         return Opening.seen_by(cls, batch) if name == "openings" else super().array(name, batch)
 
 
@@ -162,27 +160,23 @@ class OnHinge(OnHinges):
         return [element._replace(joint=scene.hinges[e.hinge].name) for element, e in pairs]
 
     def stiffness_in(self, scene) -> float | None:
-        """Stiffness (N m/rad, on slides N/m) that limits the stable step in the scene; None: no
-        springs."""
+        """Stiffness (N m/rad, on slides N/m) that limits the stable step; None: no springs."""
         return getattr(self, "stiffness", None)
 
     def damping_in(self, scene) -> float | None:
-        """Damping (N m s/rad, on slides N s/m) that limits the stable step in the scene; None: no
-        dampers."""
+        """Damping (N m s/rad, on slides N s/m) that limits the stable step; None: no dampers."""
         return getattr(self, "damping", None)
 
     @classmethod
     def deformations(cls, scene):
-        """How each of the type's springs is strained by the motion of particles, for the stable
-        step: the opening of its hinge, with stiffness `stiffness_in`, as if all acted at once;
-        None: no springs."""
+        """How motions of particles strain the type's springs, for the stable step: the opening of
+        each, with stiffness_in, as if all acted; None: no springs."""
         return cls._turns(scene, [e.stiffness_in(scene) for e in cls.of(scene)])
 
     @classmethod
     def dampings(cls, scene):
-        """How each of the type's dampers is moved by the motion of particles, for the stable step:
-        the opening of its hinge, with `damping_in` for stiffness, as if all acted; None: no
-        dampers."""
+        """How motions of particles move the type's dampers, for the stable step: the opening of
+        each, with damping_in for stiffness, as if all acted; None: no dampers."""
         return cls._turns(scene, [e.damping_in(scene) for e in cls.of(scene)])
 
     @classmethod
@@ -192,9 +186,8 @@ class OnHinge(OnHinges):
 
     @classmethod
     def array(cls, name, batch):
-        """Array for the field `name` of the named tuple of the type's kernels: "on": indices of
-        hinges; "past": rates and moments of the last step (pack_past); others by OnHinges. batch:
-        scenes packed."""
+        """Array for the field `name` of the kernels' named tuple: "on": indices of hinges; "past":
+        rates and moments of the last step (pack_past). batch: of scenes."""
         if name == "past":
             return pack_past(batch, cls)
         return super().array("hinge" if name == "on" else name, batch)
@@ -209,8 +202,7 @@ def on_hinge(words: str = "hinge of {called}", types: tuple[str, ...] = ()) -> A
 def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
     """Split recorded series (t, k) of k elements on hinges into those on hinges that turn and those
     on slides. series: by name, with units of hinges; hinges, labels: hinge and name of each
-    element. Returns series by name; names, units (SLIDING) and dimensions of those on slides are
-    theirs."""
+    element. Returns both by name, with names, units (SLIDING), dimensions."""
     result = {}
     slides = np.array([hinge.slides for hinge in hinges], bool)
     for columns, prefix in ((~slides, ""), (slides, "slide_")):
@@ -240,9 +232,8 @@ def _sides(scene) -> np.ndarray:
 
 
 def relative_turn(scene, hinges, stiffness) -> Deformations:
-    """How springs, each strained by one opening, are strained by the motion of particles, for the
-    stable step. hinges: index of each spring's hinge; stiffness: of each (N m/rad, on slides
-    N/m)."""
+    """How motions of particles strain springs on one opening each, for the stable step. hinges:
+    index of each spring's hinge; stiffness: of each (N m/rad, on slides N/m)."""
     dofs, values, factors, element = [], [], [], []
     for number, h in enumerate(hinges):
         hinge = scene.hinges[h]
@@ -292,9 +283,8 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
 
 
 def softness(scene, hinge: int) -> float:
-    """Acceleration of the opening (rad/s², of a slide m/s²) that a unit moment (or force) on it
-    gives with its two particles alone: 1/kg m², of a slide 1/kg; 0 where both are held. hinge: its
-    index."""
+    """Acceleration of an opening by a unit moment (on a slide force) with its two particles alone:
+    1/kg m² (1/kg); 0 where both are held. hinge: its index."""
     joint, no_turn = scene.hinges[hinge], turns_of(scene).no_turn
     if joint.slides:
         rows = relative_turn(scene, [hinge], [1.0])
@@ -326,8 +316,8 @@ def turning_at_start(scene, hinges) -> list[float]:
 
 def rate_at(places, hinge, motion) -> float:
     """Rate of the opening of a hinge (rad/s), of a slide (m/s). places: any object with position
-    (n, 3) m and frame (n, 3, 3) of all particles; hinge: the hinge (Hinge); motion: any object with
-    velocity (n, 3) m/s and spin (n, 3) rad/s."""
+    (n, 3) m, frame (n, 3, 3); hinge: Hinge; motion: one with velocity, spin (n, 3) in m/s,
+    rad/s."""
     i, j = hinge.particles
     axis = places.frame[i] @ hinge.axes[0]
     if not hinge.slides:
@@ -341,8 +331,7 @@ def rate_at(places, hinge, motion) -> float:
 
 def pack_past(batch, kind) -> np.ndarray:
     """Array (elements, HISTORY, lanes) with which the kernels of losses_kernels.py start: the rate
-    of each element's opening at t = 0 (rad/s), then 0. batch: scenes being packed; kind: element
-    type."""
+    of each element's opening at t = 0 (rad/s), then 0. batch: of scenes; kind: element type."""
     from fpm.elements.openings.losses_kernels import HISTORY
 
     count = len(kind.of(batch.scene))

@@ -28,11 +28,10 @@ PART_FIELDS = 3
 class Openings(NamedTuple):
     """Arrays of all h openings. Hinge i has the sides 2 i and 2 i + 1. ends (2 h,): particle of
     each side; sides (2 h, SIDE, lanes): axis, reference, normal in its frame; axes (h, 3, lanes):
-    global axis now; angles (h, 2, lanes): opening now and a step ago (rad, m); is_needed: whether
-    it is updated in every step; track: recorded openings; slides (h,): 1 for a slide. moments (h
-    parts, 3, lanes): for each component of PARTS moment now, a step ago (N m), work (J);
-    told_track: recorded moment and work; parts: number of components; part: that of the acting
-    type. None: not used."""
+    global axis now; angles (h, 2, lanes): now and a step ago (rad, m); is_needed: whether updated
+    in every step; track: recorded openings; slides (h,): 1 for a slide. moments (h parts, 3,
+    lanes): for each component of PARTS moment now, a step ago (N m), work (J); told_track: recorded
+    moment and work; parts: number of components; part: that of the acting type. None: not used."""
 
     ends: np.ndarray  # (2h,) particles of the sides
     sides: np.ndarray  # (2h, SIDE, lanes)
@@ -69,8 +68,7 @@ def forces(part, world, timing):
 @kernel
 def begin_parts(moments):
     """Copy each recorded component's moment to MOMENT_BEFORE (a step ago), and set the new step's
-    to 0. moments (hinges x components, PART_FIELDS, lanes): Openings.moments; None: nothing is
-    done."""
+    to 0. moments (hinges x components, PART_FIELDS, lanes): Openings.moments, or None."""
     if moments is not None:
         for r in range(moments.shape[0]):
             store(moments, r, MOMENT_BEFORE, load(moments, r, MOMENT))
@@ -80,8 +78,7 @@ def begin_parts(moments):
 @kernel
 def update(part, state):
     """Compute all openings (rad, m) from the particles' state (n, STATE, lanes), into part.angles
-    and part.axes. The previous angle only decides between angles that differ by full turns. part:
-    arrays of all openings (Openings)."""
+    and part.axes. The previous angle only picks among full turns. part: Openings."""
     sides, angles = part.sides, part.angles
     for h in range(angles.shape[0]):
         first_end, second_end = part.ends[2 * h], part.ends[2 * h + 1]
@@ -144,8 +141,7 @@ def push(openings, state, h, impulse):
 @kernel
 def tell(moments, openings, h, moment):
     """Add a moment (N m) on hinge h to the recorded component of the acting element type,
-    openings.part. moments: Openings.moments, or None: nothing is done; openings: arrays of all
-    openings."""
+    openings.part. moments: Openings.moments, or None: nothing is done; openings: of all."""
     if moments is not None:
         row = h * openings.parts + openings.part
         store(moments, row, MOMENT, load(moments, row, MOMENT) + moment)

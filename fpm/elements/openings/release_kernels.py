@@ -33,8 +33,7 @@ class Releases(NamedTuple):
     """Arrays of all r releases. on, watch (r,): index of the hinge each holds, and of the one whose
     opening frees it, -1: none; numbers (r, 5, lanes): time, level, stiffness, damping, hold; past
     (r, HISTORY, lanes), state (r, STATE, lanes): of the last two steps; openings: of all hinges;
-    account: index in World.accounts of the loss; rows (r, 1, lanes): energy of each; log: of
-    events."""
+    account: index in World.accounts of the loss; rows (r, 1, lanes): energy of each; log."""
 
     on: np.ndarray
     watch: np.ndarray

@@ -72,8 +72,7 @@ class SyncLoop(OnHinges):
 
     @property
     def tight(self) -> float:
-        """Slip (m; by which one strand is longer than at rest) up to which both strands are
-        tight."""
+        """Slip (m, by which one strand is longer than at rest) up to which both are tight."""
         return 2 * self.preload / self.stiffness if self.stiffness > 0 else np.inf
 
     @classmethod
@@ -99,17 +98,16 @@ class SyncLoop(OnHinges):
 
     @classmethod
     def array(cls, name, batch):
-        """Array for the field `name` of the kernels' tuple Loops; "on": indices (l, 2) of both
-        hinges. batch: the scenes being packed."""
+        """Array for the field `name` of the kernels' tuple Loops; "on": both hinges. batch: of
+        scenes."""
         if name == "on":
             return batch.integers((loop.hinges for loop in cls.of(batch.scene)), 2)
         return super().array(name, batch)
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """Recorded series "loop_force" of one sample after a run: for each loop the difference of
-        the tensions (N) of its strands. part: arrays of all loops (Loops); scene: the sample's;
-        lane: its index in the batch."""
+        """Recorded series "loop_force" of one sample after a run: differences of the tensions (N)
+        of each loop's strands. part: all loops (Loops); lane: index of the sample."""
         names = tuple(loop.name for loop in cls.of(scene))
         values = part.track[:, 0, lane].reshape(-1, len(names))
         return {"loop_force": Series(values, "N", "pull of the loops", "loop", names)}

@@ -30,9 +30,8 @@ class TableSpring(OnHinge):
     resists_as = "HA"  # unless its `class` says that it is a spring
 
     def check(self, scene):
-        """Check that the hinge exists and that the table has two or more increasing angles with a
-        finite moment each; raises SceneError if not. Called before the spring is added to the
-        scene."""
+        """Check the hinge, and two or more increasing angles with finite moments; raises
+        SceneError."""
         super().check(scene)
         check_table(self.angles, self.moments, "moments", "spring by a table")
 
@@ -47,8 +46,7 @@ class TableSpring(OnHinge):
 
     @property
     def lift(self) -> float:
-        """Energy (J) stored at the table's first point, where the least energy within the table
-        counts as 0."""
+        """Energy (J) stored at the table's first point, if the least within the table is 0."""
         angles, moments = np.array(self.angles), np.array(self.moments)
         works = np.concatenate([[0.0], np.cumsum(np.diff(angles) * (moments[1:] + moments[:-1]))])
         least = [-works / 2]
@@ -58,8 +56,7 @@ class TableSpring(OnHinge):
         return -float(np.concatenate(least).min())
 
     def stiffness_in(self, scene):
-        """Stiffness (N m/rad) that limits the stable step: the steepest fall of the moment, at
-        least 0."""
+        """Stiffness (N m/rad, >= 0) that limits the stable step: steepest fall of the moment."""
         return max(0.0, -float(self.slopes.min()))
 
     @property
@@ -70,8 +67,7 @@ class TableSpring(OnHinge):
     @classmethod
     def array(cls, name, batch):
         """Array for the field `name` of the kernels' tuple TableSprings: "points": those of all
-        tables; "start": index of each spring's first point; others by OnHinge. batch: the scenes
-        being packed."""
+        tables; "start": index of each spring's first point. batch: the scenes being packed."""
         if name not in ("start", "points"):
             return super().array(name, batch)
         return table_array(name, batch, cls, lambda s: bends(s.angles, s.moments))

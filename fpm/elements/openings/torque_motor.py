@@ -34,14 +34,12 @@ class TorqueMotor(AnyMotor):
     variable = "torque_motor_moment"
 
     def damping_in(self, scene):
-        """Damping (N m s/rad) that limits the stable step: the largest fall of the moment with the
-        rate."""
+        """Damping (N m s/rad) that limits the stable step: largest fall of moment with rate."""
         most = np.abs(scene.curves[self.curve][1]).max() if self.curve >= 0 else 1.0
         return float(abs(self.torque) * most / self.no_load)
 
     @classmethod
     def held_round(cls, scene):
-        """Sum of the sizes of the torques (N m) of a scene's torque motors: moments that exact
-        holds of openings may have to bear at rest, by which the tolerance of the energy balance is
-        set."""
+        """Sum of the sizes (N m) of a scene's torques, as moments that exact holds may bear at
+        rest."""
         return float(sum(abs(motor.torque) for motor in cls.of(scene)))

@@ -22,8 +22,7 @@ class Damping(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """The dampings of a scene; an empty list where their rates add up to 0, so that nothing is
-        compiled."""
+        """The dampings of a scene; [] where their rates add up to 0: nothing is damped."""
         return scene.kinds.get(cls, []) if scene.damping > 0 else []
 
     @classmethod

@@ -30,9 +30,8 @@ class Damped(NamedTuple):
 
 @kernel
 def factors(part, kick):
-    """Return two factors (lanes) of a damped step: (1 - c)/(1 + c) on momenta before it, and 1/(1 +
-    c) on impulses of forces, with c = rate kick/2. part: arrays of damping (Damped); kick: time (s)
-    for which the forces act."""
+    """Return two factors (lanes): (1 - c)/(1 + c) on momenta before it, and 1/(1 + c) on impulses
+    of forces, with c = rate kick/2. part: Damped; kick: time of the impulse (s)."""
     force = 1.0 / (1.0 + 0.5 * kick * load(part.rate, 0, 0))
     return 2.0 * force - 1.0, force
 

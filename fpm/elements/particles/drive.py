@@ -40,9 +40,8 @@ class Drive(ElementType):
 
     @classmethod
     def motion(cls, scene, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Prescribed motion of a scene's driven particles at a time (s): their indices (d,), each
-        once, velocities (d, 3) m/s and spins (d, 3) rad/s in global axes, drives of one particle
-        summed."""
+        """Motion of a scene's driven particles at a time (s): their indices (d,), each once,
+        velocities (d, 3) m/s and spins (d, 3) rad/s in global axes, all drives summed."""
         particles = np.array(sorted(set(cls.moved(scene))), int)
         motion = np.zeros((2, len(particles), 3))
         for drive in cls.of(scene):

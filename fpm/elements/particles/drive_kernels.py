@@ -52,8 +52,7 @@ def work_before(part, world, timing):
 @hook(Drives)
 def restrain(part, world, timing):
     """Add to World.accounts the work (J) of drives in the half step that begins at timing.time,
-    against the forces at its start. part: all drives; world: solver state; timing: times of this
-    step (s)."""
+    against the forces at its start. part: all drives; world: solver state; timing: in s."""
     add_work(part, world, timing, timing.time + 0.5 * timing.step)
 
 

@@ -21,8 +21,7 @@ class Gravity(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """The gravities of a scene; an empty list where they add up to 0, so that nothing is
-        compiled."""
+        """The gravities of a scene; [] where they add up to 0: there is no weight."""
         return scene.kinds.get(cls, []) if np.any(scene.gravity != 0) else []
 
     @classmethod
@@ -38,8 +37,7 @@ class Gravity(ElementType):
 
     @classmethod
     def weight(cls, scene, particle, time):
-        """Weight (3,) N of one particle of a scene, in global axes, by the sum of all gravities.
-        particle: its index; time (s): not used."""
+        """Weight (3,) N of the particle of index `particle`, in global axes; time (s): not used."""
         return scene.mass[particle] * scene.gravity
 
     @classmethod

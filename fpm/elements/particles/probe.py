@@ -14,8 +14,7 @@ from fpm.elements.kind import ElementType
 class Probe(ElementType):
     """What is recorded of a scene's run on request. frames: indices of particles whose positions
     and axes are recorded; forces: of those, also in `frames`, whose momenta and forces are;
-    moments: whether moments on openings are, by kind of element; impulses: whether impulses of
-    joints are."""
+    moments: whether moments on openings are; impulses: whether those of joints."""
 
     frames: tuple[int, ...] = ()
     forces: tuple[int, ...] = ()
@@ -24,8 +23,7 @@ class Probe(ElementType):
 
     @staticmethod
     def of_scene(scene) -> "Probe":
-        """The probe of a scene (what is recorded on request); where it has none, one that records
-        nothing."""
+        """The probe of a scene (what is recorded on request), or one that records nothing."""
         return next(iter(Probe.of(scene)), Probe())
 
     @classmethod

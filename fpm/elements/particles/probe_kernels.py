@@ -22,8 +22,8 @@ FORCES = 18
 class Probes(NamedTuple):
     """Records of particles on request. frames_of (p,), forces_of (q,): indices of particles;
     frames, of p rows at each instant, (rows, FRAME = 9, lanes): position (m), second and third
-    axis; forces, of q rows, (rows, FORCES = 18, lanes): velocity, momentum, their changes, force,
-    moment (3 each)."""
+    axis; forces, of q rows, (rows, FORCES = 18, lanes): velocity, momentum, changes, force,
+    moment."""
 
     frames_of: np.ndarray
     forces_of: np.ndarray

@@ -35,15 +35,13 @@ class Support(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """Indices of the scene's particles held along one or two axes, or about one or two: all
-        three cost no kernel."""
+        """Indices of the scene's particles held along, or about, one or two axes."""
         counts = scene.fixed.reshape(-1, 2, 3).sum(axis=2)
         return np.flatnonzero(((counts > 0) & (counts < 3)).any(axis=1)).tolist()
 
     @classmethod
     def moved(cls, scene):
-        """Indices of particles, free about two axes alone and of unlike inertias, that the kernels
-        of supports move."""
+        """Indices of particles that turn about two axes, moved by the kernels of supports."""
         return turns_of(scene).about_two
 
     @classmethod

@@ -21,8 +21,7 @@ ROUNDS = 4
 class Supports(NamedTuple):
     """Arrays of particles held along or about some axes. on (f,): their indices; free (f, 6,
     lanes): 1 where one can move along x, y, z and about them, 0 where held; about_two (t,): indices
-    of those that turn about two axes; axis (t, 3, lanes): global unit vector about which each is
-    held."""
+    of those that turn about two axes; axis (t, 3, lanes): unit vector about which each is held."""
 
     on: np.ndarray
     free: np.ndarray

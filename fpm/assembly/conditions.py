@@ -90,8 +90,8 @@ def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
 
 
 def scaled(matrix, rows: np.ndarray, columns: np.ndarray):
-    """Copy of a sparse matrix (r, c) , each row times its factor in rows (r,), each column in
-    columns (c,)."""
+    """Copy of a sparse matrix (r, c), each row times its factor in rows (r,), columns times columns
+    (c,)."""
     matrix = matrix.tocsc(copy=True)
     matrix.data = matrix.data * rows[matrix.indices] * np.repeat(columns, np.diff(matrix.indptr))
     return matrix

@@ -165,8 +165,9 @@ class Batch:
         return self._watched[:, self.watches.of[kind]]
 
     def rows_of(self, kind: type) -> np.ndarray:
-        """View (elements, 1, lanes) into World.rows, a number for each element of the type `kind`,
-        its energy or watched quantity: its kernels write it after a failure element."""
+        """View (elements, 1, lanes) into World.rows: a number for each element of the type `kind`,
+        its energy or watched quantity, which its kernels write after a failure, to name the worst
+        element."""
         return self._rows[self.rows.of[kind]]
 
     def log_of(self, kind: type) -> Log:

@@ -51,8 +51,8 @@ class Number(FieldSpec):
         return not low and not math.isnan(value) and (math.isfinite(value) or not self.finite)
 
     def allowed(self, unit: str) -> str:
-        """Allowed values in words for a message, as "a finite number >= 0 (m)". unit: "" for
-        none."""
+        """Allowed values in words for a message, as "a finite number >= 0 (m)". unit: to say, or
+        ""."""
         plural = f"{self.count} {'finite ' * self.finite}numbers"
         singular = f"a {'finite ' * self.finite}number"
         end = f" >= {self.least:g}" if self.least is not None else ""

@@ -24,8 +24,7 @@ AXES = "xyz"
 
 
 class Energy(NamedTuple):
-    """An energy of the balance (J). name: key; variable: in a trajectory file; long_name: in
-    words."""
+    """An energy of the balance (J). name: key; variable: in a trajectory file; long_name: words."""
 
     name: str
     variable: str
@@ -202,8 +201,7 @@ class ElementType:
 
     @classmethod
     def moved(cls, scene: SceneData) -> list[int]:
-        """Indices of particles of a scene that the type's kernels move in place of the time
-        loop."""
+        """Indices of particles that the type's own kernels move in place of the time loop."""
         return []
 
     @classmethod

@@ -6,7 +6,7 @@ from fpm.kernels.vectors import kernel
 @kernel
 def note(log, lane, time, element, event):
     """Write an event into a log. log: that of the element's type (Log); lane: index of the sample;
-    time: of the event (s); element: index among the type's elements; event: index in
+    time (s); element: index among the type's elements; event: index in the names
     ElementType.events."""
     n = log.count[lane]
     log.count[lane] = n + 1

@@ -35,8 +35,8 @@ NAMES: list[str] = []
 def hook(arrays: type, name: str | None = None) -> Callable:
     """Decorator that compiles a kernel and registers it as what an element type does at one point
     of the step (a hook, as "forces"). arrays: the NamedTuple of the type's arrays, the kernel's
-    first argument; name: of the hook, by default the function's. ValueError for an unknown or a
-    taken one."""
+    first argument; name: of the hook, by default the function's. ValueError for unknown or taken
+    hooks."""
 
     def register(function):
         hook_name = name or function.__name__
@@ -144,7 +144,8 @@ def restrain(parts, world, timing):
 @_unrolled()
 def prepare(parts, world, timing):
     """Add impulses of forces, over timing.kick (s), to momenta of the particles that an element
-    type moves itself (ElementType.moved). parts: arrays of each element type; world: World."""
+    type moves itself (ElementType.moved). parts: arrays of each element type; world: solver
+    state."""
 
 
 @_unrolled()
@@ -158,7 +159,8 @@ def decide(parts, world, timing):
 @_unrolled()
 def solve(parts, world, timing):
     """Find the impulses of joints and other constraints in this step; called again while
-    World.undecided is set. parts: arrays of each type; world: solver state ; timing: in s."""
+    World.undecided is set. parts: arrays of each type; world: solver state; timing: step times
+    (s)."""
 
 
 @_unrolled()
@@ -177,8 +179,7 @@ def look_back(parts, world, timing):
 @_unrolled()
 def work_after(parts, world, timing):
     """Add to World.accounts the work (J) of the half step after timing.time, or of the whole step.
-    parts: arrays of each element type; world: solver state (World); timing: times of this step
-    (s)."""
+    parts: arrays of each type; world: solver state (World); timing: step times (s)."""
 
 
 # At checks and instants, with the positions of timing.time.
@@ -201,8 +202,9 @@ def work_of_place(parts, world, energies, row):
 
 @_unrolled()
 def record(parts, world, row):
-    """Write what each type records at an instant into its arrays, and raise its watched quantities
-    (World.watched). parts: arrays of each element type; world: solver state; row: its index."""
+    """Write what each element type records at an instant into its arrays, and raise its watched
+    quantities (World.watched), by which runs fail. parts: arrays of each element type; world:
+    solver state (World); row: index of the recorded instant."""
 
 
 @_unrolled()
@@ -214,8 +216,9 @@ def record_points(parts, world, points, row, timing):
 
 @_unrolled()
 def work_due(parts, world, energies, row):
-    """Add to an account's column in row `row` of `energies` (recorded) the work (J) up to the
-    instant of impulses found in the step after it. parts: arrays of each type; world."""
+    """Add to an account's column in row `row` of `energies` (recorded) the work (J), up to the
+    instant, of impulses found in the step after it. parts: arrays of each type; world: solver state
+    (World)."""
 
 
 @_unrolled()

@@ -37,8 +37,8 @@ CONTRACT = ("contract",)
 
 
 def width(dtype: np.dtype) -> int:
-    """Number of samples side by side (lanes) in a register for `dtype` (float64: 8, float32:
-    16)."""
+    """Number of samples side by side (lanes) in a register for `dtype`: 8 of float64, 16 of
+    float32."""
     return WIDTH * 8 // np.dtype(dtype).itemsize
 
 
@@ -224,7 +224,7 @@ absolute = _unary("fabs")
 
 @intrinsic
 def where_negative(typingctx, condition, x, y):
-    """Return, lane by lane, x where `condition` < 0, else y, without a branch; x, y: lanes,
+    """Return, lane by lane, x where condition < 0, else y, without a branch; x, y: lanes or
     numbers."""
     if not isinstance(condition, Lane):
         return None

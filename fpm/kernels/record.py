@@ -28,8 +28,8 @@ and so little that a growing mode, whose kicks are all that it has, is none the 
 
 @kernel
 def keep(world):
-    """Copy positions, axes and momenta (SAVED) of all particles from World.state to
-    World.start_state, before a step that is recorded. world: solver state (World)."""
+    """Copy positions, axes and momenta of all particles from World.state to World.start_state,
+    before a step that is recorded. world: solver state (World)."""
     for i in range(world.state.shape[0]):
         for k in range(SAVED):
             store(world.start_state, i, k, load(world.state, i, k))
@@ -38,7 +38,8 @@ def keep(world):
 @kernel
 def reflect(world):
     """In the first step, set velocities and angular momenta half a step before the start in
-    World.start_state, mirrored at the start from those in World.state. world: World."""
+    World.start_state: as far from those at the start as those half a step after it (World.state),
+    on the other side. world: solver state (World)."""
     for i in range(world.state.shape[0]):
         for k in (V, P):
             momentum = 2.0 * get3(world.start_state, i, k) - get3(world.state, i, k)

@@ -13,8 +13,8 @@ from numba.extending import intrinsic, lower_getattr_generic, models, register_m
 
 
 class Reference(types.Type):
-    """Numba type of a reference to a named tuple; fields are read as those of the tuple, of type
-    tuple_type."""
+    """Numba type of a reference to a named tuple of type tuple_type, whose fields are read as its
+    own."""
 
     def __init__(self, tuple_type: types.BaseNamedTuple):
         self.tuple_type = tuple_type

@@ -22,8 +22,9 @@ tenths of a radian in a step, the ends of the series; the third as a product add
 
 @kernel
 def time_particles(particles, timing):
-    """Store velocity and half turn by a unit force and angular momentum in this step (KICK, HALF)
-    in all particles. particles (n, PARTICLE, lanes); timing: in s."""
+    """Store, as constants of every particle, its velocity by a unit force (KICK) and its half turn
+    by a unit angular momentum (HALF) in this step. particles (n, PARTICLE, lanes): constants of all
+    particles, changed; timing: times of this step (s)."""
     for i in range(particles.shape[0]):
         store(particles, i, KICK, timing.kick * load(particles, i, IM))
         put3(particles, i, HALF, (0.5 * timing.step) * get3(particles, i, IJ))
@@ -32,15 +33,16 @@ def time_particles(particles, timing):
 @kernel
 def kick_and_move(state, particles, i, timing):
     """Add the impulses of the step's forces to the momenta of particle i (or a pair), move and turn
-    it by a step, and set its forces to 0. state, particles: arrays of World; timing: in s."""
+    it by a step, and set its forces to 0. state, particles: arrays of World, state and constants of
+    all particles; timing: times of this step (s)."""
     carry(state, i, load(particles, i, KICK) * get3(state, i, F) + get3(state, i, V), timing.step)
     turn(state, particles, i, timing.kick * get3(state, i, M) + get3(state, i, P))
 
 
 @kernel
 def carry(state, i, v, step):
-    """Store velocity v (m/s) of particle (or pair) i in state (n, STATE, lanes); move it by step
-    (s)."""
+    """Store velocity v (m/s) of particle i (or a pair), and move it by step (s) of time with it.
+    state (n, STATE, lanes): of all particles, changed."""
     put3(state, i, V, v)
     put3(state, i, X, step * v + get3(state, i, X))
 

@@ -159,7 +159,7 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
 
 
 def is_compiled(scene: Scene) -> bool:
-    """Whether the compiled time loop (float64) for a scene's element types is in the cache on
+    """Whether the compiled time loop (float64) for the types of a scene's elements is cached on
     disk."""
     from fpm.kernels.compiled import DIGESTS, cache_folder
     from fpm.kernels.lanes import width as lanes_of

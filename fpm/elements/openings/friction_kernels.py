@@ -31,12 +31,13 @@ step later, before the next one is found by the secant of both."""
 
 class Frictions(NamedTuple):
     """Arrays of all f friction elements. on (f,): index of each one's hinge; numbers (f, 4, lanes):
-    bristle stiffness (N m/rad), deflection at slip (rad), damping, 1/deflection where `bearing`
-    counts, else 0; openings: of all hinges; past (f, HISTORY, lanes), state (f, STATE, lanes): of
-    the last step (see FOOT to FORCE_BEND); account: index in World.accounts of the loss; rows (f,
-    1, lanes): energy or LOCKED of each; watched: largest LOCKED so far; points: angle (rad) and
-    change of slope of all tables, those of element i from start[i]; bearing: of joints. None: not
-    used."""
+    bristle stiffness (N m/rad), deflection at slip (rad), damping (N m s/rad), 1/deflection where
+    the joint's force counts, else 0; openings: of all hinges; past (f, 2, lanes): rate and damper's
+    moment of the last step; state (f, 8, lanes): foot (opening at which the bristle is straight,
+    rad), deflection (rad), then what joint forces and self-locking need; account: index in
+    World.accounts of the loss; rows (f, 1, lanes): energy or self-locking of each; watched: largest
+    self-locking so far; points: angle (rad) and change of slope of all tables, those of element i
+    from start[i]; bearing: forces of joints. None: not used."""
 
     on: np.ndarray
     numbers: np.ndarray

@@ -34,11 +34,13 @@ ANGLE_TOL = 1e-6
 
 
 class Latches(NamedTuple):
-    """Arrays of all l latches. on (l,): index of each one's hinge; numbers (l, 7, lanes): constants
-    (see NUMBERS: angle, range, side, ...); openings: of all hinges; past (l, HISTORY, lanes): rate
-    and moment of the last step; state (l, STATE = 8, lanes): IS_CAUGHT to IMPULSE; account: index
-    in World.accounts of the loss; rows (l, 1, lanes): energy of each, to name the worst; log: of
-    events; track: moment (N m), impulse (N m s), rate at the catch, l rows for each instant."""
+    """Arrays of all l latches. on (l,): index of each one's hinge; numbers (l, 7, lanes): angle,
+    capture range (rad), sign of the rate at which it catches (0: both), largest rate, stiffness,
+    damping, -1 if one-sided; openings: of all hinges; past (l, 2, lanes): rate and damper's moment
+    of the last step; state (l, 8, lanes): 1 once it has caught, opening and sign of the rate then,
+    news of this step, their time (s), rate then, moment (N m), impulse (N m s); account: index in
+    World.accounts of the loss; rows (l, 1, lanes): energy of each; log: of events; track: moment,
+    impulse, rate at the catch, l rows for each instant."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -75,12 +77,12 @@ def reach_of(part, i, start, end):
 
 @kernel
 def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
-    """Decide whether latch i of sample s (its lane) catches or misses in a step, and write so to
-    part.state: IS_CAUGHT, HOLD_ANGLE, SIGN, NEWS, CATCH_TIME, RATE_THERE. part: arrays of all
-    latches; psi_start, psi_end: opening at the start and end of the step (rad); last_rate: rate in
-    the step before (rad/s); end: time of the end of the step (s); step (s). The rate changes evenly
-    within the step; in the code, `first` and `last` (rad) are the openings at its start and end,
-    counted from the edge of the capture range that is met first."""
+    """Decide whether latch i of sample s (its lane) catches or misses in a step, and write to
+    part.state that it caught, at which opening (rad), rate (rad/s), time (s), and the news for
+    events. part: arrays of all latches; psi_start, psi_end: opening at the start and end of the
+    step (rad); last_rate: rate in the step before (rad/s); end: time of the end of the step (s);
+    step: its length (s). The opening is taken as linear within the step. `first` and `last` in the
+    code (rad): openings at start and end, from the edge of the capture range that is met first."""
     angle, reach = part.numbers[i, ANGLE, s], part.numbers[i, CAPTURE_RANGE, s]
     change = psi_end - psi_start
     if part.numbers[i, APPROACH, s] * change < 0.0:
@@ -159,7 +161,8 @@ def forces(part, world, timing):
 @hook(Latches)
 def note_events(part, world, timing):
     """Note in part.log which latches caught (event 0) or missed (1) in the step that ends now, and
-    clear NEWS. part: arrays of all latches (Latches); world, timing: not used."""
+    clear that news in part.state. part: arrays of all latches (Latches); world, timing: not
+    used."""
     for i in range(part.on.shape[0]):
         if any_negative(0.5 - load(part.state, i, NEWS)):
             for s in range(part.state.shape[2]):

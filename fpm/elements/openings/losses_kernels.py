@@ -59,10 +59,10 @@ def follow_rate(openings, history, i, h, timing):
 def lose(world, account, openings, history, i, h, moment):
     """Add to World.accounts the energy (J) that a moment of element i on hinge h takes out in the
     step that ends now, and store the moment in history. moment: on the second particle, now (N m);
-    history (elements, HISTORY, lanes): of the element's type, with the moment a step ago (LOSS);
-    account: index in World.accounts; openings: arrays of all openings (Openings). It is the mean of
-    both moments times the change of the opening, by which leapfrog's kinetic energy of the half
-    steps (record.py) changes: so the balance has no error."""
+    history (elements, 2, lanes): of the element's type, with the moment a step ago; account: index
+    in World.accounts; openings: arrays of all openings (Openings). The energy is the mean of both
+    moments times the change of the opening, just what kinetic energy of the half steps changes by
+    (record.py): so the balance has no error."""
     angles = openings.angles
     angle = load(angles, h, NEW) - load(angles, h, OLD)
     loss = -0.5 * (moment + load(history, i, LOSS)) * angle

@@ -28,9 +28,11 @@ TRACK = 1
 class Motors(NamedTuple):
     """Arrays of all m motors. on (m,): index of each one's hinge; curve (m,): index of its curve of
     time, -1: constant 1; by_rate (m,): 1 where the curve gives the rate; numbers (m, 4, lanes):
-    stiffness, damping, start, turn (see NUMBERS); past (m, HISTORY, lanes), state (m, STATE,
-    lanes): of the last two steps; openings: of all hinges; given, taken: indices in World.accounts
-    of work and loss; rows (m, 1, lanes): energy of each; track: recorded moment (N m)."""
+    stiffness (N m/rad), damping (N m s/rad), start, turn (rad); past (m, 2, lanes): rate of the
+    last step; state (m, 7, lanes): moment and damping moment (N m), each also a step ago, target
+    less opening, change of the target, target (rad); openings: of all hinges; given, taken: indices
+    in World.accounts of work and loss; rows (m, 1, lanes): energy of each; track: recorded moment
+    (N m)."""
 
     on: np.ndarray
     curve: np.ndarray
@@ -94,8 +96,8 @@ def work_before(part, world, timing):
 
 @hook(Motors)
 def energy_of(part, world, i):
-    """Return the strain energy (J, lanes) of motor i's drive train. part: all motors; world:
-    unused."""
+    """Return the strain energy (J, lanes) of the drive train of motor i, in its state at the last
+    forces. part: arrays of all motors (Motors); world: solver state, not used."""
     error = load(part.state, i, ERROR)
     return 0.5 * load(part.numbers, i, STIFFNESS) * error * error
 

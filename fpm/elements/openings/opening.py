@@ -123,8 +123,9 @@ class OnHinges(ElementType):
 
     @classmethod
     def array(cls, name, batch):
-        """Array for the field `name` of the kernels' named tuple; for "openings" the arrays of all
-        openings (Openings), else what ElementType.array gives. batch: of scenes."""
+        """Array for the field `name` of the named tuple of the type's kernels; "openings" stands
+        for the arrays of all openings (Openings), others as in ElementType. batch: the scenes being
+        packed."""
         return Opening.seen_by(cls, batch) if name == "openings" else super().array(name, batch)
 
 
@@ -186,8 +187,9 @@ class OnHinge(OnHinges):
 
     @classmethod
     def array(cls, name, batch):
-        """Array for the field `name` of the kernels' named tuple: "on": indices of hinges; "past":
-        rates and moments of the last step (pack_past). batch: of scenes."""
+        """Array for the field `name` of the named tuple of the type's kernels: "on": indices of
+        hinges; "past": rates at the start (pack_past); others as in OnHinges. batch: the scenes
+        being packed."""
         if name == "past":
             return pack_past(batch, cls)
         return super().array("hinge" if name == "on" else name, batch)
@@ -202,7 +204,8 @@ def on_hinge(words: str = "hinge of {called}", types: tuple[str, ...] = ()) -> A
 def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
     """Split recorded series (t, k) of k elements on hinges into those on hinges that turn and those
     on slides. series: by name, with units of hinges; hinges, labels: hinge and name of each
-    element. Returns both by name, with names, units (SLIDING), dimensions."""
+    element. Returns all by name; on slides names begin with "slide_", with force for moment and
+    their units."""
     result = {}
     slides = np.array([hinge.slides for hinge in hinges], bool)
     for columns, prefix in ((~slides, ""), (slides, "slide_")):
@@ -283,8 +286,9 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
 
 
 def softness(scene, hinge: int) -> float:
-    """Acceleration of an opening by a unit moment (on a slide force) with its two particles alone:
-    1/kg m² (1/kg); 0 where both are held. hinge: its index."""
+    """Acceleration of the opening of a hinge that a unit moment (on a slide, a force) on it gives,
+    with its two particles alone: 1/kg m² (on a slide 1/kg); 0 where both are held. hinge: its
+    index."""
     joint, no_turn = scene.hinges[hinge], turns_of(scene).no_turn
     if joint.slides:
         rows = relative_turn(scene, [hinge], [1.0])
@@ -315,9 +319,9 @@ def turning_at_start(scene, hinges) -> list[float]:
 
 
 def rate_at(places, hinge, motion) -> float:
-    """Rate of the opening of a hinge (rad/s), of a slide (m/s). places: any object with position
-    (n, 3) m, frame (n, 3, 3); hinge: Hinge; motion: one with velocity, spin (n, 3) in m/s,
-    rad/s."""
+    """Rate of the opening of a hinge (rad/s), of a slide (m/s). places: has position (n, 3) m and
+    frame (n, 3, 3) of all particles, as a scene; hinge: Hinge; motion: has velocity (n, 3) m/s and
+    spin (n, 3) rad/s of all particles."""
     i, j = hinge.particles
     axis = places.frame[i] @ hinge.axes[0]
     if not hinge.slides:

@@ -27,11 +27,13 @@ PART_FIELDS = 3
 
 class Openings(NamedTuple):
     """Arrays of all h openings. Hinge i has the sides 2 i and 2 i + 1. ends (2 h,): particle of
-    each side; sides (2 h, SIDE, lanes): axis, reference, normal in its frame; axes (h, 3, lanes):
-    global axis now; angles (h, 2, lanes): now and a step ago (rad, m); is_needed: whether updated
-    in every step; track: recorded openings; slides (h,): 1 for a slide. moments (h parts, 3,
-    lanes): for each component of PARTS moment now, a step ago (N m), work (J); told_track: recorded
-    moment and work; parts: number of components; part: that of the acting type. None: not used."""
+    each side; sides (2 h, 9, lanes): axis, reference direction (of slides a point), normal to both,
+    in its particle's axes; axes (h, 3, lanes): global axis now; angles (h, 2, lanes): opening now
+    and a step ago (rad, m); is_needed: whether it is updated in every step; track: recorded
+    openings; slides (h,): 1 for a slide. moments (h parts, 3, lanes): moment now, a step ago (N m),
+    work (J) of each component (of springs, dampers, ...: PARTS); told_track: recorded moment and
+    work; parts: number of components; part: the component of the acting element type. None: not
+    used."""
 
     ends: np.ndarray  # (2h,) particles of the sides
     sides: np.ndarray  # (2h, SIDE, lanes)
@@ -67,8 +69,9 @@ def forces(part, world, timing):
 
 @kernel
 def begin_parts(moments):
-    """Copy each recorded component's moment to MOMENT_BEFORE (a step ago), and set the new step's
-    to 0. moments (hinges x components, PART_FIELDS, lanes): Openings.moments, or None."""
+    """Copy the moment of each component (of springs, dampers, ...) to that of a step ago, and set
+    the new one to 0. moments (hinges x components, 3, lanes): Openings.moments, or None: nothing is
+    done."""
     if moments is not None:
         for r in range(moments.shape[0]):
             store(moments, r, MOMENT_BEFORE, load(moments, r, MOMENT))
@@ -77,8 +80,9 @@ def begin_parts(moments):
 
 @kernel
 def update(part, state):
-    """Compute all openings (rad, m) from the particles' state (n, STATE, lanes), into part.angles
-    and part.axes. The previous angle only picks among full turns. part: Openings."""
+    """Compute all openings (rad, m), into part.angles, and their global axes, into part.axes. part:
+    arrays of all openings (Openings); state (n, STATE, lanes): positions and axes of all particles.
+    Of angles that differ by full turns, the one closest to the previous is taken."""
     sides, angles = part.sides, part.angles
     for h in range(angles.shape[0]):
         first_end, second_end = part.ends[2 * h], part.ends[2 * h + 1]
@@ -128,8 +132,8 @@ def turn(openings, state, h, moment):
 
 @kernel
 def push(openings, state, h, impulse):
-    """Add an impulse (N m s) about the axis of hinge h, not a slide, to the second particle's
-    angular momentum, and its opposite to the first's. Call it once the step's forces are in the
+    """Add an impulse (N m s) about the axis of hinge h, not a slide, to the angular momentum of its
+    second particle, and the opposite to the first. Call it once the step's forces are in the
     momenta. openings: arrays of all openings; state (n, STATE, lanes): of the particles,
     changed."""
     first, second = openings.ends[2 * h], openings.ends[2 * h + 1]
@@ -140,8 +144,9 @@ def push(openings, state, h, impulse):
 
 @kernel
 def tell(moments, openings, h, moment):
-    """Add a moment (N m) on hinge h to the recorded component of the acting element type,
-    openings.part. moments: Openings.moments, or None: nothing is done; openings: of all."""
+    """Add a moment (N m) on hinge h to the recorded component (of springs, dampers, ...) of the
+    acting element type, openings.part. moments: Openings.moments, or None: nothing is done;
+    openings: arrays of all openings (Openings)."""
     if moments is not None:
         row = h * openings.parts + openings.part
         store(moments, row, MOMENT, load(moments, row, MOMENT) + moment)
@@ -149,16 +154,16 @@ def tell(moments, openings, h, moment):
 
 @hook(Openings)
 def work_before(part, world, timing):
-    """Add to part.moments the work (J) of each recorded component in the step that ends at
-    timing.time. part: arrays of all openings (Openings); world, timing: not used."""
+    """Add to part.moments the work (J) of each component (of springs, dampers, ...) in the step
+    that ends now. part: arrays of all openings (Openings); world, timing: not used."""
     work_parts(part.moments, part)
 
 
 @kernel
 def work_parts(moments, part):
-    """Add to the field WORK of each recorded component its work (J) in the step that ends now: mean
-    of the moments at both ends times the change of the opening. moments: Openings.moments, None:
-    nothing is done; part: arrays of all openings (Openings)."""
+    """Add to moments the work (J) of each component (of springs, dampers, ...) in the step that
+    ends now: mean of its moments at both ends times the change of the opening. moments:
+    Openings.moments, None: nothing is done; part: arrays of all openings (Openings)."""
     if moments is not None:
         for h in range(part.angles.shape[0]):
             angle = load(part.angles, h, NEW) - load(part.angles, h, OLD)
@@ -169,8 +174,9 @@ def work_parts(moments, part):
 
 @hook(Openings)
 def record(part, world, row):
-    """Record all openings (rad, m) in part.track, and moment (N m) and work (J) of every component
-    in part.told_track. part: all openings (Openings); world: solver state; row: of the instant."""
+    """Record all openings (rad, m) in part.track; in part.told_track moment (N m) and work (J) of
+    every component (of springs, dampers, ...). part: arrays of all openings (Openings); world:
+    solver state (World); row: index of the recorded instant."""
     if not part.is_needed:
         update(part, world.state)
     count = part.angles.shape[0]

@@ -31,9 +31,11 @@ STATE = 6
 
 class Releases(NamedTuple):
     """Arrays of all r releases. on, watch (r,): index of the hinge each holds, and of the one whose
-    opening frees it, -1: none; numbers (r, 5, lanes): time, level, stiffness, damping, hold; past
-    (r, HISTORY, lanes), state (r, STATE, lanes): of the last two steps; openings: of all hinges;
-    account: index in World.accounts of the loss; rows (r, 1, lanes): energy of each; log."""
+    opening frees it, -1: none; numbers (r, 5, lanes): time (s), level (rad), stiffness, damping,
+    opening held; past (r, 2, lanes): rate of the last step; state (r, 6, lanes): moment (N m), a
+    step ago, steps since it let go, energy (J), a step ago, -1 while it holds; openings: of all
+    hinges; account: index in World.accounts of the loss; rows (r, 1, lanes): energy of each; log:
+    of events."""
 
     on: np.ndarray
     watch: np.ndarray
@@ -48,8 +50,9 @@ class Releases(NamedTuple):
 
 @kernel
 def let_go(part, timing, i):
-    """Return how long ago (lanes, in steps, 0 to 1) release i was due to let go, by its time or its
-    watched opening; below 0: not in this step. part: all releases; timing: step times (s)."""
+    """Return since how many steps (lanes, a fraction) release i has been due to let go, by its time
+    or as the watched opening passes its level in this step; below 0: it is not. part: arrays of all
+    releases (Releases); timing: times of this step (s)."""
     late = timing.time - load(part.numbers, i, TIME)
     steps = where_negative(late, -1.0, late / timing.step)
     if part.watch[i] >= 0:

@@ -98,8 +98,8 @@ class SyncLoop(OnHinges):
 
     @classmethod
     def array(cls, name, batch):
-        """Array for the field `name` of the kernels' tuple Loops; "on": both hinges. batch: of
-        scenes."""
+        """Array for the field `name` of the kernels' tuple Loops; "on": both hinges. batch: scenes
+        packed."""
         if name == "on":
             return batch.integers((loop.hinges for loop in cls.of(batch.scene)), 2)
         return super().array(name, batch)

@@ -30,8 +30,9 @@ class Damped(NamedTuple):
 
 @kernel
 def factors(part, kick):
-    """Return two factors (lanes): (1 - c)/(1 + c) on momenta before it, and 1/(1 + c) on impulses
-    of forces, with c = rate kick/2. part: Damped; kick: time of the impulse (s)."""
+    """Return two factors (lanes) of a damped step: (1 - c)/(1 + c) on momenta before it, and 1/(1 +
+    c) on impulses of forces, with c = rate kick/2. part: arrays of damping (Damped); kick: time (s)
+    that the impulse takes."""
     force = 1.0 / (1.0 + 0.5 * kick * load(part.rate, 0, 0))
     return 2.0 * force - 1.0, force
 

@@ -304,8 +304,8 @@ def linearised(
 
 
 def masses(scene, poses: ParticlePoses):
-    """Sparse (6n, 6n) masses (kg) and inertias (kg m²) of a scene's particles at poses, in global
-    axes."""
+    """Sparse (6n, 6n) masses (kg), inertias (kg m²) of all particles of a scene, at poses, in
+    global axes."""
     from scipy.sparse import coo_array
 
     blocks = np.zeros((len(scene.mass), 2, 3, 3))

@@ -39,9 +39,8 @@ class ParticlePoses(NamedTuple):
         return ParticlePoses(self.position[particles], self.frame[particles])
 
     def nudged(self, first: int) -> "ParticlePoses":
-        """Complex poses (12, n, ...) for `slopes`: copies `first` to `first + 5` of these poses
-        after an imaginary shift of STEP along, then turn about, each global axis, the others as
-        they are."""
+        """Complex poses (12, n, ...), for derivatives (`slopes`): copies first to first + 5 after
+        an imaginary shift along, then turn about, each global axis; the others as these poses."""
         position = np.tile(self.position.astype(complex), (12, 1, 1))
         frame = np.tile(self.frame.astype(complex), (12, 1, 1, 1))
         position[first : first + 3] += 1j * STEP * np.eye(3)[:, None]
@@ -71,7 +70,7 @@ def sparse_matrix(blocks: np.ndarray, pairs: np.ndarray, count: int):
 
 
 def dofs_of(pairs: np.ndarray) -> np.ndarray:
-    """Indices (e, 12) in a motion (6n,) of the twelve of each pair (e, 2) of particles."""
+    """Indices (e, 12), in a motion (6n,) of all particles, of the 6 + 6 entries of pairs (e, 2)."""
     return (6 * pairs[:, :, None] + np.arange(6)).reshape(len(pairs), 12)
 
 
@@ -90,7 +89,7 @@ def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
 
 
 def scaled(matrix, rows: np.ndarray, columns: np.ndarray):
-    """Copy of a sparse matrix (r, c), each row times its factor in rows (r,), columns times columns
+    """Copy of a sparse matrix (r, c), each row times its factor in rows (r,), and columns likewise
     (c,)."""
     matrix = matrix.tocsc(copy=True)
     matrix.data = matrix.data * rows[matrix.indices] * np.repeat(columns, np.diff(matrix.indptr))
@@ -201,8 +200,7 @@ class Conditions(NamedTuple):
 
 def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
     """Conditions that close all joints of a scene. hold: names of hinges whose opening is to stay
-    as the scene states it, a condition each, at the end. Raises SceneError for a name that no hinge
-    has."""
+    as stated, a condition each, at the end. Raises SceneError for a name that no hinge has."""
     rows: list[tuple] = []
     for joint in (*(j for hinge in scene.hinges for j in as_joints(hinge)), *_joints_of(scene)):
         rows += _rows_of(scene, joint)

@@ -53,8 +53,8 @@ class Elastic(NamedTuple):
         return float(bend.max(initial=0.0)), float(strain.max(initial=0.0))
 
     def derivatives(self, poses: ParticlePoses):
-        """Gradient (6n,), N and N m, and Hessian (6n, 6n) of the strain energy by all particles'
-        motions."""
+        """Gradient (6n,), N and N m, and sparse Hessian (6n, 6n) of the strain energy, by the
+        motions (m, rad) of all particles at poses."""
         count, ends = len(poses.position), self._ends(poses)
         gradient = np.zeros(6 * count)
         np.add.at(gradient, dofs_of(self.nodes), self._gradient(*ends))
@@ -130,7 +130,8 @@ class Unstressed(NamedTuple):
 
 
 def elastic_of(scene) -> Elastic:
-    """All beam elements of a scene, for its assembly."""
+    """All beam elements of a scene, as its assembly needs them: for strain energy and
+    derivatives."""
     nodes, _, half = elements_of(scene.beams)
     if not len(nodes):
         return Elastic(nodes, np.zeros((0, 5)), np.zeros((0, 4, 3)), half)

@@ -100,7 +100,13 @@ SHARED = {
 
 class ElementType:
     """Base class of an element type. A subclass overrides what it provides; every attribute has a
-    neutral default."""
+    neutral default. stores, gives, takes: energies that its elements store, give as work, take out
+    (Energy; None: none; types with the same share an account); events: names of its events;
+    watches: failure criteria (Watch); reads: types whose arrays its kernels need in every step;
+    acts_as: component of the moments on openings, in recordings, that is its own; joins: whether
+    each element joins its `particles`; moves_free: whether it moves all particles that no other
+    type moves; resists_as: class of its part in what resists a slow motion (fpm/travel), "": none;
+    called: its word in messages."""
 
     stores: ClassVar[Energy | None] = None  # the energy it stores (hook `stored`)
     gives: ClassVar[Energy | None] = None  # the work it gives; kinds with the same share an account

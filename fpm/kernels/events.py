@@ -19,8 +19,9 @@ def note(log, lane, time, element, event):
 @kernel
 def note_crossing(log, lane, element, previous, value, timing):
     """Note event 1 where a value has become negative in this step, event 0 where it no longer is,
-    by linear interpolation in time. log: of the element's type (Log); lane: index of the sample;
-    element: index in its type; previous, value: at the start and end of the step; timing: in s."""
+    at the time found by linear interpolation. log: of the element's type (Log); lane: index of the
+    sample; element: index in its type; previous, value: at the start and end of the step; timing:
+    times of this step (s)."""
     if (value < 0.0) != (previous < 0.0):
         time = timing.time - timing.step * value / (value - previous)
         note(log, lane, time, element, 1.0 if value < 0.0 else 0.0)

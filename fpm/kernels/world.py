@@ -49,9 +49,9 @@ class World(NamedTuple):
 
 
 class Log(NamedTuple):
-    """Log of the events of all element types. events (room, 3, lanes): time (s), element, which of
-    its events; count (lanes,): noted so far, also those without room; first: the writing type's
-    first element."""
+    """Log of the events of all element types. events (room, 3, lanes): time (s), number of the
+    element, which of its events; count (lanes,): noted so far, also those without room; first:
+    number of the first element of the type that writes."""
 
     events: np.ndarray  # (most events, 3, lanes) time, element, which of its events
     count: np.ndarray  # (lanes,) noted so far, also those that find no place

@@ -17,10 +17,11 @@ HISTORY = 2
 
 
 class JointForce(NamedTuple):
-    """Impulses of joints in the last step, for the force on friction. share (f, 1, lanes):
-    deflection at slip for each N of f friction elements (rad/N), 0 where constant; lone (f,): index
-    of each one's hinge in `hinges` (h, SUMS, lanes), impulses of hinges solved alone, or -1; first,
-    count (f,): its conditions in `rows` (directions) and `impulses` (N s) of the other joints."""
+    """Impulses of joints in the last step, by which friction finds the force of its joint. share
+    (f, 1, lanes): deflection at slip for each N of f friction elements (rad/N), 0 where constant;
+    lone (f,): index of each one's hinge in `hinges` (h, SUMS, lanes), impulses of hinges solved
+    alone, or -1; first, count (f,): its conditions in `rows` (directions) and `impulses` (N s), of
+    joints solved together."""
 
     share: np.ndarray  # (f, 1, lanes) what counts of each N; 0: not this one
     lone: np.ndarray  # (f,)

@@ -334,8 +334,9 @@ def rate_at(places, hinge, motion) -> float:
 
 
 def pack_past(batch, kind) -> np.ndarray:
-    """Array (elements, HISTORY, lanes) with which the kernels of losses_kernels.py start: the rate
-    of each element's opening at t = 0 (rad/s), then 0. batch: of scenes; kind: element type."""
+    """Array (elements, 2, lanes) with which the kernels of elements that lose energy start: rate of
+    each opening at t = 0 (rad/s, m/s), then 0. batch: the scenes being packed; kind: element
+    type."""
     from fpm.elements.openings.losses_kernels import HISTORY
 
     count = len(kind.of(batch.scene))

@@ -66,9 +66,9 @@ def let_go(part, timing, i):
 
 @hook(Releases)
 def forces(part, world, timing):
-    """Add the moments (N m) of releases that hold, and the correction for those that let go in this
-    step, to the forces on particles; update part.state. part: arrays of all releases (Releases);
-    world: solver state (World), whose forces change; timing: times of this step (s)."""
+    """Add the moments (N m) of releases that hold to the forces on particles, and in the step in
+    which one lets go the rest of its moment; update part.state. part: arrays of all releases
+    (Releases); world: solver state (World), whose forces change; timing: times of this step (s)."""
     for i in range(part.on.shape[0]):
         for k in (MOMENT, ENERGY):
             store(part.state, i, k + 1, load(part.state, i, k))

@@ -98,7 +98,7 @@ class SyncLoop(OnHinges):
 
     @classmethod
     def array(cls, name, batch):
-        """Array for the field `name` of the kernels' tuple Loops; "on": both hinges. batch: scenes
+        """Array for the field `name` of the kernels' tuple Loops. batch: the scenes being
         packed."""
         if name == "on":
             return batch.integers((loop.hinges for loop in cls.of(batch.scene)), 2)

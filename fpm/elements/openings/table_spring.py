@@ -30,7 +30,7 @@ class TableSpring(OnHinge):
     resists_as = "HA"  # unless its `class` says that it is a spring
 
     def check(self, scene):
-        """Check the hinge, and two or more increasing angles with finite moments; raises
+        """Check the hinge, and for two or more increasing angles with finite moments; or
         SceneError."""
         super().check(scene)
         check_table(self.angles, self.moments, "moments", "spring by a table")

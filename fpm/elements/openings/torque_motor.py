@@ -40,6 +40,6 @@ class TorqueMotor(AnyMotor):
 
     @classmethod
     def held_round(cls, scene):
-        """Sum of the sizes (N m) of a scene's torques, as moments that exact holds may bear at
-        rest."""
+        """Sum of the sizes of a scene's torques (N m): moments that exact holds of openings may
+        bear."""
         return float(sum(abs(motor.torque) for motor in cls.of(scene)))

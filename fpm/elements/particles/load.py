@@ -42,8 +42,8 @@ class Load(ElementType):
 
     @classmethod
     def held_up(cls, scene):
-        """Sum of the sizes of the forces (N) of a scene's loads: what joints may have to bear at
-        rest, by which the tolerance of the energy balance is set."""
+        """Sum of the sizes of the forces (N) of a scene's loads, which joints may have to bear at
+        rest: for the tolerance of the energy balance."""
         return float(sum(np.linalg.norm(load.force) for load in cls.of(scene)))
 
     @classmethod

@@ -144,7 +144,7 @@ def restrain(parts, world, timing):
 @_unrolled()
 def prepare(parts, world, timing):
     """Add impulses of forces, over timing.kick (s), to momenta of the particles that an element
-    type moves itself (ElementType.moved). parts: arrays of each element type; world: solver
+    type moves itself (as those in joints). parts: arrays of each element type; world: solver
     state."""
 
 

@@ -30,8 +30,8 @@ class TableSpring(OnHinge):
     resists_as = "HA"  # unless its `class` says that it is a spring
 
     def check(self, scene):
-        """Check the hinge, and for two or more increasing angles with finite moments; or
-        SceneError."""
+        """Check the hinge and the table (two or more points); raises SceneError if one does not
+        fit."""
         super().check(scene)
         check_table(self.angles, self.moments, "moments", "spring by a table")
 

@@ -72,9 +72,9 @@ class MisfitError(SceneError):
 
 
 class Assembly(NamedTuple):
-    """Result of an assembly: strain energy (J) of the assembled structure; the joint with the
-    largest misfit before, its gap (m) and tilt (sine of the angle between directions that should
-    agree); number of rounds; openings (rad, of slides m) of the hinges as stated before."""
+    """Result of forcing parts together. energy: strain energy (J) after it; joint, gap, tilt: the
+    joint that was open most before, by how much (m; sine of the angle between directions that
+    should agree); rounds: of Newton's method; openings: of hinges before (rad, m)."""
 
     energy: float
     joint: str
@@ -85,13 +85,13 @@ class Assembly(NamedTuple):
 
 
 def assemble(scene, hold: Sequence[str] = ()) -> None:
-    """Force the parts of a scene together at its joints; the scene is then in static balance and at
-    rest.
+    """Force the parts of a scene together at its joints; the scene, changed in place, is then in
+    static balance and at rest.
 
-    Positions and frames become those of the assembled structure, and `scene.assembly` is an
-    `Assembly`. Beams keep the lengths and axes that they had, and positions stated later refer to
-    the scene before. hold: names of hinges that keep their stated opening. Raises MisfitError where
-    no such position is found.
+    Positions and frames become those of the assembled structure, scene.assembly the result
+    (Assembly). Beams keep the lengths and axes that they had; positions stated later refer to the
+    scene before. hold: names of hinges that keep the opening that the scene states. Raises
+    MisfitError where no such position is found.
     """
     if not len(scene.position):
         return
@@ -151,10 +151,8 @@ def _settle(scene, start: ParticlePoses, conditions: Conditions, elastic: Elasti
 
     def falling(poses, impulses):
         """The motion (6n,) along which the energy falls to both sides at the second order, or None.
-
         Such is the image of a vector on which the inverse of a round's matrix is negative; what
-        rounding alone made negative is left out.
-        """
+        rounding alone made negative is left out."""
         solve, _ = system(poses, elastic, impulses, SOFT_SHARE)
         steps = _negative(lambda force: solve(force / scales, no_gaps)[0], len(scales))
         _, stiffness = elastic.derivatives(poses)
@@ -239,11 +237,9 @@ def _settle(scene, start: ParticlePoses, conditions: Conditions, elastic: Elasti
 
 
 def _negative(apply, count: int) -> np.ndarray:
-    """Directions (count, k) in which a symmetric matrix, `apply`, seems to be negative.
-
-    Lanczos' method from a fixed start, each vector made normal to all before; it has the extremes
-    of a spectrum first.
-    """
+    """Directions (count, k) in which a symmetric matrix, `apply`, seems to be negative. Lanczos'
+    method from a fixed start, each vector made normal to all before; it has the extremes of a
+    spectrum first."""
     basis = [np.random.default_rng(1).standard_normal(count)]
     basis[0] /= np.linalg.norm(basis[0])
     images: list[np.ndarray] = []
@@ -266,15 +262,15 @@ def _negative(apply, count: int) -> np.ndarray:
 def linearised(
     scene, poses, conditions, elastic, impulses, scales, free, weight, ease=None, share=MASS_SHARE
 ):
-    """Linear equations of a Newton step at poses, as a function that solves them; and the gradient
-    (6n,) of the energy and of the conditions.
+    """Set up the linear equations of a Newton step: returns a function solve, and the gradient
+    (6n,) of the strain energy and of conditions times impulses.
 
-    solve(forces (6n,), lacks (c,), residuals times their weight) gives the motion (6n,), lengths as
-    fractions of the size, and the change (c,) of the impulses. conditions: c of them, with their
-    impulses and factors `weight` (c,); elastic: Elastic or Unstressed; scales (6n,): size (m), 1
-    for turns; free: indices of dofs that are not held. Rows and columns are scaled so that the
-    largest entries are about one; ease: μ times the largest mass (N m); None: `share` of the
-    largest stiffness.
+    solve(forces (6n,) N, N m; lacks (c,): residuals times `weight`) returns the motion (6n,),
+    lengths as fractions of the size, and the change (c,) of the impulses. scene: for masses; poses:
+    of all particles; conditions: c of them (Conditions); elastic: Elastic or Unstressed; impulses
+    (c,): of the conditions; scales (6n,): size (m), 1 for turns; free: indices of dofs that are not
+    held; weight (c,): factors on the conditions; ease: how much masses hold motions back, times the
+    largest mass (N m); None: `share` of the largest stiffness.
     """
     from scipy.sparse import bmat, identity
     from scipy.sparse.linalg import splu
@@ -308,7 +304,8 @@ def linearised(
 
 
 def masses(scene, poses: ParticlePoses):
-    """Sparse masses (kg) and inertias (kg m²) of all particles (6n, 6n), in global axes."""
+    """Sparse (6n, 6n) masses (kg), inertias (kg m²) of all particles of a scene, at poses, in
+    global axes."""
     from scipy.sparse import coo_array
 
     blocks = np.zeros((len(scene.mass), 2, 3, 3))

@@ -19,14 +19,14 @@ STEP = 1e-30
 
 
 class ParticlePoses(NamedTuple):
-    """Positions (n, 3) m of particles, and frames (n, 3, 3) with the particles' axes as columns."""
+    """Places of n particles: position (n, 3) m, and frame (n, 3, 3), with its axes as columns."""
 
     position: np.ndarray
     frame: np.ndarray
 
     def displace(self, step: np.ndarray) -> "ParticlePoses":
-        """Poses after a motion (6n,): of each particle a shift (m) and a rotation vector (rad), in
-        global axes."""
+        """Poses moved by step (6n,): of each particle a shift (m), then a rotation vector (rad),
+        both in global axes."""
         from scipy.spatial.transform import Rotation
 
         shift, turn = step.reshape(-1, 2, 3).transpose(1, 0, 2)
@@ -35,12 +35,12 @@ class ParticlePoses(NamedTuple):
         )
 
     def select(self, particles: np.ndarray) -> "ParticlePoses":
-        """Poses of some particles (k,), by index."""
+        """Poses of some particles, in the order of their indices `particles` (k,)."""
         return ParticlePoses(self.position[particles], self.frame[particles])
 
     def nudged(self, first: int) -> "ParticlePoses":
-        """Complex poses (12, n, ...): rows `first` to `first + 5` after an infinitely small shift
-        along each global axis and rotation about each, the others as they are."""
+        """Complex poses (12, n, ...), for derivatives (`slopes`): copies first to first + 5 after
+        an imaginary shift along, then turn about, each global axis; the others as these poses."""
         position = np.tile(self.position.astype(complex), (12, 1, 1))
         frame = np.tile(self.frame.astype(complex), (12, 1, 1, 1))
         position[first : first + 3] += 1j * STEP * np.eye(3)[:, None]
@@ -50,20 +50,18 @@ class ParticlePoses(NamedTuple):
 
 
 def slopes(function, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
-    """Derivatives (e, k, 12) of function(first, second) -> (..., e, k) by the motions of both poses
-    (e,), by complex steps.
-
-    Columns: translation (m) and rotation vector (rad) of the first, then of the second, in global
-    axes. The function takes complex arrays and must be analytic: no abs (whose derivative would
-    come out as 0), conj or casts to real numbers.
-    """
+    """Exact derivatives (e, k, 12) of `function` by the motions of e pairs of particles, by complex
+    steps. Columns: shift (m) and rotation vector (rad) of the first, then of the second, in global
+    axes. function(first, second): values (..., e, k); it takes complex poses and must be analytic:
+    no abs (whose derivative would come out as 0), conj or casts to real numbers. first, second:
+    poses (e,)."""
     values = function(first.nudged(0), second.nudged(6))
     return np.moveaxis(values.imag / STEP, 0, -1)
 
 
 def sparse_matrix(blocks: np.ndarray, pairs: np.ndarray, count: int):
-    """Sparse matrix (6 count, 6 count) that sums blocks (e, 12, 12) on pairs (e, 2) of particles,
-    by index; count: number of all particles."""
+    """Sparse matrix (6 count, 6 count) by the motions of all particles, summed from blocks (e, 12,
+    12), each by the motions of a pair. pairs (e, 2): indices of particles; count: number of all."""
     from scipy.sparse import coo_array
 
     dofs = dofs_of(pairs)
@@ -72,7 +70,7 @@ def sparse_matrix(blocks: np.ndarray, pairs: np.ndarray, count: int):
 
 
 def dofs_of(pairs: np.ndarray) -> np.ndarray:
-    """Indices (e, 12) of the degrees of freedom of pairs (e, 2) of particles."""
+    """Indices (e, 12), in a motion (6n,) of all particles, of the 6 + 6 entries of pairs (e, 2)."""
     return (6 * pairs[:, :, None] + np.arange(6)).reshape(len(pairs), 12)
 
 
@@ -81,8 +79,8 @@ SMALLEST = 1e-9
 
 
 def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
-    """Rank of conditions with derivatives (c, f), and size (c,) of each condition in the
-    combinations whose derivatives vanish: 0 where it depends on no other."""
+    """Find which of c conditions with derivatives rows (c, f) depend on others: their rank, and for
+    each its size (c,) in the combinations whose derivatives vanish, 0: independent."""
     if not rows.size:
         return 0, np.zeros(len(rows))
     vectors, sizes, _ = np.linalg.svd(rows)
@@ -91,7 +89,8 @@ def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
 
 
 def scaled(matrix, rows: np.ndarray, columns: np.ndarray):
-    """Copy of a sparse matrix (r, c), its rows and columns multiplied by factors (r,), (c,)."""
+    """Copy of a sparse matrix (r, c), each row times its factor in rows (r,), and columns likewise
+    (c,)."""
     matrix = matrix.tocsc(copy=True)
     matrix.data = matrix.data * rows[matrix.indices] * np.repeat(columns, np.diff(matrix.indptr))
     return matrix
@@ -101,11 +100,14 @@ GLOBAL, BODY_FIXED, NORMAL = 0, 1, 2
 
 
 class Conditions(NamedTuple):
-    """Conditions (c,) on pairs (c, 2) of particles; joint: name of the joint of each condition.
+    """Conditions of all joints, c of them, each on two particles: a gap of points along a
+    direction, or a product of two directions, that should be 0.
 
-    axis_types: GLOBAL, BODY_FIXED to the first, or NORMAL; axis1, axis2 (c, 3): the direction, and
-    for NORMAL that of the second; arms (c, 2, 3) to the points, each in its particle's frame;
-    second (c,): 1, or 0 where a point is held at a `place` (c, 3).
+    joint: name of each one's joint; pairs (c, 2): indices of particles; axis_types (c,): GLOBAL or
+    BODY_FIXED, gap along a direction that is global or fixed to the first particle, or NORMAL, two
+    directions at right angles; axis1 (c, 3): the direction; axis2 (c, 3): for NORMAL that on the
+    second; arms (c, 2, 3) m: from the particles to the points, in their frames; second (c,): 1, or
+    0 where the point is held at `place` (c, 3) m.
     """
 
     joint: list[str]
@@ -118,17 +120,17 @@ class Conditions(NamedTuple):
     place: np.ndarray
 
     def weight(self, size: float) -> np.ndarray:
-        """Factors (c,) that make all gaps dimensionless; size: characteristic length (m)."""
+        """Factors (c,) that make all residuals dimensionless; size: of the structure (m)."""
         return np.where(self.axis_types == NORMAL, 1.0, 1.0 / size)
 
     def gaps(self, poses: ParticlePoses) -> np.ndarray:
-        """Residuals (c,) of all conditions: gaps of points (m), and cosines of angles that should
-        be right."""
+        """Residuals (c,) of all conditions at poses of all particles: gaps of points (m), and
+        cosines of angles that should be right; all 0 where the joints are closed."""
         return self._residuals(*self._ends(poses))[:, 0]
 
     def worst(self, gaps: np.ndarray) -> tuple[str, float, float]:
-        """Name of the joint with the largest residual, its gap (m), and its tilt, the root of
-        summed squares of cosines (rad if small). gaps (c,): residuals, as `gaps` gives them."""
+        """Name of the joint with the largest residual, its gap (m), and its tilt: the root of its
+        summed squares of cosines (rad if small). gaps (c,): residuals (Conditions.gaps)."""
         gap: dict[str, float] = {}
         tilt: dict[str, float] = {}
         for name, axis_type, residual in zip(self.joint, self.axis_types, gaps, strict=True):
@@ -139,13 +141,13 @@ class Conditions(NamedTuple):
         return name, gap.get(name, 0.0), tilt.get(name, 0.0)
 
     def derivatives(self, poses: ParticlePoses, impulses: np.ndarray):
-        """Sparse derivatives (c, 6n) of all conditions, and (6n, 6n) of their sum with factors
-        `impulses` (c,)."""
+        """Sparse derivatives (c, 6n) of all conditions by motions of the particles at poses; and
+        second derivatives (6n, 6n) of their sum with factors `impulses` (c,)."""
         blocks = impulses[:, None, None] * slopes(self._rows, *self._ends(poses))
         return self.jacobian(poses), sparse_matrix(blocks, self.pairs, len(poses.position))
 
     def jacobian(self, poses: ParticlePoses):
-        """Sparse derivatives (c, 6n) of all conditions by the motions (m, rad) of all particles."""
+        """Sparse derivatives (c, 6n) of all conditions by motions (m, rad) of all particles."""
         from scipy.sparse import coo_array
 
         rows = self._rows(*self._ends(poses))
@@ -197,10 +199,8 @@ class Conditions(NamedTuple):
 
 
 def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
-    """Conditions of all joints of a scene; hold: names of hinges that keep their opening as well.
-
-    Raises SceneError for names of hinges that there are not.
-    """
+    """Conditions that close all joints of a scene. hold: names of hinges whose opening is to stay
+    as stated, a condition each, at the end. Raises SceneError for a name that no hinge has."""
     rows: list[tuple] = []
     for joint in (*(j for hinge in scene.hinges for j in as_joints(hinge)), *_joints_of(scene)):
         rows += _rows_of(scene, joint)

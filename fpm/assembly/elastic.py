@@ -9,9 +9,9 @@ from fpm.elements.bars.beam import Beams, elements_of, end_axes
 
 
 class Shape(NamedTuple):
-    """Deformed shape of beam elements: chord (e, 3), direction; length (e,) m; axes a₂, a₃, b₂, b₃
-    (e, 4, 3) of the ends; sines (e, 4) of the small angles by which the ends are turned against the
-    chord, scalar products of axes and chord; twist (e,) rad."""
+    """Deformed shape of e beam elements. chord (e, 3): unit vector from end a to end b; length
+    (e,): of it (m); axes (e, 4, 3): a₂, a₃, b₂, b₃, transverse axes of the ends; sines (e, 4): of
+    the small angles of the ends against the chord, products of axes and chord; twist (e,): rad."""
 
     chord: np.ndarray
     length: np.ndarray
@@ -31,7 +31,7 @@ class Elastic(NamedTuple):
     half: np.ndarray
 
     def energy(self, poses: ParticlePoses) -> float:
-        """Strain energy (J) of all elements."""
+        """Strain energy (J) of all elements together, at poses of all particles of the scene."""
         shape = self._shape(*self._ends(poses))
         rest, axial, *bending, torsion = self.stiffness.T
         turns = shape.sines + shape.sines**3 / 6
@@ -42,7 +42,8 @@ class Elastic(NamedTuple):
         return float(np.sum(total))
 
     def largest(self, poses: ParticlePoses) -> tuple[float, float]:
-        """Largest sine of an end's angle, or twist (rad); and largest strain at a surface."""
+        """Two largest values over all elements at poses of all particles: of a bend (sine of an
+        end's angle) or twist (rad); and of the strain at a surface."""
         shape = self._shape(*self._ends(poses))
         turns = shape.sines + shape.sines**3 / 6
         rest = self.stiffness[:, :1]
@@ -52,7 +53,8 @@ class Elastic(NamedTuple):
         return float(bend.max(initial=0.0)), float(strain.max(initial=0.0))
 
     def derivatives(self, poses: ParticlePoses):
-        """Gradient (6n,), N and N m, and Hessian, sparse (6n, 6n), of the strain energy."""
+        """Gradient (6n,), N and N m, and sparse Hessian (6n, 6n) of the strain energy, by the
+        motions (m, rad) of all particles at poses."""
         count, ends = len(poses.position), self._ends(poses)
         gradient = np.zeros(6 * count)
         np.add.at(gradient, dofs_of(self.nodes), self._gradient(*ends))
@@ -60,7 +62,7 @@ class Elastic(NamedTuple):
 
     @property
     def unstressed(self) -> "Unstressed":
-        """These elements with a Hessian without the terms of their stress."""
+        """These elements with a Hessian without what stress adds, nowhere negative."""
         return Unstressed(self)
 
     def _ends(self, poses: ParticlePoses) -> tuple[ParticlePoses, ParticlePoses]:
@@ -113,12 +115,13 @@ class Elastic(NamedTuple):
 
 
 class Unstressed(NamedTuple):
-    """Elements with the Hessian of Gauss and Newton, which has no slope below zero."""
+    """Beam elements, bars, with the Hessian of Gauss and Newton, nowhere negative."""
 
     bars: Elastic
 
     def derivatives(self, poses: ParticlePoses):
-        """Gradient (6n,), and the Hessian, sparse (6n, 6n), without what stress adds to it."""
+        """Gradient (6n,), N and N m, and sparse Hessian (6n, 6n) of the strain energy by the
+        motions (m, rad) of all particles, at poses; the Hessian without what stress adds to it."""
         ends = self.bars._ends(poses)
         gradient, _ = self.bars.derivatives(poses)
         rows = slopes(self.bars._modes, *ends)
@@ -127,7 +130,8 @@ class Unstressed(NamedTuple):
 
 
 def elastic_of(scene) -> Elastic:
-    """All beam elements of a scene, for its assembly."""
+    """All beam elements of a scene, as its assembly needs them: for strain energy and
+    derivatives."""
     nodes, _, half = elements_of(scene.beams)
     if not len(nodes):
         return Elastic(nodes, np.zeros((0, 5)), np.zeros((0, 4, 3)), half)

@@ -64,16 +64,17 @@ them, joints and the probe come last).
 
 
 def kinds_of(scenes) -> list[type[ElementType]]:
-    """Element types that some of the scenes have, in the order of KINDS, then those not
-    registered."""
+    """Element types (classes) of which some of the scenes have elements, in the order of KINDS (the
+    registry), then those not in it, by name."""
     types = {kind for scene in scenes for kind in scene.kinds}
     own = sorted(types.difference(KINDS), key=lambda kind: (kind.__module__, kind.__qualname__))
     return [kind for kind in (*KINDS, *own) if any(kind.of(scene) for scene in scenes)]
 
 
 def energies_of(kinds) -> list:
-    """Energies (Energy) in the balance of a scene, in order, besides kinetic energy and the
-    balance: what its element types `kinds`, and all registered ones, store, give and take."""
+    """Energies (Energy: name, variable) in the balance of a scene, in order of records: what
+    element types store, give, take; kinetic energy and the balance itself not. kinds: the scene's
+    element types; all registered ones count as well."""
     kinds = [*KINDS, *(kind for kind in kinds if kind not in KINDS)]
     energies = [getattr(k, role) for role in ("stores", "gives", "takes") for k in kinds]
     return list(dict.fromkeys(energy for energy in energies if energy))

@@ -25,10 +25,9 @@ driven body, which the drive takes back, is off by ten, of which the balance all
 
 
 def blank(*shape_and_dtype) -> np.ndarray:
-    """Zeros of shape (..., width) and the given dtype (last argument), aligned to 64 bytes.
-
-    A register of lanes that straddles two cache lines costs twice.
-    """
+    """Zeros of the given shape, aligned to 64 bytes, as a register of lanes that straddles two
+    cache lines costs twice. shape_and_dtype: lengths of the axes, then the dtype: blank(3, 2, 8,
+    float)."""
     *shape, dtype = shape_and_dtype
     size = math.prod(shape) * np.dtype(dtype).itemsize
     buffer = np.zeros(size + 64, np.uint8)
@@ -37,7 +36,8 @@ def blank(*shape_and_dtype) -> np.ndarray:
 
 
 class SceneData(Protocol):
-    """What element types use of a scene (fpm.Scene)."""
+    """What element types read of a scene (fpm.Scene), for type checkers: places, motion and masses
+    of particles, held axes, elements by type (kinds), hinges, curves, points."""
 
     position: np.ndarray
     frame: np.ndarray
@@ -55,8 +55,8 @@ class SceneData(Protocol):
 
 
 class Slices:
-    """Slice of each key in a shared array, one after the other. sizes: number of rows by key; of:
-    slices by key; count: length of the array."""
+    """Where the rows of each key lie in one shared array, one key after the other. sizes: number of
+    rows by key; of: the slice of each key; count: number of all rows."""
 
     def __init__(self, sizes: dict):
         ends = np.cumsum([0, *sizes.values()])
@@ -65,13 +65,11 @@ class Slices:
 
 
 class Batch:
-    """Scenes of one topology while they are packed for the kernels.
-
-    scenes, of which `scene` represents all where they agree; kinds: element types in them, in
-    order; energies of the balance; indices of particles that element types have `moved`, the
-    others, `free`; width: number of lanes; instants: number of recorded instants; room: number of
-    events of each scene that fit.
-    """
+    """Scenes of one topology (that differ in numbers only) while they are packed for the kernels.
+    scenes: side by side, a sample each; scene: the first, for what all agree in; kinds: element
+    types in them, in order; energies: of the balance (Energy); width: number of lanes; dtype: of
+    arrays; instants: number of recorded ones; room: number of events of each scene that fit; moved,
+    free: indices of particles that some element type moves itself, and of the others."""
 
     def __init__(
         self,
@@ -110,11 +108,12 @@ class Batch:
     # -- arrays of numbers that differ from scene to scene ----------------------------------------
 
     def blank(self, rows: int, columns: int) -> np.ndarray:
-        """Zeros (rows, columns, lanes)."""
+        """Zeros (rows, columns, lanes), a lane for each sample side by side."""
         return blank(rows, columns, self.width, self.dtype)
 
     def stack(self, rows: int, columns: int, function: Callable[[SceneData], object]) -> np.ndarray:
-        """Array (rows, columns, lanes) from function(scene) -> (rows, columns), scene by scene."""
+        """Array (rows, columns, lanes) of numbers that differ from scene to scene. function(scene):
+        those of one scene, (rows, columns); lanes left over repeat the last scene."""
         array = self.blank(rows, columns)
         if rows:
             for s in range(self.width):
@@ -125,8 +124,8 @@ class Batch:
         return array
 
     def table(self, kind: type, columns: int, row: Callable) -> np.ndarray:
-        """Array (elements, columns, lanes) of a type's elements; row(element) gives the numbers
-        (columns,) of one. kind: the element type."""
+        """Array (elements, columns, lanes) of numbers of all elements of an element type. kind: the
+        type; columns: how many for each; row(element): the numbers (columns,) of one."""
         count = len(kind.of(self.scene))
         return self.stack(count, columns, lambda scene: [row(e) for e in kind.of(scene)])
 
@@ -134,37 +133,40 @@ class Batch:
 
     @staticmethod
     def integers(values: Iterable, columns: int | None = None) -> np.ndarray:
-        """Whole numbers (n,), or (n, columns)."""
+        """Array (n,) or (n, columns) of the whole numbers `values`, the same for all lanes."""
         shape = (-1,) if columns is None else (-1, columns)
         return np.array(list(values), np.int64).reshape(shape)
 
     # -- what kinds share -------------------------------------------------------------------------
 
     def part(self, kind: type) -> NamedTuple:
-        """Arrays of the element type `kind` for its kernels, by its `pack`; packed once."""
+        """Arrays of an element type for its kernels, a named tuple; packed at the first call
+        (kind.pack), the same object afterwards. kind: the element type."""
         if kind not in self._parts:
             self._parts[kind] = kind.pack(self)
         return self._parts[kind]
 
     def is_read(self, kind: type) -> bool:
-        """Whether another element type reads the arrays of this one in every step
-        (ElementType.reads)."""
+        """Whether another element type of the batch reads the arrays of the type `kind` in every
+        step (lists it in its ElementType.reads)."""
         return any(kind in reader.reads for reader in self.kinds)
 
     def given_by(self, kind: type) -> int:
-        """Index of the account of the work that an element type gives."""
+        """Index in World.accounts of the work (J) that the element type `kind` gives."""
         return self.accounts.index(kind.gives)
 
     def taken_by(self, kind: type) -> int:
-        """Index of the account of the energy that an element type takes."""
+        """Index in World.accounts of the energy (J) that the element type `kind` takes out."""
         return self.accounts.index(kind.takes)
 
     def watched_by(self, kind: type) -> np.ndarray:
-        """View (1, watches, lanes) of the watched quantities of an element type."""
+        """View (1, watches, lanes) into World.watched: the largest values so far of the quantities
+        by whose limits runs of the element type `kind` fail (Watch). Its kernels write to it."""
         return self._watched[:, self.watches.of[kind]]
 
     def rows_of(self, kind: type) -> np.ndarray:
-        """View (elements, 1, lanes) of an element type's measures of failure, one for each
+        """View (elements, 1, lanes) into World.rows: a number for each element of the type `kind`,
+        its energy or watched quantity, which its kernels write after a failure, to name the worst
         element."""
         return self._rows[self.rows.of[kind]]
 
@@ -177,11 +179,9 @@ class Batch:
     # -- the whole --------------------------------------------------------------------------------
 
     def parts(self) -> tuple:
-        """The arrays of all element types, in order.
-
-        Raises TypeError for a type whose kernels and definition differ about whether it stores
-        energy: the energies would stand in the wrong columns.
-        """
+        """Arrays of all element types of the batch, a named tuple for each, in order: what the time
+        loop takes as `parts`. Raises TypeError for a type that states an energy (`stores`) without
+        a kernel for it, or the reverse: the energies would stand in the wrong columns."""
         from fpm.kernels.hooks import KERNELS
 
         for kind in self.kinds:
@@ -193,7 +193,8 @@ class Batch:
         return tuple(self.part(kind) for kind in self.kinds)
 
     def world(self) -> World:
-        """Arrays of particles at their start, of curves, and of what element types share."""
+        """World of the time loop: arrays of the particles at their start, curves of time, named
+        points, and what element types share (accounts of energy, watched quantities)."""
         scene, n, points = self.scene, len(self.scene.position), self.scene.points
         lengths = [len(times) for times, _ in scene.curves]
         watches = [(kind, watch) for kind in self.kinds for watch in kind.watches]
@@ -223,7 +224,7 @@ class Batch:
         )
 
     def record(self, step: float, steps: int) -> Record:
-        """Empty record of a run of `steps` steps of `step` seconds."""
+        """Empty arrays (Record) for the time loop to record a run of `steps` steps of `step` s."""
         rows, width, dtype = self.instants + 1, self.width, self.dtype
         energies = layout.ACCOUNTS + len(self.accounts) + sum(bool(k.stores) for k in self.kinds)
         failed_step = np.full(width, -1, np.int64)
@@ -240,12 +241,10 @@ class Batch:
         )
 
     def _least_scale(self, step: float, steps: int) -> np.ndarray:
-        """Energy (lanes,) that rounding may hold in a scene at rest.
-
-        Joints close in every step what rounding has opened, which adds up as a random walk does; of
-        so much way forces do work. At a stable step no spring has more energy of so much strain
-        than masses have of such motion.
-        """
+        """Energy (lanes,) that rounding may hold in a scene at rest. Joints close in every step
+        what rounding has opened, which adds up as a random walk does; of so much way forces do
+        work. At a stable step no spring has more energy of so much strain than masses have of such
+        motion."""
         gap = ROUNDINGS * np.finfo(self.dtype).eps * math.sqrt(steps)
         scale = np.zeros(self.width, self.dtype)
         for lane, scene in enumerate(self.scenes):
@@ -273,8 +272,8 @@ def _state(scene: SceneData) -> np.ndarray:
 
 
 def size_of(scene: SceneData) -> float:
-    """Characteristic length (m) of a scene: the extent of what moves and of the points of joints,
-    and at least the largest radius of gyration."""
+    """Characteristic length (m) of a scene, for tolerances: the largest extent along an axis of
+    free particles and joints, at least the largest radius of gyration."""
     free = ~scene.fixed.all(axis=1)
     joining = (e for kind, elements in scene.kinds.items() if kind.joins for e in elements)
     beams = [beam for element in joining for beam in element.beams]

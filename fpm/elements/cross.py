@@ -7,7 +7,7 @@ import numpy as np
 
 
 def cross(a, b) -> np.ndarray:
-    """Vector products (..., 3) of vectors (..., 3), of one shape: `numpy.cross`."""
+    """Vector products (..., 3) of vectors a and b (..., 3) of one shape, as numpy.cross."""
     a, b = np.asarray(a, float), np.asarray(b, float)
     if a.ndim == 1:
         (a1, a2, a3), (b1, b2, b3) = a.tolist(), b.tolist()
@@ -27,8 +27,8 @@ def length(vector: np.ndarray) -> float:
 
 
 def columns(*parts) -> np.ndarray:
-    """Numbers or arrays (...) side by side, (..., k): `numpy.stack(parts, axis=-1)`; the first has
-    the shape of all."""
+    """Join numbers or arrays (...) as columns along a new last axis, (..., k), as
+    `numpy.stack(parts, axis=-1)` does. parts: k of them; the first has the shape of all."""
     array = np.empty((*np.shape(parts[0]), len(parts)), np.result_type(*parts))
     for k, part in enumerate(parts):
         array[..., k] = part

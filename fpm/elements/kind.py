@@ -24,7 +24,7 @@ AXES = "xyz"
 
 
 class Energy(NamedTuple):
-    """An energy of the balance (J): its name, its variable in a trajectory file, and in words."""
+    """An energy of the balance (J). name: key; variable: in a trajectory file; long_name: words."""
 
     name: str
     variable: str
@@ -32,14 +32,12 @@ class Energy(NamedTuple):
 
 
 class Watch(NamedTuple):
-    """A failure criterion: a watched quantity, and the value `most` above which a run fails.
-
-    unconditional: whether it counts also where the energy does not balance, as nothing else would
-    explain that. of_size: whether `most` is a fraction of the scene's size (m), World.size.
-    failure(values) -> (cause, remedy): in words, from the largest values of the element type's
-    watches. unbalanced(element) -> remedy: where the energy does not balance and this element of
-    the type is the worst; "" where the type knows none of its own.
-    """
+    """A failure criterion: a quantity, watched during a run, whose largest value lets the run fail.
+    name: its key; most: the limit; of_size: whether that is a fraction of the scene's size (m);
+    unconditional: whether it counts even where the energy does not balance, as nothing else
+    explains it; failure(values): cause and remedy in words, from the largest values of the element
+    type's watches by name; unbalanced(element): remedy where the energy does not balance and the
+    element of that name is the worst, "": none."""
 
     name: str
     most: float
@@ -50,11 +48,9 @@ class Watch(NamedTuple):
 
 
 class Series(NamedTuple):
-    """A recorded series: values (t,), or (t, k) along a dimension with k labels, in a unit.
-
-    time_dim: the dimension of t; code: digest of the code that read it off the run, where that does
-    not count in the run's name.
-    """
+    """A recorded series. values (t,), or (t, k) for k labelled elements; unit; long_name: in words;
+    dimension, labels: of the k columns; time_dim: name of the dimension of t; code: digest of the
+    code that read it off the run, where that does not count in the run's name."""
 
     values: np.ndarray
     unit: str
@@ -65,14 +61,14 @@ class Series(NamedTuple):
     code: str = ""
 
     def merge(self, series: "Series") -> "Series":
-        """The columns of another series, then those of this one."""
+        """A series with the columns and labels of `series`, then those of this one."""
         values = np.concatenate([series.values, self.values], axis=1)
         return self._replace(values=values, labels=series.labels + self.labels)
 
 
 class Eventful(NamedTuple):
-    """An element that has events: its name, names of its events in the order of their numbers, and
-    the name of the joint that it is on, "" for none."""
+    """An element that has events. name: the element's; events: names of its events, in the order of
+    the numbers that kernels note; joint: name of the joint that it is on, "": none."""
 
     name: str
     events: tuple[str, ...]
@@ -80,11 +76,11 @@ class Eventful(NamedTuple):
 
 
 class Deformations(NamedTuple):
-    """Rows of the deformations of elements at the start, in the particles' own axes (timestep.py).
-
-    dofs (r, 12): degrees of freedom of two particles, 6 p .. 6 p + 5 for particle p; values (r, 12)
-    for the deformation's derivatives by them; stiffness (r,), of energy 1/2 k d²; element (r,).
-    """
+    """How springs of elements are strained by small motions of particles from the start, for the
+    stable step, in the particles' own axes (timestep.py): r springs, one or more for each element.
+    dofs (r, 12): degrees of freedom of two particles, 6 p .. 6 p + 5 for particle p; values (r,
+    12): derivatives of the strain d (m, rad) by them; stiffness (r,): k, of energy 1/2 k d²;
+    element (r,): index of the element in its type."""
 
     dofs: np.ndarray
     values: np.ndarray
@@ -104,7 +100,13 @@ SHARED = {
 
 class ElementType:
     """Base class of an element type. A subclass overrides what it provides; every attribute has a
-    neutral default."""
+    neutral default. stores, gives, takes: energies that its elements store, give as work, take out
+    (Energy; None: none; types with the same share an account); events: names of its events;
+    watches: failure criteria (Watch); reads: types whose arrays its kernels need in every step;
+    acts_as: component of the moments on openings, in recordings, that is its own; joins: whether
+    each element joins its `particles`; moves_free: whether it moves all particles that no other
+    type moves; resists_as: class of its part in what resists a slow motion (fpm/travel), "": none;
+    called: its word in messages."""
 
     stores: ClassVar[Energy | None] = None  # the energy it stores (hook `stored`)
     gives: ClassVar[Energy | None] = None  # the work it gives; kinds with the same share an account
@@ -125,13 +127,13 @@ class ElementType:
     # -- of one element -----------------------------------------------------------------------
 
     def add_to(self, scene: SceneData) -> None:
-        """Add the element to a scene; SceneError if it does not fit (`check`)."""
+        """Check the element and add it to the scene; raises SceneError if it does not fit."""
         self.check(scene)
         scene.kinds.setdefault(type(self), []).append(self)
 
     def check(self, scene: SceneData) -> None:
-        """Check the element's fields against their limits; raises SceneError if it does not fit
-        into the scene."""
+        """Check the element's fields against their limits, and indices against the scene, which is
+        not changed; raises SceneError if it does not fit."""
         for name, field in specs(type(self)).items():
             value = getattr(self, name)
             if isinstance(field, Index):
@@ -144,95 +146,95 @@ class ElementType:
                 raise SceneError(self.subject(scene, field), value, ", ".join(field.values))
 
     def check_index(self, scene: SceneData, field: Index, value: int) -> None:
-        """Check that a field's index exists in the scene; raises SceneError if not."""
+        """Check that an index exists in the scene's list; raises SceneError if not. field: spec of
+        the field (the list's name, the least index); value: the index."""
         count = len(getattr(scene, field.of))
         if not (isinstance(value, Integral) and field.least <= value < count):
             raise SceneError(self.subject(scene, field), value, f"{field.least} to {count - 1}")
 
     def subject(self, scene: SceneData, field: FieldSpec) -> str:
-        """Name in messages of a field of this element, as "stiffness of latch A"."""
+        """Name for messages of a field of this element, as "stiffness of latch A"; field: spec."""
         words = field.words or field.name.replace("_", " ") + " of {title}"
         title = self.title(scene) if "{title}" in words else ""
         return words.format(called=self.called, title=title)
 
     def title(self, scene: SceneData) -> str:
-        """Name of this element in messages, as "latch A"."""
+        """What a message calls this element, as "latch A"; scene: where its hinge has the name."""
         return self.called
 
     def unit_in(self, scene: SceneData, unit: str) -> str:
-        """Unit of a number of the element, by the one its field states: on slides N for N m."""
+        """Unit of one of the element's numbers in this scene: `unit`, which its field states,
+        unless the element is on a slide, where N stands for N m."""
         return unit
 
     def topology(self) -> Hashable:
-        """What must be equal, of this element, in all scenes that run side by side."""
+        """What of this element (fields with `same`) must be equal in scenes run side by side."""
         return tuple(getattr(self, n) for n, field in specs(type(self)).items() if field.same)
 
     def acts_on(self) -> tuple[int, ...]:
-        """Indices of the hinges on whose openings the element acts."""
+        """Indices of the hinges on whose openings (angles, lengths) the element acts."""
         return ()
 
     # -- of all elements of the kind in a scene -------------------------------------------------
 
     @classmethod
     def of(cls, scene: SceneData) -> list[Any]:
-        """Elements of this type in a scene."""
+        """Elements of this type in a scene, in the order in which they were added."""
         return scene.kinds.get(cls, [])
 
     @classmethod
     def led(cls, scene: SceneData) -> list["ElementType"]:
-        """Elements by which those of the type are represented where an opening is moved slowly, in
-        static balance, to find what resists it (fpm/travel)."""
+        """Elements that stand for those of the type where an opening is moved slowly, always in
+        static balance, to find what resists it (fpm/travel); by default the elements themselves."""
         return cls.of(scene)
 
     @classmethod
     def topology_of(cls, scene: SceneData) -> Hashable:
-        """What must be equal, of all elements of the type, in scenes that run side by side; None:
-        even whether there are any may differ."""
+        """What of all elements of the type must be equal in scenes that run side by side, as a
+        hashable value; None: nothing, not even whether there are any."""
         return tuple(element.topology() for element in cls.of(scene))
 
     @classmethod
     def names(cls, scene: SceneData) -> list[str]:
-        """Names of the elements, for messages; those of a group one by one."""
+        """Names of the type's elements in a scene, for messages, one for each row of measures of
+        failure; elements of a group are named one by one."""
         return [f"{cls.called or cls.__name__} {i}" for i in range(len(cls.of(scene)))]
 
     @classmethod
     def eventful(cls, scene: SceneData) -> list[Eventful]:
-        """Elements of the type with their events, if they have any."""
+        """Names of the type's elements in a scene, each with the names of its events, if any."""
         return [Eventful(name, cls.events) for name in cls.names(scene) if cls.events]
 
     @classmethod
     def moved(cls, scene: SceneData) -> list[int]:
-        """Indices of particles that the type's own kernels move (hooks `prepare` and `move`)."""
+        """Indices of particles that the type's own kernels move in place of the time loop."""
         return []
 
     @classmethod
     def deformations(cls, scene: SceneData) -> Deformations | None:
-        """Deformations of the elements with their stiffness, for the stable step; None: the type
-        has no stiffness."""
+        """How the type's springs are strained by motions of particles, with their stiffness, for
+        the stable step of the scene; None: it has no stiffness."""
         return None
 
     @classmethod
     def dampings(cls, scene: SceneData) -> Deformations | None:
-        """Deformations with damping (N m s/rad) in place of stiffness, for the stable step; None:
-        the type has no dampers.
-
-        For dampers whose rate is extrapolated from the last two steps (losses_kernels.py).
-        """
+        """How the type's dampers are moved by motions of particles, with damping (N m s/rad) in the
+        field for stiffness, for the stable step; None: it has none. For dampers whose rate is
+        extrapolated from the last two steps (losses_kernels.py)."""
         return None
 
     @classmethod
     def shut(cls, scene: SceneData, inverse: np.ndarray) -> Any:
-        """Motions that are ruled out in the one position in which the type acts, as orthonormal
-        sparse columns (dofs, c); None: it always acts.
-
-        inverse (dofs,): inverse masses; the columns are in coordinates scaled with their roots.
-        """
+        """Motions that the type rules out in the only position in which it acts (a closed contact),
+        for the stable step: orthonormal sparse columns (dofs, c) in coordinates scaled with the
+        roots of masses; None: it acts in all positions. inverse (dofs,): inverse masses and
+        inertias."""
         return None
 
     @classmethod
     def kernels(cls) -> ModuleType:
-        """The module of its kernels: that of the kind, or of one that it derives from, with
-        `_kernels` behind its name."""
+        """The module with the type's kernels: named as the module of the type, or of one that it
+        derives from, with `_kernels` behind. Raises NotImplementedError where there is none."""
         for kind in cls.__mro__[:-1]:
             if find_spec(name := f"{kind.__module__}_kernels"):
                 return import_module(name)
@@ -242,19 +244,19 @@ class ElementType:
 
     @classmethod
     def pack(cls, batch: Batch) -> NamedTuple:
-        """The named tuple of arrays for the type's kernels, filled by `array`. batch: of scenes."""
+        """Pack all elements of the type into the named tuple of arrays that its kernels take, each
+        field by `array`. batch: the scenes being packed, side by side."""
         arrays = _arrays_in(cls.kernels())
         return arrays(**{name: cls.array(name, batch) for name in arrays._fields})
 
     @classmethod
     def array(cls, name: str, batch: Batch) -> Any:
-        """The array that stands under `name` in the tuple of the type's kernels; by default the
-        integers of the field of that name. batch: the scenes being packed.
-
-        `numbers`: constants of every element, in the order of NUMBERS in the kernels' file;
-        `state`, `track`: zeros, STATE for each element, and TRACK for each at every instant;
-        `account`: index of the account of the work it gives, else of the energy it takes; SHARED.
-        """
+        """Array for the field `name` of the named tuple that the type's kernels take; by default
+        whole numbers, the elements' field of that name. batch: the scenes being packed. "numbers":
+        constants of each element, in the order of NUMBERS in the kernels' module; "state": zeros,
+        STATE for each; "track": zeros, TRACK for each at every instant; "account": index in
+        World.accounts of the work it gives, else of the energy it takes; SHARED has further
+        ones."""
         elements = cls.of(batch.scene)
         match name:
             case "numbers":
@@ -273,38 +275,38 @@ class ElementType:
 
     @classmethod
     def held_up(cls, scene: SceneData) -> float:
-        """Force (N) that the scene may have to bear at rest, where rounding moves it a little."""
+        """Force (N) that joints of the scene may bear at rest because of this type: its work on
+        ways by rounding sets the least energy by which the energy balance is judged."""
         return 0.0
 
     @classmethod
     def held_round(cls, scene: SceneData) -> float:
-        """Moment (N m) that exact holds of openings may have to bear at rest, where rounding moves
-        the scene a little."""
+        """Moment (N m) that exact holds of openings may bear at rest because of this type: its work
+        on ways by rounding sets the least energy by which the energy balance is judged."""
         return 0.0
 
     @classmethod
     def reads_impulses(cls, scene: SceneData) -> bool:
-        """Whether elements of the type need the impulses of joints summed over each step."""
+        """Whether elements of the type in the scene need the impulses of joints in each step."""
         return False
 
     @classmethod
     def weight(cls, scene: SceneData, particle: int, time: np.ndarray) -> np.ndarray:
-        """Force (3,) or (t, 3) N on a particle at times (t,) s that is there because of its mass.
-
-        The ground has a mass that means nothing: its reaction leaves this force out.
-        """
+        """Force (3,) or (t, 3) N, in global axes, that acts on a particle only because of its mass.
+        The ground's mass means nothing: its reaction leaves this force out. particle: index; time
+        (t,): s."""
         return np.zeros(3)
 
     @classmethod
     def recorded(cls, part: Any, scene: SceneData, lane: int) -> dict[str, Series]:
-        """Recorded series of one sample, by names of variables in a trajectory file. part: arrays
-        of the type's kernels after the run; lane: index of the sample in the batch."""
+        """Recorded series of one sample after a run, by names of variables in a trajectory file.
+        part: arrays of the type's kernels; scene: the sample's; lane: its index in the batch."""
         return {}
 
     @classmethod
     def prescribe(cls, scene: SceneData, time: float, motion: Any) -> None:
-        """Put the prescribed motion at a time (s) into `motion`, a Motion (fpm/files/outcome.py) of
-        all particles, in place."""
+        """Write the velocities and spins that the type prescribes at a time (s) into `motion`
+        (Motion, fpm/files/outcome.py), which has those of all particles; by default none."""
 
 
 def _row(element: ElementType, columns: list) -> list[float]:

@@ -29,7 +29,7 @@ def arctan(x):
 
 @kernel
 def arctan2(s, c):
-    """Angle (rad, lanes) in (-pi, pi] with sine and cosine in the ratio s : c (lanes)."""
+    """Return the angle (rad, lanes) in (-pi, pi] of sine and cosine in the ratio s : c."""
     a, b = absolute(s), absolute(c)
     steep = b - a  # negative beyond 45 degrees
     t = where_negative(steep, b, a) / where_negative(steep, a, b)

@@ -31,12 +31,10 @@ from fpm.kernels.vectors import OPTIONS
 
 
 def own_sources(parts: tuple[type, ...]) -> dict[Path, str]:
-    """Files outside of the mechanics, with their digests, on which the code of element types
-    depends: those of their tuples and kernels, and those beside them that these import.
-
-    parts: the named tuples (types) of the element types' kernels. Raises ChangedError if a file
-    changed since its kernels were imported.
-    """
+    """Files outside of the package fpm on which the compiled code of some element types depends,
+    with digests by path: where their arrays and kernels are defined, and files beside that these
+    import. parts: the classes of the element types' named tuples of arrays. Raises ChangedError if
+    a file changed since its kernels were imported."""
     kernels = [(part, k.py_func) for (part, _), k in KERNELS.items() if part in parts]
     digests = {}
     for part, definition in [*((part, part) for part in parts), *kernels]:
@@ -49,8 +47,8 @@ def own_sources(parts: tuple[type, ...]) -> dict[Path, str]:
 
 @functools.cache
 def source_digest(parts: tuple[type, ...] = ()) -> str:
-    """Hexadecimal digest (16 digits) of numba's version, the kernel sources, and those of element
-    types from elsewhere; parts: the named tuples (types) of these."""
+    """Hexadecimal digest (16 digits) of numba's version, the kernel sources of fpm, and the sources
+    of element types from elsewhere. parts: the classes of the types' named tuples of arrays."""
     own = [digest for _, digest in sorted(own_sources(parts).items())]
     text = repr([numba.__version__, sources.kernels(), own])
     return hashlib.sha256(text.encode()).hexdigest()[:16]
@@ -58,10 +56,8 @@ def source_digest(parts: tuple[type, ...] = ()) -> str:
 
 @functools.cache
 def processor() -> str:
-    """Hexadecimal digest of what numba compiles for: the processor's name and features.
-
-    Machines that share a file system may differ in it.
-    """
+    """Hexadecimal digest of what numba compiles for: the processor's name and features. Machines
+    that share a file system may differ in it."""
     from numba.core.registry import cpu_target
 
     target = repr(cpu_target.target_context.codegen().magic_tuple())
@@ -73,8 +69,9 @@ LONGEST = 200
 
 
 def cache_folder(parts: tuple[type, ...] = (), entry: str = "loop") -> Path:
-    """Folder of the compiled code of a loop: where NUMBA_CACHE_DIR says, beside the sources, or at
-    home. parts: the named tuples (types) of its element types; entry: a key of ENTRIES."""
+    """Folder for the compiled code of a loop (it may not exist): in NUMBA_CACHE_DIR, beside the
+    sources, or in the user's cache. parts: classes of its element types' named tuples of arrays;
+    entry: "loop" (the whole time loop) or "act" (forces alone)."""
     loop_name = "-".join([entry, *(p.__name__ for p in parts)])
     if len(loop_name) > LONGEST:  # else nothing could be kept of a scene of nearly all kinds
         loop_name = f"{loop_name[:LONGEST]}-{hashlib.sha256(loop_name.encode()).hexdigest()[:16]}"
@@ -117,12 +114,11 @@ def _loop(parts: tuple[type, ...], entry: str, is_cached: bool) -> Dispatcher:
 
 
 def loop_for(arguments: tuple, entry: str = "loop") -> Callable:
-    """The time loop, or another of ENTRIES, compiled or loaded from the cache for the arguments it
-    is then called with: those of run.run or run.act.
-
-    numba's cache can break when several processes write it at once, so the first that arrives
-    compiles and the others wait for its lock; so do threads, which share numba's setting as well.
-    """
+    """The time loop (entry "loop": run.run) or the sum of forces ("act": run.act), compiled or
+    loaded from the cache on disk for some arguments; call it with these. arguments: all of them;
+    the first two are the element types' arrays and the World. numba's cache can break when several
+    processes write it at once, so the first that arrives compiles and the others wait for its lock;
+    so do threads, which share numba's setting as well."""
     parts, world = arguments[:2]
     kinds = tuple(map(type, parts))
     ready = entry, kinds, _optional(parts), world.state.dtype
@@ -192,10 +188,8 @@ def _damaged_files(folder: Path) -> list[str]:
 @contextmanager
 def _one_at_a_time(folder: Path) -> Iterator[bool]:
     """Hold a lock for a folder among all processes, on all machines that share its file system.
-
     Gives False where there is no lock to have, as the folder cannot be written or its file system
-    knows no locks; then nothing can be kept there safely.
-    """
+    knows no locks; then nothing can be kept there safely."""
     with ExitStack() as stack:
         try:
             folder.parent.mkdir(parents=True, exist_ok=True)

@@ -7,8 +7,8 @@ from fpm.kernels.vectors import kernel
 
 @kernel
 def curve_value(world, curve, t):
-    """Value of a curve at time t (s), constant before its first and after its last point. world:
-    has all curves (World); curve: index, -1: the value is always 1."""
+    """Return the value of a curve of time at time t (s), constant before its first and after its
+    last point. world: solver state with all curves (World); curve: index, -1: always 1."""
     if curve < 0:
         return 1.0
     times, values = world.curve_time, world.curve_value
@@ -24,8 +24,8 @@ def curve_value(world, curve, t):
 
 @kernel
 def bend_after(world, curve, t):
-    """Time (s) from t to the next point of a curve after it; infinite where there is none. world:
-    has all curves (World); curve: index, -1: none."""
+    """Return how long after time t (s) the next point of a curve follows (s); infinite where none
+    does. world: solver state with all curves (World); curve: index, -1: no point."""
     if curve >= 0:
         for k in range(world.curve_start[curve], world.curve_start[curve + 1]):
             if world.curve_time[k] > t:
@@ -35,8 +35,8 @@ def bend_after(world, curve, t):
 
 @kernel
 def curve_integral(world, curve, t):
-    """Integral of a curve from 0 to time t (s): parabolas between its points, so it is exact.
-    world: has all curves (World); curve: index, -1: the curve that is always 1."""
+    """Return the exact integral of a curve of time from 0 to time t (s). world: solver state with
+    all curves (World); curve: index, -1: the curve that is always 1."""
     if curve < 0:
         return t
     times, values = world.curve_time, world.curve_value
@@ -53,8 +53,8 @@ def curve_integral(world, curve, t):
 
 @kernel
 def travel(world, curve, by_rate, t):
-    """Value of a curve at time t (s), or, if `by_rate`, its integral from 0 to t. world: has all
-    curves (World); curve: index, -1: the curve that is always 1."""
+    """Return the value of a curve at time t (s), or, if by_rate, its integral from 0 to t. world:
+    solver state with all curves (World); curve: index, -1: the curve that is always 1."""
     if by_rate:
         return curve_integral(world, curve, t)
     return curve_value(world, curve, t)

@@ -5,8 +5,9 @@ from fpm.kernels.vectors import kernel
 
 @kernel
 def note(log, lane, time, element, event):
-    """Note an event in a log. log: of the element type (Log); lane: index of the sample; time: of
-    the event (s); element, event: indices among the type's elements and its `events`."""
+    """Write an event into a log. log: that of the element's type (Log); lane: index of the sample;
+    time (s); element: index among the type's elements; event: index in the names
+    ElementType.events."""
     n = log.count[lane]
     log.count[lane] = n + 1
     if n < log.events.shape[0]:
@@ -17,9 +18,10 @@ def note(log, lane, time, element, event):
 
 @kernel
 def note_crossing(log, lane, element, previous, value, timing):
-    """Note event 1 where a value has become negative since the step before, 0 where it was. log,
-    lane, element: as of `note`; previous, value: at the end of the step before and of this one;
-    timing: times of the step (s). The time of the event follows by linear interpolation."""
+    """Note event 1 where a value has become negative in this step, event 0 where it no longer is,
+    at the time found by linear interpolation. log: of the element's type (Log); lane: index of the
+    sample; element: index in its type; previous, value: at the start and end of the step; timing:
+    times of this step (s)."""
     if (value < 0.0) != (previous < 0.0):
         time = timing.time - timing.step * value / (value - previous)
         note(log, lane, time, element, 1.0 if value < 0.0 else 0.0)

@@ -11,12 +11,11 @@ UNBALANCED = -1
 
 @kernel
 def find_failures(parts, world, record, row, n, tolerance):
-    """Mark the lanes that fail at step n in `record`; returns whether no lane is left.
-
-    parts: arrays of each element type; world: solver state; row: of this step in record.energies. A
-    lane fails when its energy balance is off by more than `tolerance` times the largest energy it
-    has held so far, when a number is not finite, or when a watched quantity is above its limit.
-    """
+    """Mark in `record` the samples (lanes) that fail at step n; returns whether none is left
+    running. A sample fails when its energy balance is off by more than `tolerance` times the
+    largest energy it has held so far, when a number is not finite, or when a watched quantity is
+    above its limit. parts: arrays of each element type; world: solver state (World); record: of the
+    run (Record); row: index of this step's energies in it; n: number of steps done."""
     running = 0
     for s in range(record.scale.shape[0]):
         if record.failed_step[s] >= 0:
@@ -47,12 +46,11 @@ def find_failures(parts, world, record, row, n, tolerance):
 
 @kernel
 def worst_row(parts, world, cause, s):
-    """Row in World.rows of the first element of lane s whose measure is not finite, else of the
-    largest one; -1: none.
-
-    The measure is the energy, of elements of all types, where cause is UNBALANCED; else that of the
-    type whose watched quantity `cause` is (an index). parts: arrays of each element type.
-    """
+    """Return the row in World.rows of the element to blame for the failure of sample s (its lane):
+    the first whose measure is not finite, else the one with the largest; -1: none. cause:
+    UNBALANCED, where the measure is the energy, of elements of all types; or the index of a watched
+    quantity, the measure then. parts: arrays of each element type; world: solver state, whose rows
+    are overwritten."""
     rows = world.rows
     for e in range(rows.shape[0]):
         store(rows, e, 0, -1.0)

@@ -33,9 +33,10 @@ NAMES: list[str] = []
 
 
 def hook(arrays: type, name: str | None = None) -> Callable:
-    """Decorator that compiles a kernel as what an element type does at a hook. arrays: the
-    NamedTuple of the type's arrays, the kernel's first argument; name: of the hook, that of the
-    function by default. Raises ValueError for an unknown hook or a second kernel at one."""
+    """Decorator that compiles a kernel and registers it as what an element type does at one point
+    of the step (a hook, as "forces"). arrays: the NamedTuple of the type's arrays, the kernel's
+    first argument; name: of the hook, by default the function's. ValueError for unknown or taken
+    hooks."""
 
     def register(function):
         hook_name = name or function.__name__
@@ -77,11 +78,9 @@ def _list(energy_of: Callable) -> Callable:
 
 
 def _unrolled(line: str | None = None) -> Callable:
-    """Make a hook of an empty function of (parts, ...).
-
-    line: what is done for each kind, if not just the call of its `kernel` with its `part` in place
-    of the parts; {j} counts the kinds that have a kernel.
-    """
+    """Make a hook of an empty function of (parts, ...). line: what is done for each kind, if not
+    just the call of its `kernel` with its `part` in place of the parts; {j} counts the kinds that
+    have a kernel."""
 
     def declare(stub):
         name, (_, *arguments) = stub.__name__, inspect.signature(stub).parameters
@@ -118,66 +117,69 @@ def _unrolled(line: str | None = None) -> Callable:
 
 @_unrolled()
 def forces(parts, world, timing):
-    """Add forces (F) and moments (M) at timing.time (s) to the particles'. parts: arrays of each
-    element type; world: solver state (World)."""
+    """Add forces (F) and moments (M) of all element types at timing.time to those of particles.
+    parts: arrays of each element type; world: solver state (World); timing: step times (s)."""
 
 
 @_unrolled()
 def note_events(parts, world, timing):
-    """Note events since the positions before, with `events.note` (not at the start). parts: arrays
-    of each element type; world: solver state (World); timing: times of the step (s)."""
+    """Note events of the step that ends now, with `events.note`; not called at the start. parts:
+    arrays of each element type; world: solver state (World); timing: times of this step (s)."""
 
 
 @_unrolled()
 def work_before(parts, world, timing):
-    """Add work (J) of the half step up to timing.time: forces there, velocities of its middle (not
-    at 0). parts: arrays of each element type; world: solver state (World)."""
+    """Add to World.accounts the work (J) of the half step that ends now, with forces of now and
+    velocities of its middle; not called at the start. parts: arrays of each element type; world:
+    solver state (World); timing: times of this step (s)."""
 
 
 @_unrolled()
 def restrain(parts, world, timing):
-    """Change summed forces and momenta before the forces act; add work (J) of the half step after.
-    parts: arrays of each element type; world: solver state (World); timing: step times (s)."""
+    """Change summed forces and momenta of particles before the forces act, as supports and damping
+    do, and add work (J) of the half step that begins. parts: arrays of each element type; world:
+    solver state (World); timing: times of this step (s)."""
 
 
 @_unrolled()
 def prepare(parts, world, timing):
-    """Add the impulses of forces over timing.kick (s) to the momenta of the particles that the
-    element type moves itself (ElementType.moved). parts: arrays of each type; world: World."""
+    """Add impulses of forces, over timing.kick (s), to momenta of the particles that an element
+    type moves itself (as those in joints). parts: arrays of each element type; world: solver
+    state."""
 
 
 @_unrolled()
 def decide(parts, world, timing):
-    """Lock or free openings in this step, by the impulses that `solve` found
-    (elements/joints/turn.py).
-
-    Sets World.undecided where anything changed, and then `solve` and `decide` are repeated; each
-    element may change only finitely often per step. parts: arrays of each type; timing: in s.
-    """
+    """Lock or free openings in this step (as rigid latches do), by the impulses that `solve` found.
+    Where anything changed, World.undecided is set, and `solve` and `decide` are repeated; an
+    element may change only finitely often per step. parts: arrays of each element type; world:
+    solver state (World); timing: times of this step (s)."""
 
 
 @_unrolled()
 def solve(parts, world, timing):
-    """Find the impulses of constraints in this step, once and again while World.undecided is set.
-    parts: arrays of each element type; world: solver state (World); timing: step times (s)."""
+    """Find the impulses of joints and other constraints in this step; called again while
+    World.undecided is set. parts: arrays of each type; world: solver state; timing: step times
+    (s)."""
 
 
 @_unrolled()
 def move(parts, world, timing):
-    """Move the particles that the element type moves itself over timing.step (s), whether or not
-    others have moved. parts: arrays of each element type; world: solver state (World)."""
+    """Move the particles that an element type moves itself over timing.step (s); others may or may
+    not have moved. parts: arrays of each element type; world: solver state (World), changed."""
 
 
 @_unrolled()
 def look_back(parts, world, timing):
-    """Correct the momenta half a step before the start in World.start_state, reflected from those
-    after it, and impulses of the first step. parts: arrays of each type; timing: step times (s)."""
+    """In the first step, correct in World.start_state the momenta half a step before the start,
+    which mirror those after it, and impulses of that step. parts: arrays of each element type;
+    world: solver state (World); timing: times of this step (s)."""
 
 
 @_unrolled()
 def work_after(parts, world, timing):
-    """Add work (J) of the half step after timing.time, or of the whole step; velocities of its
-    middle. parts: arrays of each element type; world: solver state (World)."""
+    """Add to World.accounts the work (J) of the half step after timing.time, or of the whole step.
+    parts: arrays of each type; world: solver state (World); timing: step times (s)."""
 
 
 # At checks and instants, with the positions of timing.time.
@@ -187,43 +189,48 @@ def work_after(parts, world, timing):
     "store(energies, row, ACCOUNTS + world.accounts.shape[1] + {j}, {kernel}({part}, world))"
 )
 def stored(parts, world, energies, row):
-    """Store the energy (lanes, J) of all elements of the type in row `row` of `energies`, recorded:
-    a kernel of (part, world) returns it. `energy_of` is simpler. parts: arrays of each type."""
+    """Store the energy (J, lanes) of all elements of each type in its column of row `row` of
+    `energies`, the recorded ones. A type's kernel, of (part, world), returns that sum; `energy_of`,
+    for one element, is simpler. parts: arrays of each element type; world: solver state (World)."""
 
 
 @_unrolled()
 def work_of_place(parts, world, energies, row):
-    """Add work (J) that depends on the positions only to the type's column in row `row` of
-    `energies`, recorded. parts: arrays of each element type; world: solver state (World)."""
+    """Add work (J) that depends on positions only, as that of weight, to the account's column in
+    row `row` of `energies`, the recorded ones. parts: arrays of each type; world: solver state."""
 
 
 @_unrolled()
 def record(parts, world, row):
-    """Write row `row`, an instant's, of the type's recorded arrays, and update its watched
-    quantities. parts: arrays of each element type; world: solver state (World)."""
+    """Write what each element type records at an instant into its arrays, and raise its watched
+    quantities (World.watched), by which runs fail. parts: arrays of each element type; world:
+    solver state (World); row: index of the recorded instant."""
 
 
 @_unrolled()
 def record_points(parts, world, points, row, timing):
-    """Correct the recorded velocities (m/s) of points on particles that the type moves itself.
-    parts: arrays of each type; points: Record.points; row: of the instant; timing: step times."""
+    """Correct the recorded velocities (m/s) of named points on particles that an element type moves
+    without momenta. parts: arrays of each element type; world: solver state; points: Record.points,
+    written; row: index of the recorded instant; timing: times of this step (s)."""
 
 
 @_unrolled()
 def work_due(parts, world, energies, row):
-    """Add to an account (J) in row `row` of `energies` what impulses of the step that begins did
-    until its start. parts: arrays of each element type; world: solver state (World)."""
+    """Add to an account's column in row `row` of `energies` (recorded) the work (J), up to the
+    instant, of impulses found in the step after it. parts: arrays of each type; world: solver state
+    (World)."""
 
 
 @_unrolled()
 def record_step(parts, world, row, timing):
-    """Write row `row`, an instant's, of what the step from timing.time on did; World.start_state
-    has its start. parts: arrays of each element type."""
+    """Write what the step that begins at timing.time did, as recorded of each type at that instant,
+    into its arrays; World.start_state has the step's start. parts: arrays of each element type;
+    world: solver state (World); row: index of the recorded instant."""
 
 
 def energy_of(part, world, e):
-    """Return the energy (lanes, J) of element e; it stands for `stored` and `list_energies`. part:
-    arrays of the element type; world: solver state (World)."""
+    """Return the energy (J, lanes) of element e of a type, whose kernels `stored` (the sum) and
+    `list_energies` are made of it. part: arrays of the element type; world: solver state."""
 
 
 NAMES.append("energy_of")
@@ -233,10 +240,11 @@ NAMES.append("energy_of")
 
 @_unrolled()
 def list_energies(parts, world):
-    """Store every element's energy (J) in World.rows. parts: arrays of each type; world: state."""
+    """After a failure, store every element's energy (J) in its row of World.rows, to name the
+    worst. parts: arrays of each element type; world: solver state (World)."""
 
 
 @_unrolled()
 def list_excess(parts, world):
-    """Store in its type's rows of World.rows how large every element's watched quantity is. parts:
-    arrays of each element type; world: solver state (World)."""
+    """After a failure, store in World.rows, in the rows of each type, how large every element's
+    watched quantity is. parts: arrays of each element type; world: solver state (World)."""

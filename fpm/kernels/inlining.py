@@ -34,14 +34,15 @@ class _Inlined(JITCodeLibrary):
 
 
 class InlinedCompiler(Compiler):
-    """numba's compiler for what is compiled into its callers only, and never called from Python."""
+    """numba's compiler for kernels, functions that become part of their callers and are never
+    called from Python: no machine code is made of them alone."""
 
     def __init__(self, typing: BaseContext, target, library, *rest):
         super().__init__(typing, target, _Inlined(target.codegen(), "inlined"), *rest)
 
 
 class Inlined(CPUDispatcher):
-    """A kernel, compiled once for all constants in its arguments rather than for each of them."""
+    """A compiled kernel, for numba: compiled once for all constant arguments, not for each."""
 
     def get_call_template(self, args, kws):
         return super().get_call_template(tuple(map(types.unliteral, args)), kws)

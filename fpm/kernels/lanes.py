@@ -37,12 +37,14 @@ CONTRACT = ("contract",)
 
 
 def width(dtype: np.dtype) -> int:
-    """Number of lanes of a 512-bit register for `dtype` (float64: 8, float32: 16)."""
+    """Number of samples side by side (lanes) in a register for `dtype`: 8 of float64, 16 of
+    float32."""
     return WIDTH * 8 // np.dtype(dtype).itemsize
 
 
 class Lane(types.Type):
-    """Numba type of one register of samples, or of two for a pair of rows."""
+    """Numba type of one number of several samples side by side (lanes), in a 512-bit register; of
+    two registers for a pair of rows. scalar: numba's type of each; registers: 1 or 2."""
 
     def __init__(self, scalar, registers=1):
         self.scalar = scalar
@@ -156,10 +158,8 @@ def _mask(indices):
 
 @intrinsic
 def load(typingctx, array, row, field):
-    """Lanes ``array[row, field, :]`` of a C-contiguous array of shape (rows, fields, width).
-
-    row: an index, or a pair of indices for a lane of twice the width.
-    """
+    """Return the lanes (numbers of samples side by side) ``array[row, field, :]`` of a C-contiguous
+    array (rows, fields, width). row: index, or two indices for a lane of twice the width."""
     lane = _lane_of(array, row)
     if lane is None:
         return None
@@ -176,10 +176,8 @@ def load(typingctx, array, row, field):
 
 @intrinsic
 def store(typingctx, array, row, field, value):
-    """Write lanes to ``array[row, field, :]``; `value` is a lane or a scalar for all lanes.
-
-    row: an index, or a pair of different indices.
-    """
+    """Write lanes (numbers of samples side by side) to ``array[row, field, :]``. row: index, or two
+    different ones; value: a lane, or one number for all lanes."""
     lane = _lane_of(array, row)
     if lane is None:
         return None
@@ -226,7 +224,8 @@ absolute = _unary("fabs")
 
 @intrinsic
 def where_negative(typingctx, condition, x, y):
-    """Lane-wise ``x if condition < 0 else y`` without a branch; x, y lanes or scalars."""
+    """Return, lane by lane, x where condition < 0, else y, without a branch; x, y: lanes or
+    numbers."""
     if not isinstance(condition, Lane):
         return None
 
@@ -243,7 +242,7 @@ def where_negative(typingctx, condition, x, y):
 
 @intrinsic
 def any_negative(typingctx, x):
-    """True if any lane is below zero (not-a-number is not)."""
+    """Return whether any lane of x is below zero (one that is not a number is not)."""
     if not isinstance(x, Lane):
         return None
 

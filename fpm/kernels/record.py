@@ -28,7 +28,8 @@ and so little that a growing mode, whose kicks are all that it has, is none the 
 
 @kernel
 def keep(world):
-    """Copy the state at the start of a step (SAVED) to World.start_state. world: solver state."""
+    """Copy positions, axes and momenta of all particles from World.state to World.start_state,
+    before a step that is recorded. world: solver state (World)."""
     for i in range(world.state.shape[0]):
         for k in range(SAVED):
             store(world.start_state, i, k, load(world.state, i, k))
@@ -36,8 +37,9 @@ def keep(world):
 
 @kernel
 def reflect(world):
-    """Set momenta half a step before the start in World.start_state, by reflection at the start of
-    those after it, in World.state. world: solver state (World)."""
+    """In the first step, set velocities and angular momenta half a step before the start in
+    World.start_state: as far from those at the start as those half a step after it (World.state),
+    on the other side. world: solver state (World)."""
     for i in range(world.state.shape[0]):
         for k in (V, P):
             momentum = 2.0 * get3(world.start_state, i, k) - get3(world.state, i, k)
@@ -46,13 +48,11 @@ def reflect(world):
 
 @kernel
 def kinetic_energies(world):
-    """Kinetic energy (J, lanes) at an instant, from momenta half a step before (World.start_state)
-    and after it (World.state); and that of half their difference. world: solver state (World).
-
-    The product of the two half-step velocities is the form that leapfrog conserves exactly,
-    together with the potential energy at the instant, for linear systems. It is less by the second
-    than the mean of the energies of both.
-    """
+    """Return the kinetic energy (J, lanes) at an instant, and that of half the change of momenta in
+    the step around it. world: solver state, with momenta half a step before the instant in
+    World.start_state, and half a step after it in World.state. The first is of the product of both
+    velocities, the form that leapfrog conserves exactly, together with the potential energy at the
+    instant, for linear systems. It is less by the second than the mean of the energies of both."""
     state, start, particles = world.state, world.start_state, world.particles
     total = 0.0 * load(start, 0, X)
     kick = total
@@ -71,9 +71,9 @@ def kinetic_energies(world):
 
 @kernel
 def record_before(parts, world, record, row):
-    """Record what depends on positions at an instant: energies, and records of element types.
-    parts: arrays of each element type; world: solver state (World); record: of the run (Record);
-    row: of the instant in it."""
+    """Record what depends on positions at an instant: energies, and what each element type records.
+    parts: arrays of each element type; world: solver state (World); record: arrays of the run,
+    written (Record); row: index of the instant in them."""
     hooks.stored(parts, world, record.energies, row)
     for k in range(world.accounts.shape[1]):
         store(record.energies, row, ACCOUNTS + k, load(world.accounts, 0, k))
@@ -83,11 +83,10 @@ def record_before(parts, world, record, row):
 
 @kernel
 def record_after(parts, world, record, row, timing):
-    """Record what depends on momenta on both sides of an instant: points, kinetic energy, balance.
-
-    parts: arrays of each type; record: of the run (Record); row: of the instant in it; timing: step
-    times (s). World.start_state: the state at the instant, with the momenta half a step before it.
-    """
+    """Record what depends on momenta before and after an instant: positions and velocities of named
+    points, kinetic energy, error of the balance. parts: arrays of each type; world: solver state,
+    World.start_state: that of the instant, with momenta half a step before it; record: arrays of
+    the run, written (Record); row: index of the instant in them; timing: times of this step (s)."""
     start, state, points = world.start_state, world.state, record.points
     count = world.point_on.shape[0]
     for n in range(count):
@@ -109,15 +108,12 @@ def record_after(parts, world, record, row, timing):
 
 @kernel
 def balance(world, energies, row, kick):
-    """Store the error of the energy balance (J) since the start: stored energy, less work given,
-    and losses; and the sizes of all stored energies, with which it is compared, in World.sums.
-
-    world: solver state (World); energies: recorded (Record.energies); row: of the instant; kick:
-    kinetic energy (J) of half the step's change. Sizes, as where an element type's energy is zero,
-    and thus its sign, is a matter of words, as that of a constant moment. What begins to move by an
-    impact has no kinetic energy between its half steps yet, but for rounding before it times what
-    is after it, which is some 1e-12 of `kick`.
-    """
+    """Store in row `row` of `energies` the error of the energy balance (J) since the start: stored
+    energy less work given, plus losses; and in World.sums the sizes of all stored energies, with
+    which it is compared. world: solver state; energies: recorded ones (Record.energies); row: index
+    of the instant; kick: energy (J) of half the change of momenta in the step. Sizes, as where an
+    element type's energy is zero, and so its sign, is a matter of definition. What an impact starts
+    has no kinetic energy between its half steps yet, but for rounding, some 1e-12 of `kick`."""
     stored_energy = load(energies, row, KINETIC)
     size = stored_energy  # of either sign: where a step is not stable, velocities alternate
     accounts = ACCOUNTS + world.accounts.shape[1]

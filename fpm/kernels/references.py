@@ -13,7 +13,8 @@ from numba.extending import intrinsic, lower_getattr_generic, models, register_m
 
 
 class Reference(types.Type):
-    """Numba type of a reference to a named tuple, whose fields are read as those of the tuple."""
+    """Numba type of a reference to a named tuple of type tuple_type, whose fields are read as its
+    own."""
 
     def __init__(self, tuple_type: types.BaseNamedTuple):
         self.tuple_type = tuple_type
@@ -21,7 +22,7 @@ class Reference(types.Type):
         super().__init__(name=f"Reference({tuple_type})")
 
     def field(self, name: str) -> types.Type:
-        """The type of a field: of a named tuple in the tuple, that of a reference to it."""
+        """Numba type of the field `name`; of a named tuple, that of a reference to it."""
         field_type = self.tuple_type[self.tuple_type.fields.index(name)]
         return Reference(field_type) if isinstance(field_type, types.BaseNamedTuple) else field_type
 
@@ -50,7 +51,7 @@ def _field(context, builder, reference, value, name):
 
 @intrinsic
 def by_reference(typingctx, value):
-    """A reference to a named tuple; of a tuple of named tuples, a tuple of references."""
+    """Return a reference to a named tuple `value`, or for a tuple of them a tuple of references."""
     if isinstance(value, types.BaseNamedTuple):
         return Reference(value)(value), lambda _, builder, __, args: alloca_once_value(
             builder, *args

@@ -17,19 +17,19 @@ from fpm.kernels.vectors import cross, dot, get3, kernel, put3, vector
 
 @kernel
 def frame(state, i):
-    """The three axes, unit vectors, of particle (or pair) i in global components. state (n, STATE,
-    lanes): of all particles."""
+    """Return the three axes, unit vectors in global components, of particle i, or of two particles
+    (i, j) at once. state (n, STATE, lanes): positions, axes, momenta and forces of all
+    particles."""
     second, third = get3(state, i, D2), get3(state, i, D3)
     return cross(second, third), second, third
 
 
 @kernel
 def half_turn(body, rate):
-    """Half the rotation vector of a step, in body axes: 0.5 step J^-1 p at the midpoint.
-
-    body: angular momentum p in the axes of the start of the step; rate: 0.5 step J^-1 about each.
-    At the midpoint p is body + body x (rate body), of which the product is written out.
-    """
+    """Return half the rotation vector (rad) of a step, along the particle's axes: 0.5 step J^-1 p
+    at the middle of the step. body: angular momentum p (N m s) along the axes at its start; rate:
+    0.5 step J^-1 about each axis. At the middle p is body + body x (rate body), of which the
+    product is written out."""
     x, y, z = body.x, body.y, body.z
     a, b, c = rate.x, rate.y, rate.z
     return vector(
@@ -39,7 +39,7 @@ def half_turn(body, rate):
 
 @kernel
 def put_turned(state, i, axes, half):
-    """Store the axes of particle i after a step's turn. state (n, STATE, lanes): of all particles;
+    """Turn the axes of particle i and store them in state (n, STATE, lanes), of all particles.
     axes: the three before, global; half: half the rotation vector (rad), along these axes."""
     x, y, z = half.x, half.y, half.z
     xx, yy, zz = x * x, y * y, z * z
@@ -57,11 +57,8 @@ def put_turned(state, i, axes, half):
 @kernel
 def normalise(state):
     """Bring the axes of all particles back to length one and right angles by a Newton step. state
-    (n, STATE, lanes): of all particles.
-
-    They lose it by rounding, and in turns by tenths of a radian by the ends of the series; the time
-    loop calls this now and then.
-    """
+    (n, STATE, lanes): of all particles. They lose it by rounding, and in turns by tenths of a
+    radian by the ends of the series; the time loop calls this now and then."""
     for i in range(state.shape[0]):
         b, c = get3(state, i, D2), get3(state, i, D3)
         skew = -0.5 * dot(b, c)

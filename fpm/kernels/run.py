@@ -22,8 +22,9 @@ tenths of a radian in a step, the ends of the series; the third as a product add
 
 @kernel
 def time_particles(particles, timing):
-    """Store the particles' constants times this step's times, KICK and HALF, for all steps alike.
-    particles (n, PARTICLE, lanes); timing: times of the step (s)."""
+    """Store, as constants of every particle, its velocity by a unit force (KICK) and its half turn
+    by a unit angular momentum (HALF) in this step. particles (n, PARTICLE, lanes): constants of all
+    particles, changed; timing: times of this step (s)."""
     for i in range(particles.shape[0]):
         store(particles, i, KICK, timing.kick * load(particles, i, IM))
         put3(particles, i, HALF, (0.5 * timing.step) * get3(particles, i, IJ))
@@ -31,24 +32,26 @@ def time_particles(particles, timing):
 
 @kernel
 def kick_and_move(state, particles, i, timing):
-    """Add the impulses of the step's forces to the momenta of particle (or pair) i, and move it by
-    a step. state, particles: those of World; timing: times of the step (s)."""
+    """Add the impulses of the step's forces to the momenta of particle i (or a pair), move and turn
+    it by a step, and set its forces to 0. state, particles: arrays of World, state and constants of
+    all particles; timing: times of this step (s)."""
     carry(state, i, load(particles, i, KICK) * get3(state, i, F) + get3(state, i, V), timing.step)
     turn(state, particles, i, timing.kick * get3(state, i, M) + get3(state, i, P))
 
 
 @kernel
 def carry(state, i, v, step):
-    """Move particle (or pair) i by a step (s) with velocity v (m/s), in state (n, STATE, lanes)."""
+    """Store velocity v (m/s) of particle i (or a pair), and move it by step (s) of time with it.
+    state (n, STATE, lanes): of all particles, changed."""
     put3(state, i, V, v)
     put3(state, i, X, step * v + get3(state, i, X))
 
 
 @kernel
 def turn(state, particles, i, p):
-    """Turn particle (or pair) i by a step with angular momentum p (N m s, global axes), and set its
-    forces and moments to 0. state, particles: those of World. Returns the angular momentum and half
-    the rotation vector (rad), along the particle's axes."""
+    """Store angular momentum p (N m s, global axes) of particle i (or a pair), turn it by a step,
+    and set its forces and moments to 0. state, particles: arrays of World. Returns the angular
+    momentum and half the rotation vector (rad), both along the particle's axes before."""
     put3(state, i, P, p)
     for k in range(6):
         store(state, i, F + k, 0.0)
@@ -61,13 +64,10 @@ def turn(state, particles, i, p):
 
 @kernel
 def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
-    """Integrate `steps` steps of `step` s; returns the number of steps done.
-
-    parts: the named tuples of the element types in the scene; world, record: world.py. Every
-    `per_check` steps the energy balance is checked against `tolerance` times the largest energy so
-    far, every `per_instant` steps an instant is recorded. The run ends early when all lanes have
-    failed.
-    """
+    """Integrate `steps` steps of `step` s; returns the number of steps done, fewer where all lanes
+    have failed. parts: arrays of each type; world: solver state, changed; record: arrays of the run
+    (Record), written; per_instant, per_check: steps between two recorded instants, and between two
+    checks that the energy balance is off by at most `tolerance` times the largest energy so far."""
     parts, world, record = by_reference(parts), by_reference(world), by_reference(record)
     state, free = world.state, world.free
     spare = record.energies.shape[0] - 1
@@ -109,6 +109,6 @@ def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
 
 @kernel
 def act(parts, world, timing):
-    """Add the forces of all element types to those of the particles, once; no step is done. parts:
-    arrays of each element type; world: solver state (World); timing: times of the step (s)."""
+    """Add the forces of all element types to those of the particles, in World.state, once; no step
+    is done. parts: arrays of each element type; world: solver state; timing: step times (s)."""
     hooks.forces(by_reference(parts), by_reference(world), timing)

@@ -49,12 +49,10 @@ def state_of(stat: os.stat_result) -> State:
 
 
 class Imported:
-    """The files of a package as they are when this is made, which has to be before they are
-    imported: then a digest of these files is one of the code in memory.
-
-    folder: of the package; names of files are those below it. files: where this is made later, its
-    Python files as they were before, by path.
-    """
+    """Files of a package as they are when this object is made, which has to be before they are
+    imported: then a digest of the files is one of the code in memory, and a later change is found.
+    folder: of the package; files are named by their paths below it. files: given where this is made
+    after the import; by path, os.stat results of its Python files from before."""
 
     def __init__(self, folder: Path, files: Mapping[Path, os.stat_result] | None = None):
         self.folder = folder
@@ -72,12 +70,10 @@ class Imported:
         self._specs: dict[str, object] = {}
 
     def digest(self, include: tuple[str, ...] = (), exclude: tuple[str, ...] = ()) -> str:
-        """First 16 hex digits of the SHA-256 of files and folders `include`, or of all, without
-        `exclude`.
-
-        Comments, formatting and docstrings of Python files do not count. Raises ChangedError as
-        `check`.
-        """
+        """First 16 hex digits of the SHA-256 of some files of the package, without comments,
+        formatting and docstrings of Python files. include: files and folders, (): all; exclude:
+        those left out of them. Raises ChangedError where a file changed since this object was made
+        (`check`)."""
         self.check()
         if (include, exclude) not in self._digests_of:
             names = (n for n in self._states if (not include or _is_within(n, include)))
@@ -87,12 +83,10 @@ class Imported:
 
     def check(self, reread: bool = False) -> None:
         """Check that the package's code in memory is that of its files as they were when this
-        object was made; raises ChangedError if it may not be.
-
-        The first call after the import of a Python file compares the file. If it changes after this
-        call, that is no error until it is imported once more; but with `reread`, the call compares
-        all that are imported. Files other than Python are compared at every call.
-        """
+        object was made; raises ChangedError if it may not be. The first call after the import of a
+        Python file compares the file. If it changes after this call, that is no error until it is
+        imported once more; but with `reread`, the call compares all that are imported. Files other
+        than Python are compared at every call."""
         start, package = f"{self.folder}{os.sep}", self.folder.name
         for module in sys.modules.keys() - self._foreign_modules:
             if module.partition(".")[0] != package:
@@ -155,26 +149,25 @@ MECHANICS = Imported(PACKAGE)
 
 
 def mechanics() -> str:
-    """Digest of all files of the mechanics that can change what a run always records."""
+    """Digest of all files of the package fpm that can change what every run records."""
     return MECHANICS.digest(exclude=READ + DISPLAY)
 
 
 def reading() -> str:
-    """Digest of the files that read further quantities off a run (READ)."""
+    """Digest of the files of the package fpm that read further quantities off a run (READ)."""
     return MECHANICS.digest(include=READ)
 
 
 def kernels() -> str:
-    """Digest of the files that are compiled: those of elements and kernels."""
+    """Digest of the files of fpm that are compiled: its folders elements and kernels."""
     return MECHANICS.digest(include=("elements", "kernels"))
 
 
 def own_sources(*starts: Path) -> set[Path]:
-    """Python files `starts`, those beside and below them that they import, packages too, and so on;
-    and of element types the kernels: the file beside with `_kernels` behind its name.
-
-    Only files count, not what is imported when. Raises SceneError for a start that is no file.
-    """
+    """The Python files `starts`, and all outside of fpm that they import from beside or below them,
+    directly or not; and for each the file beside it with `_kernels` behind its name, which has an
+    element type's kernels. Imports within branches count too. Raises SceneError for a start that is
+    no file."""
     files: set[Path] = set()
     queue = [path.resolve() for path in starts]
     for path in queue:
@@ -192,8 +185,8 @@ def own_sources(*starts: Path) -> set[Path]:
 
 
 def digests(path: Path) -> dict[Path, str]:
-    """Digests now of a file outside of the mechanics and of its `own_sources`, by path; none for a
-    file of the mechanics, whose code is known."""
+    """Digests, by path, of a file outside of fpm and of the files beside it that it imports
+    (`own_sources`), as they are now; {} for a file of fpm, whose code has its own digest."""
     if PACKAGE in path.parents:
         return {}
     return {file: tree_digest(file) for file in own_sources(path)}
@@ -227,8 +220,8 @@ def _imported(path: Path, roots: Iterable[Path] = ()) -> Iterator[Path]:
 
 
 def packages_imported(path: Path) -> set[str]:
-    """The first parts of all names that a Python file imports, but from packages of its own; and
-    `__import__`, if it uses that."""
+    """First parts of the names that a Python file imports ("numpy" of numpy.linalg), without
+    relative imports; and `__import__`, if it uses that."""
     names = _names_imported(path.read_bytes(), str(path))
     return {name.partition(".")[0] for name, level in names if not level}
 
@@ -263,27 +256,23 @@ def _sibling_files(folder: Path, parts: list[str], level: int) -> Iterator[Path]
 
 
 def syntax_digest(paths: Iterable[Path]) -> str:
-    """First 16 hex digits of a SHA-256 of the syntax trees of Python files.
-
-    Comments, formatting and docstrings do not count, nor where the files lie or in which order they
-    are given; their names and everything that runs does, and every byte of other files. SyntaxError
-    for a `.py` that is no Python.
-    """
+    """First 16 hex digits of a SHA-256 of the syntax trees of Python files. Comments, formatting
+    and docstrings do not count, nor where the files lie or in which order they are given; their
+    names and everything that runs does, and every byte of other files. SyntaxError for a `.py` that
+    is no Python."""
     return _short(sorted((path.name, tree_digest(path)) for path in paths))
 
 
 def tree_digest(path: Path) -> str:
-    """Digest of the syntax tree of a file, without bare strings (docstrings), or of its bytes.
-
-    To parse takes a hundred times longer than to read, so the digest for a file's bytes is kept on
-    disk. A cache that can not be written is done without.
-    """
+    """Digest of a Python file's syntax tree without docstrings, so that comments do not count, or
+    of another file's bytes. It is kept on disk, as to parse takes a hundred times longer than to
+    read; a cache that can not be written is done without."""
     return content_digest(path.read_bytes(), path)
 
 
 def content_digest(content: bytes, path: Path) -> str:
-    """Digest of a file by its `content`, of Python as `syntax_digest` takes it; path: for its
-    suffix."""
+    """Digest of a file by its `content`: of Python that of the syntax tree without docstrings, else
+    of the bytes. path: whose suffix says which."""
     if path.suffix != ".py":
         return hashlib.sha256(content).hexdigest()
     return _tree_digest(content, str(path))

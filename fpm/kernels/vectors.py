@@ -38,9 +38,8 @@ INLINED = {
 
 
 def kernel(function: Callable) -> Callable:
-    """Compile a kernel into its callers. A call would spill all vector registers; and a kernel that
-    stood alone as well could be rounded otherwise there than in the cached time loop.
-    """
+    """Decorator that compiles a function as a kernel: only into its callers, on lanes and vectors.
+    A call would spill all vector registers; what stood alone as well could be rounded otherwise."""
     if config.DISABLE_JIT:
         return function
     options = {"nopython": True, **INLINED}
@@ -48,7 +47,7 @@ def kernel(function: Callable) -> Callable:
 
 
 class Vector(types.Type):
-    """Numba type of three lanes."""
+    """Numba type of a vector: components x, y, z, each a lane (numbers of samples side by side)."""
 
     def __init__(self, lane: Lane):
         self.lane = lane
@@ -117,7 +116,7 @@ _register_product()
 
 @intrinsic
 def vector(typingctx, x, y, z):
-    """The vector with components x, y, z (lanes)."""
+    """Return the vector with components x, y, z, a lane each (numbers of samples side by side)."""
     if not isinstance(x, Lane):
         return None
 
@@ -129,13 +128,13 @@ def vector(typingctx, x, y, z):
 
 @kernel
 def larger(x, y):
-    """The larger of two lanes; x where y is not a number."""
+    """Return the larger of x and y lane by lane (by sample); x where y is not a number."""
     return where_negative(x - y, y, x)
 
 
 @kernel
 def get3(a, i, k):
-    """Vector in fields k, k+1, k+2 of row i of an array a (rows, fields, lanes)."""
+    """Return the vector in fields k, k+1, k+2 of row i of an array a (rows, fields, lanes)."""
     return vector(load(a, i, k), load(a, i, k + 1), load(a, i, k + 2))
 
 
@@ -149,7 +148,8 @@ def put3(a, i, k, v):
 
 @kernel
 def get6(a, i, k):
-    """The six lanes in fields k .. k+5 of row i of an array a (rows, fields, lanes), as a tuple."""
+    """Return the six lanes in fields k .. k+5 of row i of an array a (rows, fields, lanes), a
+    tuple."""
     return (
         load(a, i, k),
         load(a, i, k + 1),
@@ -204,19 +204,21 @@ def cross(a, b):
 
 @kernel
 def times(a, b):
-    """Product of two vectors, component by component."""
+    """Return the product of two vectors, component by component."""
     return vector(a.x * b.x, a.y * b.y, a.z * b.z)
 
 
 @kernel
 def to_global(frame, v):
-    """Global components of the vector v given along the three axes of a frame (three vectors)."""
+    """Return the global components of vector v, given along the three axes of a frame (three
+    vectors)."""
     return v.x * frame[0] + (v.y * frame[1] + v.z * frame[2])
 
 
 @kernel
 def to_local(frame, v):
-    """Components of v along the three axes of a frame (three vectors)."""
+    """Return the components of vector v (global) along the three axes of a frame (three
+    vectors)."""
     return vector(dot(frame[0], v), dot(frame[1], v), dot(frame[2], v))
 
 

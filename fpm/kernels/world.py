@@ -10,11 +10,8 @@ import numpy as np
 
 
 class StepTime(NamedTuple):
-    """Times of a step: time (s) of the positions, step (s), and kick (s), the time over which
-    momenta change.
-
-    The first kick is half a step long.
-    """
+    """Times of a step (s). time: of the positions; step: its length; kick: for how long its forces
+    act on the momenta, step but for step / 2 in the first, as momenta stand half a step behind."""
 
     time: float
     step: float
@@ -22,7 +19,13 @@ class StepTime(NamedTuple):
 
 
 class World(NamedTuple):
-    """Particles, curves, and arrays that element types share."""
+    """State of the solver: n particles (position, axes, momenta, forces), curves, and what element
+    types share. state: now; start_state: at the start of a recorded step; particles: constants;
+    free: particles that no type moves itself; curve_start, curve_time, curve_value: all curves;
+    point_on, point_arm: named points; accounts (1, a, lanes): energy given by the first `givers`,
+    taken by the others (J); sums: for the balance; watched, most, unconditional, watch_rows:
+    largest values so far, limits, of what types watch; size (m); rows (e, 1, lanes): measure of
+    each element after a failure; undecided: 1 where impulses have to be found again."""
 
     state: np.ndarray  # (n, STATE, lanes)
     start_state: np.ndarray  # (n, STATE, lanes) the state at the start of a step that is recorded
@@ -46,7 +49,9 @@ class World(NamedTuple):
 
 
 class Log(NamedTuple):
-    """Events of all element types; first: number of the first element of the type that writes."""
+    """Log of the events of all element types. events (room, 3, lanes): time (s), number of the
+    element, which of its events; count (lanes,): noted so far, also those without room; first:
+    number of the first element of the type that writes."""
 
     events: np.ndarray  # (most events, 3, lanes) time, element, which of its events
     count: np.ndarray  # (lanes,) noted so far, also those that find no place
@@ -54,8 +59,10 @@ class Log(NamedTuple):
 
 
 class Record(NamedTuple):
-    """Recorded arrays of a run, with one row more than instants: the last one is for checks in
-    between."""
+    """Recorded arrays of a run, with one row more than instants, for checks in between. points:
+    positions (m), velocities (m/s) of named points; energies (J): kinetic, balance, accounts,
+    stored; failed_step, failed_cause, failed_row, failed_balance, failed_watched (lanes last): of
+    the first failed check, -1: none; scale (lanes,): largest energy so far (J)."""
 
     points: np.ndarray  # ((instants + 1) p, POINT, lanes)
     energies: np.ndarray  # (instants + 1, ACCOUNTS + accounts + kinds that store, lanes)

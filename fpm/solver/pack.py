@@ -15,7 +15,8 @@ MOST_ROOM = 1 << 16
 
 
 def topology(scene: Scene) -> tuple:
-    """What must be equal in all scenes of a batch, as a hashable tuple."""
+    """What must be equal in all scenes that run side by side, as a hashable tuple: particles, what
+    element types ask for, points, held axes, curves."""
     of_kinds = {kind: kind.topology_of(scene) for kind in kinds_of([scene])}
     return (
         len(scene.position),
@@ -27,7 +28,7 @@ def topology(scene: Scene) -> tuple:
 
 
 def check_topology(scenes: Sequence[Scene]) -> None:
-    """Check that all scenes can run side by side; raises SceneError if not."""
+    """Check that scenes can run side by side (differ in numbers only); raises SceneError if not."""
     first = topology(scenes[0])
     for i, scene in enumerate(scenes[1:], start=1):
         if topology(scene) != first:
@@ -41,7 +42,8 @@ def check_topology(scenes: Sequence[Scene]) -> None:
 def pack(
     scenes: Sequence[Scene], width: int, dtype, instants: int, room: int = MOST_EVENTS
 ) -> Batch:
-    """The batch of scenes of one topology (`check_topology`): arrays of `width` lanes. dtype: of
-    the arrays; instants: number of recorded ones; room: for how many events of each scene."""
+    """Batch of scenes that run side by side: packs their numbers into the arrays of the kernels.
+    The scenes must pass `check_topology`. width: number of lanes (samples in an array); dtype: of
+    the arrays; instants: number of recorded instants; room: for how many events of each scene."""
     kinds = kinds_of(scenes)
     return Batch(scenes, kinds, energies_of(kinds), width, dtype, instants, room)

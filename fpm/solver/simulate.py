@@ -21,8 +21,8 @@ CHECK_EVERY = 50
 
 
 class Division(NamedTuple):
-    """Division of the time between two instants: step (s), number of steps per instant, and per
-    check."""
+    """Division of a run into equal steps. step: length (s); per_instant: number of steps from one
+    recorded instant to the next; per_check: from one check of the energy balance to the next."""
 
     step: float
     per_instant: int
@@ -159,7 +159,8 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
 
 
 def is_compiled(scene: Scene) -> bool:
-    """Whether the cache on disk has the time loop, in float64, for the element types of a scene."""
+    """Whether the compiled time loop (float64) for the types of a scene's elements is cached on
+    disk."""
     from fpm.kernels.compiled import DIGESTS, cache_folder
     from fpm.kernels.lanes import width as lanes_of
 
@@ -169,9 +170,7 @@ def is_compiled(scene: Scene) -> bool:
 
 
 def warm_up(scene: Scene, record=()) -> None:
-    """Compile the time loop for the element types of a scene, or load it from the cache on disk.
-
-    record: columns to be recorded, as for `simulate`.
-    """
+    """Compile the time loop for the element types of a scene, or load it from the cache on disk, so
+    that a later run starts at once. record: columns (variable, label) that this is to record."""
     # One step; a stable one takes a while.
     simulate(scene, duration=1e-9, instants=2, step=1e-9, record=record)

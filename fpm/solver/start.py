@@ -51,11 +51,10 @@ imply.
 
 
 def consistent_scene(scene: Scene) -> Scene:
-    """The scene, or a copy with velocities and spins that agree with its joints, motors and drives.
-
-    Where none do, as where motors contradict each other, those with the least error are taken:
-    joints gape then, by which the run fails. Raises SceneError as `check_masses` does.
-    """
+    """The scene itself, or a copy with velocities and spins that its joints, motors and drives
+    allow, for the start of a run. Where none are allowed, as where motors contradict each other,
+    those with the least error are taken: joints gape then, by which the run fails. Raises
+    SceneError as `check_masses` does."""
     check_masses(scene)
     # One for each that has any: of a motor and a latch on one hinge, the motor alone.
     rates = [(scene.hinges[h.hinge], h.rate_at_start(scene)) for h in Turn.of(scene)]
@@ -82,8 +81,8 @@ def consistent_scene(scene: Scene) -> Scene:
 
 
 def check_masses(scene: Scene) -> None:
-    """Check that masses at joints can be told from each other; raises SceneError where light bodies
-    between heavy ones hide from the joints what these do."""
+    """Check that masses at joints are not too far apart for double precision; raises SceneError
+    where light bodies between heavy ones would hide from joints how these move."""
     masses = scene.mass[~scene.fixed.all(axis=1)]
     if masses.max(initial=0.0) <= MASS_RATIO * masses.min(initial=np.inf):
         return
@@ -123,11 +122,9 @@ def _scaled(scene: Scene, rows):
 
 def _least_change(scene: Scene, rows, residual: np.ndarray, most: float) -> np.ndarray:
     """Change (n, 6) of velocities (m/s) and spins (rad/s), the least by masses, that changes rates
-    of conditions by -residual.
-
-    Where masses lie far apart, what joins light bodies says little about the heavy ones: so the
-    unknowns are d times the root of M, and the residuals are solved for, again and again.
-    """
+    of conditions by -residual. Where masses lie far apart, what joins light bodies says little
+    about the heavy ones: so the unknowns are d times the root of M, and the residuals are solved
+    for, again and again."""
     from scipy.sparse import bmat, identity
     from scipy.sparse.linalg import splu
 

@@ -28,13 +28,11 @@ class Contact(OnHinge):
 
     @classmethod
     def shut(cls, scene, inverse):
-        """Relative motions of two links that closed contacts rule out: that is opening zero,
-        wherever the scene starts. Returns sparse columns (6n, c).
-
-        inverse (6n,): inverse masses (1/kg) and inertias (1/kg m²). Hinges that share no particle,
-        unless it is held and has no inverse mass, have columns that do not overlap; others are made
-        orthonormal together.
-        """
+        """Relative motions of linked bodies that contacts rule out while closed, at opening zero,
+        wherever the scene starts: orthonormal sparse columns (6n, c) in coordinates scaled with the
+        roots of the masses. scene: the scene; inverse (6n,): inverse masses (1/kg) and inertias
+        (1/kg m²) of its n particles. Columns of hinges that share a particle with inverse mass are
+        made orthonormal together; others do not overlap."""
         from scipy.sparse import csc_matrix, identity
 
         columns, dofs = [], []

@@ -20,8 +20,9 @@ linkage at rest at closure has no events. Faces that meet at 1 rad/s reach it wi
 
 
 class Contacts(NamedTuple):
-    """Arrays of all c contacts. on (c,): index of each one's hinge; numbers (c, 1, lanes):
-    stiffness (N m/rad); rows (c, 1, lanes): energies, for messages; log: of events."""
+    """Arrays of all c face contacts, for their kernels. on (c,): index of each one's hinge; numbers
+    (c, 1, lanes): stiffness (N m/rad); openings: arrays of all openings; rows (c, 1, lanes): energy
+    of each (J), to name the worst one in a message; log: where their events are noted (Log)."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -32,8 +33,9 @@ class Contacts(NamedTuple):
 
 @hook(Contacts)
 def forces(part, world, timing):
-    """Add the moments (N m) of contacts whose faces overlap, which open their hinges. part: arrays
-    of all contacts (Contacts); world: solver state (World); timing: times of the step (s)."""
+    """Add moments (N m) that open the hinges whose faces overlap, stiffness times overlap, to the
+    forces on their particles. part: arrays of all contacts (Contacts); world: solver state (World),
+    whose forces change; timing: times of this step (s), not used."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         psi = load(part.openings.angles, h, NEW)
@@ -43,8 +45,8 @@ def forces(part, world, timing):
 
 @hook(Contacts)
 def note_events(part, world, timing):
-    """Note events of contacts in part.log: which closed (1) or opened (0) since the last step.
-    part: arrays of all contacts (Contacts); world: solver state (World); timing: step times (s)."""
+    """Note in part.log which contacts closed (event 1) or opened (0) in the step that ends now.
+    part: all contacts (Contacts); world: solver state, not used; timing: step times (s)."""
     angles = part.openings.angles
     for c in range(part.on.shape[0]):
         h = part.on[c]
@@ -58,7 +60,8 @@ def note_events(part, world, timing):
 
 @hook(Contacts)
 def energy_of(part, world, i):
-    """Energy (J, lanes) of contact i, 0 if open. part: all contacts (Contacts); world: World."""
+    """Return the strain energy (J, lanes) of contact i, 0 where its faces do not overlap. part:
+    arrays of all contacts (Contacts); world: solver state, not used; i: index of the contact."""
     psi = load(part.openings.angles, part.on[i], NEW)
     overlap = where_negative(psi, psi, 0.0 * psi)
     return 0.5 * load(part.numbers, i, STIFFNESS) * overlap * overlap

@@ -53,11 +53,9 @@ def _locked(values: dict[str, float]) -> tuple[str, str]:
 
 
 def _unbalanced(element: str) -> str:
-    """The remedy of a bearing whose friction goes with a force that changes much in a step.
-
-    Beyond self-locking (mu tan t > 1) the force on rigid bodies has two values or none (Painleve,
-    Lecons sur le frottement, 1895); a start there may come upon the wrong one.
-    """
+    """The remedy of a bearing whose friction goes with a force that changes much in a step. Beyond
+    self-locking (mu tan t > 1) the force on rigid bodies has two values or none (Painleve, Lecons
+    sur le frottement, 1895); a start there may come upon the wrong one."""
     if not element.startswith("bearing"):
         return ""
     return (
@@ -71,9 +69,10 @@ def _unbalanced(element: str) -> str:
 class Friction(OnHinge):
     """Friction in a hinge by a bristle: a spring that slips at a moment.
 
-    damping None: as DAMPED says. angles, shares: openings (rad, on slides m) and factors of the
-    moment there, linear between them; none: 1. load: force of the joint (N) at which the moment is
-    that, and in proportion to which it grows; None: it is constant.
+    moment: at which it slips (N m, on slides N); bristle_deflection: how far the spring is bent
+    then (rad, m); damping: while it sticks, None: DAMPED = 0.3 of critical. angles, shares:
+    openings (rad, m) and factors of the moment there, linear between; (): 1. load: force of the
+    joint (N) at which it slips at `moment`, which grows in proportion to the force; None: constant.
     """
 
     hinge: int = on_hinge()
@@ -99,16 +98,18 @@ class Friction(OnHinge):
 
     @classmethod
     def led(cls, scene):
-        """Friction elements of a scene for the quasi-static motion of an opening (fpm/travel):
-        these slip at once. Those with a `load` get no moment: Scene.bearings has their friction."""
+        """Copies of the scene's friction elements for moving an opening slowly, in static balance
+        (fpm/travel): their bristles slip at once. One with a `load`, whose moment depends on the
+        joint's force, gets the moment 0: the caller takes that friction from Scene.bearings."""
         frictions = [
             replace(friction, bristle_deflection=AT_ONCE, damping=0.0) for friction in cls.of(scene)
         ]
         return [f if f.load is None else replace(f, moment=0.0, load=None) for f in frictions]
 
     def add_to(self, scene):
-        """Add the element to a scene; with a `load`, its moment for each N of it (m) is added to
-        Scene.bearings of the hinge, for quasi-static motions (fpm/travel)."""
+        """Check the element and add it to a scene. If its moment depends on the joint's force
+        (`load`), also add moment / load (m; on slides a bare number) to Scene.bearings of its
+        hinge, for motions in static balance (fpm/travel). Raises SceneError if it does not fit."""
         super().add_to(scene)
         if self.load is not None:
             scene.bearings[self.hinge] += self.moment / self.load
@@ -118,7 +119,8 @@ class Friction(OnHinge):
         return any(friction.load is not None for friction in cls.of(scene))
 
     def check(self, scene):
-        """Check the fields, the table and the load; SceneError if one does not fit."""
+        """Check the element's fields, its table (angles, shares) and its `load` (above 0, and not
+        beside a table) before it is added to a scene; raises SceneError if one does not fit."""
         super().check(scene)
         if self.load is not None and not (self.load > 0 and not self.angles):
             raise SceneError(f"load of {self.title(scene)}", self.load, "above 0, without a table")
@@ -140,8 +142,8 @@ class Friction(OnHinge):
         return self.moment / self.bristle_deflection
 
     def damping_in(self, scene) -> float:
-        """Damping of the bristle while it sticks (N m s/rad, on slides N s/m); unless it is stated,
-        DAMPED times the critical one."""
+        """Damping of the bristle while it sticks (N m s/rad, on slides N s/m): the stated one, else
+        DAMPED = 0.3 of the critical one of the hinge's two particles."""
         if self.damping is not None:
             return self.damping
         inverse = softness(scene, self.hinge)
@@ -149,11 +151,9 @@ class Friction(OnHinge):
 
     @classmethod
     def array(cls, name, batch):
-        """The array of the kernels' field `name`, as of OnHinge.array; batch: scenes being packed.
-
-        Constants with the dampers, which depend on the scene; tables of the bend (None: no element
-        has one); forces of joints; and a state in which the feet are where the hinges are.
-        """
+        """Array for the field `name` of the kernels' tuple Frictions. batch: scenes being packed.
+        "numbers": stiffness, deflection at slip, damping, locking; "start", "points": tables (None:
+        no element has one); "bearing": forces of joints; "state": bristles that begin straight."""
 
         def bristles(scene):
             return [[f.stiffness, f.bristle_deflection * (f.shares or (float(f.load is None),))[0],

@@ -48,7 +48,7 @@ class AnyLatch(OnHinge):
     resists_as = ""
 
     def check(self, scene):
-        """Check the latch's fields, and that its label is its own; raises SceneError if not."""
+        """Check the latch's fields, and that no other latch has its label; raises SceneError."""
         super().check(scene)
         if self.label(scene) in [latch.label(scene) for latch in self.alike(scene)]:
             raise SceneError("latch", self.label(scene), "a name that no other latch has")
@@ -58,9 +58,9 @@ class AnyLatch(OnHinge):
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """Recorded series of one sample's latches, by the names in SERIES: moment, impulse, rate at
-        the catch, impulse at it (rigid ones). part: arrays of the type's kernels; lane: index of
-        the sample."""
+        """Recorded series of one sample's latches after a run, by variable name (SERIES): moment (N
+        m), impulse (N m s), rate at the catch (rad/s), of rigid ones also the impulse at it. part:
+        arrays of the latches' kernels; scene: the sample's; lane: its index."""
         latches = cls.of(scene)
         columns = part.track[:, :, lane].T.reshape(part.track.shape[1], -1, len(latches))
         pairs = zip(SERIES.items(), columns, strict=False)
@@ -94,6 +94,6 @@ class Latch(AnyLatch):
     stores = Energy("latch", "latch_energy", "energy of the latches")
 
     def damping_in(self, scene):
-        """Damping (N m s/rad) for the stable step: ONSET times its own, as the first impulse of a
-        damper may be more than that of a whole step."""
+        """Damping (N m s/rad) that limits the stable step: ONSET = 1.5 times the latch's own, since
+        the first impulse of a damper may be that of 1.5 steps."""
         return ONSET * self.damping

@@ -34,10 +34,13 @@ ANGLE_TOL = 1e-6
 
 
 class Latches(NamedTuple):
-    """Arrays of all l latches. on (l,): index of each one's hinge; numbers (l, 7, lanes):
-    constants, in the order of NUMBERS; openings: arrays of all openings; past (l, HISTORY, lanes),
-    state (l, STATE, lanes): of the last step and since the catch; account: index of the loss in
-    World.accounts; rows (l, 1, lanes): energies, for messages; log: of events."""
+    """Arrays of all l latches. on (l,): index of each one's hinge; numbers (l, 7, lanes): angle,
+    capture range (rad), sign of the rate at which it catches (0: both), largest rate, stiffness,
+    damping, -1 if one-sided; openings: of all hinges; past (l, 2, lanes): rate and damper's moment
+    of the last step; state (l, 8, lanes): 1 once it has caught, opening and sign of the rate then,
+    news of this step, their time (s), rate then, moment (N m), impulse (N m s); account: index in
+    World.accounts of the loss; rows (l, 1, lanes): energy of each; log: of events; track: moment,
+    impulse, rate at the catch, l rows for each instant."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -52,8 +55,9 @@ class Latches(NamedTuple):
 
 @kernel
 def watch(part, i, h, timing):
-    """Catch the opening of hinge h by latch i, in lanes where it entered the capture range in this
-    step. part: arrays of all latches (Latches), whose state is changed; timing: step times (s)."""
+    """Find out whether latch i on hinge h catches, or misses, in the step that ends now, in lanes
+    where it has not caught yet; `pass_by` writes the result to part.state. part: arrays of all
+    latches (Latches); timing: times of this step (s)."""
     angles = part.openings.angles
     reach = reach_of(part, i, load(angles, h, OLD), load(angles, h, NEW))
     if any_negative(where_negative(0.5 - load(part.state, i, IS_CAUGHT), 1.0, reach)):
@@ -65,22 +69,20 @@ def watch(part, i, h, timing):
 
 @kernel
 def reach_of(part, i, start, end):
-    """Distance (rad) of the capture range of latch i from the way between openings start and end
-    (rad); below 0: the way may enter the range. part: arrays of all latches (Latches)."""
+    """Return by how far (rad) the interval of openings from start to end (rad) stays clear of the
+    range in which latch i catches; below 0: it may enter that. part: all latches (Latches)."""
     distance = absolute(0.5 * (end + start) - load(part.numbers, i, ANGLE))
     return distance - 0.5 * absolute(end - start) - load(part.numbers, i, CAPTURE_RANGE) - ANGLE_TOL
 
 
 @kernel
 def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
-    """Decide whether lane s of latch i catches or misses on the way of a step, and write so to
-    part.state: IS_CAUGHT, NEWS, CATCH_TIME, HOLD_ANGLE.
-
-    part: arrays of all latches; psi_start, psi_end: opening at the start and end of the step (rad);
-    last_rate: rate in the step before (rad/s); end: time of the end of the step (s); step (s). The
-    rate within the step is taken as constant; `first` and `last` (rad) count from the edge of the
-    capture range that is met first.
-    """
+    """Decide whether latch i of sample s (its lane) catches or misses in a step, and write to
+    part.state that it caught, at which opening (rad), rate (rad/s), time (s), and the news for
+    events. part: arrays of all latches; psi_start, psi_end: opening at the start and end of the
+    step (rad); last_rate: rate in the step before (rad/s); end: time of the end of the step (s);
+    step: its length (s). The opening is taken as linear within the step. `first` and `last` in the
+    code (rad): openings at start and end, from the edge of the capture range that is met first."""
     angle, reach = part.numbers[i, ANGLE, s], part.numbers[i, CAPTURE_RANGE, s]
     change = psi_end - psi_start
     if part.numbers[i, APPROACH, s] * change < 0.0:
@@ -109,17 +111,17 @@ def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
 
 @kernel
 def excess(part, i, field):
-    """Opening (rad) beyond the angle at which latch i holds, in the direction of its catch. part:
-    arrays of all latches (Latches); field: NEW (now) or OLD (a step ago)."""
+    """Return by how much the opening (rad) is beyond that at which latch i caught, positive in the
+    direction of its catch. part: all latches; field: NEW (0: now) or OLD (1: a step ago)."""
     angle = load(part.openings.angles, part.on[i], field) - load(part.state, i, HOLD_ANGLE)
     return load(part.state, i, SIGN) * angle
 
 
 @kernel
 def hold(part, i, rate):
-    """Moments (N m) of the spring and of the damper of latch i, in the direction of its catch; 0
-    where it is free. part: arrays of all latches (Latches); rate (rad/s): of the opening, in that
-    direction."""
+    """Return two moments (N m), of the spring and of the damper of latch i, positive in the
+    direction of its catch; 0 in lanes where it has not caught. part: arrays of all latches
+    (Latches); rate: of the opening (rad/s), in that direction."""
     stiffness, damping = load(part.numbers, i, STIFFNESS), load(part.numbers, i, DAMPING)
     fresh = 0.5 - load(part.state, i, NEWS)  # < 0 in the step in which it caught
     gap, last = excess(part, i, NEW), excess(part, i, OLD)
@@ -137,12 +139,10 @@ def hold(part, i, rate):
 @hook(Latches)
 def forces(part, world, timing):
     """Add the moments (N m) of latches to both particles of their hinges, and what their dampers
-    take out in the step that ends now (J) to the account of losses.
-
-    A latch acts from the step in which it catches; what caught in this step is found first. part:
-    all latches (Latches), in whose state moment and impulse are stored; world: solver state
-    (World), whose forces and accounts change; timing: time, step, kick (s).
-    """
+    take out in the step that ends now (J) to the account of losses. A latch acts from the step in
+    which it catches; what caught in this step is found first. part: all latches (Latches), in whose
+    state moment and impulse are stored; world: solver state (World), whose forces and accounts
+    change; timing: time, step, kick (s)."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         if timing.time > 0.0:
@@ -160,8 +160,9 @@ def forces(part, world, timing):
 
 @hook(Latches)
 def note_events(part, world, timing):
-    """Note events of latches in part.log: which caught (0) or missed (1) since the last step. part:
-    arrays of all latches (Latches); world: solver state (World); timing: times of the step (s)."""
+    """Note in part.log which latches caught (event 0) or missed (1) in the step that ends now, and
+    clear that news in part.state. part: arrays of all latches (Latches); world, timing: not
+    used."""
     for i in range(part.on.shape[0]):
         if any_negative(0.5 - load(part.state, i, NEWS)):
             for s in range(part.state.shape[2]):
@@ -173,7 +174,8 @@ def note_events(part, world, timing):
 
 @hook(Latches)
 def energy_of(part, world, i):
-    """Strain energy (J, lanes) of latch i; 0 until it catches. part: all Latches; world: World."""
+    """Return the strain energy (J, lanes) of latch i; 0 until it catches. part: arrays of all
+    latches (Latches); world: solver state, not used; i: index of the latch."""
     gap = excess(part, i, NEW)
     one_sided = where_negative(gap, gap, 0.0)
     gap = where_negative(load(part.numbers, i, ONE_SIDED), one_sided, gap)
@@ -183,8 +185,8 @@ def energy_of(part, world, i):
 
 @hook(Latches)
 def record(part, world, row):
-    """Record of each latch its moment (N m), impulse (N m s), and rate (rad/s) at its catch. part:
-    arrays of all latches (Latches); world: solver state (World); row: of the recorded instant."""
+    """Record the moment (N m), the impulse so far (N m s), and the rate at the catch (rad/s) of
+    each latch in part.track. part: all latches (Latches); world: not used; row: of the instant."""
     count = part.on.shape[0]
     for i in range(count):
         for k, field in enumerate((MOMENT, IMPULSE, RATE_THERE)):

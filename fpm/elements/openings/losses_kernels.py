@@ -17,9 +17,11 @@ HISTORY = 2
 
 
 class JointForce(NamedTuple):
-    """Where friction finds the force in its joint: impulses of joints in the last step. lone (f,):
-    index of the hinge of each of f friction elements among hinges solved alone, or -1; first, count
-    (f,): its rows among joints solved together."""
+    """Impulses of joints in the last step, by which friction finds the force of its joint. share
+    (f, 1, lanes): deflection at slip for each N of f friction elements (rad/N), 0 where constant;
+    lone (f,): index of each one's hinge in `hinges` (h, SUMS, lanes), impulses of hinges solved
+    alone, or -1; first, count (f,): its conditions in `rows` (directions) and `impulses` (N s), of
+    joints solved together."""
 
     share: np.ndarray  # (f, 1, lanes) what counts of each N; 0: not this one
     lone: np.ndarray  # (f,)
@@ -32,22 +34,19 @@ class JointForce(NamedTuple):
 
 @kernel
 def half_rate(openings, h, timing):
-    """Rate (rad/s, m/s) of opening h at the middle of the step that ends now. openings: arrays of
-    all openings (Openings); h: index of the hinge; timing: times of the step (s)."""
+    """Return the mean rate (rad/s, m/s) of the opening of hinge h over the step that ends now.
+    openings: arrays of all openings (Openings); h: index of the hinge; timing: step times (s)."""
     angles = openings.angles
     return (load(angles, h, NEW) - load(angles, h, OLD)) * (1.0 / timing.step)
 
 
 @kernel
 def follow_rate(openings, history, i, h, timing):
-    """Rate (rad/s, m/s) of opening h now, for element i, extrapolated from the last two steps to
-    second order.
-
-    The middles of the steps lie half a step and one and a half behind (Adams and Bashforth).
-    openings: arrays of all openings (Openings); history (elements, HISTORY, lanes): of the
-    element's type, whose RATE is updated, so once a step; h: index of the hinge; timing: times of
-    the step (s).
-    """
+    """Return the rate (rad/s, m/s) of the opening of hinge h now, for element i, extrapolated to
+    second order from the mean rates of the last two steps (Adams and Bashforth). Call it once a
+    step: it stores the mean rate in history. openings: arrays of all openings (Openings); history
+    (elements, HISTORY, lanes): of the element's type, whose field RATE is written; h: index of the
+    hinge; timing: times of this step (s)."""
     last = load(history, i, RATE)
     rate = last
     if timing.time > 0.0:
@@ -59,14 +58,12 @@ def follow_rate(openings, history, i, h, timing):
 
 @kernel
 def lose(world, account, openings, history, i, h, moment):
-    """Add to an account the energy (J) that a moment (N m) on hinge h takes out in the step that
-    ends now.
-
-    moment: on the second particle, now; history, i: row of the element, with its moment a step ago;
-    account: index in World.accounts; openings: arrays of all openings (Openings). The trapezium
-    rule is what leapfrog does: kinetic energy of the half steps before and after (record.py)
-    changes by just that, so that no order of the step is left in the balance.
-    """
+    """Add to World.accounts the energy (J) that a moment of element i on hinge h takes out in the
+    step that ends now, and store the moment in history. moment: on the second particle, now (N m);
+    history (elements, 2, lanes): of the element's type, with the moment a step ago; account: index
+    in World.accounts; openings: arrays of all openings (Openings). The energy is the mean of both
+    moments times the change of the opening, just what kinetic energy of the half steps changes by
+    (record.py): so the balance has no error."""
     angles = openings.angles
     angle = load(angles, h, NEW) - load(angles, h, OLD)
     loss = -0.5 * (moment + load(history, i, LOSS)) * angle
@@ -76,8 +73,8 @@ def lose(world, account, openings, history, i, h, moment):
 
 @kernel
 def force_of(bearing, i, timing):
-    """Size (N, lanes) of the constraint force in the joint of friction element i, as a mean over
-    the last step. bearing: impulses of joints (JointForce); timing: times of the step (s)."""
+    """Return the size (N, lanes) of the force in the joint of friction element i, as a mean over
+    the last step. bearing: impulses of joints (JointForce); timing: times of this step (s)."""
     zero = 0.0 * load(bearing.share, i, 0)
     impulse = vector(zero, zero, zero)
     if bearing.lone[i] >= 0:
@@ -91,39 +88,31 @@ def force_of(bearing, i, timing):
 
 @kernel
 def edge(new, old):
-    """Correction of the overlap `new` of a spring that begins at zero, in the step in which zero
-    was crossed; else 0. new, old: overlap now and a step ago, in one unit.
-
-    On the way from -b to s such a spring does k s²/2, but the forces k s and 0 at the ends do k s
-    (s + b)/2. Half of the difference is taken off at the later step, and again by the step that
-    follows.
-    """
+    """Return what to add to the overlap `new` of a spring that begins at overlap 0, in the step in
+    which it passes 0; else 0. new, old: overlap now and a step ago (rad or m, as the result). From
+    -b to s such a spring does the work k s²/2, but the mean of the forces 0 and k s at both ends
+    does k s (s + b)/2. Half of the difference is taken off now, half by the step that follows."""
     product = new * old
     return where_negative(product, 0.5 * product / absolute(new - old), 0.0)
 
 
 @kernel
 def onset(new, old):
-    """Fraction, up to 3/2, of a step's impulse that a force gives which jumps from 0 to its full
-    size where zero is crossed; 1 where nothing is crossed. new, old: the crossing value now and a
-    step ago.
-
-    The impulse at an instant is that of half a step on either side; the force acts for half a step
-    and s/(s + b) of one, s and b being the sizes of new and old.
-    """
+    """Return the factor, 0.5 to 1.5, on the impulse of a force that starts (or ends) within this
+    step, as the overlap passes 0; 1 in other steps. new, old: overlap now and a step ago (rad, m).
+    An impulse is that of half a step before and after now; the force acts for half a step and s/(s
+    + b) of one, s and b being the sizes of new and old."""
     product = new * old
     return where_negative(product, 0.5 + absolute(new) / absolute(new - old), 1.0)
 
 
 @kernel
 def press(new, old, rate, stiffness, damping):
-    """Forces of the spring and of the damper of a one-sided stop, at least 0 in sum, where the
-    overlap `new` is above 0; the damper's is 0 elsewhere.
-
-    new, old: overlap (rad, m) now and a step ago; rate: its rate now; stiffness (N m/rad), damping
-    (N m s/rad), on slides in N/m, N s/m. The damper never pulls: it takes off at most the force of
-    the spring.
-    """
+    """Return the forces of the spring and of the damper of a one-sided stop, in sum at least 0 (N
+    m, on slides N); the damper's is 0 where the overlap `new` is not above 0. new, old: overlap
+    (rad, m) now and a step ago; rate: of the overlap now (rad/s, m/s); stiffness (N m/rad), damping
+    (N m s/rad), on slides N/m, N s/m. The damper never pulls: it takes off at most the force of the
+    spring."""
     spring = stiffness * where_negative(new, 0.0, new)
     damper = damping * rate * onset(new, old)
     damper = where_negative(damper + spring, -spring, damper)

@@ -27,14 +27,14 @@ class AnyMotor(OnHinge):
     variable: ClassVar[str] = "motor_moment"  # of what is recorded, in trajectory files
 
     def check(self, scene):
-        """Check the motor's fields, and that its hinge has no other; raises SceneError if so."""
+        """Check the motor's fields, and that its hinge has no other motor; raises SceneError."""
         super().check(scene)
         self.check_alone(scene)
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """Recorded moments (N m, on slides N) of one sample's motors, by name of the series. part:
-        arrays of the type's kernels; lane: index of the sample in the batch."""
+        """Recorded moments (N m, on slides N) of one sample's motors after a run, by variable name.
+        part: arrays of the motors' kernels; scene: the sample's; lane: its index."""
         hinges = [scene.hinges[motor.hinge] for motor in cls.of(scene)]
         values = part.track[:, 0, lane].reshape(-1, len(hinges))
         text, dimension = f"moment of the {cls.called}s on their hinges", cls.called

@@ -26,11 +26,13 @@ TRACK = 1
 
 
 class Motors(NamedTuple):
-    """Arrays of all m motors, for the kernels below. on (m,): index of each one's hinge; curve
-    (m,): index of its curve of time, -1 for 1; by_rate (m,): 1 where the curve gives the rate;
-    numbers (m, 4, lanes): constants, in the order of NUMBERS; past (m, HISTORY, lanes), state (m,
-    STATE, lanes): of the last two steps; given, taken: indices of work and loss in World.accounts;
-    rows (m, 1, lanes): energies; track ((instants + 1) m, 1, lanes): recorded moment (N m)."""
+    """Arrays of all m motors. on (m,): index of each one's hinge; curve (m,): index of its curve of
+    time, -1: constant 1; by_rate (m,): 1 where the curve gives the rate; numbers (m, 4, lanes):
+    stiffness (N m/rad), damping (N m s/rad), start, turn (rad); past (m, 2, lanes): rate of the
+    last step; state (m, 7, lanes): moment and damping moment (N m), each also a step ago, target
+    less opening, change of the target, target (rad); openings: of all hinges; given, taken: indices
+    in World.accounts of work and loss; rows (m, 1, lanes): energy of each; track: recorded moment
+    (N m)."""
 
     on: np.ndarray
     curve: np.ndarray
@@ -47,8 +49,9 @@ class Motors(NamedTuple):
 
 @hook(Motors)
 def forces(part, world, timing):
-    """Add the moments (N m) of the motors' drive trains, spring and damper, towards their
-    prescribed openings. part: all motors (Motors); world: solver state; timing: step times (s)."""
+    """Add the moments (N m) of the motors' drive trains, towards the prescribed openings, to the
+    forces on particles; keep them in part.state. part: arrays of all motors (Motors); world: solver
+    state (World), whose forces change; timing: times of this step (s)."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         for k in (MOMENT, VISCOUS):
@@ -74,12 +77,10 @@ def forces(part, world, timing):
 
 @hook(Motors)
 def work_before(part, world, timing):
-    """Add the work (J) of the motors over the step that ends at timing.time, and the losses (J) of
-    their drive trains, to World.accounts.
-
-    By the trapezium rule, as the moments do it on the hinges: so the balance has no error of it.
-    part: arrays of all motors (Motors); world: solver state (World); timing: times of the step (s).
-    """
+    """Add to World.accounts the work (J) of the motors, and the losses (J) of their drive trains,
+    in the step that ends at timing.time: means of the moments at both ends times the way, which is
+    what the moments do on the hinges, so that the balance has no error of it. part: arrays of all
+    motors (Motors); world: solver state (World); timing: times of this step (s)."""
     work = load(world.accounts, 0, part.given)
     loss = load(world.accounts, 0, part.taken)
     for i in range(part.on.shape[0]):
@@ -95,15 +96,16 @@ def work_before(part, world, timing):
 
 @hook(Motors)
 def energy_of(part, world, i):
-    """Strain energy (J, lanes) of drive train i. part: all motors (Motors); world: World."""
+    """Return the strain energy (J, lanes) of the drive train of motor i, in its state at the last
+    forces. part: arrays of all motors (Motors); world: solver state, not used."""
     error = load(part.state, i, ERROR)
     return 0.5 * load(part.numbers, i, STIFFNESS) * error * error
 
 
 @hook(Motors)
 def record(part, world, row):
-    """Record the moment (N m) of each motor on its hinge in row `row` of part.track. part: arrays
-    of all motors; world: solver state (World); row: of the recorded instant."""
+    """Record the moment (N m) of each motor on its hinge in part.track. part: arrays of all motors
+    (Motors, TorqueMotors); world: solver state, not used; row: index of the recorded instant."""
     count = part.on.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, MOMENT))

@@ -47,8 +47,8 @@ TURNING = ("revolute", "universal", "cross")
 
 @dataclass(frozen=True)
 class Opening(ElementType):
-    """The opening of a hinge (rad) or slide (m); every hinge of a scene has one, with its index,
-    and it is not stated."""
+    """The opening of a hinge (its angle, rad) or slide (its length, m). Every hinge of a scene has
+    one, of the hinge's index; it is not stated: `of` returns the hinges themselves."""
 
     resists_as = ""
 
@@ -86,14 +86,15 @@ class Opening(ElementType):
 
     @classmethod
     def seen_by(cls, kind: type[ElementType], batch):
-        """Arrays of all openings (Openings) for the element type `kind` that acts on them: `part`
-        is the component in PARTS that its moments count for. batch: the scenes being packed."""
+        """Arrays of all openings (Openings), for the kernels of an element type that acts on them.
+        kind: that type; its moments are recorded as component `part`, an index in PARTS ("spring",
+        "damper", ...: kinds of elements that act). batch: the scenes being packed."""
         return batch.part(cls)._replace(part=PARTS.index(kind.acts_as or "other"))
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """Recorded openings of one sample: `opening` (rad), `slide_opening` (m), by name. part:
-        arrays of all openings (Openings); lane: index of the sample in the batch."""
+        """Recorded openings of one sample after a run, by variable name: `opening` (rad) and
+        `slide_opening` (m). part: all openings (Openings); lane: index of the sample."""
         values = part.track[:, 0, lane].reshape(-1, len(scene.hinges))
         series = Series(values, "rad", "opening of the hinges", "hinge", ())
         return by_unit({"opening": series}, scene.hinges, [h.name for h in scene.hinges])
@@ -105,8 +106,8 @@ class OnHinges(ElementType):
     reads = (Opening,)
 
     def check_index(self, scene, field, value):
-        """Check that the index `value` of a field exists, and that its hinge is of an allowed type
-        (field.types); raises SceneError if not."""
+        """Check that the index `value` of a field exists among the scene's hinges, and that this
+        hinge is of one of the types in field.types, if any; raises SceneError if not."""
         super().check_index(scene, field, value)
         if field.types and scene.hinges[value].type not in field.types:
             text = f"{scene.hinges[value].name} ({scene.hinges[value].type})"
@@ -122,8 +123,9 @@ class OnHinges(ElementType):
 
     @classmethod
     def array(cls, name, batch):
-        """The array of the kernels' field `name`, as of ElementType.array; for "openings" those of
-        all openings. batch: the scenes being packed."""
+        """Array for the field `name` of the named tuple of the type's kernels; "openings" stands
+        for the arrays of all openings (Openings), others as in ElementType. batch: the scenes being
+        packed."""
         return Opening.seen_by(cls, batch) if name == "openings" else super().array(name, batch)
 
 
@@ -134,21 +136,21 @@ class OnHinge(OnHinges):
         return (self.hinge,)
 
     def label(self, scene) -> str:
-        """Name of the element in messages and files: that of its hinge."""
+        """Name of the element in messages and files: that of its hinge in the scene."""
         return scene.hinges[self.hinge].name
 
     def title(self, scene):
         return f"{self.called} {self.label(scene)}"
 
     def alike(self, scene) -> list["OnHinge"]:
-        """Elements of a scene, of all types that messages call alike (`called`): all motors,
-        say."""
+        """Elements of a scene whose types have the same word in messages (`called`) as this one, as
+        of a latch all latches, rigid ones too."""
         kinds = [k for k in scene.kinds if issubclass(k, OnHinge) and k.called == self.called]
         return [element for kind in kinds for element in kind.of(scene)]
 
     def check_alone(self, scene) -> None:
-        """Check that its hinge has no other element that messages call alike (`called`); raises
-        SceneError if it has."""
+        """Check that the scene has no other element on this hinge with the same word in messages
+        (`called`, as "motor"); raises SceneError if it has."""
         if self.hinge in [element.hinge for element in self.alike(scene)]:
             allowed = f"a hinge without a {self.called}"
             raise SceneError(f"hinge of {self.called}", self.hinge, allowed)
@@ -159,21 +161,23 @@ class OnHinge(OnHinges):
         return [element._replace(joint=scene.hinges[e.hinge].name) for element, e in pairs]
 
     def stiffness_in(self, scene) -> float | None:
-        """Stiffness (N m/rad, on slides N/m) for the stable step; None: the type has no springs."""
+        """Stiffness (N m/rad, on slides N/m) that limits the stable step; None: no springs."""
         return getattr(self, "stiffness", None)
 
     def damping_in(self, scene) -> float | None:
-        """Damping (N m s/rad, on slides N s/m) that counts in the stable step; None: no dampers."""
+        """Damping (N m s/rad, on slides N s/m) that limits the stable step; None: no dampers."""
         return getattr(self, "damping", None)
 
     @classmethod
     def deformations(cls, scene):
-        """Deformations, with `stiffness_in`: openings of the elements' hinges, as if all acted."""
+        """How motions of particles strain the type's springs, for the stable step: the opening of
+        each, with stiffness_in, as if all acted; None: no springs."""
         return cls._turns(scene, [e.stiffness_in(scene) for e in cls.of(scene)])
 
     @classmethod
     def dampings(cls, scene):
-        """Deformations with `damping_in` for stiffness, as if all dampers acted."""
+        """How motions of particles move the type's dampers, for the stable step: the opening of
+        each, with damping_in for stiffness, as if all acted; None: no dampers."""
         return cls._turns(scene, [e.damping_in(scene) for e in cls.of(scene)])
 
     @classmethod
@@ -183,23 +187,25 @@ class OnHinge(OnHinges):
 
     @classmethod
     def array(cls, name, batch):
-        """The array of the kernels' field `name`, as of OnHinges.array; "on": indices of the
-        hinges; "past": history for losses. batch: the scenes being packed."""
+        """Array for the field `name` of the named tuple of the type's kernels: "on": indices of
+        hinges; "past": rates at the start (pack_past); others as in OnHinges. batch: the scenes
+        being packed."""
         if name == "past":
             return pack_past(batch, cls)
         return super().array("hinge" if name == "on" else name, batch)
 
 
 def on_hinge(words: str = "hinge of {called}", types: tuple[str, ...] = ()) -> Any:
-    """Field of an element with the index of its hinge. words: its name in messages; types: allowed
-    types of the hinge, (): all."""
+    """Dataclass field of an element that holds the index of its hinge. words: the field's name in
+    messages, {called} being the element's word; types: allowed types of the hinge, (): all."""
     return index("hinges", words=words, types=types)
 
 
 def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
-    """Split recorded series (t, k) of elements on hinges into those on hinges that turn and on
-    slides. series: by name, in units of hinges; hinges, labels: of each of the k columns. Those of
-    slides have other units (SLIDING), and names and dimensions that begin with `slide`."""
+    """Split recorded series (t, k) of k elements on hinges into those on hinges that turn and those
+    on slides. series: by name, with units of hinges; hinges, labels: hinge and name of each
+    element. Returns all by name; on slides names begin with "slide_", with force for moment and
+    their units."""
     result = {}
     slides = np.array([hinge.slides for hinge in hinges], bool)
     for columns, prefix in ((~slides, ""), (slides, "slide_")):
@@ -216,7 +222,8 @@ def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
 
 
 def unit_of(scene, hinge: int, unit: str) -> str:
-    """Unit of a quantity on the hinge of index `hinge`: `unit`, or on slides that of SLIDING."""
+    """Unit of a quantity on a hinge: `unit`, as "N m/rad", where it turns; on a slide that in
+    SLIDING, as "N/m". hinge: its index in the scene."""
     return SLIDING[unit] if scene.hinges[hinge].slides else unit
 
 
@@ -228,8 +235,8 @@ def _sides(scene) -> np.ndarray:
 
 
 def relative_turn(scene, hinges, stiffness) -> Deformations:
-    """Deformations of elements whose springs are strained by one opening each. hinges: index of
-    each element's hinge; stiffness: of each (N m/rad, on slides N/m)."""
+    """How motions of particles strain springs on one opening each, for the stable step. hinges:
+    index of each spring's hinge; stiffness: of each (N m/rad, on slides N/m)."""
     dofs, values, factors, element = [], [], [], []
     for number, h in enumerate(hinges):
         hinge = scene.hinges[h]
@@ -279,8 +286,9 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
 
 
 def softness(scene, hinge: int) -> float:
-    """Inverse inertia (1/kg m²) against which a moment about the hinge of index `hinge` turns its
-    two particles; of a slide the inverse mass (1/kg). 0 where both are held."""
+    """Acceleration of the opening of a hinge that a unit moment (on a slide, a force) on it gives,
+    with its two particles alone: 1/kg m² (on a slide 1/kg); 0 where both are held. hinge: its
+    index."""
     joint, no_turn = scene.hinges[hinge], turns_of(scene).no_turn
     if joint.slides:
         rows = relative_turn(scene, [hinge], [1.0])
@@ -293,10 +301,8 @@ def softness(scene, hinge: int) -> float:
 
 
 def moving_at_start(scene) -> SimpleNamespace:
-    """Motion of all particles at the start: velocity (m/s) and spin (rad/s), position and frame.
-
-    Velocity and spin (n, 3) are the prescribed ones of driven particles, and 0 along held axes.
-    """
+    """Motion of all particles of a scene at t = 0: namespace with velocity (n, 3) m/s, spin (n, 3)
+    rad/s, position and frame; of driven particles as prescribed, along and about held axes 0."""
     spin = np.where(scene.fixed[:, 3:], 0.0, scene.spin)
     motion = SimpleNamespace(velocity=np.where(scene.fixed[:, :3], 0.0, scene.velocity), spin=spin)
     motion.position, motion.frame = scene.position.copy(), scene.frame.copy()
@@ -306,14 +312,16 @@ def moving_at_start(scene) -> SimpleNamespace:
 
 
 def turning_at_start(scene, hinges) -> list[float]:
-    """Rates (rad/s, m/s) of the openings of `hinges` (indices) at the start, also if driven."""
+    """Rates (rad/s, of slides m/s) of the openings of some hinges at t = 0, driven particles moving
+    as prescribed. hinges: indices of hinges in the scene."""
     motion = moving_at_start(scene)
     return [rate_at(scene, scene.hinges[h], motion) for h in hinges]
 
 
 def rate_at(places, hinge, motion) -> float:
-    """Rate of the opening of a hinge (rad/s), of a slide (m/s). places: with position (n, 3) and
-    frame (n, 3, 3) of all particles; motion: with their velocity (m/s), spin (rad/s) (n, 3)."""
+    """Rate of the opening of a hinge (rad/s), of a slide (m/s). places: has position (n, 3) m and
+    frame (n, 3, 3) of all particles, as a scene; hinge: Hinge; motion: has velocity (n, 3) m/s and
+    spin (n, 3) rad/s of all particles."""
     i, j = hinge.particles
     axis = places.frame[i] @ hinge.axes[0]
     if not hinge.slides:
@@ -326,8 +334,9 @@ def rate_at(places, hinge, motion) -> float:
 
 
 def pack_past(batch, kind) -> np.ndarray:
-    """History (elements, HISTORY, lanes) at the start of the elements of a type, for the kernels in
-    losses_kernels.py: the rate of each opening. batch: the scenes being packed; kind: the type."""
+    """Array (elements, 2, lanes) with which the kernels of elements that lose energy start: rate of
+    each opening at t = 0 (rad/s, m/s), then 0. batch: the scenes being packed; kind: element
+    type."""
     from fpm.elements.openings.losses_kernels import HISTORY
 
     count = len(kind.of(batch.scene))
@@ -340,8 +349,8 @@ def pack_past(batch, kind) -> np.ndarray:
 
 
 def start_angles(batch, kind) -> np.ndarray:
-    """Openings (n, lanes; rad, m) at the start of the hinges of all elements of a type `kind`.
-    batch: the scenes being packed."""
+    """Openings (n, lanes; rad, of slides m) at t = 0 of the hinges of all n elements of a type
+    `kind`. batch: the scenes being packed."""
 
     def openings(scene):
         return [[scene.hinges[element.hinge].opening] for element in kind.of(scene)]
@@ -350,8 +359,8 @@ def start_angles(batch, kind) -> np.ndarray:
 
 
 def opening_at(scene, hinge) -> float:
-    """Opening (rad, of a slide m) of a hinge at the current positions and frames of the scene; full
-    turns as in `hinge.opening`."""
+    """Opening (rad, of a slide m) of a hinge (Hinge) by the positions and frames that the scene has
+    now; of angles that differ by full turns the one closest to hinge.opening."""
     axis, *ends = (
         scene.frame[p] @ own[k]
         for p, own, k in (

@@ -26,8 +26,14 @@ PART_FIELDS = 3
 
 
 class Openings(NamedTuple):
-    """Arrays of all openings; opening h has the sides 2h and 2h + 1. For fields that are None no
-    code is compiled."""
+    """Arrays of all h openings. Hinge i has the sides 2 i and 2 i + 1. ends (2 h,): particle of
+    each side; sides (2 h, 9, lanes): axis, reference direction (of slides a point), normal to both,
+    in its particle's axes; axes (h, 3, lanes): global axis now; angles (h, 2, lanes): opening now
+    and a step ago (rad, m); is_needed: whether it is updated in every step; track: recorded
+    openings; slides (h,): 1 for a slide. moments (h parts, 3, lanes): moment now, a step ago (N m),
+    work (J) of each component (of springs, dampers, ...: PARTS); told_track: recorded moment and
+    work; parts: number of components; part: the component of the acting element type. None: not
+    used."""
 
     ends: np.ndarray  # (2h,) particles of the sides
     sides: np.ndarray  # (2h, SIDE, lanes)
@@ -44,8 +50,8 @@ class Openings(NamedTuple):
 
 @kernel
 def is_slide(slides, h):
-    """Whether opening h is a length (m) of a slide, not an angle (rad). slides (h,): 1 for each
-    slide, or None where the scene has none."""
+    """Return whether the opening of hinge h is a length (m), as of a slide, not an angle (rad).
+    slides (h,): 1 for each slide, or None where the scene has none."""
     if slides is None:
         return False
     return slides[h] != 0
@@ -53,8 +59,9 @@ def is_slide(slides, h):
 
 @hook(Openings)
 def forces(part, world, timing):
-    """Update all openings before other element types read them, and clear their moments by
-    component. part: all openings (Openings); world: solver state; timing: times of the step (s)."""
+    """Update all openings in part.angles before other element types read them, and begin a new step
+    of the moments recorded by component. part: arrays of all openings (Openings); world: solver
+    state (World), whose positions are read; timing: times of this step (s), not used."""
     if part.is_needed:
         update(part, world.state)
     begin_parts(part.moments)
@@ -62,8 +69,9 @@ def forces(part, world, timing):
 
 @kernel
 def begin_parts(moments):
-    """Move each component's moment to MOMENT_BEFORE, and set the moment of the new step to 0.
-    moments (h components, PART_FIELDS, lanes): those of Openings, or None: nothing is done."""
+    """Copy the moment of each component (of springs, dampers, ...) to that of a step ago, and set
+    the new one to 0. moments (hinges x components, 3, lanes): Openings.moments, or None: nothing is
+    done."""
     if moments is not None:
         for r in range(moments.shape[0]):
             store(moments, r, MOMENT_BEFORE, load(moments, r, MOMENT))
@@ -72,8 +80,9 @@ def begin_parts(moments):
 
 @kernel
 def update(part, state):
-    """Update the openings (rad, m), which are functions of the particles' state (n, STATE, lanes);
-    the value before only picks the turn. part: all openings (Openings), changed in place."""
+    """Compute all openings (rad, m), into part.angles, and their global axes, into part.axes. part:
+    arrays of all openings (Openings); state (n, STATE, lanes): positions and axes of all particles.
+    Of angles that differ by full turns, the one closest to the previous is taken."""
     sides, angles = part.sides, part.angles
     for h in range(angles.shape[0]):
         first_end, second_end = part.ends[2 * h], part.ends[2 * h + 1]
@@ -100,12 +109,10 @@ def update(part, state):
 @kernel
 def turn(openings, state, h, moment):
     """Add a moment (N m) about the axis of hinge h to its second particle, and its opposite to the
-    first.
-
-    On a slide, a force (N) along its axis, on both particles at the point of the second, so that
-    they are in balance. openings: arrays of all openings, as the acting type sees them (Openings);
-    state (n, STATE, lanes): of the particles.
-    """
+    first: to the forces in `state`, and to the recorded component. On a slide, a force (N) along
+    its axis, on both particles at the point of the second, so that they are in balance. openings:
+    arrays of all openings, of the acting element type (Openings.part); state (n, STATE, lanes): of
+    the particles."""
     first, second = openings.ends[2 * h], openings.ends[2 * h + 1]
     axis = get3(openings.axes, h, 0)
     if is_slide(openings.slides, h):
@@ -125,12 +132,10 @@ def turn(openings, state, h, moment):
 
 @kernel
 def push(openings, state, h, impulse):
-    """Add an impulse (N m s) about the axis of hinge h to the second particle's angular momentum,
-    and its opposite to the first's; not on slides.
-
-    Called once the step's forces are in the momenta. openings: arrays of all openings (Openings);
-    state (n, STATE, lanes): of the particles.
-    """
+    """Add an impulse (N m s) about the axis of hinge h, not a slide, to the angular momentum of its
+    second particle, and the opposite to the first. Call it once the step's forces are in the
+    momenta. openings: arrays of all openings; state (n, STATE, lanes): of the particles,
+    changed."""
     first, second = openings.ends[2 * h], openings.ends[2 * h + 1]
     kick = impulse * get3(openings.axes, h, 0)
     put3(state, second, P, get3(state, second, P) + kick)
@@ -139,8 +144,9 @@ def push(openings, state, h, impulse):
 
 @kernel
 def tell(moments, openings, h, moment):
-    """Add a moment (N m) on opening h to the component of the element type that these `openings`
-    belong to. moments: rows (h components), or None: not recorded by component."""
+    """Add a moment (N m) on hinge h to the recorded component (of springs, dampers, ...) of the
+    acting element type, openings.part. moments: Openings.moments, or None: nothing is done;
+    openings: arrays of all openings (Openings)."""
     if moments is not None:
         row = h * openings.parts + openings.part
         store(moments, row, MOMENT, load(moments, row, MOMENT) + moment)
@@ -148,15 +154,16 @@ def tell(moments, openings, h, moment):
 
 @hook(Openings)
 def work_before(part, world, timing):
-    """Add the work (J) of each component's moment over the step that ends at timing.time. part:
-    arrays of all openings (Openings); world: solver state (World); timing: step times (s)."""
+    """Add to part.moments the work (J) of each component (of springs, dampers, ...) in the step
+    that ends now. part: arrays of all openings (Openings); world, timing: not used."""
     work_parts(part.moments, part)
 
 
 @kernel
 def work_parts(moments, part):
-    """Add the work (J) of each component's moment over the step that ends now, by the trapezium
-    rule (losses_kernels.lose). moments: None where there are no components; part: all openings."""
+    """Add to moments the work (J) of each component (of springs, dampers, ...) in the step that
+    ends now: mean of its moments at both ends times the change of the opening. moments:
+    Openings.moments, None: nothing is done; part: arrays of all openings (Openings)."""
     if moments is not None:
         for h in range(part.angles.shape[0]):
             angle = load(part.angles, h, NEW) - load(part.angles, h, OLD)
@@ -167,8 +174,9 @@ def work_parts(moments, part):
 
 @hook(Openings)
 def record(part, world, row):
-    """Record the openings (rad, m), and the moment (N m) and work (J) of every component, in row
-    `row`. part: arrays of all openings (Openings); world: solver state; row: of the instant."""
+    """Record all openings (rad, m) in part.track; in part.told_track moment (N m) and work (J) of
+    every component (of springs, dampers, ...). part: arrays of all openings (Openings); world:
+    solver state (World); row: index of the recorded instant."""
     if not part.is_needed:
         update(part, world.state)
     count = part.angles.shape[0]
@@ -179,16 +187,16 @@ def record(part, world, row):
 
 @hook(Openings)
 def record_step(part, world, row, timing):
-    """Record the moment and work of every component again, after the step is solved, with the
-    moments of constraints that `record` could not know. part: arrays of all openings (Openings);
-    world: solver state; row: of the instant; timing: in s."""
+    """Record moment (N m) and work (J) of every component again, over what `record` wrote, now with
+    the moments of constraints that the step has found. part: arrays of all openings (Openings);
+    row: index of the instant; world, timing: not used."""
     record_parts(part.moments, part, row)
 
 
 @kernel
 def record_parts(moments, part, row):
-    """Record the moment (N m) and work (J) of every component, in row `row` of part.told_track.
-    moments: None where there are none; part: arrays of all openings (Openings)."""
+    """Record the moment (N m) and work (J) of every component in part.told_track. moments:
+    Openings.moments, None: nothing is done; part: all openings (Openings); row: of the instant."""
     if moments is not None:
         count = moments.shape[0]
         for r in range(count):

@@ -25,7 +25,8 @@ class AnyRelease(OnHinge):
     resists_as = ""
 
     def check(self, scene):
-        """Check that the release has a time or a level, and is its hinge's only one."""
+        """Check that the release has a finite time or watches a hinge that is not at the level at
+        the start, and that its hinge has no other release; raises SceneError if not."""
         super().check(scene)
         self.check_alone(scene)
         title = self.title(scene)

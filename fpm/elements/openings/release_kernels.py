@@ -30,10 +30,12 @@ STATE = 6
 
 
 class Releases(NamedTuple):
-    """Arrays of all r releases. on, watch (r,): indices of each one's hinge and of the hinge whose
-    opening releases it, -1 for none; numbers (r, 5, lanes): constants, in the order of NUMBERS;
-    past (r, HISTORY, lanes), state (r, STATE, lanes): of the last two steps; account: index of the
-    loss in World.accounts; rows (r, 1, lanes): energies, for messages; log: of events."""
+    """Arrays of all r releases. on, watch (r,): index of the hinge each holds, and of the one whose
+    opening frees it, -1: none; numbers (r, 5, lanes): time (s), level (rad), stiffness, damping,
+    opening held; past (r, 2, lanes): rate of the last step; state (r, 6, lanes): moment (N m), a
+    step ago, steps since it let go, energy (J), a step ago, -1 while it holds; openings: of all
+    hinges; account: index in World.accounts of the loss; rows (r, 1, lanes): energy of each; log:
+    of events."""
 
     on: np.ndarray
     watch: np.ndarray
@@ -48,8 +50,9 @@ class Releases(NamedTuple):
 
 @kernel
 def let_go(part, timing, i):
-    """Number of steps, as a fraction, since the release of element i was due; below 0: not yet.
-    part: arrays of all releases (Releases); timing: times of the step (s)."""
+    """Return since how many steps (lanes, a fraction) release i has been due to let go, by its time
+    or as the watched opening passes its level in this step; below 0: it is not. part: arrays of all
+    releases (Releases); timing: times of this step (s)."""
     late = timing.time - load(part.numbers, i, TIME)
     steps = where_negative(late, -1.0, late / timing.step)
     if part.watch[i] >= 0:
@@ -63,8 +66,9 @@ def let_go(part, timing, i):
 
 @hook(Releases)
 def forces(part, world, timing):
-    """Add the moments (N m) of releases that hold, and the rest of the moment of those released in
-    this step. part: all releases (Releases); world: solver state; timing: times of the step (s)."""
+    """Add the moments (N m) of releases that hold to the forces on particles, and in the step in
+    which one lets go the rest of its moment; update part.state. part: arrays of all releases
+    (Releases); world: solver state (World), whose forces change; timing: times of this step (s)."""
     for i in range(part.on.shape[0]):
         for k in (MOMENT, ENERGY):
             store(part.state, i, k + 1, load(part.state, i, k))
@@ -92,8 +96,8 @@ def forces(part, world, timing):
 
 @hook(Releases)
 def note_events(part, world, timing):
-    """Note in part.log the releases of this step, with their times. part: arrays of all releases
-    (Releases); world: solver state (World); timing: times of the step (s)."""
+    """Note in part.log which releases let go (event 0) in the step that ends now, and when. part:
+    arrays of all releases (Releases); world: solver state, not used; timing: step times (s)."""
     for i in range(part.on.shape[0]):
         steps = load(part.state, i, STEPS)
         if any_negative(where_negative(steps, 1.0, -1.0)):
@@ -104,12 +108,9 @@ def note_events(part, world, timing):
 
 @hook(Releases)
 def work_before(part, world, timing):
-    """Add the losses (J) of the dampers, and of springs let go, in the step that ends at
-    timing.time to World.accounts.
-
-    A loss is the drop of the stored energy, less the work on the hinge. part: arrays of all
-    releases (Releases); world: solver state (World); timing: times of the step (s).
-    """
+    """Add to World.accounts the energy (J) lost in dampers, and in springs let go, in the step that
+    ends at timing.time: the drop of the stored energy less the work on the hinge. part: arrays of
+    all releases (Releases); world: solver state (World); timing: step times (s)."""
     loss = load(world.accounts, 0, part.account)
     for i in range(part.on.shape[0]):
         moment = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE)
@@ -121,5 +122,6 @@ def work_before(part, world, timing):
 
 @hook(Releases)
 def energy_of(part, world, i):
-    """Strain energy (J, lanes) of release i; 0 once released. part: all Releases; world: World."""
+    """Return the strain energy (J, lanes) of release i; 0 once it let go. part: arrays of all
+    releases (Releases); world: solver state, not used; i: index of the release."""
     return load(part.state, i, ENERGY)

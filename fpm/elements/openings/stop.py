@@ -36,6 +36,6 @@ class Stop(OnHinge):
         return [f"{stop.title(scene)} {stop.side}" for stop in cls.of(scene)]
 
     def damping_in(self, scene):
-        """Damping (N m s/rad) for the stable step: ONSET times its own, as the first impulse of a
-        damper may be more than that of a whole step."""
+        """Damping (N m s/rad) that limits the stable step: ONSET = 1.5 times the stop's own, since
+        the first impulse of a damper may be that of 1.5 steps."""
         return ONSET * self.damping

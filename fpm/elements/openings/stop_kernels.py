@@ -21,9 +21,9 @@ TOUCH = 1e-9
 
 class Stops(NamedTuple):
     """Arrays of all s stops. on (s,): index of each one's hinge; numbers (s, 4, lanes): angle
-    (rad), side (1 above, -1 below), stiffness, damping; openings: arrays of all openings; past (s,
-    HISTORY, lanes): rate and damper's moment of the last step; account: index of the loss in
-    World.accounts; rows (s, 1, lanes): energies, for messages; log: of events."""
+    (rad), side (1 above, -1 below), stiffness (N m/rad), damping (N m s/rad); openings: of all
+    hinges; past (s, HISTORY, lanes): rate and damper's moment of the last step; account: index in
+    World.accounts of the loss; rows (s, 1, lanes): energy of each; log: of events."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -36,16 +36,17 @@ class Stops(NamedTuple):
 
 @kernel
 def overlap(part, i, field):
-    """Overlap (rad) of stop i, below 0 where it is free. part: arrays of all stops (Stops); field:
-    NEW (now) or OLD (a step ago)."""
+    """Return by how much the opening is beyond stop i (rad), below 0 where it is free. part: arrays
+    of all stops (Stops); field: NEW (0: now) or OLD (1: a step ago)."""
     angle = load(part.openings.angles, part.on[i], field) - load(part.numbers, i, ANGLE)
     return load(part.numbers, i, SIDE) * angle
 
 
 @hook(Stops)
 def forces(part, world, timing):
-    """Add the moments (N m) of stops against their overlaps, and the losses (J) of their dampers.
-    part: arrays of all stops (Stops); world: solver state (World); timing: step times (s)."""
+    """Add the moments (N m) of stops against their overlaps to the forces on particles, and what
+    their dampers lose in the step (J) to World.accounts. part: arrays of all stops (Stops); world:
+    solver state (World); timing: times of this step (s)."""
     for i in range(part.on.shape[0]):
         h, side = part.on[i], load(part.numbers, i, SIDE)
         rate = side * follow_rate(part.openings, part.past, i, h, timing)
@@ -62,8 +63,8 @@ def forces(part, world, timing):
 
 @hook(Stops)
 def note_events(part, world, timing):
-    """Note events of stops in part.log: which were hit (1) or left (0) since the last step. part:
-    arrays of all stops (Stops); world: solver state (World); timing: times of the step (s)."""
+    """Note in part.log which stops were hit (event 1) or left (0) in the step that ends now. part:
+    arrays of all stops (Stops); world: solver state, not used; timing: times of this step (s)."""
     for i in range(part.on.shape[0]):
         new = TOUCH - overlap(part, i, NEW)
         old = TOUCH - overlap(part, i, OLD)
@@ -79,7 +80,8 @@ def note_events(part, world, timing):
 
 @hook(Stops)
 def energy_of(part, world, i):
-    """Energy (J, lanes) of stop i, 0 where it is free. part: all stops (Stops); world: World."""
+    """Return the strain energy (J, lanes) of stop i, 0 where it is free. part: arrays of all stops
+    (Stops); world: solver state, not used; i: index of the stop."""
     depth = overlap(part, i, NEW)
     depth = where_negative(depth, 0.0, depth)
     return 0.5 * load(part.numbers, i, STIFFNESS) * depth * depth

@@ -23,8 +23,8 @@ from fpm.errors import SceneError
 class SyncLoop(OnHinges):
     """A closed cable loop over pulleys on two hinges, which couples their openings.
 
-    stiffness: of both strands together (N/m); preload: tension of each strand (N); without it no
-    strand ever gets slack.
+    name: of its own; hinges: indices of both; radii: of the pulleys (m); stiffness: of both strands
+    together (N/m); rest: openings without slip (rad); preload: tension of each strand (N).
     """
 
     name: str = same()
@@ -53,7 +53,8 @@ class SyncLoop(OnHinges):
     resists_as = "S"
 
     def check(self, scene):
-        """Check that the loop has a name of its own, two hinges, and radii; SceneError if not."""
+        """Check that the loop has a name of its own, two different hinges, and radii other than 0,
+        before it is added to the scene; raises SceneError if not."""
         super().check(scene)
         title = self.title(scene)
         if self.name in [loop.name for loop in SyncLoop.of(scene)]:
@@ -71,18 +72,16 @@ class SyncLoop(OnHinges):
 
     @property
     def tight(self) -> float:
-        """The slip (m) up to which both strands are tight."""
+        """Slip (m, by which one strand is longer than at rest) up to which both are tight."""
         return 2 * self.preload / self.stiffness if self.stiffness > 0 else np.inf
 
     @classmethod
     def deformations(cls, scene):
-        """Deformations for the stable step: a spring on each hinge of each loop, which together
-        bound it; None if nothing can move.
-
-        By Cauchy and Schwarz (r1 psi1 - r2 psi2)² <= r1² psi1²/s1 + r2² psi2²/s2 with s1 + s2 = 1;
-        with shares as r² w, w being the softness of each hinge, nothing is lost where the hinges
-        share no body.
-        """
+        """How the loops are strained by the motion of particles, for the stable step: a spring on
+        each hinge of each loop, two that together are at least as stiff as the loop; None if
+        nothing can move. By Cauchy and Schwarz (r1 psi1 - r2 psi2)² <= r1² psi1²/s1 + r2² psi2²/s2
+        with s1 + s2 = 1; with shares as r² w, w being the softness of each hinge, nothing is lost
+        where the hinges share no body."""
         hinges, stiffness, element = [], [], []
         for i, loop in enumerate(cls.of(scene)):
             soft = [softness(scene, hinge) for hinge in loop.hinges]
@@ -99,15 +98,16 @@ class SyncLoop(OnHinges):
 
     @classmethod
     def array(cls, name, batch):
-        """The array of the kernels' field `name`, as of ElementType.array; "on": both hinges."""
+        """Array for the field `name` of the kernels' tuple Loops. batch: the scenes being
+        packed."""
         if name == "on":
             return batch.integers((loop.hinges for loop in cls.of(batch.scene)), 2)
         return super().array(name, batch)
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """Recorded pulls (N) of one sample's loops, differences of the tensions of both strands.
-        part: arrays of all loops (Loops); lane: index of the sample in the batch."""
+        """Recorded series "loop_force" of one sample after a run: differences of the tensions (N)
+        of each loop's strands. part: all loops (Loops); lane: index of the sample."""
         names = tuple(loop.name for loop in cls.of(scene))
         values = part.track[:, 0, lane].reshape(-1, len(names))
         return {"loop_force": Series(values, "N", "pull of the loops", "loop", names)}

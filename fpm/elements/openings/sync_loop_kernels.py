@@ -27,15 +27,12 @@ TOUCH = 1e-9
 
 
 class Loops(NamedTuple):
-    """Arrays of all l synchronising loops.
-
-    on (l, 2): indices of both hinges; numbers (l, 6, lanes): stiffness (N/m), radii of both pulleys
-    (m), openings of both hinges without slip (rad), slip at which a strand turns slack (m); state
-    (l, 3, lanes): slip (m), slip that is left until a strand is slack (m), the same a step before;
-    openings: arrays of all openings; rows (l, 1, lanes): energy of each (J), to find the worst one
-    for a message; log: of events; track ((instants + 1) l, 1, lanes): recorded pull (N), l rows
-    for each instant.
-    """
+    """Arrays of all l synchronising loops. on (l, 2): indices of both hinges; numbers (l, 6,
+    lanes): stiffness (N/m), radii of both pulleys (m), openings of both hinges without slip (rad),
+    slip at which a strand turns slack (m); state (l, 3, lanes): slip (m), slip that is left until a
+    strand is slack (m), the same a step before; openings: arrays of all openings; rows (l, 1,
+    lanes): energy of each (J), to find the worst one for a message; log: of events; track
+    ((instants + 1) l, 1, lanes): recorded pull (N), l rows for each instant."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -48,16 +45,16 @@ class Loops(NamedTuple):
 
 @kernel
 def excess(part, i):
-    """Slip (m) of loop i beyond the slip at which one strand gets slack; 0 where both are tight.
-    part: arrays of all loops (Loops)."""
+    """Return by how much the slip (m) of loop i exceeds that at which one strand turns slack; with
+    the slip's size, not its sign; 0 where both are tight. part: arrays of all loops (Loops)."""
     slip = absolute(load(part.state, i, SLIP)) - load(part.numbers, i, TIGHT)
     return where_negative(slip, 0.0, slip)
 
 
 @kernel
 def pull(part, i):
-    """Difference of the tensions (N) of the two strands of loop i, with the sign of the slip. part:
-    arrays of all loops (Loops)."""
+    """Return the difference of the tensions (N) of the two strands of loop i, with the sign of the
+    slip. part: arrays of all loops (Loops), whose slip is that of the last `forces`."""
     slip = load(part.state, i, SLIP)
     extra = excess(part, i)
     return load(part.numbers, i, STIFFNESS) * (slip - 0.5 * where_negative(slip, -extra, extra))
@@ -65,8 +62,9 @@ def pull(part, i):
 
 @hook(Loops)
 def forces(part, world, timing):
-    """Add the moments (N m) of loops on both their hinges, against the slip. part: arrays of all
-    loops (Loops); world: solver state (World); timing: times of the step (s)."""
+    """Add the moments (N m) of loops on both their hinges, against the slip, to the forces on
+    particles; store slip and slack in part.state. part: arrays of all loops (Loops); world: solver
+    state (World), whose forces change; timing: times of this step (s), not used."""
     for i in range(part.on.shape[0]):
         angles = part.openings.angles
         h1, h2 = part.on[i, 0], part.on[i, 1]
@@ -84,8 +82,8 @@ def forces(part, world, timing):
 
 @hook(Loops)
 def note_events(part, world, timing):
-    """Note events of loops in part.log: one strand turned slack (1), or both are tight again (0).
-    part: arrays of all loops (Loops); world: solver state (World); timing: step times (s)."""
+    """Note in part.log in which loops one strand turned slack (event 1) or both are tight again
+    (0). part: all loops (Loops); world: solver state, not used; timing: step times (s)."""
     for i in range(part.on.shape[0]):
         new = where_negative(load(part.state, i, SLACK), -1.0, 1.0)
         old = where_negative(load(part.state, i, SLACK_BEFORE), -1.0, 1.0)
@@ -97,15 +95,15 @@ def note_events(part, world, timing):
 
 @hook(Loops)
 def energy_of(part, world, i):
-    """Strain energy (J, lanes) of loop i. part: all loops (Loops); world: solver state."""
+    """Return the strain energy (J, lanes) of loop i. part: arrays of all loops; world: not used."""
     slip, extra = load(part.state, i, SLIP), excess(part, i)
     return 0.5 * load(part.numbers, i, STIFFNESS) * (slip * slip - 0.5 * extra * extra)
 
 
 @hook(Loops)
 def record(part, world, row):
-    """Record the difference of tensions (N) of each loop in row `row` of part.track. part: arrays
-    of all loops (Loops); world: solver state (World); row: of the recorded instant."""
+    """Record the difference of the strands' tensions (N) of each loop in part.track. part: arrays
+    of all loops (Loops); world: solver state, not used; row: index of the recorded instant."""
     count = part.on.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, pull(part, i))

@@ -30,22 +30,23 @@ class TableSpring(OnHinge):
     resists_as = "HA"  # unless its `class` says that it is a spring
 
     def check(self, scene):
-        """Check the hinge and the table; raises SceneError if they do not fit."""
+        """Check the hinge and the table (two or more points); raises SceneError if one does not
+        fit."""
         super().check(scene)
         check_table(self.angles, self.moments, "moments", "spring by a table")
 
     def topology(self):
-        """What must be equal in scenes run side by side: the hinge and the number of points."""
+        """What must be equal in scenes run side by side: hinge and number of table points."""
         return self.hinge, len(self.angles)
 
     @property
     def slopes(self) -> np.ndarray:
-        """Slopes (N m/rad) of the moment between the points."""
+        """Slopes (n - 1,), N m/rad, of the moment between neighbouring points of the table."""
         return np.diff(self.moments) / np.diff(self.angles)
 
     @property
     def lift(self) -> float:
-        """Energy (J) at the first point, so that the least one within the table is zero."""
+        """Energy (J) stored at the table's first point, if the least within the table is 0."""
         angles, moments = np.array(self.angles), np.array(self.moments)
         works = np.concatenate([[0.0], np.cumsum(np.diff(angles) * (moments[1:] + moments[:-1]))])
         least = [-works / 2]
@@ -55,18 +56,18 @@ class TableSpring(OnHinge):
         return -float(np.concatenate(least).min())
 
     def stiffness_in(self, scene):
-        """Steepest fall of the moment (N m/rad), at least 0, for the stable step."""
+        """Stiffness (N m/rad, >= 0) that limits the stable step: steepest fall of the moment."""
         return max(0.0, -float(self.slopes.min()))
 
     @property
     def first(self) -> float:
-        """Moment (N m) up to the first point."""
+        """Moment (N m) at openings below the table's first point."""
         return self.moments[0]
 
     @classmethod
     def array(cls, name, batch):
-        """The array of the kernels' field `name`, as of OnHinge.array; "points" of all tables, and
-        indices at which those of each spring "start". batch: the scenes being packed."""
+        """Array for the field `name` of the kernels' tuple TableSprings: "points": those of all
+        tables; "start": index of each spring's first point. batch: the scenes being packed."""
         if name not in ("start", "points"):
             return super().array(name, batch)
         return table_array(name, batch, cls, lambda s: bends(s.angles, s.moments))
@@ -74,7 +75,8 @@ class TableSpring(OnHinge):
 
 def check_table(angles, values, noun: str, owner: str) -> None:
     """Check that a table has a finite value for each of two or more increasing angles; raises
-    SceneError if not. noun, owner: names of the values and the element in messages."""
+    SceneError if not. angles, values: the columns; noun: what the values are called in messages
+    ("moments"); owner: what the element is called."""
     is_whole = len(angles) == len(values) >= 2
     if not (is_whole and np.isfinite([angles, values]).all()):
         allowed = f"as many {noun} as angles, two or more, all finite"
@@ -84,17 +86,16 @@ def check_table(angles, values, noun: str, owner: str) -> None:
 
 
 def bends(angles, values) -> np.ndarray:
-    """Change of the slope at each of the n points of a table (n,), which is flat beyond its ends;
-    angles, values (n,): the points."""
+    """Change of the slope (n,) at each point of a table of straight pieces, which is flat beyond
+    its ends. angles (n,): increasing; values (n,): at these."""
     return np.diff(np.diff(values) / np.diff(angles), prepend=0.0, append=0.0)
 
 
 def table_array(name: str, batch, kind, bends_of) -> np.ndarray:
-    """Array of the tables of a type's elements: for name "points" (p, 2, lanes) all points, angle
-    and change of slope; for "start" the index of each element's first point, and p at the end.
-
-    batch: scenes being packed; kind: the element type; bends_of(element): changes of slope (n,).
-    """
+    """Array of the tables of all elements of a type, one after the other: for name "points" (p, 2,
+    lanes) angle and change of slope of each point; for "start" (elements + 1,) the index of each
+    element's first point, and p. batch: scenes being packed; kind: the element type;
+    bends_of(element): changes of slope (n,) at its points."""
     ends = np.cumsum([0, *(len(element.angles) for element in kind.of(batch.scene))])
     if name == "start":
         return batch.integers(ends)

@@ -17,9 +17,9 @@ FIRST, LIFT = range(2)  # of a spring: moment up to the first point, and energy 
 
 class TableSprings(NamedTuple):
     """Arrays of all s springs by tables. on (s,): index of each one's hinge; points (p, 2, lanes):
-    angle (rad) and change of slope (N m/rad) of all points, those of spring i from start[i] on,
-    `start` (s + 1,); numbers (s, 2, lanes): moment (N m) and energy (J) at the first; openings:
-    arrays of all openings; rows (s, 1, lanes): energies, for messages."""
+    angle (rad) and change of slope (N m/rad) of all points, those of spring i from start[i] on;
+    start (s + 1,); numbers (s, 2, lanes): moment (N m) and energy (J) at the first point; openings:
+    of all hinges; rows (s, 1, lanes): energy of each, to name the worst in a message."""
 
     on: np.ndarray
     start: np.ndarray
@@ -31,9 +31,9 @@ class TableSprings(NamedTuple):
 
 @hook(TableSprings)
 def forces(part, world, timing):
-    """Add the moments (N m) of springs by tables; where a point of a table is passed, `edge`
-    corrects the work of the step. part: arrays of all these springs (TableSprings); world: solver
-    state (World); timing: times of the step (s)."""
+    """Add the moments (N m) of springs by tables to the forces on particles; where a point of a
+    table is passed, `edge` corrects the work of the step. part: arrays of these springs
+    (TableSprings); world: solver state (World), whose forces change; timing: step times (s)."""
     angles = part.openings.angles
     for i in range(part.on.shape[0]):
         h = part.on[i]
@@ -48,8 +48,8 @@ def forces(part, world, timing):
 
 @hook(TableSprings)
 def energy_of(part, world, i):
-    """Energy (J, lanes) of spring i: minus the work of its moment since the first point of the
-    table, and 0 where it is least. part: all these springs (TableSprings); world: solver state."""
+    """Return the energy (J, lanes) of spring i: the integral of its moment over the opening,
+    negative, 0 where it is least within the table. part: all springs by tables; world: not used."""
     psi = load(part.openings.angles, part.on[i], NEW)
     first = psi - load(part.points, part.start[i], ANGLE)
     energy = load(part.numbers, i, LIFT) - load(part.numbers, i, FIRST) * first

@@ -34,11 +34,12 @@ class TorqueMotor(AnyMotor):
     variable = "torque_motor_moment"
 
     def damping_in(self, scene):
-        """Largest fall of the moment with the rate (N m s/rad), for the stable step."""
+        """Damping (N m s/rad) that limits the stable step: largest fall of moment with rate."""
         most = np.abs(scene.curves[self.curve][1]).max() if self.curve >= 0 else 1.0
         return float(abs(self.torque) * most / self.no_load)
 
     @classmethod
     def held_round(cls, scene):
-        """Sum of the sizes of all torques (N m)."""
+        """Sum of the sizes of a scene's torques (N m): moments that exact holds of openings may
+        bear."""
         return float(sum(abs(motor.torque) for motor in cls.of(scene)))

@@ -20,9 +20,9 @@ STATE = 2  # moment, at the last forces and a step before
 
 class TorqueMotors(NamedTuple):
     """Arrays of all m torque motors. on (m,): index of each one's hinge; curve (m,): index of its
-    curve of time, -1 for 1; numbers (m, 2, lanes): torque (N m) and no-load speed (rad/s); past (m,
-    HISTORY, lanes), state (m, STATE, lanes): of the last two steps; given: index of their work in
-    World.accounts; track ((instants + 1) m, 1, lanes): recorded moment (N m)."""
+    curve of time, -1: constant 1; numbers (m, 2, lanes): torque (N m), no-load speed (rad/s); past
+    (m, HISTORY, lanes), state (m, STATE, lanes): of the last two steps; openings: of all hinges;
+    given: index of their work in World.accounts; track: recorded moment (N m)."""
 
     on: np.ndarray
     curve: np.ndarray
@@ -36,9 +36,9 @@ class TorqueMotors(NamedTuple):
 
 @hook(TorqueMotors)
 def forces(part, world, timing):
-    """Add the moments (N m) of torque motors, reduced in proportion to the rate of the hinge in
-    their direction. part: arrays of all torque motors (TorqueMotors); world: solver state (World);
-    timing: times of the step (s)."""
+    """Add the moments (N m) of torque motors, which fall with the speed of the hinge in their
+    direction, to the forces on particles. part: arrays of all torque motors (TorqueMotors); world:
+    solver state (World), whose forces change; timing: times of this step (s)."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         speed = follow_rate(part.openings, part.past, i, h, timing)
@@ -54,9 +54,8 @@ def forces(part, world, timing):
 
 @hook(TorqueMotors)
 def work_before(part, world, timing):
-    """Add the work (J) of the torque motors over the step that ends at timing.time to
-    World.accounts. part: arrays of all torque motors (TorqueMotors); world: solver state (World);
-    timing: times of the step (s)."""
+    """Add to World.accounts the work (J) of the torque motors in the step that ends at timing.time.
+    part: all torque motors (TorqueMotors); world: solver state (World); timing: step times (s)."""
     work = load(world.accounts, 0, part.given)
     for i in range(part.on.shape[0]):
         moment, h = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE), part.on[i]

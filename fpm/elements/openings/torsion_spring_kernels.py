@@ -14,7 +14,8 @@ STIFFNESS, REST = range(2)
 
 class Springs(NamedTuple):
     """Arrays of all s torsion springs. on (s,): index of each one's hinge; numbers (s, 2, lanes):
-    stiffness (N m/rad) and opening at rest (rad); rows (s, 1, lanes): energies, for messages."""
+    stiffness (N m/rad) and opening at rest (rad); openings: of all hinges; rows (s, 1, lanes):
+    energy of each (J), to name the worst in a message."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -24,8 +25,9 @@ class Springs(NamedTuple):
 
 @hook(Springs)
 def forces(part, world, timing):
-    """Add the moments (N m) of torsion springs towards their openings at rest. part: arrays of all
-    torsion springs (Springs); world: solver state (World); timing: times of the step (s)."""
+    """Add the moments (N m) of torsion springs, towards their openings at rest, to the forces on
+    particles. part: arrays of all springs (Springs); world: solver state (World), whose forces
+    change; timing: times of this step (s), not used."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         angle = load(part.numbers, i, REST) - load(part.openings.angles, h, NEW)
@@ -34,6 +36,7 @@ def forces(part, world, timing):
 
 @hook(Springs)
 def energy_of(part, world, i):
-    """Strain energy (J, lanes) of spring i. part: all torsion springs; world: solver state."""
+    """Return the strain energy (J, lanes) of torsion spring i. part: arrays of all torsion springs
+    (Springs); world: solver state, not used; i: index of the spring."""
     angle = load(part.openings.angles, part.on[i], NEW) - load(part.numbers, i, REST)
     return 0.5 * load(part.numbers, i, STIFFNESS) * angle * angle

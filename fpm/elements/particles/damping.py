@@ -22,12 +22,12 @@ class Damping(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """The dampings of a scene; an empty list where their rates add up to 0."""
+        """The dampings of a scene; [] where their rates add up to 0: nothing is damped."""
         return scene.kinds.get(cls, []) if scene.damping > 0 else []
 
     @classmethod
     def topology_of(cls, scene):
-        """None: a scene may be undamped beside others that are damped."""
+        """None: scenes may run side by side whether they are damped or not."""
         return None
 
     @classmethod

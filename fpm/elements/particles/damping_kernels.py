@@ -18,9 +18,9 @@ from fpm.kernels.vectors import dot, get3, kernel, put3, times, to_local, vector
 
 
 class Damped(NamedTuple):
-    """Arrays of mass-proportional damping. rate (1, 1, lanes) 1/s; free (f,): particles that no
-    other element type moves; jointed (j,): particles that another one moves; account: index of the
-    loss in World.accounts."""
+    """Arrays of mass-proportional damping. rate (1, 1, lanes): 1/s; free (f,): indices of particles
+    that no other element type moves; jointed (j,): of those that one does, joints say; account:
+    index in World.accounts of the energy lost."""
 
     rate: np.ndarray
     free: np.ndarray
@@ -30,24 +30,26 @@ class Damped(NamedTuple):
 
 @kernel
 def factors(part, kick):
-    """Factors (lanes) by which damping scales momenta in a step, (1 - c)/(1 + c), and the impulse
-    of forces, 1/(1 + c), with c = rate kick/2. part: Damped; kick: time of the impulse (s)."""
+    """Return two factors (lanes) of a damped step: (1 - c)/(1 + c) on momenta before it, and 1/(1 +
+    c) on impulses of forces, with c = rate kick/2. part: arrays of damping (Damped); kick: time (s)
+    that the impulse takes."""
     force = 1.0 / (1.0 + 0.5 * kick * load(part.rate, 0, 0))
     return 2.0 * force - 1.0, force
 
 
 @kernel
 def take(part, world, path):
-    """Add to the loss the damping work (J): rate times `path` (lanes, J s), the sum over particles
-    of momentum times way. part: arrays (Damped); world: solver state (World)."""
+    """Add the energy (J) that damping takes out, rate times `path`, to World.accounts. path
+    (lanes): sum over particles of momentum times way (J s); part: damping; world: solver state."""
     loss = load(world.accounts, 0, part.account) + load(part.rate, 0, 0) * path
     store(world.accounts, 0, part.account, loss)
 
 
 @hook(Damped)
 def restrain(part, world, timing):
-    """Scale momenta and forces of the particles that another element type moves, so that what it
-    does then damps them. part: arrays (Damped); world: solver state; timing: step times (s)."""
+    """Scale momenta and forces of the particles that another element type moves, so that its own
+    step, done afterwards, damps them. part: arrays of damping (Damped); world: solver state
+    (World), whose momenta and forces change; timing: times of this step (s)."""
     state = world.state
     factor, force = factors(part, timing.kick)
     for n in range(part.jointed.shape[0]):
@@ -60,8 +62,9 @@ def restrain(part, world, timing):
 
 @hook(Damped)
 def move(part, world, timing):
-    """Damp the free particles and move them by a step, with their forces. part: arrays (Damped);
-    world: solver state (World); timing: times of the step (s)."""
+    """Add damped impulses of the forces to the momenta of the free particles, move these by a step,
+    and add the energy lost (J) to World.accounts. part: arrays of damping (Damped); world: solver
+    state (World), changed; timing: times of this step (s)."""
     state, particles = world.state, world.particles
     factor, force = factors(part, timing.kick)
     kick = timing.kick * force
@@ -81,8 +84,9 @@ def move(part, world, timing):
 
 @hook(Damped)
 def work_after(part, world, timing):
-    """Add the damping work (J) on the particles that another element type moves, after the impulses
-    of joints. part: arrays (Damped); world: solver state (World); timing: times of the step (s)."""
+    """Add to World.accounts the energy (J) that damping takes in this step from particles that
+    another element type moves, once joints have acted on them. part: arrays of damping (Damped);
+    world: solver state (World); timing: times of this step (s)."""
     state, particles = world.state, world.particles
     total = 0.0 * load(part.rate, 0, 0)
     for n in range(part.jointed.shape[0]):

@@ -24,8 +24,8 @@ class Drive(ElementType):
     called = "drive"
 
     def add_to(self, scene):
-        """Add the drive to a scene and hold its particle; raises SceneError if another element type
-        moves it already, or a field does not fit."""
+        """Check the drive, hold its particle in Scene.fixed, and add the drive to the scene; raises
+        SceneError if another element type moves the particle already, or a field does not fit."""
         self.check(scene)
         for kind in scene.kinds:
             if kind is not Drive and not kind.joins and self.particle in kind.moved(scene):
@@ -35,12 +35,13 @@ class Drive(ElementType):
 
     @classmethod
     def moved(cls, scene):
-        """Indices of the driven particles of a scene, one for each drive."""
+        """Indices of the driven particles of a scene, one for each drive, with repeats."""
         return [drive.particle for drive in cls.of(scene)]
 
     @classmethod
     def motion(cls, scene, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The driven particles (d,), velocities (d, 3) m/s and spins (d, 3) rad/s at a time (s)."""
+        """Motion of a scene's driven particles at a time (s): their indices (d,), each once,
+        velocities (d, 3) m/s and spins (d, 3) rad/s in global axes, all drives summed."""
         particles = np.array(sorted(set(cls.moved(scene))), int)
         motion = np.zeros((2, len(particles), 3))
         for drive in cls.of(scene):
@@ -51,7 +52,7 @@ class Drive(ElementType):
 
     @classmethod
     def prescribe(cls, scene, time, motion):
-        """Put velocity (m/s) and spin (rad/s) of the driven particles at a time (s) into `motion`,
-        whose velocity and spin (n, 3) are those of all particles."""
+        """Write velocity (m/s) and spin (rad/s) of the driven particles at a time (s) into
+        motion.velocity and motion.spin, (n, 3) each, those of all particles of the scene."""
         particles, velocity, spin = cls.motion(scene, time)
         motion.velocity[particles], motion.spin[particles] = velocity, spin

@@ -17,8 +17,8 @@ LINEAR, SPIN = 0, 3
 
 class Drives(NamedTuple):
     """Arrays of all d drives. particle, curve (d,): index of each one's particle, and of its curve
-    of time, -1 for 1; numbers (d, 6, lanes): velocity (m/s) and spin (rad/s) in global axes. Drives
-    of one particle add up. account: index of their work in World.accounts."""
+    of time, -1: constant 1; numbers (d, 6, lanes): velocity (m/s) and spin (rad/s) in global axes;
+    account: index of their work in World.accounts. Drives of one particle add up."""
 
     particle: np.ndarray
     curve: np.ndarray
@@ -28,8 +28,9 @@ class Drives(NamedTuple):
 
 @kernel
 def add_work(part, world, timing, time):
-    """Add the work (J) of drives against the forces on their particles over half a step. part: all
-    drives (Drives); world: solver state; timing: step times (s); time (s): of the velocities."""
+    """Add to World.accounts the work (J) of drives against the present forces on their particles
+    over half a step. part: arrays of all drives (Drives); world: solver state (World); timing:
+    times of this step (s); time: that (s) at which the curves give the velocities."""
     state = world.state
     total = 0.0 * load(state, 0, X)
     for n in range(part.particle.shape[0]):
@@ -43,22 +44,22 @@ def add_work(part, world, timing, time):
 
 @hook(Drives)
 def work_before(part, world, timing):
-    """Add the work (J) of drives over the half step that ends at timing.time. part: arrays of all
-    drives (Drives); world: solver state (World); timing: times of the step (s)."""
+    """Add to World.accounts the work (J) of drives in the half step that ends at timing.time. part:
+    arrays of all drives (Drives); world: solver state (World); timing: times of this step (s)."""
     add_work(part, world, timing, timing.time - 0.5 * timing.step)
 
 
 @hook(Drives)
 def restrain(part, world, timing):
-    """Add the work (J) of drives over the half step that begins at timing.time, against the forces
-    on their particles then. part: all drives (Drives); world: solver state; timing: in s."""
+    """Add to World.accounts the work (J) of drives in the half step that begins at timing.time,
+    against the forces at its start. part: all drives; world: solver state; timing: in s."""
     add_work(part, world, timing, timing.time + 0.5 * timing.step)
 
 
 @hook(Drives)
 def move(part, world, timing):
-    """Move the driven particles by one step, and set their forces to 0. part: arrays of all drives
-    (Drives); world: solver state (World); timing: times of the step (s)."""
+    """Move the driven particles by one step as prescribed, and set their forces to 0. part: arrays
+    of all drives (Drives); world: solver state (World), changed; timing: times of this step (s)."""
     state = world.state
     for n in range(part.particle.shape[0]):
         put3(state, part.particle[n], V, 0.0 * get3(state, part.particle[n], V))
@@ -77,12 +78,10 @@ def move(part, world, timing):
 
 @hook(Drives)
 def look_back(part, world, timing):
-    """Set velocities of driven particles half a step before the start, extrapolated linearly; and,
-    in place of momenta, their spins (rad/s) at half a step before and after. Called once, in the
-    first step.
-
-    part: arrays of all drives (Drives); world: solver state (World); timing: times of the step (s).
-    """
+    """In the first step, store in World.start_state the velocities of driven particles half a step
+    before the start, extrapolated linearly, with their spins (rad/s) in place of angular momenta,
+    which they lack; in World.state the spins half a step after it. part: arrays of all drives
+    (Drives); world: solver state (World); timing: times of this step (s)."""
     for n in range(part.particle.shape[0]):
         i = part.particle[n]
         zero = 0.0 * get3(world.state, i, X)
@@ -100,9 +99,9 @@ def look_back(part, world, timing):
 
 @hook(Drives)
 def record_points(part, world, points, row, timing):
-    """Record the prescribed velocities (m/s), at timing.time, of points on driven particles, which
-    have no momenta. part: arrays of all drives (Drives); world: solver state (World); points:
-    recorded (Record.points); row: of the recorded instant; timing: times of the step (s)."""
+    """Write prescribed velocities (m/s), at timing.time, of the named points on driven particles
+    over those recorded in `points` (Record.points), as these particles have no momenta. part: all
+    drives (Drives); world: solver state; row: index of the instant; timing: step times (s)."""
     count = world.point_on.shape[0]
     for n in range(count):
         i, first, index = world.point_on[n], True, row * count + n

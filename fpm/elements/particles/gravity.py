@@ -21,22 +21,23 @@ class Gravity(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """The gravities of a scene; an empty list where they add up to 0."""
+        """The gravities of a scene; [] where they add up to 0: there is no weight."""
         return scene.kinds.get(cls, []) if np.any(scene.gravity != 0) else []
 
     @classmethod
     def topology_of(cls, scene):
-        """None: a scene may lack weight beside others that have it."""
+        """None: scenes may run side by side whether they have weight or not."""
         return None
 
     @classmethod
     def held_up(cls, scene):
-        """Size of the weight of all particles together (N)."""
+        """Size of the weight (N) of all particles of a scene together: a force that joints may have
+        to bear at rest, by which the tolerance of the energy balance is set."""
         return float(scene.mass.sum() * np.linalg.norm(scene.gravity))
 
     @classmethod
     def weight(cls, scene, particle, time):
-        """Weight (3,) N of the particle of index `particle`, in global axes, at any time."""
+        """Weight (3,) N of the particle of index `particle`, in global axes; time (s): not used."""
         return scene.mass[particle] * scene.gravity
 
     @classmethod

@@ -20,8 +20,8 @@ class Weight(NamedTuple):
 
 @hook(Weight)
 def forces(part, world, timing):
-    """Add the weight (N) of every particle. part: arrays of gravity (Weight); world: solver state
-    (World); timing: times of the step (s)."""
+    """Add the weight (N) of every particle to the forces in world.state. part: arrays of gravity
+    (Weight); world: solver state (World), whose forces change; timing: not used."""
     g = get3(part.acceleration, 0, 0)
     for i in range(world.state.shape[0]):
         weight = load(world.particles, i, MASS) * g
@@ -32,9 +32,8 @@ def forces(part, world, timing):
 def work_of_place(part, world, energies, row):
     """Add the work (J) that the weight of all particles does on the way from the global origin to
     their present positions: minus the potential energy. part: arrays of gravity (Weight); world:
-    solver state (World), whose positions are read; energies (instants + 1, columns, lanes):
-    recorded, where it is added in row `row`, that of the instant, and column ACCOUNTS +
-    part.account."""
+    solver state, whose positions are read; energies (instants + 1, columns, lanes): recorded, where
+    it is added in row `row`, that of the instant, and column ACCOUNTS + part.account."""
     g = get3(part.acceleration, 0, 0)
     total = 0.0 * load(world.state, 0, X)
     for i in range(world.state.shape[0]):

@@ -37,15 +37,17 @@ class Load(ElementType):
         return self.beam.arm
 
     def topology(self):
-        """What must be equal in scenes that run side by side: particle and curve."""
+        """What must be equal in scenes run side by side: indices of particle and curve."""
         return self.on, self.curve
 
     @classmethod
     def held_up(cls, scene):
-        """Sum of the sizes of all forces (N)."""
+        """Sum of the sizes of the forces (N) of a scene's loads, which joints may have to bear at
+        rest: for the tolerance of the energy balance."""
         return float(sum(np.linalg.norm(load.force) for load in cls.of(scene)))
 
     @classmethod
     def held_round(cls, scene):
-        """Sum of the sizes of all moments (N m)."""
+        """Sum of the sizes of the moments (N m) of a scene's loads: what exact holds of openings
+        may have to bear at rest, by which the tolerance of the energy balance is set."""
         return float(sum(np.linalg.norm(load.moment) for load in cls.of(scene)))

@@ -12,9 +12,9 @@ from fpm.elements.kind import ElementType
 
 @dataclass(frozen=True)
 class Probe(ElementType):
-    """Requested records of a scene: indices of particles whose `frames` are recorded, and whose
-    `forces` are (among the former), and whether `moments` on openings and `impulses` of joints
-    are."""
+    """What is recorded of a scene's run on request. frames: indices of particles whose positions
+    and axes are recorded; forces: of those, also in `frames`, whose momenta and forces are;
+    moments: whether moments on openings are; impulses: whether those of joints."""
 
     frames: tuple[int, ...] = ()
     forces: tuple[int, ...] = ()
@@ -23,7 +23,7 @@ class Probe(ElementType):
 
     @staticmethod
     def of_scene(scene) -> "Probe":
-        """The probe of a scene; one that records nothing where there is none."""
+        """The probe of a scene (what is recorded on request), or one that records nothing."""
         return next(iter(Probe.of(scene)), Probe())
 
     @classmethod
@@ -31,7 +31,7 @@ class Probe(ElementType):
         return cls.of_scene(scene).impulses
 
     def topology(self):
-        """What must be equal in scenes that run side by side: all fields of the probe."""
+        """What must be equal in scenes whose samples run side by side: all fields of the probe."""
         return self.frames, self.forces, self.moments, self.impulses
 
     @classmethod

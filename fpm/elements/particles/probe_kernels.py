@@ -20,9 +20,10 @@ FORCES = 18
 
 
 class Probes(NamedTuple):
-    """Requested records of particles. frames_of (p,), forces_of (q,): indices of these particles;
-    recorded, row after row of instants + 1: frames (rows p, FRAME, lanes) and forces (rows q,
-    FORCES, lanes)."""
+    """Records of particles on request. frames_of (p,), forces_of (q,): indices of particles;
+    frames, of p rows at each instant, (rows, FRAME = 9, lanes): position (m), second and third
+    axis; forces, of q rows, (rows, FORCES = 18, lanes): velocity, momentum, changes, force,
+    moment."""
 
     frames_of: np.ndarray
     forces_of: np.ndarray
@@ -32,8 +33,8 @@ class Probes(NamedTuple):
 
 @hook(Probes)
 def record(part, world, row):
-    """Record forces (N) and moments (N m) on particles at an instant, before the step resets them
-    to 0. part: arrays (Probes); world: solver state (World); row: of the recorded instant."""
+    """Record forces (N) and moments (N m) on particles in part.forces, before the step sets them to
+    0. part: records of particles (Probes); world: solver state; row: of the instant."""
     count = part.forces_of.shape[0]
     for n in range(count):
         i, index = part.forces_of[n], row * count + n
@@ -43,9 +44,9 @@ def record(part, world, row):
 
 @hook(Probes)
 def record_step(part, world, row, timing):
-    """Record frames of particles, and means and changes of their velocities (m/s) and momenta (N m
-    s) over the step around the instant. part: arrays (Probes); world: solver state (World); row: of
-    the instant; timing: times of the step (s)."""
+    """Record, in part.frames, positions and axes of particles at an instant, and in part.forces
+    means and changes of their velocities (m/s) and momenta (N m s) over the step around it. part:
+    records (Probes); world: solver state; row: index of the instant; timing: step times (s)."""
     start, state = world.start_state, world.state
     count = part.frames_of.shape[0]
     for n in range(count):

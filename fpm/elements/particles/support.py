@@ -23,7 +23,8 @@ class Support(ElementType):
     rotations: str = "xyz"
 
     def add_to(self, scene):
-        """Hold the particles, in Scene.fixed; raises SceneError for letters other than x, y, z."""
+        """Mark the axes of the particles as held in Scene.fixed; the support itself is not kept in
+        the scene. Raises SceneError for letters other than x, y, z."""
         if set(self.translations + self.rotations) - set(AXES):
             axes = (self.translations, self.rotations)
             raise SceneError("fixed axes", axes, "letters out of 'xyz'")
@@ -34,19 +35,19 @@ class Support(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """Indices of the particles of a scene held along or about some axes, not all three."""
+        """Indices of the scene's particles held along, or about, one or two axes."""
         counts = scene.fixed.reshape(-1, 2, 3).sum(axis=2)
         return np.flatnonzero(((counts > 0) & (counts < 3)).any(axis=1)).tolist()
 
     @classmethod
     def moved(cls, scene):
-        """Indices of particles that turn about two axes, which the kernels of supports move."""
+        """Indices of particles that turn about two axes, moved by the kernels of supports."""
         return turns_of(scene).about_two
 
     @classmethod
     def topology_of(cls, scene):
-        """What must be equal in scenes run side by side, besides the held axes: particles that turn
-        about two axes."""
+        """What must be equal in scenes whose samples run side by side, besides the held axes: which
+        particles turn about two axes (`moved`)."""
         return tuple(cls.moved(scene))
 
     @classmethod

@@ -19,9 +19,9 @@ ROUNDS = 4
 
 
 class Supports(NamedTuple):
-    """Arrays of particles held along some axes: on (f,); free (f, 6, lanes): 1 free, 0 held;
-    about_two (t,): particles that turn about two axes; axis (t, 3, lanes): the axis about which
-    each is held."""
+    """Arrays of particles held along or about some axes. on (f,): their indices; free (f, 6,
+    lanes): 1 where one can move along x, y, z and about them, 0 where held; about_two (t,): indices
+    of those that turn about two axes; axis (t, 3, lanes): unit vector about which each is held."""
 
     on: np.ndarray
     free: np.ndarray
@@ -31,8 +31,8 @@ class Supports(NamedTuple):
 
 @hook(Supports)
 def restrain(part, world, timing):
-    """Set forces and moments along held axes to 0. part: arrays of partly held particles
-    (Supports); world: solver state (World); timing: times of the step (s)."""
+    """Set forces along, and moments about, the held axes of partly held particles to 0. part:
+    arrays of these (Supports); world: solver state, whose forces change; timing: not used."""
     state = world.state
     for n in range(part.on.shape[0]):
         i = part.on[n]
@@ -42,12 +42,11 @@ def restrain(part, world, timing):
 
 @hook(Supports)
 def move(part, world, timing):
-    """Move particles that turn about two axes by a step, with their forces.
-
-    part: arrays of partly held particles (Supports); world: solver state; timing: times of the step
-    (s). The angular momentum about the third axis is such that in the middle of the step, as of all
-    turns, there is no spin about it. That is a condition on rates, not on positions.
-    """
+    """Move particles that turn about two axes by a step: add the impulses of their forces, move and
+    turn them, and set their forces to 0. part: arrays of partly held particles (Supports); world:
+    solver state (World), changed; timing: times of this step (s). The angular momentum about the
+    held axis is found such that in the middle of the step there is no spin about it: a condition on
+    rates, not on positions."""
     state, particles = world.state, world.particles
     for n in range(part.about_two.shape[0]):
         i = part.about_two[n]

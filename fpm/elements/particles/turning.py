@@ -17,9 +17,9 @@ ALIKE = 1e-12
 
 
 class Turning(NamedTuple):
-    """How particles turn: inertia (n, 3) kg m² about their own axes, that about n where they turn
-    about one axis n alone; no_turn (n, 3): own axes about which they never turn; about_two: indices
-    of particles of unlike inertias that turn about two axes."""
+    """How n particles can turn. inertia (n, 3): about their own axes (kg m²), the one about n where
+    a particle turns about one axis n alone; no_turn (n, 3): whether it never turns about an own
+    axis; about_two: indices of particles of unlike inertias that turn about two axes."""
 
     inertia: np.ndarray
     no_turn: np.ndarray
@@ -27,11 +27,8 @@ class Turning(NamedTuple):
 
 
 def turns_of(scene) -> Turning:
-    """How the particles of a scene turn, by their supports.
-
-    Raises SceneError where one that turns about two axes is in a joint: its impulses do not know
-    that.
-    """
+    """How the particles of a scene can turn with its supports (Turning). SceneError where one that
+    turns about two axes, with unlike inertias, is in a joint: joints' impulses do not know that."""
     fixed = scene.fixed[:, 3:]
     count, inertia = fixed.sum(axis=1), scene.inertia.copy()
     no_turn = np.repeat(count[:, None] == 3, 3, axis=1)

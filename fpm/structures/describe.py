@@ -103,8 +103,8 @@ ON_JOINTS = ("torsion spring ", "spring ", "latch ", "stop ", "friction ", "damp
 
 
 def acting(scene: Scene) -> list[str]:
-    """One text for each element that acts on joints: its name, joints and nonzero numbers with
-    units, in the order of the joints."""
+    """Texts on the elements that act on a scene's joints (springs, latches, ...), one each in the
+    order of the joints: its name, joints and nonzero numbers with units."""
     texts = []
     for kind in kinds_of([scene]):
         pairs = zip(kind.names(scene), kind.of(scene), strict=True) if kind.acts_as else ()

@@ -36,7 +36,8 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class Link:
-    """A straight bar: `particles` (n,), indices from start to end, and its axes `triad` (3, 3)."""
+    """A straight bar as it was added to a scene: `particles` (n,), their indices from start to end,
+    and its axes `triad` (3, 3), as columns."""
 
     particles: np.ndarray
     triad: np.ndarray
@@ -119,8 +120,8 @@ class Scene:
 
     @property
     def gravity(self) -> np.ndarray:
-        """Acceleration of gravity (3,), m/s², in global axes: the sum of all that were added to
-        the scene. Setting it replaces these by one."""
+        """Acceleration of gravity (3,), m/s², in global axes: the sum of all Gravity elements of
+        the scene. Setting it puts one in their place."""
         return sum((g.acceleration for g in self.kinds.get(Gravity, [])), np.zeros(3))
 
     @gravity.setter
@@ -129,8 +130,8 @@ class Scene:
 
     @property
     def damping(self) -> float:
-        """Mass-proportional damping rate (1/s): the sum of all that were added to the scene.
-        Setting it replaces these by one."""
+        """Mass-proportional damping rate (1/s): the sum of all Damping elements of the scene.
+        Setting it puts one in their place."""
         return float(sum(d.rate for d in self.kinds.get(Damping, [])))
 
     @damping.setter
@@ -140,10 +141,9 @@ class Scene:
         self.kinds = {**self.kinds, Damping: [damping]}
 
     def add(self, element: ElementType) -> int:
-        """Add an element of any type; returns its index among the elements of its type.
-
-        Raises SceneError if it does not fit into the scene as it is.
-        """
+        """Add an element of any type; returns its index among the scene's elements of that type.
+        Raises SceneError if it does not fit into the scene, as by an index that it does not
+        have."""
         element.add_to(self)
         return len(self.kinds.get(type(element), [])) - 1
 
@@ -387,8 +387,8 @@ class Scene:
         self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
 
     def add_contact(self, hinge: int, stiffness: float) -> None:
-        """Add a contact of faces, of `stiffness` (N m/rad), where the opening of a hinge (index) is
-        below 0."""
+        """Add a contact of the two faces of a hinge (index), which resists openings below 0 with
+        `stiffness` (N m/rad)."""
         self.add(Contact(int(hinge), float(stiffness)))
 
     def add_cable(
@@ -435,12 +435,10 @@ class Scene:
         self.add(Support(tuple(np.atleast_1d(particles)), translations, rotations))
 
     def add_curve(self, times: Sequence[float], values: Sequence[float]) -> int:
-        """Add a piecewise linear curve of time; returns its index.
-
-        times: of its points (s), increasing; values: at them, in the unit of what refers to the
-        curve, and constant before the first and after the last. Raises SceneError unless there is a
-        value for each of the increasing times.
-        """
+        """Add a piecewise linear curve of time; returns its index. times: of its points (s),
+        increasing; values: at them, in the unit of what refers to the curve, constant before the
+        first and after the last. SceneError for times that do not increase, or another number of
+        values."""
         times, values = np.asarray(times, float), np.asarray(values, float)
         if times.shape != values.shape or times.ndim != 1 or np.any(np.diff(times) <= 0):
             raise SceneError("curve", (times.tolist(), values.tolist()), "increasing times")
@@ -500,10 +498,9 @@ class Scene:
         self.points[name] = self.arm_to(int(particle), position)
 
     def arm_to(self, particle: int, point=None) -> VirtualBeam:
-        """Rigid offset from a particle (index) to a point (3,) m at the start; None: no offset.
-
-        In a scene that was assembled, `point` and particle are taken where they lay before that.
-        """
+        """Rigid offset, a VirtualBeam, from a particle (index) to a point that moves with it.
+        point: its position (3,) at the start, m; None: the particle's. In a scene that was
+        assembled, both are positions before that."""
         position, frame = (
             value if unstrained is None else unstrained
             for value, unstrained in (
@@ -518,5 +515,5 @@ class Scene:
 
     @property
     def elements(self) -> list[str]:
-        """Names of all elements that store energy, in the order of element types."""
+        """Names of all elements of the scene that store energy, in the order of element types."""
         return [name for kind in kinds_of([self]) if kind.stores for name in kind.names(self)]

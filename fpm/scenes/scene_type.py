@@ -13,7 +13,7 @@ from fpm.scenes.scene import Scene
 
 
 def one_line(text: str) -> str:
-    """A text as one line without control characters, as comments and tables need it."""
+    """Make one line without control characters of a text, as comments and tables need it."""
     return "".join(c for c in " ".join(text.split()) if c.isprintable())
 
 
@@ -58,7 +58,8 @@ class Parameter:
         return " ".join([noun, " and ".join(bounds)]).strip() + unit
 
     def check(self, name: str, value: object) -> None:
-        """Raise SceneError if a value, in `unit`, is not allowed; name: in its message."""
+        """Raise SceneError if a value, in `unit`, is not allowed; name: of the parameter, for the
+        message."""
         if value is None and self.default is None:
             return
         right = isinstance(value, int | float) and not isinstance(value, bool)
@@ -103,13 +104,14 @@ class SceneType:
 
     @cached_property
     def sample(self) -> Scene:
-        """Scene built at `values`, for the names of points, hinges and elements, which no parameter
-        changes."""
+        """Scene built at `values` (once): its points, hinges and elements have the names of every
+        scene of the structure, as no parameter changes them."""
         return self.build(**self.values)
 
     @cached_property
     def energies(self) -> tuple[str, ...]:
-        """Names of the energies of its runs: kinetic, its element types', balance."""
+        """Names of the energies (J) that a run of the structure records: kinetic, those of its
+        element types, and balance (the error of their sum)."""
         own = (energy.name for energy in energies_of(self.sample.kinds))
         return ("kinetic", *own, "balance")
 
@@ -118,20 +120,16 @@ class SceneType:
 
     @property
     def digest(self) -> str:
-        """16 hexadecimal digits that change with the code that computes this structure's runs.
-
-        They cover all of the mechanics that can change numbers of runs, and the structure's
-        content. Raises ChangedError where the mechanics are no longer those that were imported.
-        """
+        """Digest of what decides the numbers of this structure's runs, 16 hexadecimal digits: the
+        mechanics' code and the structure's content. Raises ChangedError where the code is no longer
+        that which was imported."""
         content = f"{sources.mechanics()} {self.content}"
         return hashlib.sha256(content.encode()).hexdigest()[:16]
 
     def build(self, **parameters) -> Scene:
-        """Build the scene at values of parameters, by name; the others take their defaults.
-
-        Raises SceneError for names that there are not, values that are not allowed, and parts that
-        do not fit.
-        """
+        """Build the scene at values of parameters by name, in their units; others take their
+        defaults. Raises SceneError for unknown names, values that are not allowed, and parts that
+        do not fit."""
         for name, value in parameters.items():
             if name not in self.parameters:
                 raise SceneError(

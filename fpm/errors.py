@@ -34,7 +34,7 @@ class ChangedError(SceneError):
 
 class InstabilityError(RuntimeError):
     """Raised, or kept as `Outcome.failure`, for a run whose numbers mean nothing: its energy
-    balance broke, numbers are not finite, or a watched quantity is too large.
+    balance broke, numbers are not finite, or a watched quantity (such as strain) is too large.
 
     Attributes: `time` (s) of the first check that failed; `element`, name of the element with the
     most energy, the first non-finite one, or the one to blame; `step` (s) used; `limit` (s), stable
@@ -151,9 +151,9 @@ _FOREIGN = {
 
 
 def number_hint(text: str, with_unit: bool = True) -> str:
-    """Hint for a message about a text that is no number, for a percentage, a decimal comma, a power
-    with `^` or a foreign unit: " (did you mean x?)"; else "". with_unit: whether a unit is
-    allowed."""
+    """Hint for a message about a text that is no number, but a percentage, a decimal comma, a power
+    with `^` or a foreign unit: " (did you mean x?)"; else "". with_unit: whether it may have a
+    unit."""
     comma = re.sub(r"^([-+]?\d+),(\d+)", r"\1.\2", text.strip())
     match = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", comma)
     number, unit = (float(match[1]), (match[2] or "").replace("^", "")) if match else (0.0, "")

@@ -48,13 +48,13 @@ class Outcome(Curves):
     scene
         The simulated scene.
     energy_kinds
-        Energies in the order of `energies`.
+        Names and texts (Energy) of the `energies`, in their order.
     recorded
-        Further series by variable of a trajectory file.
+        Further series (Series) by name, of what element types record, as "cable_tension".
     steps
-        Number of steps.
+        Number of time steps.
     limit
-        The stable step; None if the step was given.
+        The scene's stable step (StableStep); None if the run was given its step.
     failure
         None, the InstabilityError of a run whose numbers mean nothing, or the SceneError of a
         quasi-static opening (fpm/travel) that has no solution.

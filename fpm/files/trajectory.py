@@ -224,8 +224,8 @@ def _responses(outcome, responses) -> dict[str, classic.NetcdfVariable]:
 
 def to_dataset(outcome, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":
     """Make an xarray.Dataset of one run's trajectory. outcome: the run's (fpm.Outcome), whose
-    failure is raised if it has one; responses: sequence of Response, whose values are added;
-    attributes: further global ones; parameters: name -> (value, unit), of the run."""
+    failure is raised if it has one; responses: sequence of Response to add; attributes: further
+    global ones, by name; parameters: name -> (value, unit), of the run."""
     import xarray
 
     attributes, variables = contents(outcome, responses, attributes, parameters)
@@ -242,8 +242,8 @@ def _is_coordinate(name: str, variable: classic.NetcdfVariable) -> bool:
 
 
 def check_finite(variables: Mapping[str, classic.NetcdfVariable]) -> None:
-    """Raise ValueError, naming the variable, if one of `variables` has a value that is not
-    finite."""
+    """Raise ValueError that names the first of `variables` (NetcdfVariable by name) with a value
+    that is not finite."""
     for name, variable in variables.items():
         if variable.values.dtype.kind == "f" and not np.isfinite(variable.values).all():
             raise ValueError(f"{name} has values that are not finite; nothing is written")

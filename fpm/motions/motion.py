@@ -47,15 +47,18 @@ def whole_motion(
     scenes : sequence of Scene
         Scenes that differ in numbers only.
     duration, instants, step, energy_tolerance, record
-        As for `simulate`: the motion is, bit for bit, that of a run with these.
+        Duration (s), number of recorded instants, time step (s), error of the energy balance at
+        which a run fails (fraction), and columns (variable, label) to record, as `simulate` takes
+        them: the motion is, bit for bit, that of a run with these.
     frames : int
-        Number of the instants that are returned, evenly spread.
+        Number of recorded instants that are returned, evenly spread.
     times : sequence of float
         Further times (s), of which the nearest instants are returned as well.
     attributes : sequence of dict, optional
-        Further global attributes of each dataset.
+        Further global attributes by name, for each scene's dataset.
     extra_variables : callable
-        `extra_variables(number, outcome)` gives further variables of a dataset by name.
+        `extra_variables(number, outcome)` returns further variables by name for the dataset of
+        scene `number` (from 0), given its Outcome.
 
     Returns
     -------

@@ -71,7 +71,9 @@ class Scene:
     Arrays of its n particles: position (n, 3) m; frame (n, 3, 3), own axes as columns; velocity
     (n, 3) m/s; spin (n, 3) rad/s; mass (n,) kg; inertia (n, 3) kg m²; fixed (n, 6), held
     translations and rotations. kinds: lists of elements by element type (fpm/elements); curves:
-    times (s) and values; points: named ones, for responses.
+    list of (times (s), values); points: named ones, for responses; supports: those held or driven;
+    bodies: particle of each named rigid body; unstrained, unstrained_position: frames and positions
+    before fpm.assembly strained the scene, None: as they are; assembly: what that did, or None.
 
     Parameters
     ----------
@@ -222,7 +224,7 @@ class Scene:
         """Add a straight bar of equal beam elements, with particles of lumped masses; returns the
         Link.
 
-        The particles' axes are those of the bar. Masses are as of `fpm/elements/bars/lumping.py`.
+        The particles' axes are those of the bar; its mass is lumped at them (bars/lumping.py).
 
         Parameters
         ----------
@@ -279,7 +281,7 @@ class Scene:
             the opening is the angle from the first to the second. Without them the opening at
             the start is `opening`.
         opening : float
-            Opening (rad) at the start; with references, picks the turn that is nearest to it.
+            Opening (rad) at the start; with references, tells which of those 2 pi apart is meant.
         support : str
             Global axes along which the hinge point is held: "", "z", "xyz".
         """
@@ -313,7 +315,8 @@ class Scene:
     def add_slide(self, name, particles, point, axis, opening: float = 0.0) -> int:
         """Join two particles by a slide; returns its index, which counts among the hinges.
 
-        The second particle slides on the first. `point` may be (2, 3), as for other joints.
+        The second particle slides on the first. `point` may be (2, 3), one for each particle, if
+        `fpm.assembly` brings them together.
 
         Parameters
         ----------
@@ -409,7 +412,7 @@ class Scene:
         preload : float, optional
             Tension (N) at the start; this or `rest`.
         reel : float
-            Length (m) that a winch at the first point takes in, times the curve.
+            Length (m) that a winch at the first point takes in where its curve is 1.
         curve : int
             Index of the winch's curve of time; -1: none.
         friction : float, optional

@@ -26,11 +26,11 @@ class Parameter:
     default
         Value in `unit`; None: it follows from other parameters.
     unit
-        UDUNITS, "1" for pure numbers.
+        As UDUNITS spells it, "1" for pure numbers.
     description
         One line for people.
     lower, upper
-        Allowed values, both included.
+        Least and largest allowed value, in `unit`.
     kind
         "real" or "integer"; only real ones may be intervals.
     """
@@ -78,17 +78,17 @@ class SceneType:
     name, description
         Its name in configs, and one line for people.
     parameters
-        Definitions by name, in the order of messages.
+        Definitions (Parameter) by name.
     points, hinges, cables
         Names that responses may refer to.
     function
         Builds the scene from all parameters by keyword.
     values
-        Parameters of its `sample`.
+        Values of parameters, by name, at which `sample` is built.
     mesh
         Name of the parameter that sets the mesh, or None.
     content
-        Digest of the structure's own files.
+        Digest of the structure's own files, hexadecimal.
     """
 
     name: str

@@ -96,9 +96,9 @@ def _scaled(scene: Scene, deformations: Deformations):
 
 
 def fastest(modes) -> tuple[float, np.ndarray]:
-    """Highest frequency of a scaled deformation matrix `modes` (r, dofs), sparse, of
-    `scaled_modes`: the square of the angular frequency (rad²/s²), and the share (r,) of each row in
-    that mode's strain energy, not normalized."""
+    """Highest frequency of a scaled deformation matrix `modes` (r, dofs), sparse, as `scaled_modes`
+    makes it: square of the angular frequency (rad²/s²), and the part of it that each row
+    contributes (r,), in proportion to its strain energy in that mode."""
     if modes.shape[0] == 0 or modes.nnz == 0:
         return 0.0, np.zeros(modes.shape[0])
     matrix = modes.T @ modes

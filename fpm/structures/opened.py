@@ -129,8 +129,8 @@ class FileRecord:
         return hashlib.sha256(repr(digests).encode()).hexdigest()[:16]
 
     def check(self, values: Mapping[str, Any]) -> None:
-        """Check the files that a build has opened, after it. values: of its parameters by name, for
-        messages. SceneError for a file that is not in the sealed record, ChangedError if one
+        """Check all files that a build has opened, when it is done. values: its parameters' by
+        name, for messages. SceneError for a file not in the sealed record, ChangedError if one
         changed."""
         paths, self._states_now = {*self._states_now, *self._data_files()}, {}
         if self.unseen and self.data is None:
@@ -154,9 +154,9 @@ class FileRecord:
         return _state(path) == self._states.get(path, ()) or _digest(path) == self.files[path]
 
     def follow(self, previous: "FileRecord") -> None:
-        """Check that a load again did not take a file's old content from memory. previous: record
-        of the load before. ChangedError if a file that the same code opened then has changed, and
-        it is not opened now."""
+        """Check that this load did not take from memory what the `previous` one (its record) read
+        from a file: ChangedError if the same code opened a file then that has changed, and did not
+        open it now."""
         code = [path for path in previous.files if path.suffix == ".py"]
         if all(self.files.get(path) == previous.files[path] for path in code):
             for path in previous.files.keys() - self.files.keys():
@@ -164,8 +164,8 @@ class FileRecord:
                     raise ChangedError(str(path))
 
     def files_of(self, pattern: str) -> set[Path]:
-        """Absolute paths of the files that a glob pattern of DATA, from the structure's folder,
-        matches."""
+        """Absolute paths of the files that a glob `pattern` of DATA matches in the structure's
+        folder."""
         names = glob.glob(str(self.folder / pattern), recursive=True, include_hidden=True)
         return {path.resolve() for path in map(Path, names) if path.is_file()}
 
@@ -173,8 +173,8 @@ class FileRecord:
         return set().union(*map(self.files_of, self.data or ()))
 
     def adopt(self, record: "FileRecord") -> None:
-        """Note the files of another structure's sealed `record`, which this one loads, as opened by
-        this."""
+        """Note the files in another structure's sealed `record`, which this one loads, as opened
+        here."""
         self._states_now |= {p: record._states[p] for p in record.files if p not in self.files}
 
     def hidden(self) -> list[str]:

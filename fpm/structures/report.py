@@ -26,9 +26,9 @@ class Mobility(NamedTuple):
 
 
 class RunCost(NamedTuple):
-    """Estimated cost of a run. step: stable time step (s), inf: none; element: name of the one that
-    limits it; steps: their number; element_steps: times the elements; seconds: of a core of this
-    machine, for one of eight runs computed side by side, without recording."""
+    """Estimated cost of a run. step: stable time step (s), inf: no limit; element: name of the
+    element that limits it; steps: number of steps; element_steps: steps times elements; seconds:
+    core time of this machine for one of eight runs computed side by side, without recording."""
 
     step: float
     element: str
@@ -105,8 +105,8 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
 
 
 def redundant(scene: Scene) -> list[str]:
-    """Names of joints and supports, as "joint knee", some constraint of which depends linearly on
-    others at the start of a scene."""
+    """Names of a scene's joints and supports, as "joint knee", that have a constraint which depends
+    linearly on the others at the start."""
     rows, names = jacobian(scene)
     shares = dependence(rows)[1]
     return list(dict.fromkeys(n for n, share in zip(names, shares, strict=True) if share > 1e-6))

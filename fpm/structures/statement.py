@@ -156,8 +156,8 @@ def acting(
 
 
 def whole(kind: type[ElementType]) -> Statement:
-    """Make the Statement of an element type that acts on a joint and whose only keys are its
-    fields."""
+    """Make the Statement of an element type that acts on a joint, with its fields as the only
+    keys."""
     text = (kind.__doc__ or "").split("\n")[0]
     return acting(kind, text)(lambda build, args: build.scene.add(element(kind, args)))
 
@@ -179,9 +179,9 @@ class Entry:
     read: dict[str, Value]
 
     def values(self, build: Builder) -> SimpleNamespace:
-        """Values of all keys in the sample of a Builder (SI units, defaults where left out), as
-        attributes of a namespace with `name` and `key` of the entry: what `Statement.build` gets as
-        args."""
+        """Values of all keys in the sample of the Builder `build` (SI units, defaults where left
+        out), `name` and `key` of the entry, as attributes of a namespace: what `Statement.build`
+        gets as args."""
         args = SimpleNamespace(name=self.name, key=self.key)
         for name, key in self.statement.keys.items():
             setattr(args, name, self.read[name](build) if name in self.read else key.default)

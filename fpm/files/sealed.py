@@ -111,8 +111,8 @@ def unsealed(path: str | os.PathLike) -> bytes:
 
 def check_content(path: str | os.PathLike, content: bytes, name: str | None = None) -> dict:
     """Verify a sealed file by all its bytes, `content`; returns the facts in its seal. path: its
-    ending tells the format; name: what it must be, None: anything. Raises DamagedError if it is
-    damaged or another."""
+    ending tells the format; name: what it must be, None: anything. Raises DamagedError if it is not
+    so."""
     facts, rest = _split(path, content)
     _compare(path, facts, hashlib.sha256(rest), name)
     return facts

@@ -79,8 +79,7 @@ class Curves:
         return {**self.labelled("opening"), **self.labelled("slide_opening")}
 
     def labelled(self, variable: str) -> dict[str, np.ndarray]:
-        """Columns (t,) of a recorded variable by label: for "cable_tension", by name of the
-        cable."""
+        """Columns (t,) of a recorded variable by label: "cable_tension" by cable."""
         return {label: x for (name, label), x in self.columns.items() if name == variable}
 
     def times(self, event: str, places: Iterable[str]) -> np.ndarray:

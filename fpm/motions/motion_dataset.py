@@ -55,7 +55,7 @@ def shapes_of(scene: Scene, corners: np.ndarray) -> Shapes:
     elements, from the end's particle in its own axes (`section_corners`).
 
     A rigid body is a particle that is on no bar, and free to move in some way or named as a body.
-    It is drawn as the box of its mass and principal inertias: with edges a, b, c, b² + c² = 12
+    It is drawn as the box of its mass and principal inertias: of edges a, b, c, b² + c² = 12
     I/m."""
     nodes, length, half = elements_of(scene.beams)
     names = [f"{b.name}[{i}]" for b in scene.beams for i in range(len(b.length))]

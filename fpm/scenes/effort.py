@@ -56,7 +56,7 @@ COMPILE, COMPILE_KIND, COMPILE_JOINTS = 4.0, 1.0, 4.0
 
 
 def compile_seconds(scene: Scene) -> float:
-    """Estimate the seconds to compile the time loop of a scene's element types, once on a
+    """Estimate the seconds to compile a scene's time loop, once for its element types on a
     machine."""
     return COMPILE + sum(COMPILE_JOINTS if k is Joint else COMPILE_KIND for k in kinds_of([scene]))
 

@@ -144,8 +144,7 @@ class Scene:
 
     def add(self, element: ElementType) -> int:
         """Add an element of any type; returns its index among the scene's elements of that type.
-        Raises SceneError if it does not fit into the scene, as by an index that it does not
-        have."""
+        Raises SceneError if it does not fit into the scene, as by a wrong index."""
         element.add_to(self)
         return len(self.kinds.get(type(element), [])) - 1
 
@@ -390,8 +389,8 @@ class Scene:
         self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
 
     def add_contact(self, hinge: int, stiffness: float) -> None:
-        """Add a contact of the two faces of a hinge (index), which resists openings below 0 with
-        `stiffness` (N m/rad)."""
+        """Add a contact to a hinge (index): faces that resist openings below 0, `stiffness` in N
+        m/rad."""
         self.add(Contact(int(hinge), float(stiffness)))
 
     def add_cable(

@@ -58,8 +58,7 @@ class Parameter:
         return " ".join([noun, " and ".join(bounds)]).strip() + unit
 
     def check(self, name: str, value: object) -> None:
-        """Raise SceneError if a value, in `unit`, is not allowed; name: of the parameter, for the
-        message."""
+        """Raise SceneError if a value, in `unit`, is not allowed; name: the parameter's."""
         if value is None and self.default is None:
             return
         right = isinstance(value, int | float) and not isinstance(value, bool)

@@ -87,12 +87,11 @@ class Builder:
 
     def keep(self, group: str, name: str, value: Any) -> None:
         """Store what was built for an entry of the file. group: its group, such as "bars"; name:
-        full name; value: what later entries that refer to it get by `get`."""
+        full name; value: what `get` returns for it."""
         self._values[group, name] = value
 
     def get(self, group: str, name: str) -> Any:
-        """What `keep` stored for an entry; SkippedError if nothing was. group: such as "bars";
-        name: full."""
+        """What `keep` stored for an entry (group, full name); SkippedError if nothing was."""
         try:
             return self._values[group, name]
         except KeyError:

@@ -43,8 +43,7 @@ def overall(build, args):
     """What holds for the whole structure.
 
     build: Builder of the sample, whose `hold` is set; args: name, gravity ((3,) m/s²), damping
-    (1/s), viscosity (share of critical damping), assemble. Returns the Scene, without particles
-    yet."""
+    (1/s), viscosity (share of critical damping), assemble. Returns an empty Scene."""
     build.hold = args.assemble
     scene = Scene(args.name, args.gravity, args.damping)
     if args.viscosity:

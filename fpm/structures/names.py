@@ -207,12 +207,12 @@ class Place:
         return self.names.problems
 
     def child(self, *keys: str) -> "Place":
-        """The place of a key below this one; keys: that key, or several on the way to it."""
+        """The place of a key below this one; keys: that key, after those on the way to it."""
         return replace(self, key=dotted(self.key, *keys))
 
     def refuse(self, node: Node, allowed: str) -> None:
-        """Note that the value of `node` is not allowed here, and raise SkippedError; allowed: what
-        is, in words."""
+        """Note that the value of `node` is not allowed, and raise SkippedError; allowed: in
+        words."""
         self.problems.refuse(node.line, self.key, node.plain, allowed)
         raise SkippedError(self.key)
 

@@ -66,8 +66,8 @@ class FileRecord:
     @contextmanager
     def recording(self) -> Iterator[None]:
         """Context manager in which files that this thread opens are noted in this record, and
-        imported modules that are not installed are this structure's alone: others may have some of
-        equal name."""
+        modules that are not installed are imported for its structure alone, whatever others
+        have."""
         _hook()
         outer, _THREAD.record = current_record(), self
         own_modules = _own_modules()
@@ -164,8 +164,7 @@ class FileRecord:
                     raise ChangedError(str(path))
 
     def files_of(self, pattern: str) -> set[Path]:
-        """Absolute paths of the files that a glob `pattern` of DATA matches in the structure's
-        folder."""
+        """Absolute paths of files that a glob `pattern` of DATA matches in the folder."""
         names = glob.glob(str(self.folder / pattern), recursive=True, include_hidden=True)
         return {path.resolve() for path in map(Path, names) if path.is_file()}
 
@@ -173,8 +172,7 @@ class FileRecord:
         return set().union(*map(self.files_of, self.data or ()))
 
     def adopt(self, record: "FileRecord") -> None:
-        """Note the files in another structure's sealed `record`, which this one loads, as opened
-        here."""
+        """Note the files of another structure's sealed `record` as opened by this one, too."""
         self._states_now |= {p: record._states[p] for p in record.files if p not in self.files}
 
     def hidden(self) -> list[str]:
@@ -233,8 +231,7 @@ class Loader(SourceFileLoader):
         self.record = record
 
     def path_stats(self, path: str) -> Mapping[str, Any]:
-        """Raise OSError always, at which importlib neither reads nor keeps bytecode; path: the
-        source."""
+        """Raise OSError, so that importlib neither reads nor keeps bytecode of `path`."""
         raise OSError
 
     def get_data(self, path: str) -> bytes:

@@ -146,8 +146,8 @@ def show(value: object) -> str:
 
 
 def commas(names: Iterable[str], most: int = 12, rest: str = ", and {} more") -> str:
-    """Join names by commas for a sentence, the first `most` of them; rest: text after these if
-    there are more, {} their number."""
+    """Join names by commas for a sentence, the first `most` of them; rest: text for the others, {}
+    their number."""
     names = list(names)
     text = ", ".join(names[:most]) or "(there is none)"
     return text if len(names) <= most else text + rest.format(len(names) - most)

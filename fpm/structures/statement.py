@@ -156,8 +156,7 @@ def acting(
 
 
 def whole(kind: type[ElementType]) -> Statement:
-    """Make the Statement of an element type that acts on a joint, with its fields as the only
-    keys."""
+    """Make the Statement of an element type that acts on a joint; its fields are the keys."""
     text = (kind.__doc__ or "").split("\n")[0]
     return acting(kind, text)(lambda build, args: build.scene.add(element(kind, args)))
 

@@ -109,8 +109,7 @@ class UnitError(ValueError):
 
 
 def is_unit(name: str) -> bool:
-    """Whether a name, such as `mm` or `m2`, reads as a unit, and so may not name a number in a
-    structure file."""
+    """Whether a name, such as `mm` or `m2`, reads as a unit, and so cannot name a number."""
     return re.fullmatch(rf"(?:{_NAME})[234]?", name) is not None
 
 

@@ -127,8 +127,8 @@ def _join(build, args, type: str) -> None:
 def spherical(build, args):
     """A ball and socket: parts share a point.
 
-    Joins the other parts to the first, in the scene. build: Builder of the sample, with its scene;
-    args: values of an entry: parts (Bodies), at (Point, or Points by part)."""
+    Joins the others to the first in the scene. build: Builder of the sample, with its scene; args:
+    values of an entry: parts (Bodies), at (Point, or Points by part)."""
     _join(build, args, "spherical")
 
 

@@ -33,8 +33,8 @@ class Motion(NamedTuple):
 def eventful(
     scene: Scene, kinds: Iterable[type[ElementType]] | None = None
 ) -> tuple[Eventful, ...]:
-    """Elements of a scene that have events (as latches close), in the order by which events are
-    numbered; kinds: element types to look at, None: all of the scene."""
+    """Elements of a scene that have events (latches, contacts, ...), in the order by which events
+    are numbered; kinds: element types to look at, None: all of the scene."""
     kinds = kinds_of([scene]) if kinds is None else kinds
     return tuple(element for kind in kinds for element in kind.eventful(scene))
 
@@ -63,7 +63,7 @@ class Outcome(Curves):
         between an element's chord and its ends, or of its twist; `strain` at the surface of an
         element; ...).
     final
-        Motion of all particles at the end.
+        Motion of all particles at the end (Motion).
     """
 
     scene: Scene
@@ -103,7 +103,7 @@ class Outcome(Curves):
         responses : sequence of fpm.reading.responses.Response
             Responses whose values are added.
         attributes : dict, optional
-            Further global attributes.
+            Further global attributes by name.
         parameters : dict, optional
             Values and units, (value, unit), of parameters of the run by name.
         """

@@ -111,8 +111,7 @@ def unsealed(path: str | os.PathLike) -> bytes:
 
 def check_content(path: str | os.PathLike, content: bytes, name: str | None = None) -> dict:
     """Verify a sealed file by all its bytes, `content`; returns the facts in its seal. path: its
-    ending tells the format; name: what it must be, None: anything. Raises DamagedError if it is not
-    so."""
+    ending tells the format; name: what it must be, None: anything. DamagedError if either fails."""
     facts, rest = _split(path, content)
     _compare(path, facts, hashlib.sha256(rest), name)
     return facts
@@ -195,8 +194,8 @@ def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) 
 
 
 def sweep(folder: str | os.PathLike) -> list[Path]:
-    """Remove temporary files of `whole_file` in a folder that ended processes of this machine left;
-    returns their paths."""
+    """Remove temporary files of `whole_file` in a folder whose process, one of this machine, has
+    ended; returns their paths."""
     paths = []
     with suppress(FileNotFoundError, NotADirectoryError):
         for entry in os.scandir(folder):

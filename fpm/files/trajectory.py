@@ -92,7 +92,8 @@ class Curves:
 
     def impacts(self, pairs: Mapping[str, str] = IMPACTS) -> Impacts:
         """Impacts of the run, at whose times responses bend or jump. pairs: by name of the event
-        that begins an impact, that of the event that ends it. A latch's begins and ends at once."""
+        that begins an impact, that of the event that ends it. A latch's impact ends as it
+        begins."""
         start_events = [next((e for e in own.events if e in pairs), None) for own in self.eventful]
         has_impact = [event is not None for event in start_events]
         index, element = np.cumsum(has_impact) - 1, self.events[:, 1].astype(int)

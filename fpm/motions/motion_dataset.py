@@ -38,7 +38,7 @@ class RecordedMotion(NamedTuple):
 
 
 class Shapes(NamedTuple):
-    """Shapes to draw of a scene: s, its beam elements and then its rigid bodies as boxes. names
+    """The s shapes to draw of a scene: its beam elements, then its rigid bodies as boxes. names
     (s); nodes (s, 2): the particles at both ends, a body's own twice; length (s,) m; half (s, 2) m:
     half widths and heights; corners (s, 2, 4, 3) m: at both ends, from the particle in its own
     axes."""
@@ -55,8 +55,8 @@ def shapes_of(scene: Scene, corners: np.ndarray) -> Shapes:
     elements, from the end's particle in its own axes (`section_corners`).
 
     A rigid body is a particle that is on no bar, and free to move in some way or named as a body.
-    It is drawn as the box of its mass and principal inertias: of edges a, b, c, b² + c² = 12
-    I/m."""
+    It is drawn as the box of its mass and principal inertias: edges a, b, c with b² + c² = 12 I/m
+    and so on."""
     nodes, length, half = elements_of(scene.beams)
     names = [f"{b.name}[{i}]" for b in scene.beams for i in range(len(b.length))]
     free = np.flatnonzero(~scene.fixed.all(axis=1))

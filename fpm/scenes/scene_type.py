@@ -81,7 +81,7 @@ class SceneType:
     points, hinges, cables
         Names that responses may refer to.
     function
-        Builds the scene from all parameters by keyword.
+        Function that builds the Scene from all parameters, given by keyword.
     values
         Values of parameters, by name, at which `sample` is built.
     mesh

@@ -39,8 +39,8 @@ DENSE = 100
 
 
 class StableStep(NamedTuple):
-    """Stability limit of a scene. step: largest stable time step (s), inf: none; frequency: highest
-    angular frequency (rad/s); element: name of the one with most energy in its mode."""
+    """Stability limit of a scene. step: largest stable time step (s), inf: no limit; frequency:
+    highest angular frequency (rad/s); element: name of the one with most energy in its mode."""
 
     step: float
     frequency: float

@@ -18,7 +18,7 @@ POINT_TOL = 1e-9
 
 @dataclass(frozen=True)
 class Point:
-    """A named point of a sample: its full name, and where it is at the start, (3,) m."""
+    """A named point of a sample. name: full name; position: at the start, (3,) m."""
 
     name: str
     position: np.ndarray
@@ -81,8 +81,7 @@ class Builder:
             ) from None
 
     def point(self, name: str) -> np.ndarray:
-        """Position (3,) m, at the start, of a point (full name); SkippedError if it was not
-        built."""
+        """Position at the start (3,), m, of a point (full name); SkippedError if not built."""
         return self.get("points", name).position
 
     def keep(self, group: str, name: str, value: Any) -> None:

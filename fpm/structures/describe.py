@@ -21,8 +21,8 @@ from fpm.structures.statement import ON_SLIDES
 
 
 def describe(structure: SceneType, duration: float = 1.0) -> str:
-    """Text of several lines on a structure at its default values: parameters, points, joints, mass,
-    mobility, stable step, and cost of a run of `duration` (s)."""
+    """Describe a structure at its default values in a text of several lines: parameters, points,
+    joints, mass, mobility, stable step, and cost of a run of `duration` (s)."""
     scene = structure.build()
     cost, mobility = report.cost(scene, duration), report.mobility(scene)
     rows = [[name, *_row(p, name == structure.mesh)] for name, p in structure.parameters.items()]

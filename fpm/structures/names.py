@@ -108,8 +108,8 @@ class Names:
     """All names of a structure file. problems: where errors are noted; numbers: NamedNumbers
     (parameters, `let`, coordinates of points) by full name; groups: by group, such as "bars", line
     by full name; types: of joints by name, "" if unknown; angles: of universal joints, (joint, 0 or
-    1) by name; uses: names referred to; absent: (group, name) of entries left out; order: of
-    numbers, so that they can be computed."""
+    1) by name; uses: names referred to; absent: (group, name) of entries left out; order: full
+    names of numbers, each after those that it depends on."""
 
     def __init__(self, problems: Problems):
         self.problems = problems
@@ -211,8 +211,8 @@ class Place:
         return replace(self, key=dotted(self.key, *keys))
 
     def refuse(self, node: Node, allowed: str) -> None:
-        """Note that the value of `node` is not allowed, and raise SkippedError; allowed: in
-        words."""
+        """Note that the value of `node` is not allowed and raise SkippedError. allowed: what is, in
+        words, for the message."""
         self.problems.refuse(node.line, self.key, node.plain, allowed)
         raise SkippedError(self.key)
 

@@ -140,7 +140,7 @@ class Problems:
 
 
 def show(value: object) -> str:
-    """A value as text for messages, of at most 60 characters."""
+    """Write a value as text for messages, cut to at most 60 characters."""
     text = f"{value:.9g}" if isinstance(value, float) else repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
 

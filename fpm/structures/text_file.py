@@ -42,8 +42,8 @@ PARAMETER_KEYS = ("value", "unit", "range", "description", "whole")
 
 @dataclass(frozen=True)
 class GivenParameter:
-    """A parameter of a YAML file. parameter: its definition; unit: in which the file gives it;
-    line: where it stands."""
+    """A parameter of a YAML file. parameter: its definition; unit: of measure, in which the file
+    gives its values; line: in the file."""
 
     parameter: Parameter
     unit: Unit
@@ -92,8 +92,8 @@ class _File:
 
 
 def load_text(path: Path) -> SceneType:
-    """Load a structure from a YAML file; raises StructureError, which lists all that is wrong with
-    it."""
+    """Load a structure from the YAML file at `path`; returns its SceneType. Raises StructureError,
+    which lists all that is wrong with the file."""
     return loads(read_text(path), str(path))
 
 

@@ -21,7 +21,8 @@ class Dimension(NamedTuple):
 
     @property
     def powers(self) -> tuple[float, float, float]:
-        """Powers of kg, m and s, without the mark `bare`."""
+        """The powers of kg, m and s of this dimension, to compare it whether or not it is
+        `bare`."""
         return self[:3]
 
     def fits(self, dimension: "Dimension") -> bool:

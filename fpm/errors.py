@@ -7,11 +7,8 @@ from math import inf, isfinite
 
 
 class SceneError(ValueError):
-    """Raised for a scene, parameter, response or argument that is not allowed.
-
-    Attributes: `key` (name of what is wrong), `value` (as given), `allowed` (values that are, in
-    words).
-    """
+    """Raised for a scene, parameter, response or argument that is not allowed. key: name of what is
+    wrong; value: as given; allowed: values that are, in words."""
 
     def __init__(self, key: str, value: object, allowed: str):
         self.key, self.value, self.allowed = key, value, allowed
@@ -22,8 +19,8 @@ class SceneError(ValueError):
 
 
 class ChangedError(SceneError):
-    """Raised for a file that changed since this process read it, so that its digest no longer
-    identifies the code behind the results; `key` is the file's path."""
+    """Raised for a file (path, `key`) that changed since this process read it, so that its digest
+    no longer identifies the code behind the results."""
 
     def __init__(self, file: str):
         self.key, self.value = file, "changed since it was imported"
@@ -37,7 +34,7 @@ class ChangedError(SceneError):
 
 class InstabilityError(RuntimeError):
     """Raised, or kept as `Outcome.failure`, for a run whose numbers mean nothing: its energy
-    balance broke, numbers are not finite, or a watched quantity is too large.
+    balance broke, numbers are not finite, or a watched quantity (such as strain) is too large.
 
     Attributes: `time` (s) of the first check that failed; `element`, name of the element with the
     most energy, the first non-finite one, or the one to blame; `step` (s) used; `limit` (s), stable
@@ -87,8 +84,8 @@ class InstabilityError(RuntimeError):
 
 
 def did_you_mean(name: str, names: Iterable[str]) -> str:
-    """Hint for a message about an unknown `name`: `" (did you mean x?)"`, x the closest of `names`,
-    or what punctuation is missing, as a colon behind a known name; "" if there is no guess."""
+    """Hint at the end of a message about an unknown `name`: " (did you mean x?)" with the closest
+    of `names` (allowed), or what punctuation is missing, as a colon; "" if there is no guess."""
     names = list(names)
     head, sign, value = re.match(r"(\w*)([ :]?)(.*)", name, re.DOTALL).groups()
     if name[:1].isdigit():
@@ -101,13 +98,14 @@ def did_you_mean(name: str, names: Iterable[str]) -> str:
 
 
 def renamed(name: object, names: Iterable[str]) -> str:
-    """`" (it is now x)"` if `name` is the former name (RENAMED) of x, one of `names`; else ""."""
+    """Hint for a message: " (it is now x)" if `name` is a former name (RENAMED) of x, one of
+    `names` (allowed); else ""."""
     name = RENAMED.get(name) if isinstance(name, str) else None
     return f" (it is now {name})" if name in names else ""
 
 
 def likely(name: str, names: Iterable[str]) -> str:
-    """The one of the allowed `names` that an unknown `name` most likely means: its new name, a
+    """The one of `names` (allowed) that an unknown `name` most likely means: its new name, a
     synonym, or one of like spelling; "" if there is none."""
     names = list(names)
     close = [RENAMED[name]] if RENAMED.get(name) in names else []
@@ -153,9 +151,9 @@ _FOREIGN = {
 
 
 def number_hint(text: str, with_unit: bool = True) -> str:
-    """Hint for a message about text that is no number: `" (did you mean x?)"` for a percentage, a
-    decimal comma, a power written `^` or a foreign unit; else "". with_unit: whether a unit is
-    allowed."""
+    """Hint for a message about a text that is no number, but a percentage, a decimal comma, a power
+    with `^` or a foreign unit: " (did you mean x?)"; else "". with_unit: whether it may have a
+    unit."""
     comma = re.sub(r"^([-+]?\d+),(\d+)", r"\1.\2", text.strip())
     match = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", comma)
     number, unit = (float(match[1]), (match[2] or "").replace("^", "")) if match else (0.0, "")

@@ -21,11 +21,8 @@ BALANCE = Energy("balance", "energy_balance", "energy that came from nowhere sin
 
 
 class Motion(NamedTuple):
-    """Positions and velocities of all particles at one time, in the form in which a Scene keeps its
-    start.
-
-    position (n, 3) m; frame (n, 3, 3) axes as columns; velocity (n, 3) m/s; spin (n, 3) rad/s.
-    """
+    """Positions and velocities of a scene's n particles at one time. position (n, 3) m; frame (n,
+    3, 3), own axes as columns; velocity (n, 3) m/s; spin, the angular velocity, (n, 3) rad/s."""
 
     position: np.ndarray
     frame: np.ndarray
@@ -36,8 +33,8 @@ class Motion(NamedTuple):
 def eventful(
     scene: Scene, kinds: Iterable[type[ElementType]] | None = None
 ) -> tuple[Eventful, ...]:
-    """Elements of a scene that have events, in the order in which event records number them; kinds:
-    element types that are looked at, None: all of the scene."""
+    """Elements of a scene that have events (latches, contacts, ...), in the order by which events
+    are numbered; kinds: element types to look at, None: all of the scene."""
     kinds = kinds_of([scene]) if kinds is None else kinds
     return tuple(element for kind in kinds for element in kind.eventful(scene))
 
@@ -51,13 +48,13 @@ class Outcome(Curves):
     scene
         The simulated scene.
     energy_kinds
-        Energies in the order of `energies`.
+        Names and texts (Energy) of the `energies`, in their order.
     recorded
-        Further series by variable of a trajectory file.
+        Further series (Series) by name, of what element types record, as "cable_tension".
     steps
-        Number of steps.
+        Number of time steps.
     limit
-        The stable step; None if the step was given.
+        The scene's stable step (StableStep); None if the run was given its step.
     failure
         None, the InstabilityError of a run whose numbers mean nothing, or the SceneError of a
         quasi-static opening (fpm/travel) that has no solution.
@@ -66,7 +63,7 @@ class Outcome(Curves):
         between an element's chord and its ends, or of its twist; `strain` at the surface of an
         element; ...).
     final
-        Motion of all particles at the end.
+        Motion of all particles at the end (Motion).
     """
 
     scene: Scene
@@ -80,19 +77,19 @@ class Outcome(Curves):
 
     @property
     def tensions(self) -> dict[str, np.ndarray]:
-        """Tensions (t,) of all cables by name, N."""
+        """Tensions (t,), N, of all cables by name, at the recorded instants."""
         return self.labelled("cable_tension")
 
     @property
     def gap(self) -> np.ndarray:
-        """Largest constraint error (t,) in position of all hinges, m: distance of the two
-        particles' points, or of the point to where it is held."""
+        """Largest constraint error in position (t,), m, of all hinges at the recorded instants: the
+        distance of the two particles' points, or of the point to where it is held."""
         return self._recorded_or_zero("hinge_gap")
 
     @property
     def axis_gap(self) -> np.ndarray:
-        """Largest sine (t,) of the angle between the axes that any hinge has on its two particles,
-        a constraint error; rad where small."""
+        """Largest constraint error in axes (t,) of all hinges at the recorded instants: the sine of
+        the angle between the axes that a hinge has on its two particles."""
         return self._recorded_or_zero("hinge_axis_gap")
 
     def _recorded_or_zero(self, name: str) -> np.ndarray:
@@ -106,7 +103,7 @@ class Outcome(Curves):
         responses : sequence of fpm.reading.responses.Response
             Responses whose values are added.
         attributes : dict, optional
-            Further global attributes.
+            Further global attributes by name.
         parameters : dict, optional
             Values and units, (value, unit), of parameters of the run by name.
         """
@@ -114,8 +111,8 @@ class Outcome(Curves):
 
 
 def columns_of(records: Mapping[str, Series]) -> dict[Column, np.ndarray]:
-    """Columns (t,) by (variable, label) of recorded series (t, k) with k labels; records: series by
-    variable, of which those without labels are left out."""
+    """Columns (t,) by (variable, label) of recorded series (t, k), one for each of their k labels.
+    records: series by variable; those without labels are left out."""
     return {
         (name, label): record.values[:, i]
         for name, record in records.items()

@@ -29,10 +29,8 @@ _TEMPORARY = re.compile(r"^\..*\.(?P<host>[^.]+)-(?P<process>\d+)\.part(\.\w+)?$
 
 
 class DamagedError(OSError):
-    """Raised for a file that exists, but is not as it was written, or not the expected one.
-
-    Attributes: `path`, and `reason` in words.
-    """
+    """Raised for a file that exists, but is not as it was written, or not the expected one; `path`:
+    the file's, `reason`: in words."""
 
     def __init__(self, path: str | os.PathLike, reason: str):
         self.path, self.reason = Path(path), reason
@@ -43,11 +41,9 @@ class DamagedError(OSError):
 
 
 def seal(path: str | os.PathLike, facts: Mapping[str, str]) -> None:
-    """Append a seal to a complete file: a line with its digest and `facts`, which are `name` (what
-    the file is) and whatever else its readers need, as text.
-
-    A JSON file must be an object over several lines.
-    """
+    """Append a seal to the complete file at `path`: a line of JSON with the file's digest and
+    `facts`, text by key: `name` (what the file is) and whatever else its readers need. A JSON file
+    must be an object over several lines."""
     path = Path(path)
     if path.suffix == ".json":
         content = read_bytes(path)
@@ -66,11 +62,9 @@ def _json(data: Mapping) -> str:
 
 
 def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
-    """Verify a sealed file's digest and, if `name` is given, its name; returns the facts in its
-    seal.
-
-    Raises DamagedError if either does not hold, FileNotFoundError if there is no file.
-    """
+    """Verify that a sealed file is as it was written and, if `name` is given, what it is; returns
+    the facts in its seal. Raises DamagedError if either does not hold, FileNotFoundError if there
+    is no file."""
     path = Path(path)
     if path.suffix == ".json":
         return check_content(path, read_bytes(path), name)
@@ -86,10 +80,9 @@ def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
 
 
 def read_bytes(path: str | os.PathLike, most: int = _MOST) -> bytes:
-    """Content of a plain file of at most `most` bytes; raises DamagedError if it is none or longer.
-
-    A device, or a pipe, is refused without waiting, and so is what lies below /proc and /sys.
-    """
+    """Read the content of a plain file of at most `most` bytes; raises DamagedError if it is none
+    or longer. A device, or a pipe, is refused without waiting, and so are files below /proc and
+    /sys."""
     if os.path.realpath(path).startswith(("/proc/", "/sys/")):
         raise DamagedError(path, "the system makes it up; allowed: a plain file, such as a copy")
     with open(path, "rb", opener=lambda name, flags: os.open(name, flags | _AT_ONCE)) as file:
@@ -109,16 +102,16 @@ _AT_ONCE = getattr(os, "O_NONBLOCK", 0)
 
 
 def unsealed(path: str | os.PathLike) -> bytes:
-    """Verified content of a sealed file without its seal; raises DamagedError if it is not
-    whole."""
+    """Read the content of a sealed file, without its seal; raises DamagedError if the file is not
+    as it was written."""
     content = read_bytes(path)
     check_content(path, content)
     return _split(path, content)[1]
 
 
 def check_content(path: str | os.PathLike, content: bytes, name: str | None = None) -> dict:
-    """Verify the whole `content` of a sealed file that was read before; returns facts and raises as
-    `check` does. path: tells the format, and is named in messages."""
+    """Verify a sealed file by all its bytes, `content`; returns the facts in its seal. path: its
+    ending tells the format; name: what it must be, None: anything. DamagedError if either fails."""
     facts, rest = _split(path, content)
     _compare(path, facts, hashlib.sha256(rest), name)
     return facts
@@ -183,11 +176,9 @@ def _hash(path: Path, size: int):
 
 @contextmanager
 def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) -> Iterator[Path]:
-    """Context manager for a file that appears whole or not at all: gives a temporary path beside
-    `path`, which is renamed to it when the block ends, and removed on an error.
-
-    facts: if given, the file is sealed with them before (`seal`).
-    """
+    """Context manager to write a file that appears whole or not at all: gives a temporary path
+    beside `path`, which is renamed to that when the block ends, and removed on an error. facts: if
+    given, the file is sealed with them (text by key, with `name`) before."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     # Some writers look at the ending; but who lists netCDF files shall not meet half a one.
@@ -203,7 +194,7 @@ def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) 
 
 
 def sweep(folder: str | os.PathLike) -> list[Path]:
-    """Remove temporary files in a folder that were left by processes of this machine that have
+    """Remove temporary files of `whole_file` in a folder whose process, one of this machine, has
     ended; returns their paths."""
     paths = []
     with suppress(FileNotFoundError, NotADirectoryError):

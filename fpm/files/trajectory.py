@@ -38,15 +38,17 @@ IMPACTS = {"closes": "opens", "hits": "leaves", "latches": "latches"}
 
 
 class Contents(NamedTuple):
-    """Contents of a trajectory file: global attributes, and variables by name."""
+    """Contents of a trajectory file before it is written: global `attributes`, and `variables`,
+    both by name."""
 
     attributes: dict[str, Any]
     variables: dict[str, classic.NetcdfVariable]
 
 
 class Impacts(NamedTuple):
-    """Impacts of a run, rows (e, 3): time (s), index into `names`, 1 if it begins, 0 if it ends;
-    names: of all elements that have impacts, contacts by their hinges."""
+    """Impacts of a run, as closing contacts and latches. events (e, 3), one impact's begin or end a
+    row: time (s), index into `names`, 1 for its begin, 0 for its end; names: of all elements that
+    have impacts, contacts by their hinges'."""
 
     events: np.ndarray
     names: list[str]
@@ -54,14 +56,12 @@ class Impacts(NamedTuple):
 
 @dataclass(frozen=True)
 class Curves:
-    """Curves and events of one run, off which responses and quantities are read.
-
-    time (t,) s; points: name -> (position (t, 3) m, velocity (t, 3) m/s); energies: name -> (t,) J;
-    columns: further values (t,) by (variable, label); events (e, 3): time (s), index into
-    `eventful`, number of the event; events_dropped: number of events that were not kept; step: of
-    the time loop (s); codes: by variable, of what was recorded on request and read from a file, the
-    digest of the code that read it off the run.
-    """
+    """Curves and events of one run, off which responses and quantities are read. time (t,) s;
+    points: (position (t, 3) m, velocity (t, 3) m/s) by name; energies: (t,) J by name; columns:
+    further values (t,) by (variable, label); events (e, 3): time (s), index into `eventful`, number
+    of the event; eventful: elements that have events; events_dropped: number of events that were
+    not kept; step: of the time loop (s); codes: digest of the code that read a variable, by
+    variable that was recorded on request and read from a file."""
 
     time: np.ndarray
     points: dict[str, tuple[np.ndarray, np.ndarray]]
@@ -75,27 +75,25 @@ class Curves:
 
     @property
     def openings(self) -> dict[str, np.ndarray]:
-        """Openings (t,) of all hinges by name, in rad, or m of slides."""
+        """Openings (t,) of all hinges by name: rad, of slides m."""
         return {**self.labelled("opening"), **self.labelled("slide_opening")}
 
     def labelled(self, variable: str) -> dict[str, np.ndarray]:
-        """Columns (t,) of a recorded variable by label: of "cable_tension" by cable."""
+        """Columns (t,) of a recorded variable by label: "cable_tension" by cable."""
         return {label: x for (name, label), x in self.columns.items() if name == variable}
 
     def times(self, event: str, places: Iterable[str]) -> np.ndarray:
-        """Times (s), increasing, at which any of the named elements had an event; event: its name,
-        such as "latches"; places: the elements' names."""
+        """Times (s), increasing, at which any of some elements had an event. event: its name, such
+        as "latches"; places: the elements' names."""
         numbers = [e.events.index(event) if e.name in places and event in e.events else -1
                    for e in self.eventful]  # fmt: skip
         rows = self.events[:, 2] == np.array(numbers)[self.events[:, 1].astype(int)]
         return np.sort(self.events[rows, 0])
 
     def impacts(self, pairs: Mapping[str, str] = IMPACTS) -> Impacts:
-        """Impacts, at whose times responses bend or jump; pairs: name of the event that begins an
-        impact -> name of the one that ends it.
-
-        A latch closes and opens at once: it does not stand in the way of the impacts that follow.
-        """
+        """Impacts of the run, at whose times responses bend or jump. pairs: by name of the event
+        that begins an impact, that of the event that ends it. A latch's impact ends as it
+        begins."""
         start_events = [next((e for e in own.events if e in pairs), None) for own in self.eventful]
         has_impact = [event is not None for event in start_events]
         index, element = np.cumsum(has_impact) - 1, self.events[:, 1].astype(int)
@@ -113,13 +111,10 @@ class Curves:
 
 
 def contents(outcome, responses=(), attributes=None, parameters=None) -> Contents:
-    """Contents of a trajectory file of one outcome (fpm.Outcome), with names and units by the CF
-    conventions.
-
-    responses: sequence of fpm.reading.responses.Response, whose values are added; attributes:
-    further global ones of the file; parameters: name -> (value, unit), each a scalar coordinate
-    named `parameter_<name>`. Raises the outcome's failure if there is one.
-    """
+    """Contents of a trajectory file of one run, with names and units by the CF conventions.
+    outcome: the run's (fpm.Outcome), whose failure is raised if it has one; responses: sequence of
+    fpm.reading.responses.Response, whose values are added; attributes: further global ones of the
+    file; parameters: name -> (value, unit), each a scalar coordinate named `parameter_<name>`."""
     if outcome.failure is not None:
         raise outcome.failure
     variables = {
@@ -228,7 +223,9 @@ def _responses(outcome, responses) -> dict[str, classic.NetcdfVariable]:
 
 
 def to_dataset(outcome, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":
-    """The `contents` of an outcome as an xarray.Dataset; arguments and errors as of `contents`."""
+    """Make an xarray.Dataset of one run's trajectory. outcome: the run's (fpm.Outcome), whose
+    failure is raised if it has one; responses: sequence of Response to add; attributes: further
+    global ones, by name; parameters: name -> (value, unit), of the run."""
     import xarray
 
     attributes, variables = contents(outcome, responses, attributes, parameters)
@@ -245,18 +242,17 @@ def _is_coordinate(name: str, variable: classic.NetcdfVariable) -> bool:
 
 
 def check_finite(variables: Mapping[str, classic.NetcdfVariable]) -> None:
-    """Raise a ValueError that names the first of `variables` with a value that is not finite."""
+    """Raise ValueError that names the first of `variables` (NetcdfVariable by name) with a value
+    that is not finite."""
     for name, variable in variables.items():
         if variable.values.dtype.kind == "f" and not np.isfinite(variable.values).all():
             raise ValueError(f"{name} has values that are not finite; nothing is written")
 
 
 def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike) -> None:
-    """Write a trajectory to a sealed netCDF file, under a temporary name until it is complete.
-
-    Its attribute `run_id`, if it has one, is its name. ValueError if any value is not finite; then,
-    and when the write breaks off, no file is left.
-    """
+    """Write a trajectory (Contents or xarray.Dataset) to a sealed netCDF file at `path`, which
+    appears when it is complete. Its attribute `run_id`, if it has one, is its name in the seal.
+    ValueError if a value is not finite; then, and when the write breaks off, no file is left."""
     if not isinstance(trajectory, Contents):
         variables = {
             name: classic.NetcdfVariable(v.dims, v.values, v.attrs)
@@ -277,10 +273,8 @@ def _name(run: str | None) -> str:
 
 
 def read(path: str | os.PathLike) -> "xarray.Dataset":
-    """Read the trajectory file at `path` into memory, as an xarray.Dataset.
-
-    Raises DamagedError if the file is not as it was written.
-    """
+    """Read the trajectory file at `path` into memory, as an xarray.Dataset. Raises
+    sealed.DamagedError if the file is not as it was written."""
     import xarray
 
     sealed.check(path)
@@ -289,12 +283,9 @@ def read(path: str | os.PathLike) -> "xarray.Dataset":
 
 
 def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
-    """Read the curves of a trajectory file, a hundred times faster than `read`; run: name of the
-    run that it must be, None: any.
-
-    Raises OSError if the file is not there, `sealed.DamagedError` (a subclass) if it is not as
-    `write` left it, or of another run.
-    """
+    """Read the curves and events of the trajectory file at `path`, a hundred times faster than as a
+    dataset. run: id of the run that it must be of, None: any. Raises OSError if there is no file,
+    sealed.DamagedError (a subclass) if it is not as it was written, or of another run."""
     content = sealed.read_bytes(path)
     sealed.check_content(path, content, run and _name(run))
     attributes, variables = classic.read(path, content)

@@ -56,13 +56,14 @@ COMPILE, COMPILE_KIND, COMPILE_JOINTS = 4.0, 1.0, 4.0
 
 
 def compile_seconds(scene: Scene) -> float:
-    """Estimated seconds to compile the time loop of a scene's element types, once on a machine."""
+    """Estimate the seconds to compile a scene's time loop, once for its element types on a
+    machine."""
     return COMPILE + sum(COMPILE_JOINTS if k is Joint else COMPILE_KIND for k in kinds_of([scene]))
 
 
 def step_seconds(scene: Scene) -> float:
-    """Estimated core time (s) of one time step of eight runs of a scene side by side, on the
-    tabulated machine (`machine` is the factor to this one)."""
+    """Estimate the core time (s) of one time step of eight runs of a scene side by side, on a
+    machine with 256-bit vector units; times `machine()` on this one."""
     cost = STEP
     elements = sum(len(beams.length) for beams in scene.beams)
     on_beams = {int(p) for beams in scene.beams for p in np.unique(beams.nodes)}
@@ -73,8 +74,9 @@ def step_seconds(scene: Scene) -> float:
 
 
 def run_seconds(scene: Scene, steps: int, instants: int) -> float:
-    """Estimated core time (s) of one run, an eighth of eight computed side by side, on the
-    tabulated machine; steps: of time; instants: recorded ones."""
+    """Estimate the core time (s) of one run of a scene, an eighth of eight computed side by side,
+    on a machine with 256-bit vector units. steps, instants: numbers of time steps and recorded
+    instants."""
     packing = PACKING + PER_STATEMENT * sum(map(len, scene.kinds.values()))
     return (steps * step_seconds(scene) + instants * 1e-9 * INSTANT) / 8 + packing
 
@@ -100,12 +102,11 @@ def _of_kind(kind: type[ElementType], scene: Scene) -> float:
 
 
 def elimination_of(scene: Scene) -> tuple[int, float]:
-    """Number of scalar constraints of all joints that are solved together, and of the multiply-adds
-    that eliminate them in one step.
+    """Size of the equations of all joints of a scene that are solved together: number of their
+    scalar constraints, and of multiply-adds to eliminate them in one time step.
 
-    A joint of c conditions that is coupled to others of a sum of d, when its turn comes, takes c³/6
-    for its own block, c² d/2 for those below it, and c d²/2 for those of the others.
-    """
+    A joint of c constraints takes c³/6 for its own block, c² d/2 for those below it and c d²/2 for
+    those of the d constraints of joints that it is coupled to when its turn comes."""
     from fpm.elements.joints.joint_pattern import elimination, neighbours
 
     joints = Joint.of(scene)
@@ -121,8 +122,8 @@ def elimination_of(scene: Scene) -> tuple[int, float]:
 
 @cache
 def machine() -> float:
-    """Factor from tabulated core times to those of this machine, by the width of its vector units:
-    1 with 256 bits, 1/2.9 (measured) with 512, 2 below."""
+    """Factor from core times on a machine with 256-bit vector units to those on this one: 1/2.9
+    (measured) with 512 bits, 2 below 256."""
     from llvmlite.binding import get_host_cpu_features
 
     has = get_host_cpu_features()

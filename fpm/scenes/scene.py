@@ -36,7 +36,8 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class Link:
-    """A straight bar: `particles` (n,), indices from start to end, and its axes `triad` (3, 3)."""
+    """A straight bar as it was added to a scene: `particles` (n,), their indices from start to end,
+    and its axes `triad` (3, 3), as columns."""
 
     particles: np.ndarray
     triad: np.ndarray
@@ -70,7 +71,9 @@ class Scene:
     Arrays of its n particles: position (n, 3) m; frame (n, 3, 3), own axes as columns; velocity
     (n, 3) m/s; spin (n, 3) rad/s; mass (n,) kg; inertia (n, 3) kg m²; fixed (n, 6), held
     translations and rotations. kinds: lists of elements by element type (fpm/elements); curves:
-    times (s) and values; points: named ones, for responses.
+    list of (times (s), values); points: named ones, for responses; supports: those held or driven;
+    bodies: particle of each named rigid body; unstrained, unstrained_position: frames and positions
+    before fpm.assembly strained the scene, None: as they are; assembly: what that did, or None.
 
     Parameters
     ----------
@@ -119,8 +122,8 @@ class Scene:
 
     @property
     def gravity(self) -> np.ndarray:
-        """Acceleration of gravity (3,), m/s², in global axes: the sum of all that were added to
-        the scene. Setting it replaces these by one."""
+        """Acceleration of gravity (3,), m/s², in global axes: the sum of all Gravity elements of
+        the scene. Setting it puts one in their place."""
         return sum((g.acceleration for g in self.kinds.get(Gravity, [])), np.zeros(3))
 
     @gravity.setter
@@ -129,8 +132,8 @@ class Scene:
 
     @property
     def damping(self) -> float:
-        """Mass-proportional damping rate (1/s): the sum of all that were added to the scene.
-        Setting it replaces these by one."""
+        """Mass-proportional damping rate (1/s): the sum of all Damping elements of the scene.
+        Setting it puts one in their place."""
         return float(sum(d.rate for d in self.kinds.get(Damping, [])))
 
     @damping.setter
@@ -140,10 +143,8 @@ class Scene:
         self.kinds = {**self.kinds, Damping: [damping]}
 
     def add(self, element: ElementType) -> int:
-        """Add an element of any type; returns its index among the elements of its type.
-
-        Raises SceneError if it does not fit into the scene as it is.
-        """
+        """Add an element of any type; returns its index among the scene's elements of that type.
+        Raises SceneError if it does not fit into the scene, as by a wrong index."""
         element.add_to(self)
         return len(self.kinds.get(type(element), [])) - 1
 
@@ -222,7 +223,7 @@ class Scene:
         """Add a straight bar of equal beam elements, with particles of lumped masses; returns the
         Link.
 
-        The particles' axes are those of the bar. Masses are as of `fpm/elements/bars/lumping.py`.
+        The particles' axes are those of the bar; its mass is lumped at them (bars/lumping.py).
 
         Parameters
         ----------
@@ -279,7 +280,7 @@ class Scene:
             the opening is the angle from the first to the second. Without them the opening at
             the start is `opening`.
         opening : float
-            Opening (rad) at the start; with references, picks the turn that is nearest to it.
+            Opening (rad) at the start; with references, tells which of those 2 pi apart is meant.
         support : str
             Global axes along which the hinge point is held: "", "z", "xyz".
         """
@@ -313,7 +314,8 @@ class Scene:
     def add_slide(self, name, particles, point, axis, opening: float = 0.0) -> int:
         """Join two particles by a slide; returns its index, which counts among the hinges.
 
-        The second particle slides on the first. `point` may be (2, 3), as for other joints.
+        The second particle slides on the first. `point` may be (2, 3), one for each particle, if
+        `fpm.assembly` brings them together.
 
         Parameters
         ----------
@@ -387,8 +389,8 @@ class Scene:
         self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
 
     def add_contact(self, hinge: int, stiffness: float) -> None:
-        """Add a contact of faces, of `stiffness` (N m/rad), where the opening of a hinge (index) is
-        below 0."""
+        """Add a contact to a hinge (index): faces that resist openings below 0, `stiffness` in N
+        m/rad."""
         self.add(Contact(int(hinge), float(stiffness)))
 
     def add_cable(
@@ -409,7 +411,7 @@ class Scene:
         preload : float, optional
             Tension (N) at the start; this or `rest`.
         reel : float
-            Length (m) that a winch at the first point takes in, times the curve.
+            Length (m) that a winch at the first point takes in where its curve is 1.
         curve : int
             Index of the winch's curve of time; -1: none.
         friction : float, optional
@@ -435,12 +437,10 @@ class Scene:
         self.add(Support(tuple(np.atleast_1d(particles)), translations, rotations))
 
     def add_curve(self, times: Sequence[float], values: Sequence[float]) -> int:
-        """Add a piecewise linear curve of time; returns its index.
-
-        times: of its points (s), increasing; values: at them, in the unit of what refers to the
-        curve, and constant before the first and after the last. Raises SceneError unless there is a
-        value for each of the increasing times.
-        """
+        """Add a piecewise linear curve of time; returns its index. times: of its points (s),
+        increasing; values: at them, in the unit of what refers to the curve, constant before the
+        first and after the last. SceneError for times that do not increase, or another number of
+        values."""
         times, values = np.asarray(times, float), np.asarray(values, float)
         if times.shape != values.shape or times.ndim != 1 or np.any(np.diff(times) <= 0):
             raise SceneError("curve", (times.tolist(), values.tolist()), "increasing times")
@@ -500,10 +500,9 @@ class Scene:
         self.points[name] = self.arm_to(int(particle), position)
 
     def arm_to(self, particle: int, point=None) -> VirtualBeam:
-        """Rigid offset from a particle (index) to a point (3,) m at the start; None: no offset.
-
-        In a scene that was assembled, `point` and particle are taken where they lay before that.
-        """
+        """Rigid offset, a VirtualBeam, from a particle (index) to a point that moves with it.
+        point: its position (3,) at the start, m; None: the particle's. In a scene that was
+        assembled, both are positions before that."""
         position, frame = (
             value if unstrained is None else unstrained
             for value, unstrained in (
@@ -518,5 +517,5 @@ class Scene:
 
     @property
     def elements(self) -> list[str]:
-        """Names of all elements that store energy, in the order of element types."""
+        """Names of all elements of the scene that store energy, in the order of element types."""
         return [name for kind in kinds_of([self]) if kind.stores for name in kind.names(self)]

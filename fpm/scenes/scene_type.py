@@ -13,7 +13,7 @@ from fpm.scenes.scene import Scene
 
 
 def one_line(text: str) -> str:
-    """A text as one line without control characters, as comments and tables need it."""
+    """Make one line without control characters of a text, as comments and tables need it."""
     return "".join(c for c in " ".join(text.split()) if c.isprintable())
 
 
@@ -26,11 +26,11 @@ class Parameter:
     default
         Value in `unit`; None: it follows from other parameters.
     unit
-        UDUNITS, "1" for pure numbers.
+        As UDUNITS spells it, "1" for pure numbers.
     description
         One line for people.
     lower, upper
-        Allowed values, both included.
+        Least and largest allowed value, in `unit`.
     kind
         "real" or "integer"; only real ones may be intervals.
     """
@@ -58,7 +58,7 @@ class Parameter:
         return " ".join([noun, " and ".join(bounds)]).strip() + unit
 
     def check(self, name: str, value: object) -> None:
-        """Raise SceneError if a value, in `unit`, is not allowed; name: in its message."""
+        """Raise SceneError if a value, in `unit`, is not allowed; name: the parameter's."""
         if value is None and self.default is None:
             return
         right = isinstance(value, int | float) and not isinstance(value, bool)
@@ -77,17 +77,17 @@ class SceneType:
     name, description
         Its name in configs, and one line for people.
     parameters
-        Definitions by name, in the order of messages.
+        Definitions (Parameter) by name.
     points, hinges, cables
         Names that responses may refer to.
     function
-        Builds the scene from all parameters by keyword.
+        Function that builds the Scene from all parameters, given by keyword.
     values
-        Parameters of its `sample`.
+        Values of parameters, by name, at which `sample` is built.
     mesh
         Name of the parameter that sets the mesh, or None.
     content
-        Digest of the structure's own files.
+        Digest of the structure's own files, hexadecimal.
     """
 
     name: str
@@ -103,13 +103,14 @@ class SceneType:
 
     @cached_property
     def sample(self) -> Scene:
-        """Scene built at `values`, for the names of points, hinges and elements, which no parameter
-        changes."""
+        """Scene built at `values` (once): its points, hinges and elements have the names of every
+        scene of the structure, as no parameter changes them."""
         return self.build(**self.values)
 
     @cached_property
     def energies(self) -> tuple[str, ...]:
-        """Names of the energies of its runs: kinetic, its element types', balance."""
+        """Names of the energies (J) that a run of the structure records: kinetic, those of its
+        element types, and balance (the error of their sum)."""
         own = (energy.name for energy in energies_of(self.sample.kinds))
         return ("kinetic", *own, "balance")
 
@@ -118,20 +119,16 @@ class SceneType:
 
     @property
     def digest(self) -> str:
-        """16 hexadecimal digits that change with the code that computes this structure's runs.
-
-        They cover all of the mechanics that can change numbers of runs, and the structure's
-        content. Raises ChangedError where the mechanics are no longer those that were imported.
-        """
+        """Digest of what decides the numbers of this structure's runs, 16 hexadecimal digits: the
+        mechanics' code and the structure's content. Raises ChangedError where the code is no longer
+        that which was imported."""
         content = f"{sources.mechanics()} {self.content}"
         return hashlib.sha256(content.encode()).hexdigest()[:16]
 
     def build(self, **parameters) -> Scene:
-        """Build the scene at values of parameters, by name; the others take their defaults.
-
-        Raises SceneError for names that there are not, values that are not allowed, and parts that
-        do not fit.
-        """
+        """Build the scene at values of parameters by name, in their units; others take their
+        defaults. Raises SceneError for unknown names, values that are not allowed, and parts that
+        do not fit."""
         for name, value in parameters.items():
             if name not in self.parameters:
                 raise SceneError(

@@ -39,8 +39,8 @@ DENSE = 100
 
 
 class StableStep(NamedTuple):
-    """Stability limit of a scene: the largest stable time step (s), the highest angular frequency
-    (rad/s), and the name of the element with most energy in that mode."""
+    """Stability limit of a scene. step: largest stable time step (s), inf: no limit; frequency:
+    highest angular frequency (rad/s); element: name of the one with most energy in its mode."""
 
     step: float
     frequency: float
@@ -50,11 +50,9 @@ class StableStep(NamedTuple):
 def deformation_modes(
     scene: Scene, step: float = np.inf
 ) -> tuple[Deformations, np.ndarray, list[str]]:
-    """All elements' deformations in r rows (Deformations), the index of the element type (r,) of
-    each row among the scene's types, and the elements' names.
-
-    step (s): if finite, dampers C count too, as springs of stiffness 4 C/step.
-    """
+    """Deformations of all elements of a scene at the start: r rows (Deformations), index (r,) of
+    each row's element type among those of the scene, and all elements' names. step (s): if finite,
+    dampers C count too, as springs of stiffness 4 C/step."""
     blocks, kind_of, names = [], [], []
     for number, kind in enumerate(kinds_of([scene])):
         parts = [kind.deformations(scene)]
@@ -74,12 +72,10 @@ def deformation_modes(
 
 
 def scaled_modes(scene: Scene):
-    """Scaled deformation matrix sqrt(k) D M^-1/2 (r, dofs), sparse, of a scene without its hinges;
-    the element's index (r,) of each row; the inverse masses and inertias (dofs,), 0 where held.
-
-    r: deformations of elements, with stiffnesses k; dofs: six of each particle. The singular values
-    of the matrix are the angular frequencies (rad/s).
-    """
+    """Scaled deformation matrix K^1/2 D M^-1/2 (r, dofs), sparse, of a scene with its hinges cut,
+    for its frequencies: its singular values are the angular frequencies (rad/s). Rows: deformations
+    D of elements, of stiffnesses K; columns: six degrees of freedom of each particle. Returns also
+    the index (r,) of each row's element, and inverse masses and inertias (dofs,), 0 where held."""
     deformations = deformation_modes(scene)[0]
     return _scaled(scene, deformations)
 
@@ -100,8 +96,9 @@ def _scaled(scene: Scene, deformations: Deformations):
 
 
 def fastest(modes) -> tuple[float, np.ndarray]:
-    """Square of the highest angular frequency (rad²/s²) and what each row adds to it (r,), in
-    proportion to the strain energy in that mode; modes: as of `scaled_modes` (r, dofs)."""
+    """Highest frequency of a scaled deformation matrix `modes` (r, dofs), sparse, as `scaled_modes`
+    makes it: square of the angular frequency (rad²/s²), and the part of it that each row
+    contributes (r,), in proportion to its strain energy in that mode."""
     if modes.shape[0] == 0 or modes.nnz == 0:
         return 0.0, np.zeros(modes.shape[0])
     matrix = modes.T @ modes
@@ -116,13 +113,11 @@ def fastest(modes) -> tuple[float, np.ndarray]:
 
 
 def stable_step(scene: Scene) -> StableStep:
-    """Largest stable step of a scene at its start, before any safety factor: 2/ω of its highest
-    frequency ω.
+    """Largest stable time step of a scene at its start, before any safety factor: 2/ω of its
+    highest angular frequency ω.
 
-    Returns a StableStep: step (s), frequency (rad/s), and the element that limits it. A scene
-    without stiffness (free bodies) has no limit: infinity, frequency 0, element "none". With
-    dampers the limit is approached from below, to 1 %.
-    """
+    Returns a StableStep. A scene without stiffness (free bodies) has no limit: infinity, frequency
+    0, element "none". With dampers the limit is approached from below, to 1 %."""
     limit = _limit(scene)
     if all(kind.dampings(scene) is None for kind in kinds_of([scene])):
         return limit

@@ -18,22 +18,23 @@ POINT_TOL = 1e-9
 
 @dataclass(frozen=True)
 class Point:
-    """A named point of a sample: its full name, and where it is at the start, (3,) m."""
+    """A named point of a sample. name: full name; position: at the start, (3,) m."""
 
     name: str
     position: np.ndarray
 
 
 class Body:
-    """A bar or rigid body of a sample; points: index of the particle that carries each of its named
-    points; particles (k,): indices of all of its own."""
+    """A bar or rigid body of a sample. name: full; points: index of the particle that carries each
+    of its named points; `particles` (k,): indices of all its particles, set after it is built."""
 
     def __init__(self, name: str, points: Mapping[str, int]):
         self.name, self.points = name, dict(points)
         self.particles: np.ndarray = np.zeros(0, int)
 
     def particle(self, point: str) -> int:
-        """Index of the particle that carries a point (name); SceneError if none does."""
+        """Index of the particle that carries one of this part's points; point: full name,
+        SceneError if the part does not have it."""
         if point not in self.points:
             raise SceneError(
                 "at", point, f"a point of {self.name}: {', '.join(self.points)} (or let it carry "
@@ -51,12 +52,10 @@ class Ground(Body):
 
 class Builder:
     """One sample's scene in the making; `sample.build_sample` adds to it statement by statement.
-
-    scene: complete when no problem was found; numbers: all named numbers in SI units; size (m): the
-    largest extent of the structure; joints_of: names of the joints at each particle; hold(builder):
-    hinges (indices) whose openings are held while parts are forced together, None where they are
-    not.
-    """
+    problems: of the file, where errors are noted; scene: complete when there are none; numbers: all
+    named numbers by full name (SI units); size: largest extent of the structure (m); joints_of:
+    names of the joints at each particle, by index; hold: None or, if parts are forced together, a
+    function of this Builder that gives the hinges (indices) whose openings are kept then."""
 
     hold: Callable[["Builder"], list[int]] | None = None
     scene: Scene
@@ -69,8 +68,9 @@ class Builder:
         self._values: dict[tuple[str, str], Any] = {}
 
     def number(self, bound: Bound, key: str) -> float:
-        """Value of an expression in SI units; key: names it in errors. SkippedError if a number
-        that it refers to has no value, SceneError if it has none itself."""
+        """Evaluate an expression in SI units. bound: the expression with its names found; key:
+        names it in errors. SkippedError if a number that it refers to has no value, SceneError if
+        it has none itself."""
         try:
             return bound.value(self.numbers)
         except KeyError:
@@ -81,22 +81,24 @@ class Builder:
             ) from None
 
     def point(self, name: str) -> np.ndarray:
-        """Position (3,) m, at the start, of a point (full name), or SkippedError."""
+        """Position at the start (3,), m, of a point (full name); SkippedError if not built."""
         return self.get("points", name).position
 
     def keep(self, group: str, name: str, value: Any) -> None:
-        """Store what was built for the entry `name` (full) in `group`, such as "bars"."""
+        """Store what was built for an entry of the file. group: its group, such as "bars"; name:
+        full name; value: what `get` returns for it."""
         self._values[group, name] = value
 
     def get(self, group: str, name: str) -> Any:
-        """What was stored for the entry `name` (full) in `group`; SkippedError if nothing was."""
+        """What `keep` stored for an entry (group, full name); SkippedError if nothing was."""
         try:
             return self._values[group, name]
         except KeyError:
             raise SkippedError(name) from None
 
     def only_part_with(self, point: str, key: str) -> Body:
-        """The only bar or body with this point; SceneError about `key` if none, or several."""
+        """The only bar or body that has a point (full name); SceneError that names `key` if none or
+        several have it."""
         parts = [value for (group, _), value in self._values.items() if group == "parts"]
         matches = [part for part in parts if point in part.points]
         if len(matches) != 1:

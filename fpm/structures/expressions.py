@@ -71,11 +71,10 @@ class ExpressionError(ValueError):
 
 
 class Expression:
-    """An arithmetic expression with units, parsed once: `value(names)` gives it in SI units.
-
-    names: those it uses (`P.x`: a coordinate of point P); dimension(names): its physical dimension,
-    given theirs, ExpressionError where they clash. ExpressionError for text that is not arithmetic.
-    """
+    """An arithmetic expression with units of a structure file, such as `2 * P.x + 5 mm`, parsed
+    once. `names`: those in it (`P.x`: a coordinate of point P); `dimension(names)`: its physical
+    dimension, given theirs, ExpressionError where they clash. ExpressionError for text that is not
+    arithmetic."""
 
     def __init__(self, text: str):
         self.text = text
@@ -97,11 +96,12 @@ class Expression:
 
     @cached_property
     def bare(self) -> bool:
-        """Whether it is made of plain numbers only, without names and units."""
+        """Whether the expression is made of plain numbers only, without names and units."""
         return not self.names and self.dimension({}).bare
 
     def value(self, names: Mapping[str, float]) -> float:
-        """Value in SI units, given those of `names`; ExpressionError if it is not finite."""
+        """Value of the expression in SI units; names: value in SI units of each name in it.
+        ExpressionError if the result is not finite."""
         try:
             number = float(self._value(names))
         except ExpressionError:
@@ -252,5 +252,6 @@ def _dotted(node: ast.AST) -> str:
 
 @lru_cache(maxsize=10_000)
 def parse(text: str) -> Expression:
-    """The Expression of a text, from a cache where it occurred before; raises ExpressionError."""
+    """Parse the text of an expression, from a cache where it occurred before; ExpressionError if it
+    is not arithmetic."""
     return Expression(text)

@@ -31,33 +31,34 @@ Value = Callable[[Builder], Any]
 
 @dataclass(frozen=True)
 class Key:
-    """One key that a statement takes. default: its value when it is left out, NO_VALUE if it must
-    not be; text: what it means, for the documentation."""
+    """One key that a statement takes (base class). default: its value when it is left out, NO_VALUE
+    if it must not be; text: what it means, for the documentation."""
 
     default: Any = NO_VALUE
     text: str = ""
 
     @property
     def allowed(self) -> str:
-        """Allowed values in words."""
+        """Values that the key may have, in words, for messages and documentation."""
         raise NotImplementedError
 
     def sliding(self, joints: Container[str]) -> "Key":
-        """This key with units of lengths, if `joints` (keys of the entry that name slides) has the
-        key that names its joint; else unchanged."""
+        """This key for an entry on slides, with m for rad; unchanged if it is about none. joints:
+        keys of the entry, such as "joint", that name slides."""
         return self
 
     def read(self, node: Node, place: Place) -> Value:
-        """Read the YAML `node` of this key at a `place`; returns a function of the Builder that
-        gives the value in a sample. Raises SkippedError after noting what is wrong in
-        `place.problems`."""
+        """Read this key's value, a YAML `node` at a `place`; returns a function of the Builder that
+        gives it in a sample (SI units). What is wrong is noted in `place.problems`, and
+        SkippedError raised."""
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
 class NumberKey(Key):
-    """A number with a unit of the dimension of `unit`, in SI units, >= `least` or > `above`. joint:
-    the key that names the joint whose opening it may be about, so that on slides rad becomes m."""
+    """Key whose value is a number. unit: of the dimension that it must have, as "N m"; least: lower
+    limit; above: limit that it must exceed (SI units, None: none); joint: key that names the joint
+    whose opening it may be about, so that on slides rad becomes m."""
 
     unit: str = ""
     least: float | None = None
@@ -85,7 +86,8 @@ class NumberKey(Key):
 
 @dataclass(frozen=True)
 class WholeKey(Key):
-    """A whole number, 1 to MOST, known before samples: counts of units and elements need it."""
+    """Key whose value is a whole number, 1 to MOST (1000), known before samples: counts of units
+    and elements need it."""
 
     allowed = f"a whole number from 1 to {MOST}, of parameters with `whole: true`"
 
@@ -111,7 +113,8 @@ def _checked(bound: Bound, place: Place, allowed: str, right: Callable[[float], 
 
 @dataclass(frozen=True)
 class VectorKey(Key):
-    """Three numbers along x, y and z, (3,) in SI units, of the dimension of `unit`."""
+    """Key whose value is three numbers along x, y and z, (3,) in SI units; unit: of the dimension
+    that they must have."""
 
     unit: str = ""
 
@@ -129,7 +132,8 @@ class VectorKey(Key):
 
 @dataclass(frozen=True)
 class DirectionKey(Key):
-    """A unit vector (3,): by a letter, three numbers of one dimension, or from point to point."""
+    """Key whose value is a unit vector (3,): given by a letter (x, -x, ...), three numbers of one
+    dimension, or from point to point."""
 
     allowed = "x, y, z, -x, -y, -z, [x, y, z], or {from: P, to: Q} with two points"
 
@@ -159,8 +163,9 @@ class DirectionKey(Key):
 
 
 class GroupMember(NamedTuple):
-    """Reference to the member `name` (full) of a group; called with a Builder, it returns what was
-    built for it. number: to be added to an index, 1 for a universal joint's second hinge."""
+    """Reference to the member of a group, such as "bars", with a full name; called with a Builder,
+    it returns what was built for it. number: added to that, an index; 1 for a universal joint's
+    second hinge."""
 
     group: str
     name: str
@@ -173,8 +178,8 @@ class GroupMember(NamedTuple):
 
 @dataclass(frozen=True)
 class ReferenceKey(Key):
-    """The name of something in the `group` of the file; its value is what was built for it. ground:
-    whether `ground` is allowed, in the group `parts`."""
+    """Key whose value is what was built for an entry of `group`, such as "bars", given by its name.
+    ground: whether `ground` is allowed too, in the group "parts"."""
 
     group: str = ""
     ground: bool = False
@@ -194,8 +199,8 @@ class ReferenceKey(Key):
 
 @dataclass(frozen=True)
 class OpeningKey(Key):
-    """The name of a joint with an opening; its value is the index of the hinge. types: of joints
-    that are allowed; hint: words added to what is allowed."""
+    """Key whose value is the index of a hinge, given by the name of a joint with an opening. types:
+    of joints that are allowed; hint: words added to `allowed`."""
 
     types: tuple[str, ...] = ("revolute", "prismatic", "universal")
     hint: str = ""
@@ -226,8 +231,8 @@ class OpeningKey(Key):
 
 @dataclass(frozen=True)
 class PointKey(Key):
-    """A point of a part or the ground, as (Body, Point): both names, or the point's where only one
-    part has it."""
+    """Key whose value is (Body, Point), a point of a part or the ground: given by both names, or
+    the point's where only one part has it."""
 
     part = ReferenceKey(group="parts", ground=True)
     allowed = f"{{part: {part.allowed}, at: one of its points}}, or a point that only one part has"
@@ -245,10 +250,10 @@ class PointKey(Key):
 
 @dataclass(frozen=True)
 class ListKey(Key):
-    """A list of `least` to `most` values of the key `kind`, each once.
+    """Key whose value is a list of `least` to `most` values of the Key `kind`, each once.
 
-    units: whether {each: REPEAT, through: [...]} may represent the values of all units of a repeat.
-    """
+    units: whether {each: REPEAT, through: [...]} may stand for the values of all units of a
+    repeat."""
 
     kind: Key | None = None
     least: int = 1
@@ -294,8 +299,8 @@ class ListKey(Key):
 
 @dataclass(frozen=True)
 class MapKey(Key):
-    """A mapping from names in a `group` to values of the key `kind`; its value is keyed by full
-    names. single: whether one value for all may stand in its place."""
+    """Key whose value is a dict from full names of entries in `group` to values of the Key `kind`.
+    single: whether one such value may be given for all, and is the value then."""
 
     group: str = "parts"
     kind: Key | None = None
@@ -322,8 +327,8 @@ class MapKey(Key):
 
 @dataclass(frozen=True)
 class AssemblyKey(Key):
-    """Whether parts are forced together: None, or a function of the Builder that gives the indices
-    of the hinges whose openings are held then."""
+    """Key that says whether parts are forced together: its value is None, or a function of the
+    Builder that returns indices of the hinges whose openings are kept then."""
 
     allowed = "true, false, or {hold: [joints]}"
 
@@ -338,7 +343,7 @@ class AssemblyKey(Key):
 
 @dataclass(frozen=True)
 class ChoiceKey(Key):
-    """One word out of `options`."""
+    """Key whose value is one word out of `options`."""
 
     options: tuple[str, ...] = ()
 
@@ -354,7 +359,7 @@ class ChoiceKey(Key):
 
 @dataclass(frozen=True)
 class LettersKey(Key):
-    """Global axes, as text such as "xz"; "" for `none`."""
+    """Key whose value is a set of global axes, as text such as "xz"; "" where `none` is given."""
 
     allowed = "letters out of xyz, or none"
 

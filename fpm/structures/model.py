@@ -42,8 +42,8 @@ MOST_STATEMENTS = 20_000
 def overall(build, args):
     """What holds for the whole structure.
 
-    build: Builder of the sample; args: values (SI) of the keys above. Returns the Scene, still
-    empty."""
+    build: Builder of the sample, whose `hold` is set; args: name, gravity ((3,) m/s²), damping
+    (1/s), viscosity (share of critical damping), assemble. Returns an empty Scene."""
     build.hold = args.assemble
     scene = Scene(args.name, args.gravity, args.damping)
     if args.viscosity:
@@ -55,8 +55,9 @@ KEYS = (*TEXTS, *overall.keys, "parameters", "let", "points", *GROUPS, "repeat")
 
 
 class Sheet(NamedTuple):
-    """One table with points, bars and so on: the file's, or one repeat unit's. context: where names
-    are looked up; key: dotted path of the table; number: of the unit from 1, 0 for the file."""
+    """One table with points, bars and so on of a structure file: its top, or one unit of a repeat.
+    context: where its names are looked up; table: its YAML Node; key: its dotted path, "" for the
+    top; number: of the unit in its repeat, from 1; 0 for the top."""
 
     context: Context
     table: Node
@@ -65,12 +66,11 @@ class Sheet(NamedTuple):
 
 
 class FileStatements:
-    """All statements of a structure file, units of repeats written out; `entries` in the order in
-    which they are built, `points` by full name.
-
-    table: the file; inputs: its parameters (text_file.GivenParameter); counts: values of the whole
-    ones. What is wrong is noted in `problems`, and left out.
-    """
+    """All statements (bars, joints, loads, ...) of a structure file, units of repeats written out.
+    table: the file's top Node; inputs: text_file.GivenParameter by name; counts: values of those
+    that are whole numbers; problems: where errors are noted, whose statements are left out. It
+    holds `entries` (in the order in which they are built), `overall` (Entry of gravity, damping),
+    `points` (full names) and `names` (all of the file)."""
 
     def __init__(self, table: Node, inputs: Mapping[str, Any], counts: Mapping, problems: Problems):
         self.problems, self.names = problems, Names(problems)

@@ -20,25 +20,19 @@ NEIGHBOURS = ("next", "previous")
 
 @dataclass(frozen=True)
 class Context:
-    """Where something is written in a file, by which short names are found: at the top, or in one
-    unit of a repeat.
-
-    prefix: of names in this unit, such as `bay3.`, "" at the top; adjacent: the prefixes of the
-    neighbouring units by "next" and "previous", None at a row's end, empty where neighbours
-    cannot be named; ends: the prefixes of the first and last units of all repeats, by `bay.first`
-    and `bay.last`.
-    """
+    """Where something is written in a file, the top or one unit of a repeat: decides which short
+    names it sees. ends: prefixes of the first and last units of all repeats, by "bay.first" and
+    "bay.last"; prefix: of names in this unit, such as "bay3.", "" at the top; adjacent: prefixes of
+    the neighbouring units by "next" and "previous", None beyond a row's end, empty where neighbours
+    cannot be named."""
 
     ends: dict[str, str]
     prefix: str = ""
     adjacent: Mapping[str, str | None] = field(default_factory=dict)
 
     def find(self, name: str, names: Container[str]) -> str:
-        """Full name, out of `names`, of what is written `name` here; KeyError if there is no such
-        thing.
-
-        SkippedError for the neighbour of a row's last unit.
-        """
+        """Full name of what is written as `name` here. names: full names to choose from. KeyError
+        if it is none of them; SkippedError for the neighbour beyond a row's end."""
         head, _, rest = name.partition(".")
         if head in self.adjacent:
             neighbour = self.adjacent[head]
@@ -57,7 +51,8 @@ class Context:
         raise KeyError(name)
 
     def visible(self, names: Iterable[str]) -> list[str]:
-        """Those of `names` (full) that can be seen from here, as they are written here."""
+        """Those of `names` (full) that can be seen from here, shortened as they are written
+        here."""
         if not self.prefix:
             return list(names)
         units = tuple(unit for units in self.units().values() for unit in units)
@@ -65,7 +60,8 @@ class Context:
         return own + [name for name in names if not name.startswith(units)]
 
     def units(self) -> dict[str, list[str]]:
-        """Prefixes (`bay1.`, ...) of the units of each repeat, in order, by the repeat's name."""
+        """Prefixes ("bay1.", "bay2.", ...) of the units of each repeat, in order, by the repeat's
+        name."""
         lasts = {end.removesuffix(".last"): u for end, u in self.ends.items() if ".last" in end}
         counts = {name: int(unit.removeprefix(name)[:-1]) for name, unit in lasts.items()}
         return {name: [f"{name}{i + 1}." for i in range(n)] for name, n in counts.items()}
@@ -73,18 +69,20 @@ class Context:
 
 @dataclass(frozen=True)
 class Bound:
-    """An expression with the full name, by `full`, of each name that is written in it."""
+    """An expression whose names are found: expression, and `full`, the full name by written
+    name."""
 
     expression: Expression
     full: dict[str, str]
 
     def value(self, numbers: Mapping[str, float]) -> float:
-        """Value of the expression in SI units; numbers: values in SI units by full name."""
+        """Value of the expression in SI units; numbers: values (SI units) of all numbers by full
+        name."""
         return self.expression.value({name: numbers[full] for name, full in self.full.items()})
 
     def dimension(self, numbers: Mapping[str, "NamedNumber"]) -> Dimension:
-        """Dimension of the expression; numbers: by full name. SkippedError if one has no dimension,
-        being wrong itself."""
+        """Dimension of the expression; numbers: NamedNumbers by full name. SkippedError if one that
+        it refers to has no dimension, being wrong itself."""
         dimensions = {name: numbers[full].dimension for name, full in self.full.items()}
         if None in dimensions.values():
             raise SkippedError(self.expression.text)
@@ -93,12 +91,10 @@ class Bound:
 
 @dataclass
 class NamedNumber:
-    """A number with a name in a file: a parameter, a repeat's index (`given`), or derived by
-    `bound`.
-
+    """A number with a name in a file: a parameter, a repeat's index, or one derived from others.
     key, line: where it is defined; dimension: None while it is unknown, or if it is wrong; whole:
-    it depends on whole numbers only, so that counts may depend on it.
-    """
+    whether it depends on whole numbers only, so that counts may depend on it; given: value of an
+    index; bound: expression of a derived one."""
 
     key: str
     line: int
@@ -109,13 +105,11 @@ class NamedNumber:
 
 
 class Names:
-    """All names of a file: `numbers` (parameters, let, coordinates of points), and what is built,
-    by group in `groups` with the line of each.
-
-    types: of joints, "" where nobody can tell; angles: of universal joints, joint and number (0, 1)
-    by name; uses: names referred to; absent: (group, name) of what is wrong, or at a row's end;
-    order: of numbers, so that they can be computed.
-    """
+    """All names of a structure file. problems: where errors are noted; numbers: NamedNumbers
+    (parameters, `let`, coordinates of points) by full name; groups: by group, such as "bars", line
+    by full name; types: of joints by name, "" if unknown; angles: of universal joints, (joint, 0 or
+    1) by name; uses: names referred to; absent: (group, name) of entries left out; order: full
+    names of numbers, each after those that it depends on."""
 
     def __init__(self, problems: Problems):
         self.problems = problems
@@ -128,8 +122,8 @@ class Names:
         self.order: list[str] = []
 
     def allows(self, name: str, key: str, line: int, number: bool = False) -> bool:
-        """Whether `name` may be given to something, or to a `number`; if not, a problem is noted
-        for `key`, on its line."""
+        """Whether something may be called `name`; if not, a problem is noted. key, line: where it
+        is defined; number: whether it is a number, so that unit names are not allowed."""
         reserved = name in (*NEIGHBOURS, "first", "last", "ground")
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or reserved:
             hint = "letters, digits and _ after a letter; not ground, next, previous, first, last"
@@ -143,8 +137,8 @@ class Names:
         return False
 
     def unknown(self, line: int, key: str, name: str, options: Iterable[str], noun: str) -> None:
-        """Note that `name`, referred to by `key`, is none of the `options`, with a hint at what may
-        be meant; noun: what it should name."""
+        """Note the problem that `name`, on a `line` and under a `key` (dotted path), is none of
+        `options`, with a hint at what may be meant. noun: what it should name, as "bar"."""
         unit_names = [full for full in options if full.endswith(f".{name}")]
         group = next((g for g, names in self.groups.items() if g != "parts" and name in names), "")
         hint = did_you_mean(name, options)
@@ -157,10 +151,8 @@ class Names:
         self.problems.say(line, f"{key}: there is no {noun} {name!r}{hint}; allowed: {options}")
 
     def sort(self) -> None:
-        """Put the numbers into an order in which they can be computed, and find their dimensions.
-
-        Cycles and clashes become problems; what depends on them is left without dimension.
-        """
+        """Fill `order`, in which the numbers can be computed, and find their dimensions. Cycles and
+        clashes of units become problems; what depends on them keeps the dimension None."""
         needs = {
             n: tuple(x.bound.full.values()) if x.bound else () for n, x in self.numbers.items()
         }
@@ -195,17 +187,15 @@ class Names:
         number.dimension = target or actual
 
     def is_whole(self, bound: Bound) -> bool:
-        """Whether all names in an expression stand for whole numbers."""
+        """Whether all names in the expression `bound` stand for whole numbers."""
         return all(self.numbers[full].whole for full in bound.full.values())
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where a value is written in a structure's file, for messages and to find names in it.
-
-    key: its keys joined by dots; context: the unit of a repeat that it is in, or the top of the
-    file, by which short names are completed; names: all names of the file.
-    """
+    """Where a value is written in a structure's file, for messages and to find names. key: dotted
+    path; context: the repeat's unit, or top, by which short names are completed; names: of the
+    file."""
 
     key: str
     context: Context
@@ -217,17 +207,18 @@ class Place:
         return self.names.problems
 
     def child(self, *keys: str) -> "Place":
-        """The place of a key below this one; several are joined by dots."""
+        """The place of a key below this one; keys: that key, after those on the way to it."""
         return replace(self, key=dotted(self.key, *keys))
 
     def refuse(self, node: Node, allowed: str) -> None:
-        """Note that the node's value is not allowed here, and raise SkippedError."""
+        """Note that the value of `node` is not allowed and raise SkippedError. allowed: what is, in
+        words, for the message."""
         self.problems.refuse(node.line, self.key, node.plain, allowed)
         raise SkippedError(self.key)
 
     def bind(self, node: Node, allowed: str) -> Bound:
-        """The node's expression with its names found; else the problem is noted, and SkippedError
-        raised. allowed: what the value may be, in words."""
+        """Parse the expression in `node` and find its names; returns it as Bound. If that fails,
+        the problem is noted and SkippedError raised. allowed: what the value may be, in words."""
         if not node.text:
             self.refuse(node, allowed)
         try:
@@ -248,8 +239,9 @@ class Place:
         return Bound(expression, full)
 
     def number(self, node: Node, dimension: Dimension | None, allowed: str, angle=False) -> Bound:
-        """The node's expression, as of `bind`, if it has the `dimension` (None: any); angle:
-        whether its unit must be said, but for 0."""
+        """Parse the expression in `node` and check its dimension; returns it as Bound, else notes a
+        problem and raises SkippedError. dimension: required (None: any); allowed: what the value
+        may be, in words; angle: whether a number other than 0 needs a unit."""
         bound = self.bind(node, allowed)
         try:
             actual = bound.dimension(self.names.numbers)
@@ -263,7 +255,8 @@ class Place:
         return bound
 
     def whole(self, node: Node, allowed: str) -> Bound:
-        """The node's expression, as of `bind`, if all names in it stand for whole numbers."""
+        """Parse an expression of whole numbers in `node`; returns it as Bound, else notes a problem
+        and raises SkippedError. allowed: what the value may be, in words."""
         bound = self.number(node, NUMBER, allowed)
         if not self.names.is_whole(bound):
             self.refuse(node, allowed)
@@ -275,8 +268,8 @@ class Place:
         raise SkippedError(self.key) from None
 
     def reference(self, node: Node, group: str) -> str:
-        """Full name of the member of a `group` that the node names; else a problem is noted, and
-        SkippedError raised."""
+        """Full name of the member of a `group` (as "bars") that `node` names; else a problem is
+        noted, and SkippedError raised."""
         noun = group.removesuffix("s")
         if not isinstance(node.value, str):
             self.refuse(node, f"the name of a {noun}")

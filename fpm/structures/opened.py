@@ -46,11 +46,10 @@ _PROGRAM = tuple(str(sources.PACKAGE.parent / name) for name in ("fpm", "deploya
 
 
 class FileRecord:
-    """Digests of all files that the structure in the file `path` opened so far, its own among them.
-
-    What is opened later on, by a build at other values, has to be among them as it was; else a
-    SceneError says so, since the structure's digest is fixed by then.
-    """
+    """Record of all files that a Python structure opens, by digest of their content, the file
+    `path` of the structure itself among them. It is sealed when the structure has been loaded and
+    built at its defaults; a SceneError tells of files that a build at other values opens beyond it,
+    since the structure's digest is fixed by then."""
 
     def __init__(self, path: Path):
         self.path, self.folder = path, path.parent
@@ -66,8 +65,9 @@ class FileRecord:
 
     @contextmanager
     def recording(self) -> Iterator[None]:
-        """Context manager that records the files this thread opens, with a set of imported modules
-        of the structure's own: other structures may have others of equal names."""
+        """Context manager in which files that this thread opens are noted in this record, and
+        modules that are not installed are imported for its structure alone, whatever others
+        have."""
         _hook()
         outer, _THREAD.record = current_record(), self
         own_modules = _own_modules()
@@ -86,7 +86,8 @@ class FileRecord:
             _THREAD.record = outer
 
     def note(self, file: Any, flags: int) -> None:
-        """Note a file (path) opened with os.open's `flags`; installed files do not count."""
+        """Note a file that is being opened, if it is read and not installed. file: its path (open
+        file numbers are passed over); flags: those of os.open."""
         if not isinstance(file, str | bytes | os.PathLike):
             return  # by its number: it was opened before
         name = os.path.realpath(os.fsdecode(file))
@@ -101,7 +102,8 @@ class FileRecord:
             self._states_now.setdefault(path, _state(path))
 
     def imported(self, path: Path, content: bytes) -> None:
-        """Note a file of imported code and its content; ChangedError if that changed."""
+        """Note a code file at `path` that is imported, and its content; ChangedError if other
+        content was noted before."""
         path = Path(os.path.realpath(path))
         self._states_now.pop(path, None)
         digest = sources.content_digest(content, path)
@@ -111,11 +113,9 @@ class FileRecord:
     # -- afterwards -----------------------------------------------------------------------------
 
     def seal(self, data: Iterable[str] | None) -> str:
-        """Fix and return the structure's digest, when it has been loaded and built at its defaults.
-
-        data: its DATA, patterns of the files that it reads; None if it has none. ChangedError where
-        a file is not what was read.
-        """
+        """Fix the record, once the structure was loaded and built at its defaults; returns the
+        structure's digest, 16 hexadecimal digits. data: its DATA, glob patterns of the files that
+        it reads; None if it has none. ChangedError if a file changed since it was read."""
         self.data = None if data is None else tuple(data)
         code = sources.own_sources(self.path, *(p for p in self.files if p.suffix == ".py"))
         for path in (*code, *self._states_now, *self._data_files()):
@@ -129,8 +129,9 @@ class FileRecord:
         return hashlib.sha256(repr(digests).encode()).hexdigest()[:16]
 
     def check(self, values: Mapping[str, Any]) -> None:
-        """SceneError if a build at `values`, by parameter, opened a file that is not in the digest;
-        ChangedError if it changed since."""
+        """Check all files that a build has opened, when it is done. values: its parameters' by
+        name, for messages. SceneError for a file not in the sealed record, ChangedError if one
+        changed."""
         paths, self._states_now = {*self._states_now, *self._data_files()}, {}
         if self.unseen and self.data is None:
             raise SceneError(f"{self.path.name} at {dict(values)}", self.unseen, DATA_HINT)
@@ -145,15 +146,17 @@ class FileRecord:
                 raise ChangedError(str(path))
 
     def is_same(self) -> bool:
-        """Whether all files, those of DATA among them, are as they were when sealed."""
+        """Whether all files in the record are as they were when it was sealed, and the patterns of
+        DATA match no further ones."""
         return all(map(self._is_same, self.files)) and self._data_files() <= set(self.files)
 
     def _is_same(self, path: Path) -> bool:
         return _state(path) == self._states.get(path, ()) or _digest(path) == self.files[path]
 
     def follow(self, previous: "FileRecord") -> None:
-        """ChangedError where the same code, by the record of a `previous` load, opened a file that
-        changed, and opens it no more: some library gives it from memory."""
+        """Check that this load did not take from memory what the `previous` one (its record) read
+        from a file: ChangedError if the same code opened a file then that has changed, and did not
+        open it now."""
         code = [path for path in previous.files if path.suffix == ".py"]
         if all(self.files.get(path) == previous.files[path] for path in code):
             for path in previous.files.keys() - self.files.keys():
@@ -161,7 +164,7 @@ class FileRecord:
                     raise ChangedError(str(path))
 
     def files_of(self, pattern: str) -> set[Path]:
-        """Files that a glob pattern of DATA stands for, from the structure's folder."""
+        """Absolute paths of files that a glob `pattern` of DATA matches in the folder."""
         names = glob.glob(str(self.folder / pattern), recursive=True, include_hidden=True)
         return {path.resolve() for path in map(Path, names) if path.is_file()}
 
@@ -169,12 +172,12 @@ class FileRecord:
         return set().union(*map(self.files_of, self.data or ()))
 
     def adopt(self, record: "FileRecord") -> None:
-        """Note the files of another structure's `record`, which this one loads, as opened."""
+        """Note the files of another structure's sealed `record` as opened by this one, too."""
         self._states_now |= {p: record._states[p] for p in record.files if p not in self.files}
 
     def hidden(self) -> list[str]:
-        """Means by which its code may read files unseen: imports of packages, and other programs,
-        as text; none if it has DATA."""
+        """Means by which the structure's code may read files that cannot be noted, as texts such as
+        "import ctypes"; none if it states its files (DATA)."""
         if self.data is not None:
             return []
         readers = sorted(set(self.unseen))
@@ -186,7 +189,8 @@ class FileRecord:
 
 
 class Build:
-    """Callable that builds a structure by its function and has the files that it opens checked."""
+    """Callable that builds a structure's scene and checks the files that are opened meanwhile.
+    function: makes a Scene of parameters by keyword; record: the structure's sealed FileRecord."""
 
     def __init__(self, function: Callable, record: FileRecord):
         self.function, self.record = function, record
@@ -219,18 +223,19 @@ class _Finder:
 
 
 class Loader(SourceFileLoader):
-    """Import loader that compiles the source, never taking cached bytecode, and notes it."""
+    """Import loader of a module that is not installed: compiles its source, never takes cached
+    bytecode, and notes its file. name: of the module; path: its source; record: FileRecord."""
 
     def __init__(self, name: str, path: str, record: FileRecord):
         super().__init__(name, path)
         self.record = record
 
     def path_stats(self, path: str) -> Mapping[str, Any]:
-        """Raises OSError, at which compiled code is neither read from the cache nor kept."""
+        """Raise OSError, so that importlib neither reads nor keeps bytecode of `path`."""
         raise OSError
 
     def get_data(self, path: str) -> bytes:
-        """The source's bytes, which are noted in the record."""
+        """Read the bytes of the source at `path`, which are noted in the record."""
         content = super().get_data(path)
         self.record.imported(Path(path), content)
         return content
@@ -241,7 +246,7 @@ _THREAD = threading.local()
 
 
 def current_record() -> FileRecord | None:
-    """Record in which the files that this thread opens are noted now; None: in none."""
+    """FileRecord that notes the files which this thread opens now; None outside of `recording`."""
     return getattr(_THREAD, "record", None)
 
 
@@ -273,8 +278,8 @@ def _places() -> tuple[str, ...]:
 
 @cache
 def is_installed(file: str) -> bool:
-    """Whether a file is of Python, an installed package or this program: it is not a structure's,
-    and its version counts by itself or not at all."""
+    """Whether a file (absolute path) belongs to Python, an installed package or this program, so
+    that it is no file of a structure."""
     return file.startswith(_places()) or bool("-packages" in file and _PACKAGES.search(file))
 
 

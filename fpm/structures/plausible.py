@@ -29,8 +29,9 @@ USUAL = {
 
 
 def warnings(scene: Scene, duration: float | None = None) -> list[str]:
-    """Sentences on what is allowed in a scene but hardly meant, at most MOST and a count of the
-    rest; duration (s): of a run, which may be too short for latches; None: unknown."""
+    """Sentences on what a scene has that is allowed but hardly meant: odd masses or sizes, no
+    support, latches that cannot catch. At most MOST (6), and one with the count of the rest.
+    duration: of the run (s), to tell whether latches have the time to catch; None: unknown."""
     sentences = [*_sizes(scene), *_support(scene)]
     moving = {friction.hinge for friction in Friction.of(scene) if friction.load is not None}
     sentences += [
@@ -143,6 +144,7 @@ def _inertia(scene: Scene, hinge: Hinge) -> float:
 
 
 def opening_text(hinge: Hinge, opening: float) -> str:
-    """Text of an opening: rad in degrees, on a slide m; what rounding leaves (1e-9) is 0."""
+    """Text of an opening for messages, as "90 deg" or, on a slide, "0.1 m". hinge: the one that has
+    the opening; opening: rad, on a slide m, rounded to 1e-9."""
     opening = round(opening, 9) + 0.0
     return f"{opening:.4g} m" if hinge.slides else f"{np.degrees(opening):.4g} deg"

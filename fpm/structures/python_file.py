@@ -15,18 +15,16 @@ from fpm.structures.reading import Problem, StructureError, read_text
 
 
 def load_python(path: Path) -> SceneType:
-    """Load the structure of a Python file, which is run: it has `PARAMETERS` and `build`, and may
-    have `MESH` and `DATA`. Raises StructureError for anything else.
+    """Load the structure of the Python file at `path`, which is run; returns its SceneType.
 
-    PARAMETERS: dict of fpm.scenes.scene_type.Parameter; build(**parameters) -> fpm.Scene; MESH: the
-    name of the parameter that sets the mesh; DATA: patterns of files, from its folder, that it
-    reads at other values only or unseen (`fpm.structures.opened`). The docstring is its
-    description.
+    The file has PARAMETERS (dict of fpm.scenes.scene_type.Parameter by name) and
+    build(**parameters), which returns an fpm.Scene; perhaps MESH (name of the parameter that sets
+    the mesh) and DATA (glob patterns, from its folder, of files that it reads at other values only
+    or unseen). Its docstring is the description. Raises StructureError for anything else.
 
-    Its digest is of all files that are opened while it is loaded and built at its defaults, of
-    those below its folder that its code imports, and of DATA. It is loaded once, and again when one
-    of these has changed.
-    """
+    The structure's digest covers all files that are opened while it is loaded and built at its
+    defaults, code below its folder that it imports, and DATA. A process loads it once, and again
+    when one of these has changed."""
     read_text(path)  # which tells what is no file, before Python waits for it
     place = path.absolute()
     if place not in _CACHE or not _CACHE[place][1].is_same():

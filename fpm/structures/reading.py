@@ -23,8 +23,8 @@ LARGEST = 1 << 20
 
 
 class Problem(NamedTuple):
-    """One thing that is wrong in a file: its line (0: none), a sentence that starts with the
-    key."""
+    """One thing that is wrong in a file. line: where, from 1 (0: unknown); text: a sentence that
+    starts with the key."""
 
     line: int
     text: str
@@ -34,11 +34,8 @@ class Problem(NamedTuple):
 
 
 class StructureError(SceneError):
-    """Raised for a structure that cannot be built; `problems` lists everything that is wrong with
-    it.
-
-    `source` names the file. As a `SceneError` it has `key`, `value` and `allowed` too.
-    """
+    """Raised for a structure that cannot be built. source: name of its file; problems: list of all
+    that is wrong. As a SceneError it has `key`, `value` and `allowed` too."""
 
     def __init__(self, source: str, problems: list[Problem]):
         self.source, self.problems = source, list(problems)
@@ -51,7 +48,7 @@ class StructureError(SceneError):
 
 
 def read_text(path: str | Path) -> str:
-    """The text of a plain UTF-8 file of at most LARGEST bytes; StructureError where it is none."""
+    """Read the text of a plain UTF-8 file of at most LARGEST bytes (1 MiB); else StructureError."""
     try:
         text = read_bytes(path, LARGEST).decode("utf-8")
         return text.replace("\r\n", "\n").replace("\r", "\n")
@@ -67,13 +64,14 @@ class ExcessError(Exception):
 
 
 class SkippedError(Exception):
-    """Raised to leave out an entry because what it refers to is wrong, which is noted, or would be
-    the neighbour after the last unit of a row."""
+    """Raised to leave out an entry of a structure file, without a message: it refers to something
+    that is wrong, which is noted already, or to the neighbour after a row's last unit."""
 
 
 @dataclass(frozen=True)
 class Node:
-    """A text, a list or a table (`value`), and the lines where it and a table's keys stand."""
+    """Node of a YAML file. value: its text, list of Nodes, or table (dict of Nodes by key); line:
+    where it begins, from 1 (0: unknown); lines: where a table's keys stand."""
 
     value: "str | list[Node] | dict[str, Node]"
     line: int = 0
@@ -81,22 +79,22 @@ class Node:
 
     @property
     def text(self) -> str:
-        """The text; an empty one of a list or a table."""
+        """The node's text; "" if it is a list or a table."""
         return self.value if isinstance(self.value, str) else ""
 
     @property
     def items(self) -> "list[Node]":
-        """The list; an empty one of a text or a table."""
+        """The node's list; [] if it is a text or a table."""
         return self.value if isinstance(self.value, list) else []
 
     @property
     def entries(self) -> "dict[str, Node]":
-        """The table; an empty one of a text or a list."""
+        """The node's table, Nodes by key; {} if it is a text or a list."""
         return self.value if isinstance(self.value, dict) else {}
 
     @property
     def is_table(self) -> bool:
-        """Whether it is a mapping of keys."""
+        """Whether the node is a mapping of keys."""
         return isinstance(self.value, dict)
 
     @property
@@ -108,7 +106,8 @@ class Node:
 
 
 class Problems:
-    """What is wrong with one file, `source`; what recurs in units of a repeat counts once."""
+    """Problems noted so far of one file, false if there are none; source: name of the file in
+    messages. Equal problems of the units of a repeat count once."""
 
     def __init__(self, source: str):
         self.source = source
@@ -124,11 +123,13 @@ class Problems:
         self._problems.setdefault((line, text), Problem(line, sentence))
 
     def refuse(self, line: int, key: str, value: object, allowed: str) -> None:
-        """Note on a line that `key` has a value which is not allowed; allowed: in words."""
+        """Note that a key (dotted path) on a `line` has a value which is not allowed; allowed: what
+        is, in words."""
         self.say(line, f"{key}: {show(value)} is not allowed; allowed: {allowed}")
 
     def no_key(self, line: int, key: str, keys: Iterable[str], hint: str) -> None:
-        """Note an unknown key, dotted; keys: those allowed; hint: what may be meant, or ""."""
+        """Note an unknown key (dotted path) on a line; keys: those allowed; hint: text on what may
+        be meant, as " (did you mean x?)", or ""."""
         allowed = commas(keys, 6 if hint else 99)
         self.say(line, f"{key}: there is no such key{hint}; allowed: {allowed}")
 
@@ -139,26 +140,28 @@ class Problems:
 
 
 def show(value: object) -> str:
-    """A value as text for messages, of at most 60 characters."""
+    """Write a value as text for messages, cut to at most 60 characters."""
     text = f"{value:.9g}" if isinstance(value, float) else repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
 
 
 def commas(names: Iterable[str], most: int = 12, rest: str = ", and {} more") -> str:
-    """Names as a list in a sentence, the first `most` of them; rest: what follows then, {} the
-    number of the others."""
+    """Join names by commas for a sentence, the first `most` of them; rest: text for the others, {}
+    their number."""
     names = list(names)
     text = ", ".join(names[:most]) or "(there is none)"
     return text if len(names) <= most else text + rest.format(len(names) - most)
 
 
 def dotted(*parts: str) -> str:
-    """Keys joined by dots, empty ones left out."""
+    """Join keys by dots to the path of a key in a file, as `joints.knee.axis`; empty ones are left
+    out."""
     return ".".join(part for part in parts if part)
 
 
 def read(text: str, problems: Problems) -> Node:
-    """The table that a YAML text holds; StructureError with all `problems` if it holds none."""
+    """Parse a YAML text into the Node of its top table, values left as text. problems: of the file;
+    where there are any, StructureError lists them."""
     try:
         root = yaml.compose(text, _TextLoader)
     except yaml.MarkedYAMLError as error:
@@ -189,7 +192,8 @@ _NOT_YAML = (  # what PyYAML says, whether it is where that begins, and what to 
 
 
 def why_not_yaml(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
-    """Position (None: unknown) at which a text is not YAML, and what is wrong or to be done."""
+    """Find where and why a text is not YAML. error: PyYAML's. Returns the position (None: unknown),
+    and what is wrong or to be done in words."""
     problem = ", ".join(part for part in (error.context, error.problem) if part)
     for pattern, is_context, words in _NOT_YAML:
         if re.search(pattern, problem):
@@ -242,8 +246,8 @@ def _convert(node: yaml.Node, problems: Problems, depth: int) -> Node:
 
 
 def table_at(node: Node, name: str, key: str, problems: Problems) -> Node:
-    """Entry `name` of a table, which has to be a table itself; an empty one if absent or, with a
-    problem noted, of another kind. key: dotted path of `node`, for messages."""
+    """Table under the key `name` of the table `node`; empty if there is none or, noted in
+    `problems`, it is no table. key: dotted path of `node`, for messages."""
     table = node.entries.get(name, Node({}))
     if not table.is_table:
         problems.refuse(table.line, dotted(key, name), table.plain, "a mapping from names")
@@ -251,15 +255,16 @@ def table_at(node: Node, name: str, key: str, problems: Problems) -> Node:
 
 
 def check_keys(node: Node, key: str, keys: tuple[str, ...], problems: Problems) -> None:
-    """Note each key of a table that is none of the allowed `keys`; key: dotted path of `node`."""
+    """Note in `problems` each key of the table `node` that is not one of `keys`; key: dotted path
+    of `node`."""
     for name in node.entries.keys() - set(keys):
         hint = did_you_mean(name, keys)
         problems.no_key(node.lines[name], dotted(key, name), keys, hint)
 
 
 def as_meant(node: Node, keys: tuple[str, ...], problems: Problems) -> Node:
-    """The table with its misspelt keys renamed to those of `keys` that are likely meant, and the
-    misspelling noted in `problems`."""
+    """Return the table `node` with misspelt keys renamed to those of `keys` (allowed) that are
+    likely meant; each misspelling is noted in `problems`."""
     check_keys(node, "", keys, problems)
     fixes = {name: likely(name, keys) for name in node.entries.keys() - set(keys)}
     names = {n: n if fixes.get(n, n) in node.entries else fixes[n] or n for n in node.entries}

@@ -15,9 +15,9 @@ from fpm.scenes.timestep import stable_step
 
 
 class Mobility(NamedTuple):
-    """Counts of a mechanism. parts: rigid ones that are not held altogether; conditions: scalar
-    constraints of joints, supports and drives; redundant: those that others imply; degrees: of
-    freedom left at the start."""
+    """Counts of a mechanism at its start, bars taken as rigid. parts: rigid ones that can move;
+    conditions: scalar constraints of joints, supports and drives; redundant: those of them that
+    others imply; degrees: of freedom left, 6 parts - conditions + redundant."""
 
     parts: int
     conditions: int
@@ -26,9 +26,9 @@ class Mobility(NamedTuple):
 
 
 class RunCost(NamedTuple):
-    """Cost of a run: stable step (s), the element that limits it, number of steps, and of steps
-    times elements; seconds of a core of this machine for one of eight runs side by side, without
-    what is recorded."""
+    """Estimated cost of a run. step: stable time step (s), inf: no limit; element: name of the
+    element that limits it; steps: number of steps; element_steps: steps times elements; seconds:
+    core time of this machine for one of eight runs computed side by side, without recording."""
 
     step: float
     element: str
@@ -38,7 +38,8 @@ class RunCost(NamedTuple):
 
 
 def bodies(scene: Scene) -> np.ndarray:
-    """Number (n,) of each particle's body: all particles that beams join are one body."""
+    """Index of the rigid body that each particle is part of, (n,) from 0, with bars taken as rigid:
+    all particles that beams join are one body."""
     count = len(scene.position)
     nodes = np.concatenate([np.zeros((0, 2), int), *(beams.nodes for beams in scene.beams)])
     links = coo_array((np.ones(len(nodes)), (nodes[:, 0], nodes[:, 1])), shape=(count, count))
@@ -54,34 +55,32 @@ def _own_particles(scene: Scene) -> np.ndarray:
 
 
 def mass(scene: Scene) -> float:
-    """Total mass of a structure, kg, without the ground."""
+    """Total mass (kg) of a scene's structure, without the ground (particles held altogether)."""
     return float(scene.mass[_own_particles(scene)].sum())
 
 
 def centre(scene: Scene) -> np.ndarray:
-    """Centre of mass at the start (3,), m."""
+    """Centre of mass (3,), m, of a scene's structure at the start, without the ground."""
     own = _own_particles(scene)
     return scene.mass[own] @ scene.position[own] / scene.mass[own].sum()
 
 
 def mobility(scene: Scene) -> Mobility:
-    """Degrees of freedom of a scene's parts as rigid bodies, by the rank of the joints' Jacobian.
+    """Count the degrees of freedom of a scene's parts at the start, by the rank of its constraints.
 
-    Elastic bars are taken as rigid. The rank is that at the start; in a singular position, such as
-    a mechanism that is folded flat, more ways are open than in the motion that follows.
-    """
+    Elastic bars are taken as rigid. In a singular position, such as a mechanism that is folded
+    flat, more ways are open than in the motion that follows. Returns a Mobility."""
     rows, _ = jacobian(scene)
     rank, count = dependence(rows)[0], rows.shape[1]
     return Mobility(count // 6, len(rows), len(rows) - rank, count - rank)
 
 
 def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
-    """Jacobian (c, 6 b) of c scalar constraints by the velocities of b moving bodies, and the name
-    of the joint or support of each row.
+    """Jacobian (c, 6 b) of a scene's c scalar constraints at the start by the velocities of its b
+    moving rigid bodies, and names (c) of their joints and supports, as "joint knee".
 
-    A body's columns are its velocity at the structure's middle, and its spin times the structure's
-    size; bodies that are held altogether have none.
-    """
+    Bars are taken as rigid. Six columns a body: the velocity (3) of its point at the structure's
+    middle, and its angular velocity (3) times the structure's size."""
     own, rules, count = bodies(scene), conditions_of(scene), len(scene.position)
     is_fixed = np.isin(own, own[scene.fixed.all(axis=1)])
     moving = np.unique(own[~is_fixed])
@@ -106,18 +105,19 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
 
 
 def redundant(scene: Scene) -> list[str]:
-    """Names of joints and supports whose constraints depend linearly on others, at the start."""
+    """Names of a scene's joints and supports, as "joint knee", that have a constraint which depends
+    linearly on the others at the start."""
     rows, names = jacobian(scene)
     shares = dependence(rows)[1]
     return list(dict.fromkeys(n for n, share in zip(names, shares, strict=True) if share > 1e-6))
 
 
 def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, float]]:
-    """Up to three changes (parameter, value, ratio of stable steps) that lengthen the stable step
-    `step` (s) of the default values most, the longest first.
+    """Parameter changes that lengthen a structure's stable step most, as advice. step: the stable
+    step (s) at default values. Returns up to three (parameter, value tried, ratio of the stable
+    steps), the largest ratio first.
 
-    Each value is a tenth away from the default, or half of a whole number.
-    """
+    Tried: values 10 % below and above the default; of whole numbers, half of it."""
     changes = []
     for name, parameter in structure.parameters.items():
         value = parameter.default
@@ -135,7 +135,8 @@ def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, fl
 
 
 def cost(scene: Scene, duration: float, safety: float = 0.9) -> RunCost:
-    """Estimated cost of a run over `duration` (s), at `safety` times the stable step."""
+    """Estimate the cost of a run of a scene. duration: simulated time (s); safety: the step taken,
+    as a share of the stable one."""
     limit = stable_step(scene)
     steps = max(1, math.ceil(duration / (safety * limit.step))) if limit.step < np.inf else 1
     seconds = machine() * run_seconds(scene, steps, 0)

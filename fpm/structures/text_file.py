@@ -42,7 +42,8 @@ PARAMETER_KEYS = ("value", "unit", "range", "description", "whole")
 
 @dataclass(frozen=True)
 class GivenParameter:
-    """A parameter of a YAML file, the unit that it is given in, and the line where it stands."""
+    """A parameter of a YAML file. parameter: its definition; unit: of measure, in which the file
+    gives its values; line: in the file."""
 
     parameter: Parameter
     unit: Unit
@@ -50,11 +51,12 @@ class GivenParameter:
 
     @property
     def whole(self) -> bool:
-        """Whether it takes whole numbers only, and may decide the topology."""
+        """Whether the parameter takes whole numbers only, so that counts of units may depend on
+        it."""
         return self.parameter.kind == "integer"
 
     def si(self, value: float) -> float:
-        """A value of the parameter, given in its unit, in SI units."""
+        """Convert a value in the parameter's unit to SI units."""
         return self.unit.si(float(value))
 
 
@@ -90,17 +92,14 @@ class _File:
 
 
 def load_text(path: Path) -> SceneType:
-    """Load a structure from a YAML file; raises StructureError, which lists all that is wrong with
-    it."""
+    """Load a structure from the YAML file at `path`; returns its SceneType. Raises StructureError,
+    which lists all that is wrong with the file."""
     return loads(read_text(path), str(path))
 
 
 def loads(text: str, source: str = "structure") -> SceneType:
-    """Make a structure of the text of a YAML file; returns its SceneType.
-
-    source: name of the text in messages. Raises StructureError, which lists all that is wrong with
-    it.
-    """
+    """Make a structure of the text of a YAML file; returns its SceneType. source: name of the text
+    in messages. Raises StructureError, which lists all that is wrong with it."""
     problems = Problems(source)
     node = read(text, problems)
     if len(OF_CAMPAIGNS & node.entries.keys()) > 1:

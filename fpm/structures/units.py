@@ -11,8 +11,8 @@ from fpm.errors import did_you_mean
 
 
 class Dimension(NamedTuple):
-    """Physical dimension: powers of kg, m and s. bare: of a plain number without unit, which fits
-    any dimension and is in SI units."""
+    """Physical dimension of a quantity: powers of kg (`mass`), m (`length`) and s (`time`). bare:
+    of a plain number without unit, which fits any dimension and is in SI units."""
 
     mass: float = 0
     length: float = 0
@@ -21,7 +21,8 @@ class Dimension(NamedTuple):
 
     @property
     def powers(self) -> tuple[float, float, float]:
-        """Powers of kg, m and s, without the mark `bare`."""
+        """The powers of kg, m and s of this dimension, to compare it whether or not it is
+        `bare`."""
         return self[:3]
 
     def fits(self, dimension: "Dimension") -> bool:
@@ -47,19 +48,19 @@ BARE = Dimension(bare=True)
 
 
 def power(dimension: Dimension, exponent: float) -> Dimension:
-    """Dimension of a quantity of a given dimension raised to `exponent`."""
+    """Dimension of a quantity of a given dimension raised to `exponent`, a number."""
     return Dimension(*(exponent * p for p in dimension.powers), dimension.bare)
 
 
 def product(first: Dimension, second: Dimension, sign: int = 1) -> Dimension:
-    """Dimension of a product of two quantities; sign -1: of the quotient."""
+    """Dimension of the product of two quantities (sign 1) or of the first over the second (-1)."""
     powers = (p + sign * q for p, q in zip(first.powers, second.powers, strict=True))
     return Dimension(*powers, first.bare and second.bare)
 
 
 class Unit(NamedTuple):
-    """A unit of measure: `value * numerator / denominator` is in SI units. udunits: its spelling in
-    netCDF files."""
+    """Unit of measure: value * `numerator` / `denominator` is in SI units. dimension: its physical
+    dimension; udunits: its spelling in netCDF files."""
 
     numerator: float
     denominator: float
@@ -67,7 +68,7 @@ class Unit(NamedTuple):
     udunits: str
 
     def si(self, value: float) -> float:
-        """Convert a value in this unit to SI units."""
+        """Convert a value (number) in this unit to SI units."""
         return value * self.numerator / self.denominator
 
 
@@ -109,8 +110,7 @@ class UnitError(ValueError):
 
 
 def is_unit(name: str) -> bool:
-    """Whether a name reads as a unit, such as `mm` or `m2`, so that nothing else may be called
-    so."""
+    """Whether a name, such as `mm` or `m2`, reads as a unit, and so cannot name a number."""
     return re.fullmatch(rf"(?:{_NAME})[234]?", name) is not None
 
 

@@ -65,9 +65,9 @@ SPRING = {
 def torsion_spring(build, args):
     """Turns a joint towards an opening.
 
-    Adds a TorsionSpring to the scene and returns nothing. build: Builder of the sample; args:
-    `joint` (index of a hinge), `stiffness` (N m/rad; N/m on a slide), `rest` (rad; m), `preload`
-    (N m; N) or None, and the spring's class in margins or None."""
+    Adds a TorsionSpring to the scene. build: Builder of the sample, with its scene; args: values of
+    an entry: joint (index of a hinge), stiffness (N m/rad; N/m on a slide), rest (opening without
+    moment, rad; m), preload (moment at the start, N m; N) or None."""
     rest = args.rest
     if args.preload is not None:
         if rest != 0.0:
@@ -100,8 +100,10 @@ whole(Damper)
 def friction(build, args):
     """Dry (Coulomb) friction in a joint.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds a Friction or
-    RigidFriction."""
+    Adds a Friction to the scene, or a RigidFriction if it sticks "exactly". build: Builder of the
+    sample, with its scene; args: values of an entry: joint (index of a hinge), sticks ("bristle" or
+    "exactly"), bristle_deflection (rad; m on a slide) or None, moment and others: the fields of
+    Friction."""
     slides = build.scene.hinges[args.joint].slides
     if args.sticks == "exactly":
         if args.bristle_deflection is not None or args.damping is not None:
@@ -138,8 +140,10 @@ def _deflection(scene, hinge: int) -> float:
 def bearing(build, args):
     """Friction by the force that a joint itself bears.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds a Friction, or a
-    bearing."""
+    Adds a Friction to the scene or, where load is None, to `scene.bearings`. build: Builder of the
+    sample, with its scene; args: values of an entry: joint (index of a hinge), mu (coefficient of
+    friction), radius (m; None on a slide), load (N), bristle_deflection (rad; m on a slide) or
+    None."""
     scene, lever = build.scene, args.mu * (1.0 if args.radius is None else args.radius)
     if scene.hinges[args.joint].slides == (args.radius is not None):
         build.refuse("radius", args.radius, "a length on a hinge, and none on a slide")
@@ -166,8 +170,9 @@ def bearing(build, args):
 def stop(build, args):
     """Keeps the opening of a joint from going further; never pulls.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds one or two
-    Stops."""
+    Adds a Stop to the scene for each limit. build: Builder of the sample, with its scene; args:
+    values of an entry: joint (index of a hinge), lower and upper (limits of the opening, rad; m on
+    a slide; None: no limit), stiffness and others: the fields of Stop."""
     if args.lower is None and args.upper is None:
         build.refuse("lower", None, "`lower`, `upper`, or both")
     if args.lower is not None and args.upper is not None and args.lower >= args.upper:
@@ -188,8 +193,9 @@ def stop(build, args):
 def latch(build, args):
     """Catches a joint at an opening and holds it from then on.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds a Latch or
-    RigidLatch."""
+    Adds a Latch to the scene, or a RigidLatch where stiffness is None. build: Builder of the
+    sample, with its scene; args: values of an entry: joint (index of a hinge), angle (opening, rad;
+    m on a slide), holds ("both ways", "one way"), stiffness and others: the fields of Latch."""
     one_sided = args.holds == "one way"
     rigid = _rigid(build, args, damping=args.damping > 0, holds=one_sided)
     build.scene.add(element(RigidLatch if rigid else Latch, args, one_sided=one_sided))
@@ -218,8 +224,10 @@ MOMENTS = ListKey(
 def tabulated_spring(build, args):
     """Moves a joint by a moment, or force, that a table gives: a tape spring, a harness.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds a TableSpring, the
-    mean of `moments` and `back`, and for their difference a Friction with hysteresis."""
+    Adds a TableSpring of the mean of moments and back, and a Friction for their difference. build:
+    Builder of the sample, with its scene; args: values of an entry: joint (index of a hinge),
+    angles (openings, rad; m on a slide), moments and back (at them, N m; N; back may be None),
+    bristle_deflection (rad; m) or None."""
     scene, loading = build.scene, np.array(args.moments)
     unloading = loading if args.back is None else np.array(args.back)
     if len(unloading) != len(loading) or np.any(unloading < loading):
@@ -242,7 +250,9 @@ def tabulated_spring(build, args):
 def loop(build, args):
     """A closed cable over pulleys on two joints, which so open in the ratio of the radii.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds a SyncLoop."""
+    Adds a SyncLoop to the scene. build: Builder of the sample, with its scene; args: values of an
+    entry: joints (indices of two hinges), rest (their openings without moment, rad, or None: as at
+    the start), and the fields of SyncLoop."""
     rest = [_at_start(build, hinge) for hinge in args.joints] if args.rest is None else args.rest
     build.scene.add(element(SyncLoop, args, hinges=args.joints, rest=rest))
 
@@ -259,8 +269,10 @@ def loop(build, args):
 def motor(build, args):
     """Prescribes the opening of a joint, exactly or through an elastic drive train.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds a Motor or
-    RigidMotor."""
+    Adds a Motor to the scene, or a RigidMotor where stiffness is None. build: Builder of the
+    sample, with its scene; args: values of an entry: joint (index of a hinge), start (opening, rad;
+    m on a slide), turn (change of opening, rad; m) or rate (rad/s; m/s), which the curve (index)
+    scales, stiffness, damping."""
     start = _at_start(build, args.joint) if args.start is None else args.start
     if (args.turn is None) == (args.rate is None):
         build.refuse("turn", args.turn, "by how much it moves, or a `rate`, not both")
@@ -283,8 +295,10 @@ whole(TorqueMotor)
 def release(build, args):
     """Holds a joint until a time, or until another has opened so far; the first counts.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds a Release or
-    RigidRelease."""
+    Adds a Release to the scene, or a RigidRelease where stiffness is None. build: Builder of the
+    sample, with its scene; args: values of an entry: joint (index of a hinge), hold (opening, rad;
+    m on a slide), time (s), watch (index of the other hinge) and level (its opening), each or None,
+    stiffness, damping."""
     if args.time is None and args.watch is None:
         build.refuse("time", None, "a time, or a joint to `watch`")
     if (args.watch is None) != (args.level is None):

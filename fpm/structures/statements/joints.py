@@ -91,8 +91,10 @@ def _further(args, particles) -> Iterator[tuple[str, tuple[int, int], list[int]]
 def revolute(build, args):
     """A hinge: parts share a point and an axis, and turn freely about it.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Returns the index of
-    the hinge of the first two parts, whose opening it is. Further parts are hinged to the first."""
+    Adds hinges of the first part with each other one; returns the index of that with the second.
+    build: Builder of the sample, with its scene; args: values of an entry: parts (Bodies), at
+    (Point, or Points by part), axis ((3,), or by part), opening (rad), references ((3,) by part, or
+    None), held (axes, as "xz")."""
     particles, points = _meet(build, args)
     axes, refs, scene = _axes(build, args), args.references, build.scene
     if refs is not None:
@@ -125,7 +127,8 @@ def _join(build, args, type: str) -> None:
 def spherical(build, args):
     """A ball and socket: parts share a point.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds joints."""
+    Joins the others to the first in the scene. build: Builder of the sample, with its scene; args:
+    values of an entry: parts (Bodies), at (Point, or Points by part)."""
     _join(build, args, "spherical")
 
 
@@ -133,7 +136,8 @@ def spherical(build, args):
 def fixed(build, args):
     """Parts that neither move nor turn against each other there.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds joints."""
+    Joins the other parts to the first, in the scene. build: Builder of the sample, with its scene;
+    args: values of an entry: parts (Bodies), at (Point, or Points by part)."""
     _join(build, args, "fixed")
 
 
@@ -154,8 +158,10 @@ def fixed(build, args):
 def universal(build, args):
     """Cardan's joint: parts share a point, and a cross about two axes that stay normal.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Returns the first
-    hinge's index."""
+    Adds its two hinges to the scene; returns the index of the first (about axis; the next is about
+    other). build: Builder of the sample, with its scene; args: values of an entry: parts (Bodies),
+    at (Point, or Points by part), axis and other ((3,), on the first and second part), openings
+    (two, rad, or None: 0)."""
     if abs(args.axis @ args.other) > 1e-6:
         build.refuse("other", args.other.tolist(), f"a direction normal to {args.axis.tolist()}")
     axis2 = unit(args.other - (args.axis @ args.other) * args.axis, "other")
@@ -179,8 +185,9 @@ def universal(build, args):
 def prismatic(build, args):
     """A slider: the second part moves along an axis of the first, and does not turn on it.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Returns the hinge's
-    index."""
+    Adds a slide to the scene; returns its index among the hinges. build: Builder of the sample,
+    with its scene; args: values of an entry: parts (Bodies), at (Point, or Points by part), axis
+    (unit vector (3,)), opening (position at the start, m)."""
     particles, points = _meet(build, args)
     return build.scene.add_slide(args.name, particles, points, args.axis, args.opening)
 
@@ -195,7 +202,9 @@ def prismatic(build, args):
 def support(build, args):
     """Holds a point of a part along and about global axes.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Holds its particle."""
+    Fixes the part's particle in the scene, or adds a joint if the point is off it. build: Builder
+    of the sample, with its scene; args: values of an entry: part (Body), at (Point), translations
+    and rotations (axes held, as "xz")."""
     scene, particle = build.scene, args.part.particle(args.at.name)
     scene.supports[args.name] = scene.arm_to(particle, args.at.position)
     distance = np.linalg.norm(args.at.position - scene.position[particle])

@@ -22,7 +22,8 @@ CURVE = ReferenceKey(None, "scales it with time; left out: constant", group="cur
 def curve(build, args):
     """A curve of time, straight between the values given and constant outside them.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Returns its index."""
+    Adds it to the scene; returns its index. build: Builder of the sample, with its scene; args:
+    values of an entry: times (s), increasing, and values at them."""
     return build.scene.add_curve(args.times, args.values)
 
 
@@ -42,7 +43,9 @@ def _index(curve: int | None) -> int:
 def load(build, args):
     """A force and a moment in global axes at a point of a part.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds a Load."""
+    Adds a Load to the scene. build: Builder of the sample, with its scene; args: values of an
+    entry: part (Body), at (one of its Points), force (3,) N, moment (3,) N m, curve (index of what
+    scales both with time, or None)."""
     beam = build.scene.arm_to(args.part.particle(args.at.name), args.at.position)
     build.scene.add(Load(beam, args.force, args.moment, _index(args.curve)))
 
@@ -63,8 +66,10 @@ def load(build, args):
 def cable(build, args):
     """Pulls its points together where it is tight, and runs through those between its ends.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Returns the cable's
-    index."""
+    Adds a Cable to the scene; returns its index. build: Builder of the sample, with its scene;
+    args: values of an entry: through (list of (Body, Point)), EA (stiffness, N), rest (length
+    without tension, m) or preload (N), reel (m taken in, times curve), curve (index or None),
+    friction (coefficient or None)."""
     points = [(part.particle(point.name), point.position) for part, point in args.through]
     for particle, _ in points:
         build.joints_of.setdefault(particle, [])
@@ -88,7 +93,9 @@ def cable(build, args):
 def drive(build, args):
     """Prescribes how a point of a part moves and turns.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds a Drive."""
+    Adds a Drive to the scene. build: Builder of the sample, with its scene; args: values of an
+    entry: part (Body), at (one of its Points), velocity (3,) m/s, spin (3,) rad/s, curve (index of
+    what scales both with time, or None)."""
     particle = args.part.particle(args.at.name)
     arm = build.scene.arm_to(particle, args.at.position)
     distance = float(np.linalg.norm(arm.arm))
@@ -109,7 +116,9 @@ def drive(build, args):
 def motion(build, args):
     """How a part moves at the start, as a rigid body.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Sets velocities."""
+    Sets velocities of its particles in the scene. build: Builder of the sample, with its scene;
+    args: values of an entry: part (Body), velocity (3,) m/s of the point about (Point), spin
+    (angular velocity (3,), rad/s)."""
     scene, particles = build.scene, args.part.particles
     arms = scene.position[particles] - args.about.position
     scene.velocity[particles] = args.velocity + np.cross(args.spin, arms)
@@ -122,6 +131,6 @@ def motion(build, args):
 def record(build, args):
     """A point of a part whose motion is recorded under this name.
 
-    Adds a named point to the scene and returns nothing. build: Builder of the sample; args: `part`
-    (a Body, or the ground), `at` (one of its points, with position in m), and `name`."""
+    Adds a named point to the scene. build: Builder of the sample, with its scene; args: values of
+    an entry: part (Body or Ground), at (one of its Points), name."""
     build.scene.add_point(args.name, args.part.particle(args.at.name), args.at.position)

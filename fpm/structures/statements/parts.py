@@ -38,7 +38,8 @@ def _size(text: str, unit: str = "m") -> NumberKey:
 def material(build, args):
     """A linear elastic material.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Returns a Material."""
+    Returns a Material. build: Builder of the sample; args: values of an entry: E (Young's modulus,
+    Pa), nu (Poisson's ratio), rho (kg/m³)."""
     return Material(args.E, args.nu, args.rho)
 
 
@@ -106,9 +107,11 @@ for _type, _text, _sizes, _build in SECTIONS:
 def bar(build, args):
     """An elastic bar through points, each stretch between two of them straight.
 
-    It is made of beam elements, which bend, twist and stretch; they are added to the scene. build:
-    Builder of the sample; args: values (SI) by the decorator's keys, as `args.through`. Returns a
-    Body: the particles that carry the bar's named points."""
+    Adds its beam elements, which bend, twist and stretch, to the scene; returns its Body (the
+    particles of its points). build: Builder of the sample, with its scene; args: values of an
+    entry: through (Points), section (Section), material (Material), elements (number in each
+    stretch), up ((3,), of the section's height, or None), carries (by name of a point off the axis,
+    the Point that holds it), inertia_scale, strain, curvature (1/m)."""
     for key in ("strain", "curvature"):
         if getattr(args, key) and build.hold is None:
             build.refuse(key, getattr(args, key), "0, or `assemble: true`")
@@ -234,7 +237,9 @@ def _sum_inertias(parts) -> tuple[np.ndarray, np.ndarray]:
 def body(build, args):
     """A rigid body, free until something joins or holds it.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Returns a Body."""
+    Adds a particle to the scene; returns a Body. build: Builder of the sample, with its scene;
+    args: values of an entry: mass (kg), centre (Point), box (edges (3,) m) or inertia ((3,) kg m²),
+    points (Points held at it), x and up (principal axes, unit vectors (3,))."""
     if (args.box is None) == (args.inertia is None):
         pair = None if args.box is None else [list(args.box), list(args.inertia)]
         build.refuse("box", pair, "either `box` or `inertia`")
@@ -269,8 +274,9 @@ def body(build, args):
 def mass(build, args):
     """A mass at a point of a part, with its centre there.
 
-    build: Builder of the sample; args: values (SI) of the decorator's keys. Adds to its
-    particle."""
+    Adds to mass and inertia of the part's particle in the scene. build: Builder of the sample, with
+    its scene; args: values of an entry: part (Body), at (Point), mass (kg), inertia (about every
+    axis, kg m²)."""
     scene, particle = build.scene, args.part.particle(args.at.name)
     distance = float(np.linalg.norm(args.at.position - scene.position[particle]))
     if distance > POINT_TOL * build.size:

@@ -33,15 +33,15 @@ class Bar(NamedTuple):
 
     @property
     def ends(self) -> np.ndarray:
-        """Distances (m,) in metres from the start of the undeformed bar to the far end of each of
-        its m elements."""
+        """Distances (m,) in metres from the start of the bar, undeformed, to the far ends of its m
+        elements."""
         return np.cumsum(np.concatenate([beams.length for beams in self.groups]))
 
 
 class Sections(NamedTuple):
-    """Section forces and moments of the m elements of a bar at t instants: `force` (N) and `moment`
-    (N m), each (t, m, 2, 3): two ends, along and about the section's axes (x along the bar, y, z),
-    acting on the part before the section."""
+    """Section forces and moments of a bar's m elements at t instants: `force` (N) and `moment` (N
+    m), each (t, m, 2, 3): at both ends, along and about the section's axes (x along the bar, y, z),
+    acting on the part before it."""
 
     force: np.ndarray
     moment: np.ndarray
@@ -54,8 +54,8 @@ def bar_of(name: str) -> str:
 
 
 def bars_of(scene: Scene) -> dict[str, Bar]:
-    """Bars of a scene (beams with all their elements), by name; stretches of a bar between several
-    points ("name from point") are put together."""
+    """Bars of a scene (beams with all their elements), by name; stretches between points are put
+    together."""
     groups: dict[str, list[Beams]] = {}
     for beams in scene.beams:
         groups.setdefault(bar_of(beams.name), []).append(beams)
@@ -90,8 +90,8 @@ class Bends(NamedTuple):
 
 
 def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
-    """Deformation (`Bends`) of `beams`, a group of beam elements, at t instants; place(particle),
-    axes(particle): its positions (t, 3) m and frames (t, 3, 3), as of `Recording`."""
+    """Deformation (`Bends`) of `beams`, a group of beam elements; place(particle), axes(particle):
+    positions (t, 3) m and frames (t, 3, 3) of a particle at t instants."""
     (first, *own), (second, *axes2) = ends_of(scene, beams, place, axes)
     chord, own = second - first, own + axes2
     length = np.linalg.norm(chord, axis=2)
@@ -102,8 +102,8 @@ def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
 
 def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
     """Section forces (`Sections`) of `beams`, a group of beam elements, at t instants;
-    place(particle), axes(particle): its positions (t, 3) m and frames (t, 3, 3), as of
-    `Recording`."""
+    place(particle), axes(particle): its positions (t, 3) m and frames (t, 3, 3), as a `Recording`
+    has."""
     _, axial, bend_z, bend_y, twist = beams.stiffness().T
     length, chord, sines, angles, own = bends_of(scene, beams, place, axes)
     stiffness = np.stack([bend_z, bend_y], axis=1)
@@ -128,8 +128,8 @@ def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
 
 
 def sections_of(scene: Scene, bar: Bar, place, axes) -> Sections:
-    """Section forces (`Sections`) of all elements of a bar at t instants; place(particle),
-    axes(particle): its positions (t, 3) m and frames (t, 3, 3), as of `Recording`."""
+    """Section forces (`Sections`) of all elements of a bar; place(particle), axes(particle):
+    positions (t, 3) m and frames (t, 3, 3) of a particle at t instants."""
     groups = [sections(scene, beams, place, axes) for beams in bar.groups]
     return Sections(*(np.concatenate(arrays, axis=1) for arrays in zip(*groups, strict=True)))
 

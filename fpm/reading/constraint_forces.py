@@ -25,8 +25,8 @@ SUPPORT = " (its support)"  # what joints are called that hold the point of a hi
 
 
 def joints_of(scene: Scene) -> dict[str, Hinge | Joint]:
-    """All joints of a scene (hinges, slides, balls, ...) that connect two bodies, by name; without
-    those that only fix a hinge's opening."""
+    """All joints of a scene that connect two bodies (hinges, slides, balls, ...), by name; without
+    those that only fix an opening."""
     joints = (*Hinge.of(scene), *Joint.of(scene))
     return {j.name: j for j in joints if len(j.beams) == 2 and not j.holds_opening}
 
@@ -52,8 +52,8 @@ def couple_on_two(run: Recording, joint: Hinge | Joint, sides: Sides) -> np.ndar
 
 
 def on_particle(run: Recording, particle: int) -> tuple[np.ndarray, np.ndarray]:
-    """Force (t, 3) N of all joints on a particle (index in the scene), and their moment (t, 3) N m
-    about it, in global axes, at the t instants of a recorded `run`."""
+    """Force (t, 3) N of all joints on a particle (its index), and their moment (t, 3) N m about it,
+    in global axes, at the t instants of a recorded `run`."""
     force, moment = np.zeros((2, len(run.time), 3))
     for joint, sides in run.joints:
         for k, beam in enumerate(joint.beams):
@@ -80,9 +80,9 @@ class Reaction(NamedTuple):
 
 
 def reactions_of(scene: Scene) -> dict[str, Reaction]:
-    """Points of a scene at which there is a reaction force, by name: supports and drives, points on
-    particles that are fixed or driven, and hinges with a support of their own; of equal names the
-    first counts."""
+    """Points of a scene that have a reaction force, by name: supports and drives, points on
+    particles that are fixed or driven, and hinges with a support; of equal names the first
+    counts."""
     holding = {joint.name: joint for joint in Joint.of(scene) if len(joint.beams) == 1}
     is_fixed = scene.fixed.any(axis=1)
     reactions = {}

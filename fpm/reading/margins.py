@@ -65,8 +65,7 @@ class OpeningPath(NamedTuple):
 
     def label(self, part: str = "") -> str:
         """Label of a recorded column of a sweep along this path, such as "A led from 0.0 to 1.5 by
-        spring"; part: component of the virtual work, or "" for openings and inertia. `read_label`
-        reverses it."""
+        spring"; part: component of the virtual work, or "" for openings and inertia."""
         suffix = "".join(f" beside {name}" for name in self.stand) + (part and f" by {part}")
         first, last = (STOW if end is None else repr(end) for end in (self.first, self.last))
         names = "".join(f" with {name}" for name in self.openings[1:])
@@ -74,9 +73,8 @@ class OpeningPath(NamedTuple):
 
 
 def read_label(label: str) -> tuple[OpeningPath, str]:
-    """Take apart a column's label, such as "A led from 0.0 to 1.5 by spring": the path of its
-    quasi-static sweep, and the component of the virtual work ("" if none); reverses
-    `OpeningPath.label`."""
+    """The path of the quasi-static sweep, and the component of the virtual work ("" if none), that
+    a column's label names, such as "A led from 0.0 to 1.5 by spring" (`OpeningPath.label`)."""
     rest, _, part = label.partition(" by ")
     rest, *stand = rest.split(" beside ")
     rest, *names = rest.split(" with ")
@@ -98,12 +96,10 @@ def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
 
 
 def column_of(travel: Travel, variable: str, part: str) -> np.ndarray:
-    """Values (p,) of one variable at the p positions of a quasi-static sweep of an opening.
-
-    travel: result of the sweep; variable: "travel_work", virtual work of component `part` (its
-    name) per unit of the opening (N m; N on slides); "travel_inertia" that the opening moves (kg
-    m²; kg); or "travel_opening" (rad; m). `part` counts for the first alone.
-    """
+    """Values (p,) of one variable at the p positions of a quasi-static sweep of an opening. travel:
+    result of the sweep; variable: "travel_work", virtual work of the component `part` per unit of
+    the opening (N m; N on slides); "travel_inertia" that the opening moves (kg m²; kg); or
+    "travel_opening" (rad; m), both with any `part`."""
     return {WORK: travel.work.get(part), INERTIA: travel.inertia, OPENING: travel.opening}[variable]
 
 
@@ -129,8 +125,7 @@ def led_curves(scene, responses: Iterable[Any]) -> Any:
 
 def read(spec: Any) -> Any:
     """Make the response of a torque or force margin from `spec`, its definition in a config
-    (`responses.Definition`: name, kind, keys, scene); raises SceneError for a key or value that is
-    not allowed."""
+    (`responses.Definition`); raises SceneError for a key or value that is not allowed."""
     openings = (spec.data[spec.kind], *_names(spec, "with"))
     hinges = {hinge.name: hinge for hinge in spec.scene.hinges}
     for name in openings:
@@ -253,9 +248,8 @@ class _WeightedTravel:
 
 
 def values(response: Any, run: Any) -> np.ndarray:
-    """Margin (t,), without unit, at t positions evenly spaced over the travel, t being the number
-    of instants of the run. response: a margin, made by `read`; run: `Curves` of a run, or what
-    `led_curves` returns."""
+    """Margin (t,), without unit, at t positions evenly spaced over the travel, as many as the run
+    has instants. response: a margin, made by `read`; run: `Curves` of a run, or of `led_curves`."""
     time = run.time
     return _WeightedTravel(response, run).margin((time - time[0]) / (time[-1] - time[0]))
 

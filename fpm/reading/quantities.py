@@ -43,11 +43,8 @@ class Quantity:
 
     @property
     def is_instantaneous(self) -> bool:
-        """Whether the quantity has the size of the response at an instant: largest, smallest, rms,
-        overshoot.
-
-        A shock that mesh and step do not resolve can then decide its value (Experiment.doubts).
-        """
+        """Whether the quantity has the size of the response at an instant (largest, smallest, rms,
+        overshoot), so that a shock that mesh and step do not resolve can decide it."""
         return KINDS[self.kind].instantaneous
 
     @property
@@ -64,29 +61,25 @@ class Quantity:
 
     @property
     def decider(self) -> "Quantity | None":
-        """The quantity whose method `margin` says by how much this one's event occurs or not:
-        itself, or of a value that quantity which gives its time; None if a run only tells whether
-        it occurs."""
+        """The quantity whose `margin` says by how much this one's event occurs or not: itself, or
+        of a value the one that gives its time; None if a run only tells whether it occurs."""
         if isinstance(self.at, Quantity):
             return self.at.decider
         settles = self.kind == "settling" and self.about is not None
         return self if self.kind == "crossing" or settles else None
 
     def margin(self, values: np.ndarray) -> np.ndarray:
-        """By how much (...) the event of a crossing or of settling occurs, from the response's
-        values (..., t), in their unit: above 0 if it does, below if not, and continuous. Only of a
-        quantity that is its own `decider`."""
+        """By how much (...) a crossing or settling occurs, from the response's values (..., t), in
+        their unit: above 0 if it does, and continuous. Only of a quantity that is its own
+        `decider`."""
         if self.kind == "settling":
             return self.within - np.abs(values[..., -1] - self.about)
         return crossing_margin(values - self.level, self.way, self.number)
 
     def evaluate(self, curves: Curves) -> float:
         """Value of the quantity in one run (`curves`: its recorded series); NaN if it does not
-        exist there, as where an event does not occur.
-
-        Raises ValueError if the run had more events than are kept, and the event may be one of the
-        others.
-        """
+        exist there, as where an event does not occur. Raises ValueError if the run had more events
+        than are kept, and the event may be one of the others."""
         value = KINDS[self.kind].read(self, curves)
         # Parabolas and cubics between instants go below what can be.
         return value if self.least is None else float(np.maximum(value, self.least))
@@ -121,12 +114,9 @@ def crossing(
 
 def crossing_margin(values: np.ndarray, direction: str = "either", number: int = 1) -> np.ndarray:
     """By how much (...) values (..., t) over t instants cross zero for the nth time, in their unit:
-    above 0 if they do, below 0 by what is lacking.
-
-    direction: "rising", "falling" or "either"; number: n, from 1. A rising crossing takes values
-    below zero and later above, the next one below and above again: of the distances from zero
-    reached on these sides one after the other, in the order of time, the least counts.
-    """
+    above 0 if they do, below 0 by what is lacking. direction: "rising", "falling" or "either";
+    number: n, from 1. A rising crossing takes values below zero and later above, the next one below
+    and above again: of the distances from zero reached on these sides in turn, the least counts."""
 
     def turns(side: float, count: int) -> np.ndarray:
         margin = np.inf
@@ -229,13 +219,11 @@ def _event(quantity: Quantity, curves: Curves) -> float:
 
 
 class QuantityType(NamedTuple):
-    """A type of quantity, as its key in a definition selects it from KINDS.
-
-    read(quantity, curves): its number in a run; text: template of its long name, in which {about}
-    is the response's; mandatory, optional: further keys of its definition; unit: None for the
-    response's; positive: whether it is never below 0; instantaneous: whether it has the size of the
-    response at an instant, which a shock can decide.
-    """
+    """A type of quantity, as its key in a definition selects it from KINDS. read(quantity, curves):
+    its number in a run; text: template of its long name, in which {about} is the response's;
+    mandatory, optional: further keys of its definition; unit: None for the response's; positive:
+    whether it is never below 0; instantaneous: whether it has the size of the response at an
+    instant."""
 
     read: Callable[[Quantity, Curves], float]
     text: str

@@ -17,9 +17,9 @@ from fpm.scenes.scene import Scene
 
 
 class Sides(NamedTuple):
-    """Forces (N) and moments (N m), each (t, 3) along and about global axes, by which a joint acts
-    on the particles of its two sides: forces `on_one` and `on_two`, moments `about_one` and
-    `about_two` about the particle."""
+    """Forces (N) and moments (N m), (t, 3) each in global axes, by which a joint acts on the
+    particles of its two sides: `on_one` and `on_two`; `about_one` and `about_two`, about the
+    particle."""
 
     on_one: np.ndarray
     about_one: np.ndarray
@@ -158,8 +158,8 @@ class Recording:
         return own[..., 0], own[..., 1]
 
     def sections(self, bar: str) -> tuple[Bar, Sections]:
-        """A bar by its name, with its elements, and their section forces at all instants; computed
-        once for each bar."""
+        """A bar by its name, and its elements' section forces at all instants; computed once for
+        each bar."""
 
         def read() -> tuple[Bar, Sections]:
             bar_data = bars_of(self.scene)[bar]
@@ -168,16 +168,16 @@ class Recording:
         return self.memoize(bar, read)
 
     def memoize(self, key: Hashable, find: Callable[[], Any]) -> Any:
-        """Value of find(), which takes no arguments, stored under `key` at the first call and
-        returned at later ones."""
+        """Value of find(), a function without arguments, stored under `key` at the first call and
+        reused."""
         if key not in self._memo:
             self._memo[key] = find()
         return self._memo[key]
 
     @cached_property
     def joints(self) -> list[tuple[Hinge | Joint, Sides]]:
-        """All joints of the scene, hinges first, each with the forces and moments by which it acts
-        on the particles of its two sides."""
+        """All joints of the scene, hinges first, with forces and moments on the particles they
+        connect."""
         pairs = []
         for kind in (Hinge, Joint):
             if elements := kind.of(self.scene):

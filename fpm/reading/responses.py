@@ -53,8 +53,8 @@ class Response:
 
     @property
     def needs(self) -> tuple[Column, ...]:
-        """Columns, as (variable, label), that the response is computed from and that a run records
-        on request alone."""
+        """Columns, (variable, label), that the response takes and that runs record on request
+        alone."""
         return tuple(column for column in self.columns if column[0] in VARIABLES)
 
     @property
@@ -149,8 +149,8 @@ class Definition(NamedTuple):
 
     def response(self, subjects: tuple[str, ...], component: str, *fields: Any) -> Response:
         """Make the Response of this definition, with its name and kind. subjects: names of what it
-        is of; component: as "x", or ""; fields: the further fields of Response in their order, from
-        `unit` on."""
+        is of; component: as "x", or ""; fields: further fields of Response in order, from
+        `unit`."""
         return Response(self.name, self.kind, subjects, component, *fields)
 
 
@@ -325,13 +325,10 @@ def _lost_energy(response: Response, run: Curves) -> np.ndarray:
 
 
 class ResponseType(NamedTuple):
-    """A type of response, as its key in a definition selects it from KINDS.
-
-    read(definition): makes the Response; values(response, run): its values (t,) in a run;
-    mandatory, optional: further keys of its definition; positive: whether values are never below 0
-    (a tuple: of which subjects); shock: whether an impact makes values jump, so that mesh and step
-    decide its peak.
-    """
+    """A type of response, as its key in a definition selects it from KINDS. read(definition): makes
+    the Response; values(response, run): its values (t,) in a run; mandatory, optional: further keys
+    of its definition; positive: whether values are never below 0 (a tuple: of which subjects);
+    shock: whether an impact makes values jump, so that mesh and step decide its peak."""
 
     read: Callable[[Definition], Response]
     values: Callable[[Response, Curves], np.ndarray] = _of_columns

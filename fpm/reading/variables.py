@@ -77,8 +77,8 @@ class Variable(NamedTuple):
         return label.rpartition(" ")[::2] if self.parts else (label, "")
 
     def column(self, recording: Recording, label: str) -> np.ndarray:
-        """Values (t,) in a run, in `unit`, of the column with this label, such as "tip x";
-        recording: what the time loop recorded."""
+        """Values (t,), in `unit`, of a column in a run; label: its item and component, such as "tip
+        x"."""
         name, part = self.split(label)
         values = self.values(recording, name)
         return values[:, self.parts.index(part)] if self.parts else values
@@ -296,9 +296,9 @@ VARIABLES = {
 
 
 def prepared(scene: Scene, columns: Iterable[Column]) -> Scene:
-    """Copy of a scene that records `columns`, pairs (variable, label), as it has the element
-    (probe) that makes the time loop store them; the scene itself if there are none. Raises
-    SceneError for a column that the scene does not have."""
+    """Copy of a scene with the probe, the element that makes the time loop store `columns`, pairs
+    (variable, label); the scene itself if there are none. SceneError for a column it does not
+    have."""
     columns = list(columns)
     if not columns:
         return scene
@@ -355,8 +355,7 @@ def recorded(recording: Recording, columns: Iterable[Column]) -> dict[str, Serie
 
 
 def words(columns: Iterable[Column]) -> str:
-    """`columns`, pairs (variable, label), in words for messages, each variable once with all its
-    labels: "velocity of a, b; ..."."""
+    """Write `columns`, pairs (variable, label), in words, for messages: "velocity of a, b; ..."."""
     return "; ".join(
         f"{name.replace('_', ' ')} of {', '.join(labels)}"
         for name, labels in _by_variable(columns).items()

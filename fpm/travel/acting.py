@@ -25,9 +25,9 @@ CROSS_PRODUCTS = np.cross(np.eye(3)[:, None], np.eye(3)[None]).swapaxes(1, 2)
 
 
 class ElementForces:
-    """Computes forces and moments of `elements`, all of one type, of a scene at given poses
-    (positions and frames) of its n particles. Elements with memory, as the deflection of a friction
-    bristle, keep it from one call to the next."""
+    """Computes forces of `elements`, all of one type, of a scene at given poses (positions and
+    frames) of its n particles. Their memory, as of a bristle's deflection, goes on from call to
+    call."""
 
     def __init__(self, scene, elements: list):
         own_scene, kind = copy(scene), type(elements[0])
@@ -40,9 +40,8 @@ class ElementForces:
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
 
     def forces(self, poses: ParticlePoses) -> np.ndarray:
-        """Move the elements from their last poses to `poses` (positions and frames of all
-        particles) and return their force (N) and moment (N m) on each particle, in global axes, as
-        (6n,)."""
+        """Move the elements from their last poses to `poses` (positions and frames of particles)
+        and return their forces (N) and moments (N m) on all particles (6n,), in global axes."""
         self._put(poses)
         self._act()
         return self._act()[:, 0]  # once more: nothing is passed on the way
@@ -53,15 +52,15 @@ class ElementForces:
         return [array.copy() for array in _numbers(self.parts)]
 
     def restore(self, history: list[np.ndarray]) -> None:
-        """Go back to an earlier state of the elements: overwrite their arrays by `history`, a list
-        that `copy_history` returned."""
+        """Go back to earlier arrays of the elements: `history`, a list that `copy_history`
+        returned."""
         for values, array in zip(history, _numbers(self.parts), strict=True):
             array[:] = values
 
     def linearise(self, poses: ParticlePoses) -> tuple[np.ndarray, Any]:
         """Forces (6n,) N, N m of the elements on all n particles at `poses` (positions and frames),
-        and their stiffness, sparse (6n, 6n): minus the forces' derivatives by all particles'
-        motions (m, rad). The elements' memory is left as it was."""
+        and their stiffness, sparse (6n, 6n): minus the derivatives by all motions (m, rad). Their
+        memory stays."""
         from scipy.sparse import csc_array
 
         history = self.copy_history()
@@ -126,8 +125,8 @@ def lanes_of_register() -> int:
 
 
 def acts(kind: type) -> bool:
-    """Whether an element type (`kind`, a class) has a kernel that computes forces from the poses of
-    particles."""
+    """Whether an element type (a class) has a kernel of forces that depend on the particles'
+    poses."""
     from fpm.kernels.hooks import KERNELS
 
     own = kind.kernels()

@@ -25,9 +25,9 @@ TINY = 1e-300
 
 
 class Balance:
-    """What enters the static equilibrium of a scene: its elastic bars and all elements that store
-    energy or load it, without those that only resist, as friction. The equilibrium solver
-    (fpm/assembly) calls its methods with `poses`, positions and frames of all n particles."""
+    """What enters the static equilibrium of a scene: elastic bars and all elements that store
+    energy or load it, not those that only resist, as friction. `poses`: positions and frames of n
+    particles."""
 
     def __init__(self, scene):
         self._bars = elastic_of(scene)
@@ -43,8 +43,7 @@ class Balance:
 
     def derivatives(self, poses: ParticlePoses):
         """Gradient (6n,) of the potential energy (N, N m) by the motions (m, rad) of n particles at
-        `poses` (positions and frames), and the stiffness: the gradient's derivatives, sparse (6n,
-        6n)."""
+        `poses` (positions and frames), and its derivatives, the stiffness, sparse (6n, 6n)."""
         gradient, stiffness = self._of_bars(poses)
         for acting in self.acting:
             forces, slopes = acting.linearise(poses)
@@ -71,8 +70,8 @@ class Balance:
         return np.zeros(count), csc_array((count, count))
 
     def follow(self, poses: ParticlePoses) -> None:
-        """Move the elements from their last poses to `poses` (positions and frames of the
-        particles), so that those with memory, as of slip in friction, keep it for the next ones."""
+        """Move the elements on to `poses` (positions and frames), which those with memory, as slip,
+        keep."""
         for acting in self.acting:
             acting.forces(poses)
 
@@ -80,14 +79,11 @@ class Balance:
 def forces_with_friction(
     base: Sequence[np.ndarray], slopes: Sequence[np.ndarray]
 ) -> tuple[np.ndarray, bool]:
-    """Forces F (b,) N in b bearings whose own friction loads them further, and whether there is
-    such a solution; False: a bearing locks itself.
-
-    F_i = |base_i + slopes_i F|. base: by bearing i, the force (r,) N in its joint without bearing
-    friction; slopes: by bearing, its derivatives (r, b) by all F. The solution is followed by
-    Newton's method from no friction on; where its equations become singular, a bearing locks
-    itself.
-    """
+    """Forces F (b,) N in b bearings whose own friction loads them further, and whether there is a
+    solution (False: a bearing locks itself): F_i = |base_i + slopes_i F|. base: by bearing i, the
+    force (r,) N in its joint without bearing friction; slopes: by bearing, its derivatives (r, b)
+    by all F. The solution is followed by Newton's method from no friction on; where its equations
+    become singular, a bearing locks itself."""
     forces = np.array([np.linalg.norm(x) for x in base])
     for factor in np.linspace(0.0, 1.0, 1 + FRICTION_STEPS)[1:]:
         for _ in range(MAX_ITERATIONS):

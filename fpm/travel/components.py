@@ -36,8 +36,7 @@ def parts_of(scene) -> dict[str, str]:
 
 
 def springs_of(scene) -> list[str]:
-    """Names of the components (what does virtual work in a scene) that are springs on joints, those
-    by tables included."""
+    """Names of a scene's components of virtual work that are springs on joints, by tables too."""
     return [
         part.name for part in components_of(scene)
         if isinstance(part.balanced, TorsionSpring | TableSpring) and part.resists_as == "S"
@@ -68,12 +67,10 @@ def _of_cable(scene, cable: Cable) -> tuple[str, ...]:
 
 
 class Component(NamedTuple):
-    """A named contribution to the virtual work of a travel, the sweep of an opening.
-
-    elements: one that does the work, or several (an element at its least and largest load), of
-    which the least work counts; resists_as: its class in standards, as "S" for springs; drags:
-    whether it can only resist, as friction; baseline: element whose work is subtracted, or None.
-    """
+    """A named contribution to the virtual work of a travel, the sweep of an opening. elements: one
+    that does the work, or several (an element at its least and largest load), of which the least
+    work counts; resists_as: its class in standards, as "S" for springs; drags: whether it can only
+    resist, as friction; baseline: element whose work is subtracted, or None."""
 
     name: str
     elements: tuple[ElementType, ...]
@@ -83,15 +80,13 @@ class Component(NamedTuple):
 
     @property
     def balanced(self) -> ElementType:
-        """The one of `elements` that stands for the component when the static equilibrium is
-        solved: the last."""
+        """The last of `elements`, which stands for the component when equilibrium is solved."""
         return self.elements[-1]
 
 
 class VirtualWork:
-    """Computes forces of a component (`part`, a named contribution such as a spring) of a scene
-    with n particles at given poses, and their virtual work. Poses are positions and frames of all
-    particles."""
+    """Computes forces of a component (`part`) of a scene with n particles, and their virtual work,
+    at given poses (positions and frames of all particles)."""
 
     def __init__(self, scene, part: Component):
         self.is_difference, self.drags = part.baseline is not None, part.drags
@@ -99,17 +94,17 @@ class VirtualWork:
         self.acting = [ElementForces(scene, [element]) for element in elements]
 
     def approach(self, poses: ParticlePoses, motion: np.ndarray) -> None:
-        """Bring friction into the state of steady slip: move the elements of a component that only
-        resists up to `poses` (positions and frames of all particles) along the straight motion
-        (6n,) m, rad that ends there. Other components are left alone."""
+        """Bring friction to steady slip: move a component that only resists along the straight
+        motion (6n,) m, rad that ends at `poses` (positions and frames). Other components are left
+        alone."""
         for factor in (1.0, 0.5) if self.drags else ():
             for acting in self.acting:
                 acting.forces(poses.displace(-factor * motion))
 
     def compute_work(self, poses: ParticlePoses, tangent: np.ndarray) -> float:
-        """Virtual work (N m, on slides N) of the component at `poses` (positions and frames) in the
-        motion `tangent` (6n,) of all particles per unit of the opening; above 0 where it drives. Of
-        several elements the least; with a baseline, the difference from it."""
+        """Virtual work (N m, slides N) at `poses` (positions and frames) of the motion `tangent`
+        (6n,) per unit of the opening, above 0 where it drives: the elements' least, or the
+        baseline's subtracted."""
         self._forces = np.array([acting.forces(poses) for acting in self.acting])
         works = self._forces @ tangent
         return float(works[0] - works[1] if self.is_difference else works.min())
@@ -163,6 +158,6 @@ def _load_cases_of(scene, element: ElementType) -> tuple[ElementType, ...]:
 
 
 def bearing_name(scene, hinge: int) -> str:
-    """Name, "bearing <hinge>", of the component that is the friction in a hinge's bearing; hinge:
-    its index in `scene.hinges`."""
+    """Name of the component that is the friction in a hinge's bearing; hinge: index in the
+    scene."""
     return f"bearing {scene.hinges[hinge].name}"

@@ -54,11 +54,9 @@ def _rotations_of(first: np.ndarray, last: np.ndarray) -> np.ndarray:
 class Path:
     """Moves an opening of a scene quasi-statically, and holds the state reached: `poses` (positions
     and frames) of n particles, the `opening` (rad, m), and `tangent`, the motion (6n,) m, rad of
-    all particles per unit of the opening.
-
-    openings: names of hinges or slides that move together, `opening` being that of the first;
-    stand: names of hinges that are locked at their opening at the start.
-    """
+    all particles per unit of it. openings: names of hinges or slides that move together, `opening`
+    being that of the first; stand: names of hinges that are locked at their opening at the
+    start."""
 
     def __init__(self, scene, openings: Sequence[str], stand: Sequence[str]):
         self.scene, self.name = scene, openings[0]
@@ -82,10 +80,10 @@ class Path:
         self._ease = self.balance.ease(self.poses, self._scales)
 
     def move_to(self, value: float, depth: int = 0) -> None:
-        """Move the opening to `value` (rad, m) in static equilibrium, and update poses and tangent;
-        in smaller steps where one would leave the branch of solutions. depth: times that the step
-        was halved, 0 for callers. Raises MisfitError where it cannot be moved there, SceneError
-        where motions jump too often."""
+        """Move the opening to `value` (rad, m) in static equilibrium, in smaller steps where one
+        would leave the branch of solutions. depth: halvings of the step so far, 0 for callers.
+        Raises MisfitError where it cannot be moved there, SceneError where motions jump too
+        often."""
         state, tangents = self.state(), self._tangents
         is_past_jump = any(min(state[1], value) <= jump <= max(state[1], value)
                            for jump in self._jumps)  # fmt: skip
@@ -170,8 +168,8 @@ class Path:
         return self.poses, self.opening, self.tangent, self._impulses, self._openings
 
     def restore(self, state: tuple) -> None:
-        """Go back to `state`, a tuple that the method `state` returned earlier; the next step is
-        then predicted along its tangent alone."""
+        """Go back to what `state` returned earlier; the next step is predicted along its
+        tangent."""
         self._tangents = self._tangents if state[1] == self.opening else [state[2]]
         self.poses, self.opening, self.tangent, self._impulses, self._openings = state
 
@@ -189,8 +187,7 @@ class Path:
         return openings
 
     def rates(self, hinges: Sequence[int]) -> list[float]:
-        """Derivatives of the openings of `hinges` (indices in the scene) by the opening that is
-        moved, at the current poses."""
+        """Derivatives of the openings of `hinges` (their indices) by the opening that is moved."""
         shift, turn = self.tangent.reshape(-1, 2, 3).transpose(1, 0, 2)
         motion = SimpleNamespace(velocity=shift, spin=turn)
         return [float(rate_at(self.poses, self.scene.hinges[h], motion)) for h in hinges]
@@ -207,13 +204,11 @@ class Path:
         return rates.ravel()
 
     def in_bearings(self, friction: np.ndarray) -> list[float]:
-        """Virtual work (N m, on slides N) of the friction in each bearing of the scene, per unit of
-        the opening, at most 0. It follows from the force in the bearing's joint, on a slide from
-        that across it, in balance with all friction.
-
-        friction: forces and moments (6n,) N, N m of the other components that only resist. Raises
-        SceneError where friction presses its joint harder than it is pushed: self-locking.
-        """
+        """Virtual work (N m, on slides N) of the friction in each bearing, per unit of the opening,
+        at most 0, by the force in its joint, on a slide that across it, in balance with all
+        friction. friction: forces and moments (6n,) N, N m of the other components that only
+        resist. Raises SceneError where friction presses its joint harder than it is pushed:
+        self-locking."""
         levers = np.array(list(self.scene.bearings.values()))
         if not len(levers):
             return []

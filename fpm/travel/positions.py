@@ -25,9 +25,8 @@ NODES = 4
 
 
 def bends_after(positions: np.ndarray) -> np.ndarray:
-    """Start indices (s + 1,) of the s stretches into which bends (kinks or jumps of sampled values)
-    divide `positions` (p,), then p itself. Positions increase, and a bend is one that stands
-    twice."""
+    """Start indices of the stretches into which bends (kinks or jumps of sampled values) divide
+    `positions` (p,), and at last p. Positions increase, and stand twice at a bend."""
     return np.concatenate([[0], np.flatnonzero(np.diff(positions) == 0) + 1, [len(positions)]])
 
 
@@ -79,8 +78,7 @@ class SampledTravel:
         self._bends: set[float] = set()
 
     def add(self, position: float) -> np.ndarray:
-        """Values (k,) at a position (0 to 1): measured and stored, or read if it is stored
-        already."""
+        """Values (k,) at a position (0 to 1): measured and stored unless they are known."""
         k = bisect_left(self.positions, position)
         if k < len(self.positions) and self.positions[k] == position:
             return self.values[k]
@@ -91,8 +89,8 @@ class SampledTravel:
         return values
 
     def look(self, position: float) -> tuple[np.ndarray, object]:
-        """Measure the values (k,) at a position (0 to 1), and the caller's state there, without
-        storing either."""
+        """Measure the values (k,) at a position (0 to 1), and the caller's state there; store
+        neither."""
         k = bisect_right(self.positions, position) - 1
         return self._measure(position, self._states[k] if k >= 0 else None)
 
@@ -103,8 +101,8 @@ class SampledTravel:
         self._bends.add(position)
 
     def arrays(self) -> tuple[np.ndarray, np.ndarray]:
-        """All sampled positions (p,), increasing, those marked as kinks or jumps twice, and the
-        values (p, k) there."""
+        """Sampled positions (p,), increasing, those of kinks or jumps twice, and values (p, k)
+        there."""
         inner = [
             p in self._bends and 0 < i < len(self.positions) - 1
             for i, p in enumerate(self.positions)
@@ -114,12 +112,10 @@ class SampledTravel:
 
     def refine(self, measure_error: Callable[[np.ndarray, np.ndarray, float], float]) -> bool:
         """Sample further positions, half-way between others, until interpolation is accurate;
-        return False where that takes more than MAX_POSITIONS (1500).
-
-        measure_error(expected, values, distance): error of interpolated values (k,) against
-        measured ones, over the allowed error, at this distance of positions; accurate at 1, or up
-        to ROUNDING_LIMIT (20) where it does not fall with the distance.
-        """
+        return False where that takes more than MAX_POSITIONS (1500). measure_error(expected,
+        values, distance): error of interpolated values (k,) against measured ones, over the allowed
+        error, at this distance of positions; accurate at 1, or up to ROUNDING_LIMIT (20) where it
+        does not fall with the distance."""
         pairs = [(*ends, np.inf) for ends in pairwise(self.positions)]
         while pairs:
             lower, upper, previous_error = pairs.pop()

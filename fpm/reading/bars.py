@@ -33,8 +33,8 @@ class Bar(NamedTuple):
 
     @property
     def ends(self) -> np.ndarray:
-        """Distances (m,) in metres from the start of the bar, undeformed, to the far ends of its m
-        elements."""
+        """Distances (m,), in metres, from the bar's start to the ends of its m elements,
+        undeformed."""
         return np.cumsum(np.concatenate([beams.length for beams in self.groups]))
 
 
@@ -54,7 +54,7 @@ def bar_of(name: str) -> str:
 
 
 def bars_of(scene: Scene) -> dict[str, Bar]:
-    """Bars of a scene (beams with all their elements), by name; stretches between points are put
+    """Bars of a scene (all elements of a beam), by name; stretches between points are put
     together."""
     groups: dict[str, list[Beams]] = {}
     for beams in scene.beams:
@@ -101,9 +101,8 @@ def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
 
 
 def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
-    """Section forces (`Sections`) of `beams`, a group of beam elements, at t instants;
-    place(particle), axes(particle): its positions (t, 3) m and frames (t, 3, 3), as a `Recording`
-    has."""
+    """Section forces (`Sections`) of `beams`, a group of beam elements; place(particle),
+    axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle at t instants."""
     _, axial, bend_z, bend_y, twist = beams.stiffness().T
     length, chord, sines, angles, own = bends_of(scene, beams, place, axes)
     stiffness = np.stack([bend_z, bend_y], axis=1)

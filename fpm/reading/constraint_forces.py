@@ -80,9 +80,8 @@ class Reaction(NamedTuple):
 
 
 def reactions_of(scene: Scene) -> dict[str, Reaction]:
-    """Points of a scene that have a reaction force, by name: supports and drives, points on
-    particles that are fixed or driven, and hinges with a support; of equal names the first
-    counts."""
+    """Points of a scene with a reaction force, by name: supports and drives, points on particles
+    that are fixed or driven, and hinges with a support; of equal names the first one."""
     holding = {joint.name: joint for joint in Joint.of(scene) if len(joint.beams) == 1}
     is_fixed = scene.fixed.any(axis=1)
     reactions = {}

@@ -70,8 +70,7 @@ class Quantity:
 
     def margin(self, values: np.ndarray) -> np.ndarray:
         """By how much (...) a crossing or settling occurs, from the response's values (..., t), in
-        their unit: above 0 if it does, and continuous. Only of a quantity that is its own
-        `decider`."""
+        their unit: above 0 if it does; continuous. Only if the quantity is its own `decider`."""
         if self.kind == "settling":
             return self.within - np.abs(values[..., -1] - self.about)
         return crossing_margin(values - self.level, self.way, self.number)

@@ -17,9 +17,8 @@ from fpm.scenes.scene import Scene
 
 
 class Sides(NamedTuple):
-    """Forces (N) and moments (N m), (t, 3) each in global axes, by which a joint acts on the
-    particles of its two sides: `on_one` and `on_two`; `about_one` and `about_two`, about the
-    particle."""
+    """Forces (N) and moments (N m), (t, 3) each in global axes, of a joint on the particles of its
+    two sides: `on_one` and `on_two`; `about_one` and `about_two`, about the particle."""
 
     on_one: np.ndarray
     about_one: np.ndarray
@@ -158,8 +157,8 @@ class Recording:
         return own[..., 0], own[..., 1]
 
     def sections(self, bar: str) -> tuple[Bar, Sections]:
-        """A bar by its name, and its elements' section forces at all instants; computed once for
-        each bar."""
+        """A bar by its name, and its elements' section forces at all instants; computed only
+        once."""
 
         def read() -> tuple[Bar, Sections]:
             bar_data = bars_of(self.scene)[bar]
@@ -168,7 +167,7 @@ class Recording:
         return self.memoize(bar, read)
 
     def memoize(self, key: Hashable, find: Callable[[], Any]) -> Any:
-        """Value of find(), a function without arguments, stored under `key` at the first call and
+        """Value of find(), which takes no arguments, stored under `key` at the first call and
         reused."""
         if key not in self._memo:
             self._memo[key] = find()
@@ -176,8 +175,7 @@ class Recording:
 
     @cached_property
     def joints(self) -> list[tuple[Hinge | Joint, Sides]]:
-        """All joints of the scene, hinges first, with forces and moments on the particles they
-        connect."""
+        """All joints of the scene, hinges first, and their forces and moments on both particles."""
         pairs = []
         for kind in (Hinge, Joint):
             if elements := kind.of(self.scene):

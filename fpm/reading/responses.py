@@ -53,8 +53,7 @@ class Response:
 
     @property
     def needs(self) -> tuple[Column, ...]:
-        """Columns, (variable, label), that the response takes and that runs record on request
-        alone."""
+        """Columns, (variable, label), of the response that runs record on request alone."""
         return tuple(column for column in self.columns if column[0] in VARIABLES)
 
     @property
@@ -149,8 +148,7 @@ class Definition(NamedTuple):
 
     def response(self, subjects: tuple[str, ...], component: str, *fields: Any) -> Response:
         """Make the Response of this definition, with its name and kind. subjects: names of what it
-        is of; component: as "x", or ""; fields: further fields of Response in order, from
-        `unit`."""
+        is of; component: as "x", or ""; fields: the further fields of Response, in order."""
         return Response(self.name, self.kind, subjects, component, *fields)
 
 

@@ -25,9 +25,8 @@ from fpm.scenes.scene import Scene
 
 
 def torsion_stresses(width: float, height: float, J: float) -> tuple[float, float]:
-    """Largest shear stresses per torque (1/m³) of a solid rectangle, width by height (m), with
-    torsion constant J (m4): in the middles of the sides at y = ±width/2, and of those at z =
-    ±height/2."""
+    """Largest shear stresses per torque (1/m³) of a solid rectangle (width, height in m) with
+    torsion constant J (m4): in the middles of the sides at y = ±width/2, and at z = ±height/2."""
     a, b = sorted((width / 2, height / 2))
     n = np.arange(1, 60, 2)
     argument = np.minimum(n * np.pi * b / (2 * a), 500.0)  # beyond, cosh overflows
@@ -58,8 +57,7 @@ def equivalent(section: Section, force: np.ndarray, moment: np.ndarray) -> np.nd
 
 
 def von_mises(normal: np.ndarray, shear: np.ndarray) -> np.ndarray:
-    """Equivalent stress (Pa) by von Mises of normal and shear stresses (Pa), arrays of one
-    shape."""
+    """Equivalent stress (Pa) by von Mises of a normal and a shear stress (Pa), arrays (...)."""
     return np.sqrt(normal**2 + 3.0 * shear**2)
 
 

@@ -77,8 +77,7 @@ class Variable(NamedTuple):
         return label.rpartition(" ")[::2] if self.parts else (label, "")
 
     def column(self, recording: Recording, label: str) -> np.ndarray:
-        """Values (t,), in `unit`, of a column in a run; label: its item and component, such as "tip
-        x"."""
+        """Values (t,), in `unit`, of a column of a run; label: item and component, as "tip x"."""
         name, part = self.split(label)
         values = self.values(recording, name)
         return values[:, self.parts.index(part)] if self.parts else values
@@ -297,8 +296,7 @@ VARIABLES = {
 
 def prepared(scene: Scene, columns: Iterable[Column]) -> Scene:
     """Copy of a scene with the probe, the element that makes the time loop store `columns`, pairs
-    (variable, label); the scene itself if there are none. SceneError for a column it does not
-    have."""
+    (variable, label); the scene if there are none. SceneError for a column it does not have."""
     columns = list(columns)
     if not columns:
         return scene

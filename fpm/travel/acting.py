@@ -26,8 +26,7 @@ CROSS_PRODUCTS = np.cross(np.eye(3)[:, None], np.eye(3)[None]).swapaxes(1, 2)
 
 class ElementForces:
     """Computes forces of `elements`, all of one type, of a scene at given poses (positions and
-    frames) of its n particles. Their memory, as of a bristle's deflection, goes on from call to
-    call."""
+    frames) of its n particles. Memory, as of a bristle's deflection, goes on from call to call."""
 
     def __init__(self, scene, elements: list):
         own_scene, kind = copy(scene), type(elements[0])
@@ -52,15 +51,14 @@ class ElementForces:
         return [array.copy() for array in _numbers(self.parts)]
 
     def restore(self, history: list[np.ndarray]) -> None:
-        """Go back to earlier arrays of the elements: `history`, a list that `copy_history`
-        returned."""
+        """Put `history`, a list that `copy_history` returned, back into the elements."""
         for values, array in zip(history, _numbers(self.parts), strict=True):
             array[:] = values
 
     def linearise(self, poses: ParticlePoses) -> tuple[np.ndarray, Any]:
         """Forces (6n,) N, N m of the elements on all n particles at `poses` (positions and frames),
-        and their stiffness, sparse (6n, 6n): minus the derivatives by all motions (m, rad). Their
-        memory stays."""
+        and the stiffness, sparse (6n, 6n): minus the derivatives by all motions (m, rad). Memory
+        stays."""
         from scipy.sparse import csc_array
 
         history = self.copy_history()
@@ -125,8 +123,7 @@ def lanes_of_register() -> int:
 
 
 def acts(kind: type) -> bool:
-    """Whether an element type (a class) has a kernel of forces that depend on the particles'
-    poses."""
+    """Whether an element type (a class) has a kernel of forces that depend on particles' poses."""
     from fpm.kernels.hooks import KERNELS
 
     own = kind.kernels()

@@ -26,7 +26,7 @@ TINY = 1e-300
 
 class Balance:
     """What enters the static equilibrium of a scene: elastic bars and all elements that store
-    energy or load it, not those that only resist, as friction. `poses`: positions and frames of n
+    energy or load it, not those that only resist, as friction. poses: positions, frames of n
     particles."""
 
     def __init__(self, scene):
@@ -70,8 +70,7 @@ class Balance:
         return np.zeros(count), csc_array((count, count))
 
     def follow(self, poses: ParticlePoses) -> None:
-        """Move the elements on to `poses` (positions and frames), which those with memory, as slip,
-        keep."""
+        """Move the elements on to `poses` (positions and frames); those with memory keep it."""
         for acting in self.acting:
             acting.forces(poses)
 

@@ -95,16 +95,15 @@ class VirtualWork:
 
     def approach(self, poses: ParticlePoses, motion: np.ndarray) -> None:
         """Bring friction to steady slip: move a component that only resists along the straight
-        motion (6n,) m, rad that ends at `poses` (positions and frames). Other components are left
-        alone."""
+        motion (6n,) m, rad that ends at `poses` (positions and frames); other components stay."""
         for factor in (1.0, 0.5) if self.drags else ():
             for acting in self.acting:
                 acting.forces(poses.displace(-factor * motion))
 
     def compute_work(self, poses: ParticlePoses, tangent: np.ndarray) -> float:
         """Virtual work (N m, slides N) at `poses` (positions and frames) of the motion `tangent`
-        (6n,) per unit of the opening, above 0 where it drives: the elements' least, or the
-        baseline's subtracted."""
+        (6n,) per unit of the opening, above 0 where it drives: the elements' least, less the
+        baseline's."""
         self._forces = np.array([acting.forces(poses) for acting in self.acting])
         works = self._forces @ tangent
         return float(works[0] - works[1] if self.is_difference else works.min())
@@ -158,6 +157,5 @@ def _load_cases_of(scene, element: ElementType) -> tuple[ElementType, ...]:
 
 
 def bearing_name(scene, hinge: int) -> str:
-    """Name of the component that is the friction in a hinge's bearing; hinge: index in the
-    scene."""
+    """Name of the component that is the friction in a hinge's bearing; hinge: its index."""
     return f"bearing {scene.hinges[hinge].name}"

@@ -82,8 +82,7 @@ class Path:
     def move_to(self, value: float, depth: int = 0) -> None:
         """Move the opening to `value` (rad, m) in static equilibrium, in smaller steps where one
         would leave the branch of solutions. depth: halvings of the step so far, 0 for callers.
-        Raises MisfitError where it cannot be moved there, SceneError where motions jump too
-        often."""
+        Raises MisfitError where it cannot be moved, SceneError where motions jump too often."""
         state, tangents = self.state(), self._tangents
         is_past_jump = any(min(state[1], value) <= jump <= max(state[1], value)
                            for jump in self._jumps)  # fmt: skip
@@ -168,8 +167,7 @@ class Path:
         return self.poses, self.opening, self.tangent, self._impulses, self._openings
 
     def restore(self, state: tuple) -> None:
-        """Go back to what `state` returned earlier; the next step is predicted along its
-        tangent."""
+        """Go back to what `state` returned; the next step is predicted along its tangent."""
         self._tangents = self._tangents if state[1] == self.opening else [state[2]]
         self.poses, self.opening, self.tangent, self._impulses, self._openings = state
 

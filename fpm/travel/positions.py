@@ -89,8 +89,7 @@ class SampledTravel:
         return values
 
     def look(self, position: float) -> tuple[np.ndarray, object]:
-        """Measure the values (k,) at a position (0 to 1), and the caller's state there; store
-        neither."""
+        """Measure values (k,) and the caller's state at a position (0 to 1); store neither."""
         k = bisect_right(self.positions, position) - 1
         return self._measure(position, self._states[k] if k >= 0 else None)
 
@@ -101,8 +100,7 @@ class SampledTravel:
         self._bends.add(position)
 
     def arrays(self) -> tuple[np.ndarray, np.ndarray]:
-        """Sampled positions (p,), increasing, those of kinks or jumps twice, and values (p, k)
-        there."""
+        """Sampled positions (p,), increasing, of kinks or jumps twice, and values (p, k) there."""
         inner = [
             p in self._bends and 0 < i < len(self.positions) - 1
             for i, p in enumerate(self.positions)

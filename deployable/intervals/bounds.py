@@ -178,13 +178,15 @@ def _largest(name: str, values: np.ndarray, time: np.ndarray) -> dict[str, np.nd
 def add_errors(
     bounds: xr.Dataset, parts: Mapping[str, np.ndarray], window: float | None = None
 ) -> xr.Dataset:
-    """Bounds dataset whose ``error`` is the sum of the surrogate's and further components.
+    """Add further error components to a bounds dataset: returns a copy, in which ``error``
+    (response, time) is the sum of the surrogate's and of all `parts`.
 
-    `parts` (n, T each) are errors by name, such as those of a mesh, in the units of the responses.
-    They are widened in time by `window` (see `estimates.widen`) and added to the surrogate's. The
-    dataset gets ``error_surrogate`` and ``error_<name>`` (response, time), and over response
-    ``share_surrogate`` and ``share_<name>``, as shares of the width, both integrated over time;
-    the numbers of ``error`` are those of the sum. NaN where a part is not known.
+    parts: errors (n, T) of n responses at T instants by name, such as those of a mesh, in the units
+    of the responses, NaN where not known; before they are added, the largest within `window` (half
+    width, s) of each instant is taken. The copy gets ``error_surrogate`` and ``error_<name>``
+    (response, time), and over response ``share_surrogate`` and ``share_<name>``, as fractions of
+    the width, both integrated over time; ``largest_error``, its time and ``error_share_of_width``
+    are those of the sum.
     """
     time = bounds["time"].values
     area = np.trapezoid((bounds["upper"] - bounds["lower"]).values, time)
@@ -206,8 +208,8 @@ def add_errors(
 
 
 def share_of(error: np.ndarray, time: np.ndarray, area: np.ndarray) -> np.ndarray:
-    """Relative errors (n,): errors (n, T) integrated over time (T), over the widths' integrals
-    `area` (n,); 0 where these are 0."""
+    """Relative errors (n,) of n responses: errors (n, T) integrated over time (T) s, divided by
+    `area` (n,), integrals over time of the widths of the bounds; 0 where these are 0."""
     integrals = np.trapezoid(error, time)
     return np.divide(integrals, area, out=np.zeros_like(integrals), where=area > 0)
 
@@ -215,8 +217,8 @@ def share_of(error: np.ndarray, time: np.ndarray, area: np.ndarray) -> np.ndarra
 def hausdorff(
     lower: np.ndarray, upper: np.ndarray, reference_lower: np.ndarray, reference_upper: np.ndarray
 ) -> np.ndarray:
-    """Hausdorff distance (...) of the intervals [lower, upper] from the reference ones, all arrays
-    (...), element by element: the larger difference of both bounds."""
+    """Hausdorff distance (...) of the intervals [lower, upper] from reference intervals, all arrays
+    (...), element by element: the larger of the differences of lower and of upper bounds."""
     return np.maximum(np.abs(lower - reference_lower), np.abs(upper - reference_upper))
 
 

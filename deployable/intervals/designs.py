@@ -58,7 +58,7 @@ class Design:
 
     @property
     def runs(self) -> int:
-        """Number of points N."""
+        """Number N of points, at each of which the model is run."""
         return self.points.shape[0]
 
 
@@ -237,8 +237,9 @@ def scan_points(
 
 
 def spread_points(free: np.ndarray, count: int, seed: int = 1) -> np.ndarray:
-    """Points (about `count`, k) in [-1, 1]^k at which extreme values are searched: corners, a line
-    or Sobol sequence, half of it pushed to faces; free (k): mask of directions with a width."""
+    """Points (about `count`, k) in [-1, 1]^k from which extreme values are sought: corners and a
+    Sobol sequence, half of it pushed to faces, in one direction a line; free (k): mask of the
+    directions with a width, 0 in the others; seed: of the sequence."""
     dimension = int(np.sum(free))
     if dimension == 0:
         return np.zeros((1, len(free)))
@@ -254,8 +255,9 @@ def spread_points(free: np.ndarray, count: int, seed: int = 1) -> np.ndarray:
 
 
 def fit(design: Design, values: np.ndarray) -> Surrogate:
-    """Fit the polynomial of `design` to `values` (N, ...) at its points; raises IntervalError for
-    values that are not finite, or points that do not determine every coefficient.
+    """Fit the polynomial of `design` to `values` (N, ...) of runs at its N points, in their order;
+    raises IntervalError for values that are not finite, or points that do not determine every
+    coefficient.
 
     Tensor grids take one small matrix for each direction; the other designs use a QR factorisation,
     which is a solve where there are as many points as coefficients and least squares where there

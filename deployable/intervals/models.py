@@ -48,27 +48,31 @@ class Model:
         raise NotImplementedError
 
     def range(self) -> Range:
-        """Range of the n responses over the box at T instants: bounds (n, T), and the points where
-        they are attained (n, T, k) in unit coordinates."""
+        """Range of the n responses over the box at T instants: bounds (n, T), and the points in
+        [-1, 1]^k where they are attained (n, T, k)."""
         raise NotImplementedError
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Estimated error (n, T) of bounds that `range` returned; window: half-width (s) of the
-        time window, as in `estimates.widen`."""
+        """Estimated error (n, T) of `bounds`, the result of `range`, at T instants; window: half
+        width (s) of the time within which the largest error counts, None for 0.5 % of the
+        duration."""
         raise NotImplementedError
 
     def centre(self) -> np.ndarray | None:
-        """Values (n, T) of the model at the centre of the box; None if it has none there."""
+        """Values (n, T) of the model at the centre of the box of parameters; None if it has none
+        there."""
         return None
 
     def variables(self) -> dict:
-        """Further variables of a bounds dataset, by name: (dimensions, values, attributes)."""
+        """Further variables for a bounds dataset, by name: (dimensions, values, attributes)
+        each."""
         return {}
 
 
 class PolynomialModel(Model):
-    """Chebyshev polynomials through a design's runs, with an enclosed range. Other runs test them.
-    `tolerance`: gap of enclosure and attained range that ends subdivision, over the width."""
+    """Chebyshev polynomials through a design's runs, with an enclosed range; all other runs test
+    them. tolerance: gap between enclosure and attained range, as a fraction of the width, at which
+    it is good."""
 
     kind = "enclosed range of the polynomial"
 
@@ -80,11 +84,13 @@ class PolynomialModel(Model):
         self.attributes = {"design_runs": design.runs}
 
     def range(self) -> Range:
+        """Enclosed and attained range (n, T) of the polynomials over the box."""
         return surrogate_range(self.surrogate, self.tolerance)
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Larger of the residuals at the test runs and the coefficients' extrapolated tail (n,
-        T)."""
+        """Estimated error (n, T): the larger of the residuals at runs that were not fitted and the
+        tail of neglected coefficients; window: half width (s) of the time within which the largest
+        counts."""
         samples, surrogate = self.samples, self.surrogate
         unit, time = samples.unit[self.test_rows], samples.time
         residuals = samples.values[self.test_rows] - surrogate.evaluate(unit)
@@ -93,6 +99,7 @@ class PolynomialModel(Model):
         return error_estimate(time, np.abs(residuals).max(axis=0, initial=0.0), decay, window)
 
     def centre(self) -> np.ndarray:
+        """Values (n, T) of the polynomials at the centre of the box."""
         return self.surrogate.evaluate(np.zeros((1, self.samples.unit.shape[1])))[0]
 
 
@@ -127,15 +134,18 @@ class ScanModel(Model):
         }
 
     def range(self) -> Range:
+        """Least and largest values (n, T) of all runs, and the points (n, T, k) of these runs."""
         total = self.total
         return attained(total.low, total.high, self.unit[total.low_run], self.unit[total.high_run])
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Growth (n, T) of the bounds from the first half of the runs to all of them."""
+        """Growth (n, T) of the bounds from the first half of the runs to all; no argument changes
+        it."""
         return ErrorEstimate(self.growth, self.growth, np.zeros_like(self.growth))
 
     def variables(self) -> dict:
-        """Growth (response, time) of the bounds with the last quarter of the runs."""
+        """Variable ``growth_quarter`` (response, time): growth of bounds with the runs' last
+        quarter."""
         text = "growth of the bounds with the last quarter of the samples"
         return {"growth_quarter": (("response", "time"), self.growth_quarter, {"long_name": text})}
 
@@ -202,13 +212,14 @@ class SplineModel(Model):
         return np.argsort(self.order)
 
     def range(self) -> Range:
+        """Range (n, T) that the spline or a run attains over the box, and where."""
         bounds = spline_range(self.spline)
         argmin, argmax = bounds.argmin[..., self._inverse], bounds.argmax[..., self._inverse]
         return replace(bounds, argmin=argmin, argmax=argmax)
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Leave-one-out errors (n, T), as the class describes, within `window` (s) of each
-        instant."""
+        """Estimated error (n, T) by leave-one-out errors, as the class describes; bounds: those of
+        `range`; window: half width (s) of the time within which the largest error counts."""
         spline = self.spline
         free = int((spline.scales > 0).sum())
         if self.averages:
@@ -230,6 +241,7 @@ class SplineModel(Model):
         return np.abs(self.spline.left_out[rows, n[..., None], instants[..., None]]).max(axis=-1)
 
     def centre(self) -> np.ndarray:
+        """Values (n, T) of the spline at the centre of the box."""
         return self.spline.evaluate(np.zeros((1, self.spline.points.shape[1])))[0]
 
 

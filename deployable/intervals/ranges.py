@@ -39,19 +39,20 @@ class Range:
 
     @property
     def gap(self) -> np.ndarray:
-        """Excess width (...) of the outer over the attained range, the sum over both sides."""
+        """By how much (...) the outer bounds are wider than the attained ones, summed over both
+        sides."""
         return (self.inner_lower - self.lower) + (self.upper - self.inner_upper)
 
 
 def attained(low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.ndarray) -> Range:
-    """Range made of attained values alone: low, high (...), and the unit points (..., k) where the
-    model takes them; without an enclosure."""
+    """Make a Range without an enclosure: low, high (...) attained values, which are outer bounds,
+    too; argmin, argmax (..., k): the points in [-1, 1]^k where."""
     return Range(low, high, low, high, argmin, argmax)
 
 
 def raised(bounds: Range, least: np.ndarray) -> Range:
-    """Range of a response with the physical lower bound `least` (broadcast to (...)): all bounds
-    below it are raised to it."""
+    """Copy of the range `bounds` of a response that cannot be below `least`, its physical lower
+    bound (broadcast to (...)): all bounds below it are raised to it."""
     ends = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
     return Range(*(np.maximum(end, least) for end in ends), bounds.argmin, bounds.argmax)
 
@@ -122,8 +123,9 @@ _CHUNK = 1 << 22
 def inner_range(
     coefficients: np.ndarray, indices: np.ndarray, sweeps: int = 30
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Low and high values (T) that polynomials attain over the box, and their unit points (T, k).
-    `coefficients` (M, T) of Chebyshev products `indices` (M, k); sweeps: as of `climb`."""
+    """Low and high values (T) that T polynomials attain over [-1, 1]^k, and the points (T, k) of
+    either. indices (M, k): degrees of M Chebyshev products; coefficients (M, T); sweeps: most
+    passes of the search over all directions."""
     samples = sample_points(indices.max(axis=0))
     basis = product_basis(samples, indices)
     total = coefficients.shape[1]
@@ -140,8 +142,9 @@ def inner_range(
 
 
 def sample_points(degrees: np.ndarray) -> np.ndarray:
-    """Points (P, k) from which extreme values are searched: the Lobatto grid of twice the degrees
-    (k); where that has more than about a thousand, random ones of it, with corners and centre."""
+    """Points (P, k) in [-1, 1]^k from which extreme values of polynomials of `degrees` (k) are
+    sought: the Lobatto grid of twice the degrees; where that has more than about a thousand, random
+    ones of it, with corners and centre."""
     free = degrees > 0
     nodes = [lobatto(2 * int(n)) for n in degrees]
     if np.prod([float(len(x)) for x in nodes]) <= _MAX_GRID:
@@ -154,8 +157,9 @@ def sample_points(degrees: np.ndarray) -> np.ndarray:
 def climb(
     c: np.ndarray, indices: np.ndarray, start: np.ndarray, sweeps: int = 30
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Maxima (T) of polynomials by coordinate ascent from unit points `start` (T, k), and where (T,
-    k). c (M, T): coefficients of Chebyshev products `indices` (M, k); sweeps: most passes."""
+    """Maxima (T) of T polynomials by coordinate ascent from points `start` (T, k) in [-1, 1]^k, and
+    where (T, k). indices (M, k): degrees of M Chebyshev products; c (M, T): their coefficients;
+    sweeps: most passes."""
     directions = [j for j in range(indices.shape[1]) if indices[:, j].any()]
     plans = {j: _Plan(indices, j) for j in directions}
     best = np.full(c.shape[1], -np.inf)

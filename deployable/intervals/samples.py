@@ -37,8 +37,8 @@ _RUNNING = ("lower", "upper", "lower_run", "upper_run")
 
 @dataclass(frozen=True)
 class Running:
-    """Running bounds of a stream of runs: least and largest values (...) of each response and
-    instant, and the numbers of the runs that have them.
+    """Running bounds of a stream of runs: least and largest values `low`, `high` (...) of each
+    response and instant, and the numbers `low_run`, `high_run` of the runs that have them.
 
     Of equal values the one of the run with the least number counts, so that the result does not
     depend on the order in which runs come, nor on how they were grouped.
@@ -51,7 +51,8 @@ class Running:
 
     @classmethod
     def of_runs(cls, values: np.ndarray, runs: np.ndarray) -> Running:
-        """Running bounds of runs with finite values (R, ...) and increasing numbers `runs` (R)."""
+        """Least and largest of finite values (R, ...) of R runs; runs (R): their numbers,
+        increasing."""
         low, high = values.argmin(axis=0)[None], values.argmax(axis=0)[None]
         numbers = np.asarray(runs)
         return cls(
@@ -62,7 +63,8 @@ class Running:
         )
 
     def merge(self, rival: Running | None) -> Running:
-        """Running bounds of this stream of runs and another (`rival`; None: of this one alone)."""
+        """Running bounds of the runs of this object and of `rival` together (None: of this one
+        alone)."""
         if rival is None:
             return self
         lower = _comes_first(rival.low, self.low, rival.low_run, self.low_run)
@@ -81,7 +83,7 @@ def _comes_first(value: np.ndarray, rival: np.ndarray, run: np.ndarray, rival_ru
 
 
 def quarter_ends(runs: int) -> list[int]:
-    """Five indices, from 0 to `runs`, at which the quarters of so many runs begin and end."""
+    """Five indices, from 0 to `runs` (a number of runs), at which their quarters begin and end."""
     return [-(-runs * quarter // 4) for quarter in range(5)]
 
 
@@ -127,7 +129,7 @@ class Samples:
         return self.source["response_ratio"].values[self.rows] > 0
 
     def read(self, runs: slice) -> np.ndarray:
-        """Responses (r, n, T), as they are stored, of a slice of the runs alone, to save memory."""
+        """Responses (r, n, T), as they are stored, of the r runs in a slice, to save memory."""
         whole = self.rows == list(range(self.source.sizes["response"]))
         return self.source["values"][runs, slice(None) if whole else self.rows].values
 
@@ -157,13 +159,14 @@ class Samples:
             yield running
 
     def coordinates(self) -> dict:
-        """Coordinates for a new dataset of these responses over time and parameter, by name."""
+        """Coordinates of the samples dataset, by name, for a new one of these responses, time and
+        parameters."""
         variables = {n: self.source[n].variable for n in _COORDINATES if n in self.source}
         return {n: v.isel(response=self.rows, missing_dims="ignore") for n, v in variables.items()}
 
     def parameters(self) -> Callable[[np.ndarray], np.ndarray]:
-        """Function that maps unit coordinates (..., k) to parameter values (..., k), the affine map
-        that the runs' values follow."""
+        """Function that maps normalized coordinates (..., k) in [-1, 1] to parameter values (...,
+        k): the affine map that the runs' values follow."""
         value = np.asarray(self.source["value"].values, dtype=float)
         middle, half = value.mean(axis=0), np.zeros(self.unit.shape[1])
         for j, column in enumerate(self.unit.T):

@@ -178,15 +178,15 @@ def _largest(name: str, values: np.ndarray, time: np.ndarray) -> dict[str, np.nd
 def add_errors(
     bounds: xr.Dataset, parts: Mapping[str, np.ndarray], window: float | None = None
 ) -> xr.Dataset:
-    """Add further error components to a bounds dataset: returns a copy, in which ``error``
-    (response, time) is the sum of the surrogate's and of all `parts`.
+    """Add further error components to a bounds dataset: returns a copy whose ``error`` (response,
+    time) is the sum of the surrogate's and of all `parts`.
 
-    parts: errors (n, T) of n responses at T instants by name, such as those of a mesh, in the units
-    of the responses, NaN where not known; before they are added, the largest within `window` (half
-    width, s) of each instant is taken. The copy gets ``error_surrogate`` and ``error_<name>``
-    (response, time), and over response ``share_surrogate`` and ``share_<name>``, as fractions of
-    the width, both integrated over time; ``largest_error``, its time and ``error_share_of_width``
-    are those of the sum.
+    parts: errors (n, T) of n responses at T instants by name, such as those of a mesh, in the
+    responses' units, NaN where not known; the largest within `window` (half width, s) of each
+    instant counts. The copy gets ``error_surrogate`` and ``error_<name>`` (response, time), and
+    ``share_surrogate`` and ``share_<name>`` (response), as fractions of the width, both integrated
+    over time; its ``largest_error``, with its time, and ``error_share_of_width`` are those of the
+    sum.
     """
     time = bounds["time"].values
     area = np.trapezoid((bounds["upper"] - bounds["lower"]).values, time)

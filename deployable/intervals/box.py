@@ -84,8 +84,8 @@ class Box:
         return np.where(self.free, values, self.lower)
 
     def corners(self) -> np.ndarray:
-        """Normalized coordinates (2^f, k) of the corners, -1 or 1 in the f intervals with a width,
-        else 0."""
+        """Normalized coordinates (2^f, k) of the corners: -1 or 1 in the f intervals with a
+        width."""
         choices = [(-1.0, 1.0) if free else (0.0,) for free in self.free]
         return np.array(list(itertools.product(*choices)))
 
@@ -97,9 +97,8 @@ def keys(points: np.ndarray, digits: int = 12) -> list[tuple[float, ...]]:
 
 
 def corner_points(free: np.ndarray) -> np.ndarray:
-    """Corners (2^f, k) of the cube [-1, 1]^k, ordered so that opposite ones follow each other and
-    the first few are spread out; free (k): mask of the f directions with a width, 0 in the
-    others."""
+    """Corners (2^f, k) of [-1, 1]^k, ordered so that opposite ones follow each other and the first
+    few are spread out; free (k): mask of the f directions with a width, 0 in the others."""
     free = np.asarray(free, dtype=bool)
     dimension = int(free.sum())
     if dimension == 0:
@@ -168,6 +167,6 @@ def match_points(points: np.ndarray, unit: np.ndarray, tolerance: float = 1e-8) 
 
 def other_runs(unit: np.ndarray, points: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
     """Indices of the runs, at normalized points `unit` (R, k), that are at none of the design's
-    points (N, k), and may test a fit. tolerance: largest difference of a coordinate at the same
+    points (N, k), and may test a fit. tolerance: largest difference of a coordinate at one
     point."""
     return np.flatnonzero(_nearest(unit, points)[1] > tolerance)

@@ -33,8 +33,7 @@ def _sine(numerator: np.ndarray, denominator: int) -> np.ndarray:
 
 
 def roots(order: int) -> np.ndarray:
-    """The n + 1 roots of the Chebyshev polynomial of degree n + 1, ascending in [-1, 1]; order:
-    n."""
+    """The n + 1 roots of the Chebyshev polynomial of degree n + 1, ascending; order: n."""
     return _sine(2 * np.arange(order + 1) - order, order + 1)
 
 
@@ -45,14 +44,14 @@ def lobatto(order: int) -> np.ndarray:
 
 
 def grid(lines: Sequence[np.ndarray]) -> np.ndarray:
-    """All combinations (N, k) of coordinates along k directions, `lines`, one array for each; the
-    last direction varies fastest."""
+    """All combinations (N, k) of coordinates along k directions (`lines`: k arrays), last one
+    fastest."""
     return np.stack([g.ravel() for g in np.meshgrid(*lines, indexing="ij")], axis=1)
 
 
 def tensor(order: Sequence[int]) -> np.ndarray:
-    """Multi-indices (M, k), degrees of products of Chebyshev polynomials, of a full grid: all i
-    with i_j <= order_j, the last direction fastest; order (k): highest degree of each direction."""
+    """Multi-indices (M, k), degrees of Chebyshev products, of a full grid: all i with i_j <=
+    order_j, last direction fastest; order (k): highest degree of each direction."""
     return grid([np.arange(n + 1) for n in order])
 
 
@@ -64,19 +63,18 @@ def total_degree(order: Sequence[int]) -> np.ndarray:
 
 
 def smolyak(order: Sequence[int]) -> np.ndarray:
-    """Multi-indices (M, k), degrees of products of Chebyshev polynomials, of a Smolyak sparse grid
-    with slow growth, sorted by total degree; order (k): highest degree of each direction.
+    """Multi-indices (M, k), degrees of Chebyshev products, of a Smolyak sparse grid with slow
+    growth, sorted by total degree; order (k): highest degree of each direction.
 
     The union of the tensor sets of nested rules whose degrees, by the least polynomials that need
-    them, are a total-degree set; so it contains every polynomial of that total degree (Barthelmann,
-    Novak and Ritter 2000 with the growth of Burkardt 2009, where a rule grows only when it must).
+    them, are a total-degree set; so it has every polynomial of that total degree (Barthelmann,
+    Novak and Ritter 2000 with the growth of Burkardt 2009: a rule grows only when it must).
     """
     return _within_budget(order, _nested_costs)
 
 
 def count_smolyak(order: Sequence[int]) -> int:
-    """Number M of products of a Smolyak sparse grid (`smolyak`), without making them; order:
-    (k)."""
+    """Number M of products in a Smolyak sparse grid, without making them; order (k): as for it."""
     counts = {0.0: 1}  # rows so far, by the share of the order that they use
     for n in (int(n) for n in order if n):
         new_counts: dict[float, int] = {}
@@ -111,8 +109,7 @@ def _within_budget(order: Sequence[int], costs: Callable[[int], dict[int, int]])
 
 
 def product_basis(points: np.ndarray, indices: np.ndarray) -> np.ndarray:
-    """Values (N, M) at `points` (N, k) of M products of Chebyshev polynomials; indices (M, k):
-    degrees."""
+    """Values (N, M) at `points` (N, k) of Chebyshev products; indices (M, k): their degrees."""
     values = np.ones((len(points), len(indices)))
     for j in range(indices.shape[1]):
         highest = int(indices[:, j].max(initial=0))

@@ -256,12 +256,11 @@ def spread_points(free: np.ndarray, count: int, seed: int = 1) -> np.ndarray:
 
 def fit(design: Design, values: np.ndarray) -> Surrogate:
     """Fit the polynomial of `design` to `values` (N, ...) of runs at its N points, in their order;
-    raises IntervalError for values that are not finite, or points that do not determine every
-    coefficient.
+    raises IntervalError for values that are not finite, or points that do not determine all
+    coefficients.
 
-    Tensor grids take one small matrix for each direction; the other designs use a QR factorisation,
-    which is a solve where there are as many points as coefficients and least squares where there
-    are more.
+    Tensor grids take one small matrix for each direction; the other designs use a QR factorisation:
+    a solve where there are as many points as coefficients, least squares where there are more.
     """
     values = np.asarray(values, dtype=float)
     if values.shape[:1] != (design.runs,):

@@ -23,12 +23,12 @@ _CHUNK = 1 << 23
 
 def effects_enclosure(c: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper bounds (T) of T polynomials on [-1, 1]^k, by exact ranges of the main effects
-    and |coefficients| of the interactions. indices (M, k): degrees of M products of Chebyshev
-    polynomials; c (M, T): their coefficients.
+    and |coefficients| of the interactions. c (M, T): coefficients; indices (M, k): degrees of the
+    products.
 
     p = c_0 + sum_j p_j(x_j) + interactions; |T_i| <= 1, and the range of a sum of functions of
-    different variables is the sum of their ranges. Sharp where the interactions are small, cheap
-    for any order and dimension.
+    different variables is the sum of their ranges. Sharp where the interactions are small, and
+    cheap.
     """
     active = (indices > 0).sum(axis=1)
     rest = np.abs(c[active > 1]).sum(axis=0)

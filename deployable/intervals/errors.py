@@ -31,8 +31,7 @@ class IntervalError(ValueError):
 
 
 def check_choice(key: str, value: Any, choices: Iterable[str]) -> Any:
-    """Return `value` if it is among `choices`, else raise IntervalError; key: the input's name for
-    that."""
+    """Return `value` if it is among `choices`, else raise IntervalError that names it by `key`."""
     names = tuple(choices)
     if value not in names:
         raise IntervalError(key, value, "one of " + ", ".join(names))

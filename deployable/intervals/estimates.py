@@ -41,8 +41,8 @@ _INDEPENDENT = 1e-3  # least singular value, beside the largest, of what held-ou
 
 def share_outside(runs: int, confidence: float | None = None) -> float:
     """Volume fraction of the box of parameters on which the model leaves the range of `runs` runs,
-    at one instant, if these were drawn at random: the mean, or its upper limit at a confidence (0
-    to 1).
+    at one instant, if these were drawn at random: its mean, or upper limit at a confidence (0 to
+    1).
 
     By order statistics, whatever the model (Wilks 1941): the share between the extremes of N draws
     has the density N (N - 1) s^(N - 2) (1 - s), so that the share outside has the beta distribution
@@ -159,11 +159,11 @@ def overruled(
 
 def usual(left_out: np.ndarray, directions: int) -> np.ndarray:
     """Error (...) of a function fitted through adaptively sampled runs: a power mean of their
-    leave-one-out errors `left_out` (N, ...), with the number of `directions` (parameters that vary)
-    as the power.
+    leave-one-out errors `left_out` (N, ...), the power being the number of `directions` (parameters
+    that vary).
 
     Any run may be next to the point that decides, and runs were placed where the fit was in doubt,
-    so that a mean counts. In more than `AVERAGED` (3) directions, where few corners have runs, the
+    so that a mean counts. In more than 3 directions (`AVERAGED`), where few corners have runs, the
     largest.
     """
     size = np.abs(left_out)

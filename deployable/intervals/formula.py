@@ -30,8 +30,7 @@ class Formula:
     root_scale: float = 1.0
 
     def shortfall(self, level: float) -> Formula:
-        """The formula of `level` minus this function: above 0 where the function is below the
-        level."""
+        """The formula of `level` minus this function: above 0 where it is below the level."""
         constant = np.zeros((1, self.indices.shape[1]), dtype=int)
         return replace(
             self,
@@ -42,8 +41,7 @@ class Formula:
 
 
 def polynomial(surrogate: Surrogate) -> Formula:
-    """Write a polynomial surrogate of one number, with coefficients (M, 1), as a `Formula`, a
-    table."""
+    """Write a polynomial surrogate of one number, coefficients (M, 1), as a table, `Formula`."""
     k = surrogate.dimension
     points, coefficients = np.zeros((0, k)), surrogate.coefficients[:, 0]
     return Formula(surrogate.multi_indices, coefficients, points, np.ones(k), np.zeros(0), "cube")

@@ -53,26 +53,22 @@ class Model:
         raise NotImplementedError
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Estimated error (n, T) of `bounds`, the result of `range`, at T instants; window: half
-        width (s) of the time within which the largest error counts, None for 0.5 % of the
-        duration."""
+        """Estimated error (n, T) of `bounds`, the result of `range`; window: half width (s) of the
+        time in which the largest error counts, None for 0.5 % of the duration."""
         raise NotImplementedError
 
     def centre(self) -> np.ndarray | None:
-        """Values (n, T) of the model at the centre of the box of parameters; None if it has none
-        there."""
+        """Values (n, T) of the model at the centre of the box of parameters; None without any."""
         return None
 
     def variables(self) -> dict:
-        """Further variables for a bounds dataset, by name: (dimensions, values, attributes)
-        each."""
+        """Further variables of a bounds dataset: (dimensions, values, attributes) by name."""
         return {}
 
 
 class PolynomialModel(Model):
     """Chebyshev polynomials through a design's runs, with an enclosed range; all other runs test
-    them. tolerance: gap between enclosure and attained range, as a fraction of the width, at which
-    it is good."""
+    them. tolerance: gap of enclosure and attained range, over the width, that is small enough."""
 
     kind = "enclosed range of the polynomial"
 
@@ -88,8 +84,8 @@ class PolynomialModel(Model):
         return surrogate_range(self.surrogate, self.tolerance)
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Estimated error (n, T): the larger of the residuals at runs that were not fitted and the
-        tail of neglected coefficients; window: half width (s) of the time within which the largest
+        """Estimated error (n, T): the larger of residuals at runs not fitted and the tail of
+        neglected coefficients; window: half width (s) of the time within which the largest
         counts."""
         samples, surrogate = self.samples, self.surrogate
         unit, time = samples.unit[self.test_rows], samples.time
@@ -139,13 +135,11 @@ class ScanModel(Model):
         return attained(total.low, total.high, self.unit[total.low_run], self.unit[total.high_run])
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Growth (n, T) of the bounds from the first half of the runs to all; no argument changes
-        it."""
+        """Growth (n, T) of the bounds from the first half of the runs to all of them."""
         return ErrorEstimate(self.growth, self.growth, np.zeros_like(self.growth))
 
     def variables(self) -> dict:
-        """Variable ``growth_quarter`` (response, time): growth of bounds with the runs' last
-        quarter."""
+        """Variable ``growth_quarter`` (response, time): growth of bounds by the last quarter."""
         text = "growth of the bounds with the last quarter of the samples"
         return {"growth_quarter": (("response", "time"), self.growth_quarter, {"long_name": text})}
 

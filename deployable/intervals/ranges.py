@@ -39,8 +39,7 @@ class Range:
 
     @property
     def gap(self) -> np.ndarray:
-        """By how much (...) the outer bounds are wider than the attained ones, summed over both
-        sides."""
+        """By how much (...) outer bounds are wider than attained ones, summed over both sides."""
         return (self.inner_lower - self.lower) + (self.upper - self.inner_upper)
 
 
@@ -158,8 +157,8 @@ def climb(
     c: np.ndarray, indices: np.ndarray, start: np.ndarray, sweeps: int = 30
 ) -> tuple[np.ndarray, np.ndarray]:
     """Maxima (T) of T polynomials by coordinate ascent from points `start` (T, k) in [-1, 1]^k, and
-    where (T, k). indices (M, k): degrees of M Chebyshev products; c (M, T): their coefficients;
-    sweeps: most passes."""
+    where (T, k). c (M, T): coefficients; indices (M, k): degrees of products; sweeps: most
+    passes."""
     directions = [j for j in range(indices.shape[1]) if indices[:, j].any()]
     plans = {j: _Plan(indices, j) for j in directions}
     best = np.full(c.shape[1], -np.inf)

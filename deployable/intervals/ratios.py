@@ -31,9 +31,8 @@ def shares_of(samples: Samples) -> Samples:
 
 
 def ratios_of(samples: Samples, bounds: Range, error: ErrorEstimate) -> tuple[Range, ErrorEstimate]:
-    """Transform back what was found for `shares_of(samples)`: its `bounds` and `error` (n, T)
-    become those of the original responses; where these are ratios less one, lower and upper bound
-    are exchanged, and others stay as they are."""
+    """Transform back the range and error (n, T) of `shares_of(samples)` to those of the responses
+    of `samples`: for ratios less one, lower and upper bound are exchanged; others stay."""
     is_ratio, own = samples.ratios[:, None], samples.ratios[:, None, None]
     ends = (bounds.upper, bounds.lower, bounds.inner_upper, bounds.inner_lower)
     old = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
@@ -53,6 +52,5 @@ def ratios_of(samples: Samples, bounds: Range, error: ErrorEstimate) -> tuple[Ra
 
 
 def ratio(share: np.ndarray) -> np.ndarray:
-    """Ratio less one, m = 1/h - 2 (...), of shares h = 1/(2 + m) in [0, 1], at least SMALLEST
-    (0.001)."""
+    """Ratio less one, 1/h - 2, of shares h = 1/(2 + m) in [0, 1], at least 0.001 (SMALLEST)."""
     return 1.0 / np.clip(share, SMALLEST, 1.0) - 2.0

@@ -18,7 +18,7 @@ _CELLS = 8  # of each direction: places in one cell are told apart no further
 @dataclass(frozen=True)
 class BoundPoints:
     """Few points `unit` (P, k) in [-1, 1]^k that represent where bounds are attained; lower, upper
-    (n, T): index of the point nearest to where this bound of each response is attained at each
+    (n, T): index of that nearest to where this bound of each response is attained at each
     instant."""
 
     unit: np.ndarray

@@ -51,7 +51,7 @@ class Running:
 
     @classmethod
     def of_runs(cls, values: np.ndarray, runs: np.ndarray) -> Running:
-        """Least and largest of finite values (R, ...) of R runs; runs (R): their numbers,
+        """Least and largest of finite values (R, ...); runs (R): numbers of the runs,
         increasing."""
         low, high = values.argmin(axis=0)[None], values.argmax(axis=0)[None]
         numbers = np.asarray(runs)
@@ -63,8 +63,7 @@ class Running:
         )
 
     def merge(self, rival: Running | None) -> Running:
-        """Running bounds of the runs of this object and of `rival` together (None: of this one
-        alone)."""
+        """Running bounds of these runs and those of `rival` together (None: of these alone)."""
         if rival is None:
             return self
         lower = _comes_first(rival.low, self.low, rival.low_run, self.low_run)
@@ -159,7 +158,7 @@ class Samples:
             yield running
 
     def coordinates(self) -> dict:
-        """Coordinates of the samples dataset, by name, for a new one of these responses, time and
+        """Coordinates of the source by name, for a new dataset of these responses and
         parameters."""
         variables = {n: self.source[n].variable for n in _COORDINATES if n in self.source}
         return {n: v.isel(response=self.rows, missing_dims="ignore") for n, v in variables.items()}

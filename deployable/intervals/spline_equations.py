@@ -38,9 +38,8 @@ def distinct(points: np.ndarray, factor: float = 1.0) -> np.ndarray:
 
 
 def line_rows(x: np.ndarray, knots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Indices and factors (P, 4) that give the value at x (P) of a cubic spline, from a list of its
-    N values at knots (N) and N second derivatives. Beyond the outer knots it goes on as a straight
-    line."""
+    """Indices and factors (P, 4) that give the value at x (P) of a cubic spline from a list of its
+    N values at knots (N), then N second derivatives. Beyond the outer knots it is straight."""
     order = np.argsort(knots)
     t, count = knots[order], len(knots)
     cell = np.clip(np.searchsorted(t, x, side="right") - 1, 0, count - 2)

@@ -117,11 +117,11 @@ class Spline:
 
 
 def check_spline_runs(points: np.ndarray) -> None:
-    """Raise `IntervalError` unless runs at points (N, k) in [-1, 1]^k are enough for a spline and
-    its error.
+    """Raise `IntervalError` unless runs at points (N, k) in [-1, 1]^k suffice for a spline and its
+    error.
 
-    There must be at most `MAX_RUNS` (4000), and there must be a spline through all of them but any
-    one, which takes runs that are not in one plane. One run will do for a box without width.
+    There must be at most 4000 (`MAX_RUNS`), and a spline through all of them but any one, which
+    takes runs that are not in one plane. One run will do for a box without width.
     """
     points = np.asarray(points, dtype=float)
     if len(points) > MAX_RUNS:
@@ -206,8 +206,7 @@ def _solve(points, scales, flat) -> tuple[np.ndarray, np.ndarray]:
 
 def choose_scales(points: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Scales (k) of distances in a spline through values (N, T) at `points` (N, k) in [-1, 1]^k,
-    those with the least leave-one-out errors, found by doubling and halving each; 0 where all runs
-    agree.
+    those of least leave-one-out errors, found by doubling and halving each; 0 where all runs agree.
 
     The response may change over a tenth of one interval and hardly over all of another; distances
     should tell. Columns count relative to their spread; a few hundred runs and instants choose.

@@ -21,7 +21,7 @@ class Box:
     Attributes
     ----------
     names
-        Of the k parameters, each once.
+        Names of the k parameters, each once.
     lower, upper
         Bounds (k) in the units of the parameters, lower <= upper.
 
@@ -84,8 +84,7 @@ class Box:
         return np.where(self.free, values, self.lower)
 
     def corners(self) -> np.ndarray:
-        """Normalized coordinates (2^f, k) of the corners: -1 or 1 in the f intervals with a
-        width."""
+        """Normalized coordinates (2^f, k) of the corners: -1 or 1 in the f intervals with width."""
         choices = [(-1.0, 1.0) if free else (0.0,) for free in self.free]
         return np.array(list(itertools.product(*choices)))
 
@@ -167,6 +166,5 @@ def match_points(points: np.ndarray, unit: np.ndarray, tolerance: float = 1e-8) 
 
 def other_runs(unit: np.ndarray, points: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
     """Indices of the runs, at normalized points `unit` (R, k), that are at none of the design's
-    points (N, k), and may test a fit. tolerance: largest difference of a coordinate at one
-    point."""
+    points (N, k), and may test a fit. tolerance: by which coordinates of one point may differ."""
     return np.flatnonzero(_nearest(unit, points)[1] > tolerance)

@@ -44,8 +44,7 @@ def lobatto(order: int) -> np.ndarray:
 
 
 def grid(lines: Sequence[np.ndarray]) -> np.ndarray:
-    """All combinations (N, k) of coordinates along k directions (`lines`: k arrays), last one
-    fastest."""
+    """All combinations (N, k) of coordinates along k directions (k `lines`), the last fastest."""
     return np.stack([g.ravel() for g in np.meshgrid(*lines, indexing="ij")], axis=1)
 
 

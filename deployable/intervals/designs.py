@@ -28,18 +28,18 @@ MAX_TERMS = 10_000  # polynomials that can be fitted together on a sparse grid: 
 
 @dataclass(frozen=True)
 class Design:
-    """Points (N, k) in unit coordinates and the basis that they determine.
+    """Points at which the model is run, and the polynomials that they determine.
 
     Attributes
     ----------
     points
-        Unit coordinates (N, k).
+        Normalized parameters (N, k) in [-1, 1].
     multi_indices
-        Basis (M, k) of Chebyshev products, M <= N; (0, k) for a plain scan without surrogate.
+        Degrees (M, k) of the M <= N Chebyshev products; (0, k) for a scan without surrogate.
     method
-        One of `METHODS`.
+        How the points were chosen, one of `METHODS`.
     order
-        Order of each direction (k); 0 where the interval has no width.
+        Polynomial order in each direction (k); 0 where the interval has no width.
     lines
         For a full tensor grid in the order of `multi_indices`: the coordinates along each
         direction, (n_1 + 1), ..., (n_k + 1).
@@ -115,7 +115,7 @@ def make_design(
         may have none: then there is no surrogate, only the least and largest sample. With one, the
         polynomials of that total degree are fitted by least squares.
     options
-        ``samples`` and ``seed`` (sobol).
+        ``samples``, the number of points, and ``seed`` of the sequence (sobol).
 
     Raises
     ------

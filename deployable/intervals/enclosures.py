@@ -27,8 +27,7 @@ def effects_enclosure(c: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, n
     products.
 
     p = c_0 + sum_j p_j(x_j) + interactions; |T_i| <= 1, and the range of a sum of functions of
-    different variables is the sum of their ranges. Sharp where the interactions are small, and
-    cheap.
+    different variables is the sum of their ranges. Sharp where interactions are small, and cheap.
     """
     active = (indices > 0).sum(axis=1)
     rest = np.abs(c[active > 1]).sum(axis=0)
@@ -96,7 +95,7 @@ _WORK = 60_000  # numbers in all the patches that an instant may use on average
 def tighten(
     dense: np.ndarray, inner: np.ndarray, outer: np.ndarray, tolerance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Tighten an upper bound of max p over [-1, 1]^k.
+    """Tighten upper bounds of T polynomials p over [-1, 1]^k, by subdivision.
 
     Parameters
     ----------

@@ -163,7 +163,7 @@ def usual(left_out: np.ndarray, directions: int) -> np.ndarray:
     that vary).
 
     Any run may be next to the point that decides, and runs were placed where the fit was in doubt,
-    so that a mean counts. In more than 3 directions (`AVERAGED`), where few corners have runs, the
+    so that a mean counts. In more than 3 directions (`AVERAGED`), where few corners have runs: the
     largest.
     """
     size = np.abs(left_out)

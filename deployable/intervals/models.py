@@ -27,17 +27,17 @@ from .splines import check_spline_runs, fit_spline
 class Model:
     """A model of n responses over the box, at T instants, for k parameters.
 
-    A new model is a subclass and a line in `MODELS`. Its constructor fits it;
-    further keyword-only arguments of that are the options that a user has.
+    A new model is a subclass and a line in `MODELS`. Its constructor fits it to samples of runs;
+    design: points of those to be fitted; further keyword-only arguments are options of a user.
 
     Attributes
     ----------
     kind
-        What its bounds are; "enclosed ..." or "attained ..." where they are a model's range.
+        Words for its bounds; "enclosed ..." or "attained ..." where they are a model's range.
     test_rows
         Indices of the runs that were not fitted, and test it.
     attributes
-        What else a bounds dataset tells of it.
+        Further attributes of a bounds dataset, by name.
     """
 
     kind: str
@@ -84,9 +84,8 @@ class PolynomialModel(Model):
         return surrogate_range(self.surrogate, self.tolerance)
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Estimated error (n, T): the larger of residuals at runs not fitted and the tail of
-        neglected coefficients; window: half width (s) of the time within which the largest
-        counts."""
+        """Estimated error (n, T): the larger of residuals at runs not fitted and the neglected tail
+        of coefficients; window: half width (s) of the time in which the largest counts."""
         samples, surrogate = self.samples, self.surrogate
         unit, time = samples.unit[self.test_rows], samples.time
         residuals = samples.values[self.test_rows] - surrogate.evaluate(unit)

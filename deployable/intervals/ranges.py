@@ -27,7 +27,7 @@ class Range:
     inner_lower, inner_upper
         Attained: the model takes these values at `argmin` and `argmax`.
     argmin, argmax
-        (..., k) unit coordinates.
+        (..., k) normalized parameters in [-1, 1].
     """
 
     lower: np.ndarray
@@ -57,7 +57,7 @@ def raised(bounds: Range, least: np.ndarray) -> Range:
 
 
 def surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
-    """Range of a polynomial surrogate over [-1, 1]^k.
+    """Bound a polynomial surrogate over [-1, 1]^k: its enclosed and its attained range.
 
     In one dimension (or where only one direction matters) it is exact to rounding. In several, the
     outer range is the tightest of the enclosures of `enclosures`, the inner one is attained
@@ -157,8 +157,7 @@ def climb(
     c: np.ndarray, indices: np.ndarray, start: np.ndarray, sweeps: int = 30
 ) -> tuple[np.ndarray, np.ndarray]:
     """Maxima (T) of T polynomials by coordinate ascent from points `start` (T, k) in [-1, 1]^k, and
-    where (T, k). c (M, T): coefficients; indices (M, k): degrees of products; sweeps: most
-    passes."""
+    where (T, k). c (M, T): coefficients; indices (M, k): degrees; sweeps: most passes."""
     directions = [j for j in range(indices.shape[1]) if indices[:, j].any()]
     plans = {j: _Plan(indices, j) for j in directions}
     best = np.full(c.shape[1], -np.inf)

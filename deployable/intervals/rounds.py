@@ -18,8 +18,7 @@ _CELLS = 8  # of each direction: places in one cell are told apart no further
 @dataclass(frozen=True)
 class BoundPoints:
     """Few points `unit` (P, k) in [-1, 1]^k that represent where bounds are attained; lower, upper
-    (n, T): index of that nearest to where this bound of each response is attained at each
-    instant."""
+    (n, T): index of that nearest to where this bound of a response is attained at an instant."""
 
     unit: np.ndarray
     lower: np.ndarray
@@ -89,13 +88,13 @@ def seek_points(
     Parameters
     ----------
     unit, values
-        Normalized points (R, k) and responses (R, n, T) of the runs so far.
+        Points (R, k) in [-1, 1]^k and responses (R, n, T) of the runs so far.
     count
-        Most points.
+        Largest number of points to be returned.
     candidates
         Number of points at which the spline is evaluated.
     seed
-        Of the candidates; should differ from iteration to iteration.
+        Random seed of the candidates; should differ from iteration to iteration.
 
     Returns
     -------

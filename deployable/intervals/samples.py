@@ -51,8 +51,7 @@ class Running:
 
     @classmethod
     def of_runs(cls, values: np.ndarray, runs: np.ndarray) -> Running:
-        """Least and largest of finite values (R, ...); runs (R): numbers of the runs,
-        increasing."""
+        """Least and largest of finite values (R, ...); runs (R): the runs' numbers, increasing."""
         low, high = values.argmin(axis=0)[None], values.argmax(axis=0)[None]
         numbers = np.asarray(runs)
         return cls(
@@ -93,11 +92,11 @@ class Samples:
     Attributes
     ----------
     names, rows
-        (n): of the responses, their names, and their indices in the dataset `source`.
+        (n): names of the responses, and their indices in `source`, the dataset.
     time
-        (T) in s.
+        Instants (T) in s.
     unit
-        (R, k): unit coordinates.
+        (R, k): normalized parameters of the runs, in [-1, 1].
     nominal
         The index of the nominal run, or None.
     """
@@ -158,8 +157,7 @@ class Samples:
             yield running
 
     def coordinates(self) -> dict:
-        """Coordinates of the source by name, for a new dataset of these responses and
-        parameters."""
+        """Coordinates of the source by name, for a new dataset of these responses."""
         variables = {n: self.source[n].variable for n in _COORDINATES if n in self.source}
         return {n: v.isel(response=self.rows, missing_dims="ignore") for n, v in variables.items()}
 

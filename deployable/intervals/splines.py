@@ -33,12 +33,12 @@ _SMALLEST = np.finfo(float).tiny / np.finfo(float).eps  # below it numbers have 
 
 @dataclass(frozen=True)
 class Spline:
-    """Interpolant of runs at unit points (N, k).
+    """Cubic (polyharmonic) spline through N runs at points in [-1, 1]^k.
 
     Attributes
     ----------
     points
-        (N, k), no two nearly the same.
+        (N, k): those of the runs, no two nearly the same.
     scales
         (k): distances are measured in scales * x; 0 where all the runs agree.
     weights
@@ -48,7 +48,7 @@ class Spline:
         (N, ...): value of each run less that of the spline through all the others; infinite where
         the others give no spline.
     values
-        (N, ...): the runs.
+        (N, ...): responses of the runs.
     lowest, highest, argmin, argmax
         (...) and (..., k): extreme values of all runs given, repeated ones too, and where they are.
     misfit

@@ -34,8 +34,7 @@ _LEVERAGE = 1 - 1e-8  # above it a run alone decides a coefficient, and nothing 
 class Kriging:
     """A polynomial `trend` plus a correction through the runs at points (N, k) in [-1, 1]^k:
     kriging of the residuals with an exponential covariance of correlation length `length`, whose
-    extreme values are at runs, so that noise does not swing beyond them. weights (N, 1): of the
-    runs."""
+    extreme values are at runs, so that noise does not swing beyond them; weights (N, 1)."""
 
     trend: Surrogate
     points: np.ndarray
@@ -132,8 +131,7 @@ class Fit:
 
     @property
     def trend(self) -> Fit:
-        """Copy of the fit without the kriging correction that brings a polynomial to single
-        runs."""
+        """Copy without the kriging correction that brings a polynomial to single runs."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:

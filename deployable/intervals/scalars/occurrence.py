@@ -51,8 +51,7 @@ class Occurrence:
         return bool(self.happens.any() and not self.happens.all())
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Whether the event occurs (P bools), by the decision function, at points `unit` (P, k) in
-        [-1, 1]^k."""
+        """Whether the event occurs (P), by the decision function, at `unit` (P, k) in [-1, 1]^k."""
         return self.certainty(unit) >= 0
 
     def certainty(self, unit: np.ndarray) -> np.ndarray:
@@ -78,9 +77,8 @@ class Occurrence:
         return np.maximum(np.minimum(*nearest), max(1.0, float(-certain.min())))
 
     def run_certainty(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
-        """Decision function (R) at R runs by their own results: `numbers` (R), values of the
-        quantity, or event margins (R), above 0 where it occurs. Here NaN: known is only whether the
-        event occurs."""
+        """Decision function (R) at R runs by their results: `numbers` (R), values of the quantity,
+        or event margins (R), above 0 where it occurs. Here NaN: known is only whether it occurs."""
         return np.full(len(numbers), np.nan)
 
     @cached_property
@@ -148,8 +146,7 @@ class Occurrence:
         return _matern(unit, points) @ weights
 
     def formula(self) -> Formula:
-        """The decision function as a table, `Formula`, which other programs can evaluate; only
-        where runs do not all agree."""
+        """The decision function as a table, `Formula`, where runs do not all agree."""
         points, weights = self._support_vectors
         k = points.shape[1]
         constant, scales = np.zeros((1, k), dtype=int), np.full(k, np.sqrt(5) / _LENGTH)
@@ -205,9 +202,9 @@ def _matern(unit: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class FittedOccurrence(Occurrence):
-    """Occurrence of an event by a fitted function: it occurs where `fit`, of an event margin, is
-    not below 0, or, with `latest` (end of the runs, s), where `fit`, of a time, is not above that;
-    `error`: the fit's.
+    """Occurrence of an event by a fitted function: where `fit`, of an event margin, is not below 0,
+    or, with `latest` (end of the runs, s), where `fit`, of a time, is not above; `error`: the
+    fit's.
 
     An event margin, or the time left before the runs end, locates the border of where the event
     occurs better than whether it occurs does.

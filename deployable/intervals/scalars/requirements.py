@@ -22,8 +22,7 @@ class Limit:
 
     kind: "at_most" or "at_least" a `level`, or "happens", with level 1 if the event must occur and
     0 if it must not; run_error: error of the runs themselves, as by mesh and step, in the
-    quantity's unit; border: their error in the decision function `Occurrence.certainty`, infinite
-    if finer runs differ.
+    quantity's unit; border: their error in `Occurrence.certainty`, infinite if finer runs differ.
     """
 
     surrogate: ScalarSurrogate | None
@@ -208,8 +207,7 @@ ENDS = ("upper", "lower", "width")
 @dataclass(frozen=True)
 class Goal:
     """An objective to be minimised over choices: `kind`, the bound ("upper", "lower") or the
-    "width" of a quantity over the box that a choice leaves, times `sign`, -1 where it is to be
-    maximised."""
+    "width" of a quantity over the box that a choice leaves, times `sign`, -1 to maximise it."""
 
     surrogate: ScalarSurrogate
     kind: str
@@ -217,8 +215,7 @@ class Goal:
 
     def value(self, lower: np.ndarray, upper: np.ndarray) -> tuple[float, np.ndarray]:
         """Objective, without the sign, over the part of the box from `lower` to `upper` (k each, in
-        [-1, 1]), and the points where its bound is attained, (1, k), or both bounds of a width, (2,
-        k)."""
+        [-1, 1]), and the points where its bound is attained, (1, k), or both of a width, (2, k)."""
         if self.kind == "width":
             interval = self.surrogate.range(lower, upper, climbs=1)
             return interval.width, np.array([interval.argmin, interval.argmax])

@@ -122,9 +122,8 @@ def _spread(free: tuple[bool, ...]) -> np.ndarray:
 @dataclass(frozen=True)
 class ScalarSurrogate:
     """Surrogate of a quantity (a number of each run) over the box: `fit`, its value as a function
-    of the parameters (None where no run has one), and `occurrence`, in which part of the box it
-    exists. least: physical lower bound; latest: of a time, the end of the runs, which no value
-    exceeds."""
+    of the parameters (None: no run has one), and `occurrence`, in which part of the box it exists.
+    least: physical lower bound; latest: of a time, the end of the runs, which no value passes."""
 
     fit: Fit | None
     occurrence: Occurrence
@@ -159,8 +158,7 @@ class ScalarSurrogate:
         return np.clip(self.fit.evaluate(np.asarray(unit, dtype=float)), self.least, self.latest)
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P) at points `unit` (P, k) in [-1, 1]^k, NaN where the quantity does not
-        exist."""
+        """Values (P) at points `unit` (P, k) in [-1, 1]^k, NaN where the quantity has none."""
         if self.fit is None:
             return np.full(len(unit), np.nan)
         return np.where(self.occurrence.evaluate(unit), self.predict(unit), np.nan)

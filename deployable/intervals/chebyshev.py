@@ -119,7 +119,7 @@ def product_basis(points: np.ndarray, indices: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Surrogate:
-    """Polynomial sum_m coefficients[m] T_(i_m1)(x_1) ... T_(i_mk)(x_k), x in [-1, 1]^k.
+    """Polynomial surrogate sum_m coefficients[m] T_(i_m1)(x_1) ... T_(i_mk)(x_k), x in [-1, 1]^k.
 
     Attributes
     ----------
@@ -134,12 +134,12 @@ class Surrogate:
 
     @property
     def dimension(self) -> int:
-        """Number of directions k."""
+        """Number of directions (parameters) k."""
         return self.multi_indices.shape[1]
 
     @property
     def degrees(self) -> np.ndarray:
-        """Highest degree in each direction, (k)."""
+        """Highest degree of the polynomial in each of the k directions (k)."""
         return self.multi_indices.max(axis=0)
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
@@ -152,8 +152,8 @@ class Surrogate:
         return values.reshape(len(unit), *self.coefficients.shape[1:])
 
     def dense(self) -> np.ndarray:
-        """Coefficients as a full tensor (n_1 + 1, ..., n_k + 1, ...) by degree, zeros where
-        absent."""
+        """Coefficients as a full tensor (n_1 + 1, ..., n_k + 1, ...) by degree, n_j being the
+        highest one in direction j; zeros for products that the polynomial does not have."""
         full = np.zeros((*(self.degrees + 1), *self.coefficients.shape[1:]))
         full[tuple(self.multi_indices.T)] = self.coefficients
         return full

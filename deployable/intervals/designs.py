@@ -53,7 +53,7 @@ class Design:
 
     @property
     def dimension(self) -> int:
-        """Number of directions k."""
+        """Number of directions (parameters) k."""
         return self.points.shape[1]
 
     @property
@@ -87,7 +87,7 @@ class Method:
 
     @property
     def options(self) -> tuple[str, ...]:
-        """Names of the options that a user has."""
+        """Names of the options that a user has: the keyword-only arguments of `make`."""
         parameters = inspect.signature(self.make).parameters.values()
         return tuple(p.name for p in parameters if p.kind is p.KEYWORD_ONLY)
 
@@ -214,10 +214,10 @@ def scan_points(
     """Points (samples, k) of a low-discrepancy sample of [-1, 1]^k: the corners, then a Sobol
     sequence.
 
-    `free` (k): mask of the directions with a width; the others stay at 0. seed: of the sequence's
-    scrambling. The corners are left out when they would take more than half of the samples. A
-    sample with more points contains the smaller one with the same seed, so that its runs are
-    reused.
+    free (k): mask of the directions with a width, the others stay at 0; seed: of the sequence's
+    scrambling; corners: whether they are wanted: they are left out, too, when they would take more
+    than half of the samples. A sample with more points contains the smaller one with the same seed,
+    so that its runs are reused.
     """
     samples = check_integer("samples", samples, 1, 10_000_000)
     seed = check_integer("seed", seed, 0, 2**32 - 1)

@@ -45,7 +45,7 @@ def effects_enclosure(c: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, n
 def grid_enclosure(
     c: np.ndarray, indices: np.ndarray, density: int = 8
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper bounds (T) of polynomials on [-1, 1]^k: inflated extremes on a grid.
+    """Lower and upper bounds (T) of T polynomials on [-1, 1]^k: inflated extremes on a grid.
 
     Two inflations are valid, and the smaller one is taken at each instant:
 

@@ -128,14 +128,16 @@ def overruled(
     time: np.ndarray,
     window: float | None = None,
 ) -> np.ndarray:
-    """Limit the extrapolated tail `decay` (..., T) of a polynomial to what validation runs allow.
+    """Limit the extrapolated tail `decay` (..., T) of a polynomial to what validation runs allow,
+    and return it; time: instants (T) s; window: half width (s) of the time in which the largest
+    counts.
 
     A decay cannot be told from order 1, nor where every second coefficient is zero; a polynomial
     that is exact then has a tail as large as its last coefficients. But the next two coefficients
     along each direction follow from the errors `residuals` (R, ..., T) at validation runs at `unit`
     (R, k) of the fit through `points` (N, k), if these runs are enough to determine them. Then the
-    tail is at most `MAX_TAIL_RATIO` times the sum of their sizes, or the largest residual, within
-    `window` of each instant; with fewer runs it stays as it is.
+    tail is at most `MAX_TAIL_RATIO` (10) times the sum of their sizes, or the largest residual;
+    with fewer runs it stays as it is.
     """
     highest = surrogate.degrees
     next_two = [

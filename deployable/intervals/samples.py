@@ -110,7 +110,7 @@ class Samples:
 
     @cached_property
     def values(self) -> np.ndarray:
-        """Responses (R, n, T), read at first use. IntervalError unless all are there and finite."""
+        """Responses (R, n, T) of all runs, read at first use; IntervalError for any not finite."""
         if "values" not in self.source:
             raise IntervalError("samples", "extremes only", "the responses of every run")
         values = np.asarray(self.read(slice(None)), dtype=float)
@@ -138,8 +138,9 @@ class Samples:
         return None if self.nominal is None else self.read(slice(self.nominal, self.nominal + 1))[0]
 
     def quarters(self) -> Iterator[Running | None]:
-        """Running bounds (n, T) of each quarter of the runs, None for one without runs: from the
-        dataset if it stores them instead of values, else from the runs, some at a time."""
+        """Iterate over the four quarters of the runs: least and largest values (n, T) of each as
+        `Running`, None for one without runs; from the dataset if it stores them, else from the
+        runs, chunk by chunk."""
         if "values" not in self.source:
             arrays = [self.source[name].values[:, self.rows] for name in _RUNNING]
             quarters = (Running(*quarter) for quarter in zip(*arrays, strict=True))

@@ -94,9 +94,9 @@ class Spline:
         return (self.basis(unit) @ flat).reshape(len(unit), *self.weights.shape[1:])
 
     def formula(self) -> Formula:
-        """The spline of a single number (weights (N, 1)) as a table, `Formula`. On a line its
-        weights are jumps of the third derivative over 12; many runs close together cost digits
-        there."""
+        """Write the spline of a single number (weights (N, 1)) as a table, `Formula`, which other
+        programs can evaluate. On a line its weights are jumps of the third derivative over 12; many
+        runs close together cost digits there."""
         count, free = len(self.points), self.scales > 0
         linear = np.zeros(1 + len(free))
         if not self.on_line:

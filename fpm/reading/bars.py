@@ -33,15 +33,14 @@ class Bar(NamedTuple):
 
     @property
     def ends(self) -> np.ndarray:
-        """Distances (m,), in metres, from the bar's start to the ends of its m elements,
-        undeformed."""
+        """Distances (m,) in metres of its m elements' far ends from its start, undeformed."""
         return np.cumsum(np.concatenate([beams.length for beams in self.groups]))
 
 
 class Sections(NamedTuple):
     """Section forces and moments of a bar's m elements at t instants: `force` (N) and `moment` (N
     m), each (t, m, 2, 3): at both ends, along and about the section's axes (x along the bar, y, z),
-    acting on the part before it."""
+    by the part of the bar beyond the section on the part before it."""
 
     force: np.ndarray
     moment: np.ndarray
@@ -54,8 +53,7 @@ def bar_of(name: str) -> str:
 
 
 def bars_of(scene: Scene) -> dict[str, Bar]:
-    """Bars of a scene (all elements of a beam), by name; stretches between points are put
-    together."""
+    """Bars of a scene (all elements of a beam), by name, with all stretches between points."""
     groups: dict[str, list[Beams]] = {}
     for beams in scene.beams:
         groups.setdefault(bar_of(beams.name), []).append(beams)
@@ -152,8 +150,8 @@ def at_share(bar: Bar, sections: Sections, share: float) -> tuple[np.ndarray, np
 
 
 def half_sizes(section: Section) -> tuple[float, float]:
-    """Half width and half height (m) of a section; for an unknown outline, of the rectangle with
-    its area and second moments."""
+    """Half width (along y) and half height (along z) in m of a bar's section; for an unknown
+    outline, of the rectangle with its area and second moments."""
     if section.outline:
         return section.width / 2, section.height / 2
     return tuple(np.sqrt(3.0 * np.array([section.Iz, section.Iy]) / section.A))

@@ -80,8 +80,8 @@ class Recording:
         return np.stack([np.cross(second, third), second, third], axis=2)
 
     def arm(self, beam) -> np.ndarray:
-        """Vector (t, 3) m, in global axes, from a particle to the free end of its rigid offset
-        `beam` (a VirtualBeam)."""
+        """Vector (t, 3) m, in global axes, from a particle to the free end of the rigid offset
+        `beam` that it carries (a VirtualBeam)."""
         return self.axes(beam.particle) @ beam.arm
 
     def _column(self, particle: int, name: str) -> np.ndarray:
@@ -157,8 +157,7 @@ class Recording:
         return own[..., 0], own[..., 1]
 
     def sections(self, bar: str) -> tuple[Bar, Sections]:
-        """A bar by its name, and its elements' section forces at all instants; computed only
-        once."""
+        """A bar by its name, and its elements' section forces at all instants; memoized."""
 
         def read() -> tuple[Bar, Sections]:
             bar_data = bars_of(self.scene)[bar]
@@ -167,8 +166,7 @@ class Recording:
         return self.memoize(bar, read)
 
     def memoize(self, key: Hashable, find: Callable[[], Any]) -> Any:
-        """Value of find(), which takes no arguments, stored under `key` at the first call and
-        reused."""
+        """Value of find(), without arguments, stored under `key` at the first call and reused."""
         if key not in self._memo:
             self._memo[key] = find()
         return self._memo[key]

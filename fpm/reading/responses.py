@@ -79,7 +79,7 @@ def parse(name: str, definition: Mapping[str, Any], scene: Scene) -> Response:
     name : str
         Name of the response.
     definition : mapping
-        Exactly one key of KINDS, and the further keys of this type, as in docs/responses.md.
+        One key that is a type (KINDS), and the further keys of this type (docs/responses.md).
     scene : Scene
         The scene whose points, hinges and bars the definition names.
 

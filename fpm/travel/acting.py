@@ -57,8 +57,8 @@ class ElementForces:
 
     def linearise(self, poses: ParticlePoses) -> tuple[np.ndarray, Any]:
         """Forces (6n,) N, N m of the elements on all n particles at `poses` (positions and frames),
-        and the stiffness, sparse (6n, 6n): minus the derivatives by all motions (m, rad). Memory
-        stays."""
+        and their stiffness, sparse (6n, 6n): minus the derivatives by all motions (m, rad). The
+        elements' memory, as of a bristle's deflection, is left as it was."""
         from scipy.sparse import csc_array
 
         history = self.copy_history()

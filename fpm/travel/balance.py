@@ -25,9 +25,9 @@ TINY = 1e-300
 
 
 class Balance:
-    """What enters the static equilibrium of a scene: elastic bars and all elements that store
-    energy or load it, not those that only resist, as friction. poses: positions, frames of n
-    particles."""
+    """What enters the static equilibrium of a scene: its elastic bars and all elements that store
+    energy or load it, not those that only resist, as friction. The equilibrium solver calls its
+    methods with `poses`, positions and frames of n particles."""
 
     def __init__(self, scene):
         self._bars = elastic_of(scene)

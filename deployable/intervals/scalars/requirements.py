@@ -22,7 +22,8 @@ class Limit:
 
     kind: "at_most" or "at_least" a `level`, or "happens", with level 1 if the event must occur and
     0 if it must not; run_error: error of the runs themselves, as by mesh and step, in the
-    quantity's unit; border: their error in `Occurrence.certainty`, infinite if finer runs differ.
+    quantity's unit; border: their error in the decision function, `Occurrence.certainty`, infinite
+    if finer runs differ in whether the event occurs.
     """
 
     surrogate: ScalarSurrogate | None
@@ -110,10 +111,10 @@ def share_of_box(
 ) -> tuple[float, float]:
     """Volume fraction of the box in which all limits are satisfied, and its uncertainty: the change
     if all errors were to one side. free (k): mask of directions with a width; lower, upper (k
-    each): unit corners of the part of the box that counts, by default all.
+    each): corners, in [-1, 1]^k, of the part of the box that counts, by default all.
 
-    On one line in one dimension, on many lines spread over the box in several; limit-state surfaces
-    on each are found by linear interpolation.
+    On one line in one dimension, on many lines spread over the box in several; borders of where
+    limits are satisfied are found on each by linear interpolation.
     """
     free = np.asarray(free, dtype=bool)
     # The lines go along the direction with the largest differences.

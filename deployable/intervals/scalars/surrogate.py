@@ -34,7 +34,7 @@ class Extremes:
 
     @property
     def width(self) -> float:
-        """Largest less least value."""
+        """Difference of the largest and the least value."""
         return self.high - self.low
 
 
@@ -164,8 +164,9 @@ class ScalarSurrogate:
         return np.where(self.occurrence.evaluate(unit), self.predict(unit), np.nan)
 
     def formulas(self) -> tuple[Formula | None, Formula | bool]:
-        """Tables of the fit, None without one, and of a function that is not below 0 where the
-        quantity exists; True or False instead of the latter if it exists in all runs or in none."""
+        """Two tables, `Formula`, which other programs can evaluate: of the fit, None without one;
+        and of a function that is at least 0 where the quantity exists; in the place of the latter
+        True or False if the quantity exists in all runs or in none."""
         sure = not self.occurrence.is_mixed
         return (
             None if self.fit is None else self.fit.formula(),
@@ -283,9 +284,9 @@ def _occurrence(
 @dataclass(frozen=True)
 class Influence:
     """Widths of a quantity's range by parameter (k): `alone`, if only this one varies; `share`,
-    this over the sum of all that exceed the error of the fit, else 0; `fixed` and `halved`, if all
-    vary but this one keeps its nominal value, or half its interval about it. `width`: of the whole
-    box."""
+    this over the sum for all parameters, without those below the error of the fit; `fixed` and
+    `halved`, if all vary but this one keeps its nominal value, or half its interval about it.
+    `width`: of the whole box."""
 
     width: float
     alone: np.ndarray

@@ -99,7 +99,7 @@ def column_of(travel: Travel, variable: str, part: str) -> np.ndarray:
     """Values (p,) of one variable at the p positions of a quasi-static sweep of an opening. travel:
     result of the sweep; variable: "travel_work", virtual work of the component `part` per unit of
     the opening (N m; N on slides); "travel_inertia" that the opening moves (kg m²; kg); or
-    "travel_opening" (rad; m), both with any `part`."""
+    "travel_opening" (rad; m); `part` counts for the first alone."""
     return {WORK: travel.work.get(part), INERTIA: travel.inertia, OPENING: travel.opening}[variable]
 
 

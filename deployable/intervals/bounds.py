@@ -29,7 +29,7 @@ def bounds_dataset(
     window: float | None = None,
     **options: Any,
 ) -> xr.Dataset:
-    """Bounds of the responses over the box, with an error estimate at each instant.
+    """Compute a dataset of bounds of the responses over the box, with estimated errors, by instant.
 
     Parameters
     ----------
@@ -50,9 +50,9 @@ def bounds_dataset(
         one cubic spline through all runs, those of a scan or held out included; "scan", the least
         and the largest sample.
     window
-        Half width in s of the window of the error estimate (see `estimates.widen`).
+        Half width (s) of the time in which the largest error counts; None: 0.5 % of the duration.
     options
-        Those of the model, such as `tolerance` of `PolynomialModel`.
+        Keyword-only arguments of the model's constructor, as `tolerance` of `PolynomialModel`.
 
     Returns
     -------
@@ -61,8 +61,8 @@ def bounds_dataset(
     ``error_held_out`` and ``error_decay``), each (response, time) in the units of the response;
     ``argmin``, ``argmax`` (response, time, parameter), the parameter values where; and the numbers
     of the summary over response, such as ``largest_width`` and ``error_share_of_width``. No bound
-    is below ``response_least`` (response), where samples have that; by how much the model was is
-    ``largest_impossible``.
+    is below the physical one, ``response_least`` (response), where samples have that;
+    ``largest_impossible`` says by how much the model was.
     """
     import xarray as xr
 
@@ -178,13 +178,14 @@ def _largest(name: str, values: np.ndarray, time: np.ndarray) -> dict[str, np.nd
 def add_errors(
     bounds: xr.Dataset, parts: Mapping[str, np.ndarray], window: float | None = None
 ) -> xr.Dataset:
-    """Bounds dataset whose ``error`` is the sum of the surrogate's and further components.
+    """Add further error components to a bounds dataset: returns a copy whose ``error`` (response,
+    time) is the sum of the surrogate's and of all `parts`.
 
-    `parts` (n, T each) are errors by name, such as those of a mesh, in the units of the responses.
-    They are widened in time by `window` (see `estimates.widen`) and added to the surrogate's. The
-    dataset gets ``error_surrogate`` and ``error_<name>`` (response, time), and over response
-    ``share_surrogate`` and ``share_<name>``, as shares of the width, both integrated over time;
-    the numbers of ``error`` are those of the sum. NaN where a part is not known.
+    parts: errors (n, T) of n responses at T instants by name, such as those of a mesh, in the
+    responses' units, NaN where not known; the largest within `window` (half width, s) of each
+    instant counts. The copy gets ``error_surrogate`` and ``error_<name>`` (response, time), and
+    ``share_surrogate`` and ``share_<name>`` (response), as fractions of the width, both integrated
+    over time; ``largest_error``, its time and ``error_share_of_width`` are the sum's.
     """
     time = bounds["time"].values
     area = np.trapezoid((bounds["upper"] - bounds["lower"]).values, time)
@@ -206,8 +207,8 @@ def add_errors(
 
 
 def share_of(error: np.ndarray, time: np.ndarray, area: np.ndarray) -> np.ndarray:
-    """Relative errors (n,): errors (n, T) integrated over time (T), over the widths' integrals
-    `area` (n,); 0 where these are 0."""
+    """Relative errors (n,) of n responses: errors (n, T) integrated over time (T) s, divided by
+    `area` (n,), integrals over time of the widths of the bounds; 0 where these are 0."""
     integrals = np.trapezoid(error, time)
     return np.divide(integrals, area, out=np.zeros_like(integrals), where=area > 0)
 
@@ -215,8 +216,8 @@ def share_of(error: np.ndarray, time: np.ndarray, area: np.ndarray) -> np.ndarra
 def hausdorff(
     lower: np.ndarray, upper: np.ndarray, reference_lower: np.ndarray, reference_upper: np.ndarray
 ) -> np.ndarray:
-    """Hausdorff distance (...) of the intervals [lower, upper] from the reference ones, all arrays
-    (...), element by element: the larger difference of both bounds."""
+    """Hausdorff distance (...) of the intervals [lower, upper] from reference intervals, all arrays
+    (...), element by element: the larger of the differences of lower and of upper bounds."""
     return np.maximum(np.abs(lower - reference_lower), np.abs(upper - reference_upper))
 
 
@@ -227,7 +228,7 @@ def compare_bounds(
     reference_lower: np.ndarray,
     reference_upper: np.ndarray,
 ) -> dict[str, float]:
-    """Compare bounds with reference bounds over time.
+    """Compare bounds with reference bounds over time; returns numbers by name.
 
     Parameters
     ----------
@@ -241,9 +242,9 @@ def compare_bounds(
     Returns
     -------
     hausdorff_largest
-        in units of the response, and `hausdorff_largest_time` in s.
+        largest distance, in the response's units, and `hausdorff_largest_time`, when, in s.
     hausdorff_rms
-        root of the mean square over time.
+        root of the distance's mean square over time.
     hausdorff_integrated
         integral of the distance over the integral of the reference's width; NaN for zero width.
     width_ratio
@@ -264,14 +265,14 @@ def compare_bounds(
 
 
 def compare_runs(lower: np.ndarray, upper: np.ndarray, values: np.ndarray) -> dict[str, float]:
-    """Coverage of runs by bounds over time.
+    """Compute how well bounds over time hold for other runs.
 
     Parameters
     ----------
     lower, upper
         Bounds (T).
     values
-        Runs (H, T).
+        Responses (H, T) of H runs at the same T instants.
 
     Returns
     -------

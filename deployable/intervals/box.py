@@ -21,7 +21,7 @@ class Box:
     Attributes
     ----------
     names
-        Of the k parameters, each once.
+        Names of the k parameters, each once.
     lower, upper
         Bounds (k) in the units of the parameters, lower <= upper.
 
@@ -62,12 +62,12 @@ class Box:
 
     @property
     def free(self) -> np.ndarray:
-        """Mask (k) of the intervals that have a width."""
+        """Mask (k) of the parameters whose interval has a width, True where lower < upper."""
         return self.upper > self.lower
 
     def to_unit(self, values: np.ndarray) -> np.ndarray:
-        """Normalized coordinates (..., k), -1 at `lower` and 1 at `upper`, of parameter values
-        (..., k); 0 where the width is zero."""
+        """Normalize parameter values (..., k): coordinates (..., k) from -1 at `lower` to 1 at
+        `upper`; 0 where the width is zero."""
         values = np.asarray(values, dtype=float)
         width = np.where(self.free, self.upper - self.lower, 1.0)
         unit = ((values - self.lower) - (self.upper - values)) / width
@@ -84,19 +84,19 @@ class Box:
         return np.where(self.free, values, self.lower)
 
     def corners(self) -> np.ndarray:
-        """Unit coordinates (2^f, k) of the corners, f the number of intervals with a width."""
+        """Normalized coordinates (2^f, k) of the corners: -1 or 1 in the f intervals with width."""
         choices = [(-1.0, 1.0) if free else (0.0,) for free in self.free]
         return np.array(list(itertools.product(*choices)))
 
 
 def keys(points: np.ndarray, digits: int = 12) -> list[tuple[float, ...]]:
-    """Hashable keys of points (N, k): their coordinates, rounded to `digits` decimals, without -0,
-    so that points that differ by rounding errors have the same key."""
+    """Hashable keys of points (N, k), to find equal ones: their coordinates, rounded to `digits`
+    decimals, without -0, so that points that differ by rounding errors have the same key."""
     return [tuple(point) for point in np.round(points, digits) + 0.0]
 
 
 def corner_points(free: np.ndarray) -> np.ndarray:
-    """Corners (2^f, k) of the box, ordered so that opposite ones follow each other and the first
+    """Corners (2^f, k) of [-1, 1]^k, ordered so that opposite ones follow each other and the first
     few are spread out; free (k): mask of the f directions with a width, 0 in the others."""
     free = np.asarray(free, dtype=bool)
     dimension = int(free.sum())
@@ -149,9 +149,9 @@ def _nearest(points: np.ndarray, unit: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def match_points(points: np.ndarray, unit: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
-    """Index (N) of the run at each design point (N, k); unit (R, k): coordinates of the runs, in
-    any order; tolerance: largest difference of a coordinate. IntervalError if a point has no
-    run."""
+    """Find the run at each design point (N, k): indices (N) of runs. unit (R, k): points of the
+    runs, in any order; tolerance: largest difference of a coordinate. All coordinates are
+    normalized, -1 to 1. IntervalError if a point has no run."""
     index, distance = _nearest(points, unit)
     missing = np.flatnonzero(distance > tolerance)
     if len(missing):
@@ -165,6 +165,6 @@ def match_points(points: np.ndarray, unit: np.ndarray, tolerance: float = 1e-8) 
 
 
 def other_runs(unit: np.ndarray, points: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
-    """Indices of the runs at unit coordinates (R, k) that are at none of the design's points (N,
-    k). tolerance: largest difference of a coordinate at which a run counts as at a point."""
+    """Indices of the runs, at normalized points `unit` (R, k), that are at none of the design's
+    points (N, k), and may test a fit. tolerance: by which coordinates of one point may differ."""
     return np.flatnonzero(_nearest(unit, points)[1] > tolerance)

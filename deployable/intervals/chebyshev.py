@@ -33,44 +33,47 @@ def _sine(numerator: np.ndarray, denominator: int) -> np.ndarray:
 
 
 def roots(order: int) -> np.ndarray:
-    """The order + 1 roots of the Chebyshev polynomial T_(order+1) in [-1, 1], ascending."""
+    """The n + 1 roots of the Chebyshev polynomial of degree n + 1, ascending; order: n."""
     return _sine(2 * np.arange(order + 1) - order, order + 1)
 
 
 def lobatto(order: int) -> np.ndarray:
-    """The order + 1 extreme points of the Chebyshev polynomial T_order, ascending; 0 for order 0.
-    They contain -1 and 1, and those of order n are among those of order 2n."""
+    """The n + 1 extreme points of the Chebyshev polynomial of degree n in [-1, 1], ascending; 0 for
+    n = 0; order: n. They contain -1 and 1, and those of order n are among those of order 2n."""
     return _sine(2 * np.arange(order + 1) - order, order) if order else np.zeros(1)
 
 
 def grid(lines: Sequence[np.ndarray]) -> np.ndarray:
-    """All combinations (N, k) of the coordinates along k directions, last direction fastest."""
+    """All combinations (N, k) of coordinates along k directions (k `lines`), the last fastest."""
     return np.stack([g.ravel() for g in np.meshgrid(*lines, indexing="ij")], axis=1)
 
 
 def tensor(order: Sequence[int]) -> np.ndarray:
-    """Multi-indices i with i_j <= order_j, last direction fastest: shape (prod(order + 1), k)."""
+    """Multi-indices (M, k), degrees of Chebyshev products, of a full grid: all i with i_j <=
+    order_j, last direction fastest; order (k): highest degree of each direction."""
     return grid([np.arange(n + 1) for n in order])
 
 
 def total_degree(order: Sequence[int]) -> np.ndarray:
-    """Multi-indices i (M, k) with sum_j i_j / order_j <= 1; for equal orders n total degree at most
-    n. Sorted by total degree. C(n + k, k) rows for equal orders: 20 at k = 3, n = 3."""
+    """Multi-indices i (M, k), degrees of products of Chebyshev polynomials, with sum_j i_j /
+    order_j <= 1; for equal orders n total degree at most n. Sorted by total degree; C(n + k, k)
+    rows for equal orders: 20 at k = 3, n = 3. order (k): highest degree of each direction."""
     return _within_budget(order, lambda n: dict(zip(range(n + 1), range(n + 1), strict=True)))
 
 
 def smolyak(order: Sequence[int]) -> np.ndarray:
-    """Multi-indices (M, k) of a Smolyak sparse grid with slow growth, sorted by total degree.
+    """Multi-indices (M, k), degrees of Chebyshev products, of a Smolyak sparse grid with slow
+    growth, sorted by total degree; order (k): highest degree of each direction.
 
     The union of the tensor sets of nested rules whose degrees, by the least polynomials that need
-    them, are a total-degree set; so it contains every polynomial of that total degree (Barthelmann,
-    Novak and Ritter 2000 with the growth of Burkardt 2009, where a rule grows only when it must).
+    them, are a total-degree set; so it has every polynomial of that total degree (Barthelmann,
+    Novak and Ritter 2000 with the growth of Burkardt 2009: a rule grows only when it must).
     """
     return _within_budget(order, _nested_costs)
 
 
 def count_smolyak(order: Sequence[int]) -> int:
-    """Number M of multi-indices of `smolyak`, without making them; order: of each direction."""
+    """Number M of products in a Smolyak sparse grid, without making them; order (k): as for it."""
     counts = {0.0: 1}  # rows so far, by the share of the order that they use
     for n in (int(n) for n in order if n):
         new_counts: dict[float, int] = {}
@@ -105,7 +108,7 @@ def _within_budget(order: Sequence[int], costs: Callable[[int], dict[int, int]])
 
 
 def product_basis(points: np.ndarray, indices: np.ndarray) -> np.ndarray:
-    """Values (N, M) of the Chebyshev products `indices` (M, k) at `points` (N, k)."""
+    """Values (N, M) at `points` (N, k) of Chebyshev products; indices (M, k): their degrees."""
     values = np.ones((len(points), len(indices)))
     for j in range(indices.shape[1]):
         highest = int(indices[:, j].max(initial=0))
@@ -116,7 +119,7 @@ def product_basis(points: np.ndarray, indices: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Surrogate:
-    """Polynomial sum_m coefficients[m] T_(i_m1)(x_1) ... T_(i_mk)(x_k), x in [-1, 1]^k.
+    """Polynomial surrogate sum_m coefficients[m] T_(i_m1)(x_1) ... T_(i_mk)(x_k), x in [-1, 1]^k.
 
     Attributes
     ----------
@@ -131,16 +134,16 @@ class Surrogate:
 
     @property
     def dimension(self) -> int:
-        """Number of directions k."""
+        """Number of directions (parameters) k."""
         return self.multi_indices.shape[1]
 
     @property
     def degrees(self) -> np.ndarray:
-        """Highest degree in each direction, (k)."""
+        """Highest degree of the polynomial in each of the k directions (k)."""
         return self.multi_indices.max(axis=0)
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P, ...) at unit coordinates (P, k)."""
+        """Values (P, ...) of the polynomial at points `unit` (P, k) in [-1, 1]^k."""
         unit = np.asarray(unit, dtype=float)
         if unit.ndim != 2 or unit.shape[1] != self.dimension:
             raise IntervalError("unit", unit.shape, f"an array of shape (P, {self.dimension})")
@@ -149,15 +152,15 @@ class Surrogate:
         return values.reshape(len(unit), *self.coefficients.shape[1:])
 
     def dense(self) -> np.ndarray:
-        """Coefficients as a full tensor (n_1 + 1, ..., n_k + 1, ...) by degree, zeros where
-        absent."""
+        """Coefficients as a full tensor (n_1 + 1, ..., n_k + 1, ...) by degree, n_j being the
+        highest one in direction j; zeros for products that the polynomial does not have."""
         full = np.zeros((*(self.degrees + 1), *self.coefficients.shape[1:]))
         full[tuple(self.multi_indices.T)] = self.coefficients
         return full
 
     def restrict(self, direction: int, unit: np.ndarray) -> np.ndarray:
-        """Chebyshev coefficients (n_j + 1, ...) along one direction (its index j), the other
-        coordinates held at the point `unit` (k)."""
+        """Chebyshev coefficients (n_j + 1, ...) of the polynomial as a function of one coordinate j
+        (`direction`), the others held at the point `unit` (k) in [-1, 1]^k."""
         cross_indices = self.multi_indices.copy()
         cross_indices[:, direction] = 0
         weights = product_basis(np.asarray(unit, dtype=float)[None], cross_indices)[0]
@@ -168,9 +171,9 @@ class Surrogate:
 
 
 def least_squares(basis: np.ndarray, values: np.ndarray, least: float = 1e-10) -> tuple | None:
-    """Coefficients (M, T) of the columns of `basis` (N, M) that are nearest to values (N, T), and
-    the leverage (N) of each row, by a QR factorisation; None where the smallest pivot is below
-    `least` of the largest: the rows then do not determine every coefficient."""
+    """Fit values (N, T) by the columns of `basis` (N, M): coefficients (M, T), and the leverage (N)
+    of each row (diagonal of the hat matrix), by a QR factorisation; None where the smallest pivot
+    is below `least` of the largest: the rows then do not determine every coefficient."""
     q, r = np.linalg.qr(basis)
     size = np.abs(np.diag(r))
     if size.min() < least * size.max():

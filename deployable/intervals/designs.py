@@ -28,18 +28,18 @@ MAX_TERMS = 10_000  # polynomials that can be fitted together on a sparse grid: 
 
 @dataclass(frozen=True)
 class Design:
-    """Points (N, k) in unit coordinates and the basis that they determine.
+    """Points at which the model is run, and the polynomials that they determine.
 
     Attributes
     ----------
     points
-        Unit coordinates (N, k).
+        Normalized parameters (N, k) in [-1, 1].
     multi_indices
-        Basis (M, k) of Chebyshev products, M <= N; (0, k) for a plain scan without surrogate.
+        Degrees (M, k) of the M <= N Chebyshev products; (0, k) for a scan without surrogate.
     method
-        One of `METHODS`.
+        How the points were chosen, one of `METHODS`.
     order
-        Order of each direction (k); 0 where the interval has no width.
+        Polynomial order in each direction (k); 0 where the interval has no width.
     lines
         For a full tensor grid in the order of `multi_indices`: the coordinates along each
         direction, (n_1 + 1), ..., (n_k + 1).
@@ -53,12 +53,12 @@ class Design:
 
     @property
     def dimension(self) -> int:
-        """Number of directions k."""
+        """Number of directions (parameters) k."""
         return self.points.shape[1]
 
     @property
     def runs(self) -> int:
-        """Number of points N."""
+        """Number N of points, at each of which the model is run."""
         return self.points.shape[0]
 
 
@@ -87,7 +87,7 @@ class Method:
 
     @property
     def options(self) -> tuple[str, ...]:
-        """Names of the options that a user has."""
+        """Names of the options that a user has: the keyword-only arguments of `make`."""
         parameters = inspect.signature(self.make).parameters.values()
         return tuple(p.name for p in parameters if p.kind is p.KEYWORD_ONLY)
 
@@ -115,7 +115,7 @@ def make_design(
         may have none: then there is no surrogate, only the least and largest sample. With one, the
         polynomials of that total degree are fitted by least squares.
     options
-        ``samples`` and ``seed`` (sobol).
+        ``samples``, the number of points, and ``seed`` of the sequence (sobol).
 
     Raises
     ------
@@ -214,10 +214,10 @@ def scan_points(
     """Points (samples, k) of a low-discrepancy sample of [-1, 1]^k: the corners, then a Sobol
     sequence.
 
-    `free` (k): mask of the directions with a width; the others stay at 0. seed: of the sequence's
-    scrambling. The corners are left out when they would take more than half of the samples. A
-    sample with more points contains the smaller one with the same seed, so that its runs are
-    reused.
+    free (k): mask of the directions with a width, the others stay at 0; seed: of the sequence's
+    scrambling; corners: whether they are wanted: they are left out, too, when they would take more
+    than half of the samples. A sample with more points contains the smaller one with the same seed,
+    so that its runs are reused.
     """
     samples = check_integer("samples", samples, 1, 10_000_000)
     seed = check_integer("seed", seed, 0, 2**32 - 1)
@@ -237,8 +237,9 @@ def scan_points(
 
 
 def spread_points(free: np.ndarray, count: int, seed: int = 1) -> np.ndarray:
-    """Points (about `count`, k) in [-1, 1]^k at which extreme values are searched: corners, a line
-    or Sobol sequence, half of it pushed to faces; free (k): mask of directions with a width."""
+    """Points (about `count`, k) in [-1, 1]^k from which extreme values are sought: corners and a
+    Sobol sequence, half of it pushed to faces, in one direction a line; free (k): mask of the
+    directions with a width, 0 in the others; seed: of the sequence."""
     dimension = int(np.sum(free))
     if dimension == 0:
         return np.zeros((1, len(free)))
@@ -254,12 +255,12 @@ def spread_points(free: np.ndarray, count: int, seed: int = 1) -> np.ndarray:
 
 
 def fit(design: Design, values: np.ndarray) -> Surrogate:
-    """Fit the polynomial of `design` to `values` (N, ...) at its points; raises IntervalError for
-    values that are not finite, or points that do not determine every coefficient.
+    """Fit the polynomial of `design` to `values` (N, ...) of runs at its N points, in their order;
+    raises IntervalError for values that are not finite, or points that do not determine all
+    coefficients.
 
-    Tensor grids take one small matrix for each direction; the other designs use a QR factorisation,
-    which is a solve where there are as many points as coefficients and least squares where there
-    are more.
+    Tensor grids take one small matrix for each direction; the other designs use a QR factorisation:
+    a solve where there are as many points as coefficients, least squares where there are more.
     """
     values = np.asarray(values, dtype=float)
     if values.shape[:1] != (design.runs,):

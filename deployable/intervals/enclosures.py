@@ -22,12 +22,12 @@ _CHUNK = 1 << 23
 
 
 def effects_enclosure(c: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper bounds (T) of polynomials on [-1, 1]^k, by exact ranges of the main effects
-    and |coefficients| of the interactions; c (M, T): of the Chebyshev products `indices` (M, k).
+    """Lower and upper bounds (T) of T polynomials on [-1, 1]^k, by exact ranges of the main effects
+    and |coefficients| of the interactions. c (M, T): coefficients; indices (M, k): degrees of the
+    products.
 
     p = c_0 + sum_j p_j(x_j) + interactions; |T_i| <= 1, and the range of a sum of functions of
-    different variables is the sum of their ranges. Sharp where the interactions are small, cheap
-    for any order and dimension.
+    different variables is the sum of their ranges. Sharp where interactions are small, and cheap.
     """
     active = (indices > 0).sum(axis=1)
     rest = np.abs(c[active > 1]).sum(axis=0)
@@ -45,7 +45,7 @@ def effects_enclosure(c: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, n
 def grid_enclosure(
     c: np.ndarray, indices: np.ndarray, density: int = 8
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper bounds (T) of polynomials on [-1, 1]^k: inflated extremes on a grid.
+    """Lower and upper bounds (T) of T polynomials on [-1, 1]^k: inflated extremes on a grid.
 
     Two inflations are valid, and the smaller one is taken at each instant:
 
@@ -95,7 +95,7 @@ _WORK = 60_000  # numbers in all the patches that an instant may use on average
 def tighten(
     dense: np.ndarray, inner: np.ndarray, outer: np.ndarray, tolerance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Tighten an upper bound of max p over [-1, 1]^k.
+    """Tighten upper bounds of T polynomials p over [-1, 1]^k, by subdivision.
 
     Parameters
     ----------

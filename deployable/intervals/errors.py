@@ -31,7 +31,7 @@ class IntervalError(ValueError):
 
 
 def check_choice(key: str, value: Any, choices: Iterable[str]) -> Any:
-    """Return `value` if it is among `choices`, else raise IntervalError; key: name of the input."""
+    """Return `value` if it is among `choices`, else raise IntervalError that names it by `key`."""
     names = tuple(choices)
     if value not in names:
         raise IntervalError(key, value, "one of " + ", ".join(names))
@@ -39,8 +39,8 @@ def check_choice(key: str, value: Any, choices: Iterable[str]) -> Any:
 
 
 def check_integer(key: str, value: Any, low: int, high: int) -> int:
-    """Return `value` as int if it is a whole number in [low, high], else raise IntervalError; key:
-    name of the input."""
+    """Return `value` as int if it is a whole number in [low, high] (by `__index__`, so no float; no
+    bool), else raise IntervalError; key: the input's name for the message."""
     whole = isinstance(value, (int,)) or (hasattr(value, "__index__"))
     if isinstance(value, bool) or not whole or not low <= int(value) <= high:
         raise IntervalError(key, value, f"a whole number from {low} to {high}")
@@ -49,7 +49,7 @@ def check_integer(key: str, value: Any, low: int, high: int) -> int:
 
 def check_options(key: str, function: Callable, options: Mapping[str, Any]) -> None:
     """Raise IntervalError for a name in `options` that is no keyword-only argument of `function`;
-    key: name of the input."""
+    key: the input's name for the message."""
     parameters = inspect.signature(function).parameters.values()
     names = [p.name for p in parameters if p.kind is p.KEYWORD_ONLY]
     for name in options:

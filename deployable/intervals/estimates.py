@@ -40,8 +40,9 @@ _INDEPENDENT = 1e-3  # least singular value, beside the largest, of what held-ou
 
 
 def share_outside(runs: int, confidence: float | None = None) -> float:
-    """Volume fraction of the box on which the model leaves the range of `runs` runs, at one
-    instant, if these were drawn at random: its mean, or its upper limit with a confidence (0 to 1).
+    """Volume fraction of the box of parameters on which the model leaves the range of `runs` runs,
+    at one instant, if these were drawn at random: its mean, or upper limit at a confidence (0 to
+    1).
 
     By order statistics, whatever the model (Wilks 1941): the share between the extremes of N draws
     has the density N (N - 1) s^(N - 2) (1 - s), so that the share outside has the beta distribution
@@ -56,12 +57,9 @@ def share_outside(runs: int, confidence: float | None = None) -> float:
 
 def richardson_error(change: np.ndarray, ratio: np.ndarray | None = None) -> np.ndarray:
     """Discretization error (...) by Richardson extrapolation, from the change (...) of a result
-    when its mesh or step is halved: the sum of this and all further changes.
-
-    ratio (...): of successive changes, 2**p at order p (Richardson, Phil. Trans. R. Soc. A 210
-    (1911) 307), clipped to RATIOS; None or NaN: unknown, taken as of first order, the largest
-    error.
-    """
+    when its mesh or step is halved: the sum of this and all further changes. ratio (...): of
+    successive changes, 2**p at order p (Richardson, Phil. Trans. R. Soc. A 210 (1911) 307), clipped
+    to RATIOS (2 to 16); None or NaN: unknown, taken as of first order, the largest error."""
     least, most = RATIOS
     ratios = np.full_like(change, least) if ratio is None else np.nan_to_num(ratio, nan=least)
     ratio = np.clip(ratios, least, most)
@@ -69,17 +67,17 @@ def richardson_error(change: np.ndarray, ratio: np.ndarray | None = None) -> np.
 
 
 def refinement_ratio(change: np.ndarray, finer_change: np.ndarray) -> np.ndarray:
-    """Ratio (...) of the sizes (...) of two successive changes under refinement, the coarser over
-    the finer one; NaN where both are zero or not known."""
+    """Ratio (...) of the sizes (...) of two successive changes of a result as its mesh or step is
+    halved: `change`, then `finer_change`; NaN where both are zero or not known."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.divide(change, finer_change)
 
 
 @dataclass(frozen=True)
 class ErrorEstimate:
-    """Estimates (..., T) of the largest error of a surrogate over the box at each instant; use
-    `total`. `held_out`: by validation runs, not fitted; `decay`: by the decay of the
-    coefficients."""
+    """Estimates (..., T) of the largest error of a surrogate over the box at each of T instants:
+    `held_out` by runs that were not fitted; `decay` by the decay of the coefficients; and `total`,
+    the one to be used: the larger of both, widened in time."""
 
     total: np.ndarray
     held_out: np.ndarray
@@ -89,8 +87,9 @@ class ErrorEstimate:
 def error_estimate(
     time: np.ndarray, held_out: np.ndarray, decay: np.ndarray, window: float | None = None
 ) -> ErrorEstimate:
-    """Combine two error estimates (..., T) at instants `time` (T) s: `total` is the larger of both,
-    and its largest value within `window` (s) of each instant (see `widen`)."""
+    """Combine two error estimates (..., T) at instants `time` (T) s: held_out by runs that were not
+    fitted, decay by coefficients. `total` is the larger one, and of it the largest within `window`
+    (half width, s; None: 0.5 % of the duration) of each instant."""
     return ErrorEstimate(widen(time, np.maximum(held_out, decay), window), held_out, decay)
 
 
@@ -104,8 +103,8 @@ def decay_estimate(
     places at a time, since odd or even functions have every second coefficient zero. Where total
     degree limits the basis, its shells stand for all directions at once.
 
-    With `time` (T) s, the last axis, the largest coefficients within `window` (s) count (see
-    `widen`): a coefficient that passes through zero would pretend a decay, or hide one.
+    With `time` (T) s, the last axis, the largest coefficients within `window` (half width, s)
+    count: one that passes through zero would pretend a decay, or hide one.
     """
     indices, c = surrogate.multi_indices, np.abs(surrogate.coefficients)
     if time is not None:
@@ -129,14 +128,16 @@ def overruled(
     time: np.ndarray,
     window: float | None = None,
 ) -> np.ndarray:
-    """Limit the extrapolated tail `decay` (..., T) of a polynomial to what validation runs allow.
+    """Limit the extrapolated tail `decay` (..., T) of a polynomial to what validation runs allow,
+    and return it; time: instants (T) s; window: half width (s) of the time in which the largest
+    counts.
 
     A decay cannot be told from order 1, nor where every second coefficient is zero; a polynomial
     that is exact then has a tail as large as its last coefficients. But the next two coefficients
     along each direction follow from the errors `residuals` (R, ..., T) at validation runs at `unit`
     (R, k) of the fit through `points` (N, k), if these runs are enough to determine them. Then the
-    tail is at most `MAX_TAIL_RATIO` times the sum of their sizes, or the largest residual, within
-    `window` of each instant; with fewer runs it stays as it is.
+    tail is at most `MAX_TAIL_RATIO` (10) times the sum of their sizes, or the largest residual;
+    with fewer runs it stays as it is.
     """
     highest = surrogate.degrees
     next_two = [
@@ -160,10 +161,11 @@ def overruled(
 
 def usual(left_out: np.ndarray, directions: int) -> np.ndarray:
     """Error (...) of a function fitted through adaptively sampled runs: a power mean of their
-    leave-one-out errors (N, ...), with the number of directions as the power.
+    leave-one-out errors `left_out` (N, ...), the power being the number of `directions` (parameters
+    that vary).
 
     Any run may be next to the point that decides, and runs were placed where the fit was in doubt,
-    so that a mean counts. In more than `AVERAGED` directions, where few corners have runs, the
+    so that a mean counts. In more than 3 directions (`AVERAGED`), where few corners have runs: the
     largest.
     """
     size = np.abs(left_out)
@@ -196,7 +198,7 @@ def _ratio(last: np.ndarray, previous: np.ndarray) -> np.ndarray:
 
 def widen(time: np.ndarray, error: np.ndarray, window: float | None = None) -> np.ndarray:
     """Largest value (..., T) of an error (..., T) within a time window about each instant of `time`
-    (T) s; window: its half-width in s, by default WINDOW / 2 of the duration."""
+    (T) s; window: its half-width in s, by default 0.5 % of the duration (WINDOW / 2)."""
     time = np.asarray(time, dtype=float)
     if len(time) < 2:
         return error.copy()

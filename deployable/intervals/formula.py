@@ -30,7 +30,7 @@ class Formula:
     root_scale: float = 1.0
 
     def shortfall(self, level: float) -> Formula:
-        """The formula of `level` minus the function, above 0 where the function is below it."""
+        """The formula of `level` minus this function: above 0 where it is below the level."""
         constant = np.zeros((1, self.indices.shape[1]), dtype=int)
         return replace(
             self,
@@ -41,7 +41,7 @@ class Formula:
 
 
 def polynomial(surrogate: Surrogate) -> Formula:
-    """The formula of a polynomial surrogate of one number, with coefficients (M, 1)."""
+    """Write a polynomial surrogate of one number, coefficients (M, 1), as a table, `Formula`."""
     k = surrogate.dimension
     points, coefficients = np.zeros((0, k)), surrogate.coefficients[:, 0]
     return Formula(surrogate.multi_indices, coefficients, points, np.ones(k), np.zeros(0), "cube")
@@ -50,8 +50,8 @@ def polynomial(surrogate: Surrogate) -> Formula:
 def cubes(
     points: np.ndarray, scales: np.ndarray, weights: np.ndarray, linear: np.ndarray
 ) -> Formula:
-    """The formula of a cubic spline: a linear function plus, for each of N points, its weight times
-    the cubed distance from it.
+    """Write a cubic spline as a `Formula`, a table: a linear function plus, for each of N points,
+    its weight times the cubed distance from it.
 
     points (N, k), weights (N); scales (k): factors by which the differences in each direction are
     multiplied before the distance is taken; linear (1 + k): the constant, and the slope in each

@@ -27,17 +27,17 @@ from .splines import check_spline_runs, fit_spline
 class Model:
     """A model of n responses over the box, at T instants, for k parameters.
 
-    A new model is a subclass and a line in `MODELS`. Its constructor fits it;
-    further keyword-only arguments of that are the options that a user has.
+    A new model is a subclass and a line in `MODELS`. Its constructor fits it to samples of runs;
+    design: points of those to be fitted; further keyword-only arguments are options of a user.
 
     Attributes
     ----------
     kind
-        What its bounds are; "enclosed ..." or "attained ..." where they are a model's range.
+        Words for its bounds; "enclosed ..." or "attained ..." where they are a model's range.
     test_rows
         Indices of the runs that were not fitted, and test it.
     attributes
-        What else a bounds dataset tells of it.
+        Further attributes of a bounds dataset, by name.
     """
 
     kind: str
@@ -48,27 +48,27 @@ class Model:
         raise NotImplementedError
 
     def range(self) -> Range:
-        """Range of the n responses over the box at T instants: bounds (n, T), and the points where
-        they are attained (n, T, k) in unit coordinates."""
+        """Range of the n responses over the box at T instants: bounds (n, T), and the points in
+        [-1, 1]^k where they are attained (n, T, k)."""
         raise NotImplementedError
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Estimated error (n, T) of bounds that `range` returned; window: half-width (s) of the
-        time window, as in `estimates.widen`."""
+        """Estimated error (n, T) of `bounds`, the result of `range`; window: half width (s) of the
+        time in which the largest error counts, None for 0.5 % of the duration."""
         raise NotImplementedError
 
     def centre(self) -> np.ndarray | None:
-        """Values (n, T) of the model at the centre of the box; None if it has none there."""
+        """Values (n, T) of the model at the centre of the box of parameters; None without any."""
         return None
 
     def variables(self) -> dict:
-        """Further variables of a bounds dataset, by name: (dimensions, values, attributes)."""
+        """Further variables of a bounds dataset: (dimensions, values, attributes) by name."""
         return {}
 
 
 class PolynomialModel(Model):
-    """Chebyshev polynomials through a design's runs, with an enclosed range. Other runs test them.
-    `tolerance`: gap of enclosure and attained range that ends subdivision, over the width."""
+    """Chebyshev polynomials through a design's runs, with an enclosed range; all other runs test
+    them. tolerance: gap of enclosure and attained range, over the width, that is small enough."""
 
     kind = "enclosed range of the polynomial"
 
@@ -80,11 +80,12 @@ class PolynomialModel(Model):
         self.attributes = {"design_runs": design.runs}
 
     def range(self) -> Range:
+        """Enclosed and attained range (n, T) of the polynomials over the box."""
         return surrogate_range(self.surrogate, self.tolerance)
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Larger of the residuals at the test runs and the coefficients' extrapolated tail (n,
-        T)."""
+        """Estimated error (n, T): the larger of residuals at runs not fitted and the neglected tail
+        of coefficients; window: half width (s) of the time in which the largest counts."""
         samples, surrogate = self.samples, self.surrogate
         unit, time = samples.unit[self.test_rows], samples.time
         residuals = samples.values[self.test_rows] - surrogate.evaluate(unit)
@@ -93,6 +94,7 @@ class PolynomialModel(Model):
         return error_estimate(time, np.abs(residuals).max(axis=0, initial=0.0), decay, window)
 
     def centre(self) -> np.ndarray:
+        """Values (n, T) of the polynomials at the centre of the box."""
         return self.surrogate.evaluate(np.zeros((1, self.samples.unit.shape[1])))[0]
 
 
@@ -127,6 +129,7 @@ class ScanModel(Model):
         }
 
     def range(self) -> Range:
+        """Least and largest values (n, T) of all runs, and the points (n, T, k) of these runs."""
         total = self.total
         return attained(total.low, total.high, self.unit[total.low_run], self.unit[total.high_run])
 
@@ -135,7 +138,7 @@ class ScanModel(Model):
         return ErrorEstimate(self.growth, self.growth, np.zeros_like(self.growth))
 
     def variables(self) -> dict:
-        """Growth (response, time) of the bounds with the last quarter of the runs."""
+        """Variable ``growth_quarter`` (response, time): growth of bounds by the last quarter."""
         text = "growth of the bounds with the last quarter of the samples"
         return {"growth_quarter": (("response", "time"), self.growth_quarter, {"long_name": text})}
 
@@ -202,13 +205,14 @@ class SplineModel(Model):
         return np.argsort(self.order)
 
     def range(self) -> Range:
+        """Range (n, T) that the spline or a run attains over the box, and where."""
         bounds = spline_range(self.spline)
         argmin, argmax = bounds.argmin[..., self._inverse], bounds.argmax[..., self._inverse]
         return replace(bounds, argmin=argmin, argmax=argmax)
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Leave-one-out errors (n, T), as the class describes, within `window` (s) of each
-        instant."""
+        """Estimated error (n, T) by leave-one-out errors, as the class describes; bounds: those of
+        `range`; window: half width (s) of the time within which the largest error counts."""
         spline = self.spline
         free = int((spline.scales > 0).sum())
         if self.averages:
@@ -230,6 +234,7 @@ class SplineModel(Model):
         return np.abs(self.spline.left_out[rows, n[..., None], instants[..., None]]).max(axis=-1)
 
     def centre(self) -> np.ndarray:
+        """Values (n, T) of the spline at the centre of the box."""
         return self.spline.evaluate(np.zeros((1, self.spline.points.shape[1])))[0]
 
 

@@ -27,7 +27,7 @@ class Range:
     inner_lower, inner_upper
         Attained: the model takes these values at `argmin` and `argmax`.
     argmin, argmax
-        (..., k) unit coordinates.
+        (..., k) normalized parameters in [-1, 1].
     """
 
     lower: np.ndarray
@@ -39,25 +39,25 @@ class Range:
 
     @property
     def gap(self) -> np.ndarray:
-        """Excess width (...) of the outer over the attained range, the sum over both sides."""
+        """By how much (...) outer bounds are wider than attained ones, summed over both sides."""
         return (self.inner_lower - self.lower) + (self.upper - self.inner_upper)
 
 
 def attained(low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.ndarray) -> Range:
-    """Range made of attained values alone: low, high (...), and the unit points (..., k) where the
-    model takes them; without an enclosure."""
+    """Make a Range without an enclosure: low, high (...) attained values, which are outer bounds,
+    too; argmin, argmax (..., k): the points in [-1, 1]^k where."""
     return Range(low, high, low, high, argmin, argmax)
 
 
 def raised(bounds: Range, least: np.ndarray) -> Range:
-    """Range of a response with the physical lower bound `least` (broadcast to (...)): all bounds
-    below it are raised to it."""
+    """Copy of the range `bounds` of a response that cannot be below `least`, its physical lower
+    bound (broadcast to (...)): all bounds below it are raised to it."""
     ends = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
     return Range(*(np.maximum(end, least) for end in ends), bounds.argmin, bounds.argmax)
 
 
 def surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
-    """Range of a polynomial surrogate over [-1, 1]^k.
+    """Bound a polynomial surrogate over [-1, 1]^k: its enclosed and its attained range.
 
     In one dimension (or where only one direction matters) it is exact to rounding. In several, the
     outer range is the tightest of the enclosures of `enclosures`, the inner one is attained
@@ -122,8 +122,9 @@ _CHUNK = 1 << 22
 def inner_range(
     coefficients: np.ndarray, indices: np.ndarray, sweeps: int = 30
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Low and high values (T) that polynomials attain over the box, and their unit points (T, k).
-    `coefficients` (M, T) of Chebyshev products `indices` (M, k); sweeps: as of `climb`."""
+    """Low and high values (T) that T polynomials attain over [-1, 1]^k, and the points (T, k) of
+    either. indices (M, k): degrees of M Chebyshev products; coefficients (M, T); sweeps: most
+    passes of the search over all directions."""
     samples = sample_points(indices.max(axis=0))
     basis = product_basis(samples, indices)
     total = coefficients.shape[1]
@@ -140,8 +141,9 @@ def inner_range(
 
 
 def sample_points(degrees: np.ndarray) -> np.ndarray:
-    """Points (P, k) from which extreme values are searched: the Lobatto grid of twice the degrees
-    (k); where that has more than about a thousand, random ones of it, with corners and centre."""
+    """Points (P, k) in [-1, 1]^k from which extreme values of polynomials of `degrees` (k) are
+    sought: the Lobatto grid of twice the degrees; where that has more than about a thousand, random
+    ones of it, with corners and centre."""
     free = degrees > 0
     nodes = [lobatto(2 * int(n)) for n in degrees]
     if np.prod([float(len(x)) for x in nodes]) <= _MAX_GRID:
@@ -154,8 +156,8 @@ def sample_points(degrees: np.ndarray) -> np.ndarray:
 def climb(
     c: np.ndarray, indices: np.ndarray, start: np.ndarray, sweeps: int = 30
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Maxima (T) of polynomials by coordinate ascent from unit points `start` (T, k), and where (T,
-    k). c (M, T): coefficients of Chebyshev products `indices` (M, k); sweeps: most passes."""
+    """Maxima (T) of T polynomials by coordinate ascent from points `start` (T, k) in [-1, 1]^k, and
+    where (T, k). c (M, T): coefficients; indices (M, k): degrees; sweeps: most passes."""
     directions = [j for j in range(indices.shape[1]) if indices[:, j].any()]
     plans = {j: _Plan(indices, j) for j in directions}
     best = np.full(c.shape[1], -np.inf)

@@ -17,16 +17,16 @@ _CELLS = 8  # of each direction: places in one cell are told apart no further
 
 @dataclass(frozen=True)
 class BoundPoints:
-    """Few unit points (P, k) that represent where bounds are attained; lower, upper (n, T): index
-    of the point nearest to where this bound of each response is attained at each instant."""
+    """Few points `unit` (P, k) in [-1, 1]^k that represent where bounds are attained; lower, upper
+    (n, T): index of that nearest to where this bound of a response is attained at an instant."""
 
     unit: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
 
     def errors(self, changes: np.ndarray) -> np.ndarray:
-        """Errors (n, T) of the bounds, from changes (P, n, T) of the responses at the points, as by
-        a finer mesh: the larger of those at the points of both bounds."""
+        """Errors (n, T) of the bounds, from `changes` (P, n, T) of the n responses at the P points,
+        as by a finer mesh: the larger of the sizes at the points of lower and upper bound."""
         sizes = np.abs(changes)
         n, instants = np.indices(self.lower.shape)
         return np.maximum(sizes[self.lower, n, instants], sizes[self.upper, n, instants])
@@ -35,8 +35,8 @@ class BoundPoints:
 def deciding_places(
     argmin: np.ndarray, argmax: np.ndarray, width: np.ndarray, count: int
 ) -> BoundPoints:
-    """Choose at most `count` unit points that represent where the bounds are attained, at argmin
-    and argmax (n, T, k); width (n, T): of the bounds.
+    """Choose at most `count` points that represent where bounds are attained: argmin, argmax (n, T,
+    k) in [-1, 1]^k, of n responses at T instants; width (n, T): of the bounds.
 
     Chosen one after the other from these points, each so that the distances from them to the
     nearest chosen one fall most, weighted by the width at the instant relative to the mean one.
@@ -88,13 +88,13 @@ def seek_points(
     Parameters
     ----------
     unit, values
-        Normalized points (R, k) and responses (R, n, T) of the runs so far.
+        Points (R, k) in [-1, 1]^k and responses (R, n, T) of the runs so far.
     count
-        Most points.
+        Largest number of points to be returned.
     candidates
         Number of points at which the spline is evaluated.
     seed
-        Of the candidates; should differ from iteration to iteration.
+        Random seed of the candidates; should differ from iteration to iteration.
 
     Returns
     -------

@@ -37,8 +37,8 @@ _RUNNING = ("lower", "upper", "lower_run", "upper_run")
 
 @dataclass(frozen=True)
 class Running:
-    """Running bounds of a stream of runs: least and largest values (...) of each response and
-    instant, and the numbers of the runs that have them.
+    """Running bounds of a stream of runs: least and largest values `low`, `high` (...) of each
+    response and instant, and the numbers `low_run`, `high_run` of the runs that have them.
 
     Of equal values the one of the run with the least number counts, so that the result does not
     depend on the order in which runs come, nor on how they were grouped.
@@ -51,7 +51,7 @@ class Running:
 
     @classmethod
     def of_runs(cls, values: np.ndarray, runs: np.ndarray) -> Running:
-        """Running bounds of runs with finite values (R, ...) and increasing numbers `runs` (R)."""
+        """Least and largest of finite values (R, ...); runs (R): the runs' numbers, increasing."""
         low, high = values.argmin(axis=0)[None], values.argmax(axis=0)[None]
         numbers = np.asarray(runs)
         return cls(
@@ -62,7 +62,7 @@ class Running:
         )
 
     def merge(self, rival: Running | None) -> Running:
-        """Running bounds of this stream of runs and another (`rival`; None: of this one alone)."""
+        """Running bounds of these runs and those of `rival` together (None: of these alone)."""
         if rival is None:
             return self
         lower = _comes_first(rival.low, self.low, rival.low_run, self.low_run)
@@ -81,7 +81,7 @@ def _comes_first(value: np.ndarray, rival: np.ndarray, run: np.ndarray, rival_ru
 
 
 def quarter_ends(runs: int) -> list[int]:
-    """Five indices, from 0 to `runs`, at which the quarters of so many runs begin and end."""
+    """Five indices, from 0 to `runs` (a number of runs), at which their quarters begin and end."""
     return [-(-runs * quarter // 4) for quarter in range(5)]
 
 
@@ -92,11 +92,11 @@ class Samples:
     Attributes
     ----------
     names, rows
-        (n): of the responses, their names, and their indices in the dataset `source`.
+        (n): names of the responses, and their indices in `source`, the dataset.
     time
-        (T) in s.
+        Instants (T) in s.
     unit
-        (R, k): unit coordinates.
+        (R, k): normalized parameters of the runs, in [-1, 1].
     nominal
         The index of the nominal run, or None.
     """
@@ -110,7 +110,7 @@ class Samples:
 
     @cached_property
     def values(self) -> np.ndarray:
-        """Responses (R, n, T), read at first use. IntervalError unless all are there and finite."""
+        """Responses (R, n, T) of all runs, read at first use; IntervalError for any not finite."""
         if "values" not in self.source:
             raise IntervalError("samples", "extremes only", "the responses of every run")
         values = np.asarray(self.read(slice(None)), dtype=float)
@@ -127,7 +127,7 @@ class Samples:
         return self.source["response_ratio"].values[self.rows] > 0
 
     def read(self, runs: slice) -> np.ndarray:
-        """Responses (r, n, T), as they are stored, of a slice of the runs alone, to save memory."""
+        """Responses (r, n, T), as they are stored, of the r runs in a slice, to save memory."""
         whole = self.rows == list(range(self.source.sizes["response"]))
         return self.source["values"][runs, slice(None) if whole else self.rows].values
 
@@ -138,8 +138,9 @@ class Samples:
         return None if self.nominal is None else self.read(slice(self.nominal, self.nominal + 1))[0]
 
     def quarters(self) -> Iterator[Running | None]:
-        """Running bounds (n, T) of each quarter of the runs, None for one without runs: from the
-        dataset if it stores them instead of values, else from the runs, some at a time."""
+        """Iterate over the four quarters of the runs: least and largest values (n, T) of each as
+        `Running`, None for one without runs; from the dataset if it stores them, else from the
+        runs, chunk by chunk."""
         if "values" not in self.source:
             arrays = [self.source[name].values[:, self.rows] for name in _RUNNING]
             quarters = (Running(*quarter) for quarter in zip(*arrays, strict=True))
@@ -157,13 +158,13 @@ class Samples:
             yield running
 
     def coordinates(self) -> dict:
-        """Coordinates for a new dataset of these responses over time and parameter, by name."""
+        """Coordinates of the source by name, for a new dataset of these responses."""
         variables = {n: self.source[n].variable for n in _COORDINATES if n in self.source}
         return {n: v.isel(response=self.rows, missing_dims="ignore") for n, v in variables.items()}
 
     def parameters(self) -> Callable[[np.ndarray], np.ndarray]:
-        """Function that maps unit coordinates (..., k) to parameter values (..., k), the affine map
-        that the runs' values follow."""
+        """Function that maps normalized coordinates (..., k) in [-1, 1] to parameter values (...,
+        k): the affine map that the runs' values follow."""
         value = np.asarray(self.source["value"].values, dtype=float)
         middle, half = value.mean(axis=0), np.zeros(self.unit.shape[1])
         for j, column in enumerate(self.unit.T):

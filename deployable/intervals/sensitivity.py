@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Influence of each parameter at each instant, (k, ...).
+    """Influence of each of k parameters on a response at each instant, arrays (k, ...).
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class Sensitivity:
     total
         Fraction of the variance from all terms in which it takes part (total Sobol index).
     variance
-        (...): the variance itself.
+        (...): the variance of the response itself.
     """
 
     width: np.ndarray
@@ -43,12 +43,13 @@ class Sensitivity:
 
 
 def parameter_sensitivity(surrogate: Surrogate, centre: np.ndarray | None = None) -> Sensitivity:
-    """Influence of each parameter from the surrogate.
+    """Compute the influence of each parameter on responses from their polynomial surrogate.
 
     The Sobol-like shares (Sudret 2008) are read off the coefficients. They refer to the arcsine
     density, for which Chebyshev polynomials are orthogonal and which weighs the ends of the
     intervals more than a uniform one; intervals have no density, so this is a convention.
-    Where the variance is 0 the shares are 0. `centre` (k) is the unit point of the widths.
+    Where the variance is 0 they are 0. centre (k): point in [-1, 1]^k through which one parameter
+    at a time varies for the widths, by default the middle.
     """
     indices, c = surrogate.multi_indices, surrogate.coefficients
     k, shape = surrogate.dimension, c.shape[1:]
@@ -71,7 +72,7 @@ def parameter_sensitivity(surrogate: Surrogate, centre: np.ndarray | None = None
 def sensitivity_dataset(
     samples: xr.Dataset, design: Design, responses: Sequence[str] | None = None
 ) -> xr.Dataset:
-    """Influence of each parameter on each response, per instant and overall.
+    """Compute the influence of each parameter on each response, per instant and overall.
 
     Parameters
     ----------
@@ -79,9 +80,9 @@ def sensitivity_dataset(
         Runs as in `samples.nc`: ``values`` (run, response, time) and ``normalized`` (run,
         parameter).
     design
-        At whose points the first runs are, and whose polynomials are fitted.
+        Points among the runs, and the polynomials that are fitted to these runs.
     responses
-        Names of those that are wanted; None: all.
+        Names of the responses that are wanted; None: all.
 
     Returns
     -------
@@ -138,7 +139,7 @@ def _error(data: Samples, design: Design, surrogate: Surrogate) -> np.ndarray:
 def surrogate_dataset(
     samples: xr.Dataset, design: Design, responses: Sequence[str] | None = None
 ) -> xr.Dataset:
-    """The Chebyshev coefficients of every response at every instant.
+    """Compute the Chebyshev coefficients of every response at every instant, as a dataset.
 
     Parameters
     ----------
@@ -146,9 +147,9 @@ def surrogate_dataset(
         Runs as in `samples.nc`: ``values`` (run, response, time) and ``normalized`` (run,
         parameter).
     design
-        At whose points the first runs are, and whose polynomials are fitted.
+        Points among the runs, and the polynomials that are fitted to these runs.
     responses
-        Names of those that are wanted; None: all.
+        Names of the responses that are wanted; None: all.
 
     Returns
     -------

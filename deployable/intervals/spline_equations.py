@@ -21,8 +21,8 @@ MIN_SPACING, MIN_SPACING_ON_LINE = 1e-4, 1e-6
 
 
 def distinct(points: np.ndarray, factor: float = 1.0) -> np.ndarray:
-    """Indices, increasing, of runs at unit points (N, k) without near repeats: no two nearer than
-    `factor` times the least spacing (MIN_SPACING, on a line its own); the first of such runs
+    """Indices, increasing, of runs at points (N, k) in [-1, 1]^k without near repeats: no two
+    nearer than `factor` times the least spacing (1e-4, on a line 1e-6); the first of such runs
     stays."""
     on_line = (np.ptp(points, axis=0) > 0).sum() <= 1
     # equal runs in bulk first: a tree would list all their pairs
@@ -38,8 +38,8 @@ def distinct(points: np.ndarray, factor: float = 1.0) -> np.ndarray:
 
 
 def line_rows(x: np.ndarray, knots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Indices and factors (P, 4): value at x (P) of a cubic spline from its N values at knots (N)
-    and then N second derivatives. Beyond the outermost knots it goes on as a straight line."""
+    """Indices and factors (P, 4) that give the value at x (P) of a cubic spline from a list of its
+    N values at knots (N), then N second derivatives. Beyond the outer knots it is straight."""
     order = np.argsort(knots)
     t, count = knots[order], len(knots)
     cell = np.clip(np.searchsorted(t, x, side="right") - 1, 0, count - 2)
@@ -54,8 +54,8 @@ def line_rows(x: np.ndarray, knots: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 
 def solve_line(knots: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Second derivatives (N, T) at knots (N) of the natural cubic spline through values (N, T), and
-    its leave-one-out errors (N, T), infinite for fewer than three knots."""
+    """Second derivatives (N, T), at knots (N) in any order, of T natural cubic splines through
+    values (N, T), and their leave-one-out errors (N, T), infinite for fewer than three knots."""
     order = np.argsort(knots)
     h = np.diff(knots[order])
     second, left_out = np.zeros_like(values), np.full_like(values, np.inf)
@@ -84,9 +84,9 @@ def _tridiagonal(band: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 
 class Polyharmonic:
-    """Factorised equations of a polyharmonic spline through N runs; cubes (N, N): their distances
-    to the third power; linear (N, m): linear functions at the runs. Raises `IntervalError` where
-    the runs lie in one plane or too close together."""
+    """Factorised equations of a polyharmonic spline through N runs; cubes (N, N): distances between
+    runs to the third power; linear (N, m): m linear functions at the runs. Raises `IntervalError`
+    where the runs lie in one plane or too close together."""
 
     def __init__(self, cubes: np.ndarray, linear: np.ndarray):
         count, extra = linear.shape
@@ -111,8 +111,8 @@ class Polyharmonic:
         return x
 
     def weights(self, values: np.ndarray) -> np.ndarray:
-        """Weights (N + m, T) of N runs and m linear functions of the spline through values (N,
-        T)."""
+        """Solve for T splines through values (N, T) at the N runs: weights (N + m, T) of runs and
+        linear functions."""
         coords = self._rotate(values)
         if len(coords) > self._extra:
             coords[self._extra :] = scipy.linalg.cho_solve(
@@ -126,8 +126,8 @@ class Polyharmonic:
         )
 
     def left_out(self, weights: np.ndarray) -> np.ndarray:
-        """Leave-one-out errors (N, T) from weights (N + m, T): a run's weight over that of a unit
-        value."""
+        """Leave-one-out errors (N, T) of T splines, from their weights (N + m, T): a run's weight
+        over that of a unit value."""
         count = len(self._cubes)
         unit = self._rotate(np.eye(count))[self._extra :]
         if not len(unit):

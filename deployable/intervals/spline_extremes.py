@@ -23,13 +23,13 @@ _GAIN = 1e-13  # of the spread of the runs' values: a smaller gain is rounding
 
 
 def spline_range(spline: Spline, candidates: int = CANDIDATES) -> Range:
-    """Range that a spline attains over [-1, 1]^k at every instant.
+    """Range that a spline attains over [-1, 1]^k at every instant, and where.
 
     On a line it is exact. Elsewhere Newton's method, kept inside the box, climbs from the best of
-    all the runs and of `candidates` points spread over the box, its faces, edges and corners: from
-    those that are apart, at most two and two for each direction at an instant. No enclosure:
-    `lower` and `upper` are the attained values themselves, and contain every run, those that count
-    as repeats too.
+    all the runs and of `candidates` points spread over the box, its faces, edges and corners: at
+    each instant from at most 2 + 2 f that are apart, f being the number of parameters that vary. No
+    enclosure: `lower` and `upper` are the attained values themselves, and contain every run, those
+    that count as repeats too.
     """
     shape = spline.weights.shape[1:]
     flat = spline.weights.reshape(len(spline.weights), -1)

@@ -33,12 +33,12 @@ _SMALLEST = np.finfo(float).tiny / np.finfo(float).eps  # below it numbers have 
 
 @dataclass(frozen=True)
 class Spline:
-    """Interpolant of runs at unit points (N, k).
+    """Cubic (polyharmonic) spline through N runs at points in [-1, 1]^k.
 
     Attributes
     ----------
     points
-        (N, k), no two nearly the same.
+        (N, k): those of the runs, no two nearly the same.
     scales
         (k): distances are measured in scales * x; 0 where all the runs agree.
     weights
@@ -48,7 +48,7 @@ class Spline:
         (N, ...): value of each run less that of the spline through all the others; infinite where
         the others give no spline.
     values
-        (N, ...): the runs.
+        (N, ...): responses of the runs.
     lowest, highest, argmin, argmax
         (...) and (..., k): extreme values of all runs given, repeated ones too, and where they are.
     misfit
@@ -69,18 +69,18 @@ class Spline:
 
     @property
     def on_line(self) -> bool:
-        """Whether the runs differ in one direction only."""
+        """Whether the runs differ in one parameter only; weights then have another meaning."""
         return len(self.points) > 1 and int((self.scales > 0).sum()) == 1
 
     def line_rows(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Sparse rows of a spline on a line at unit coordinates (P, k): indices (P, 4) of the
-        weights that a value depends on, and their factors (P, 4)."""
+        """Sparse rows of a spline on a line at points `unit` (P, k) in [-1, 1]^k: indices (P, 4) of
+        the weights that a value depends on, and their factors (P, 4)."""
         j = int(np.argmax(self.scales > 0))
         return line_rows(np.asarray(unit, dtype=float)[:, j], self.points[:, j])
 
     def basis(self, unit: np.ndarray):
-        """Matrix (P, len(weights)) whose product with the weights is the values at unit coordinates
-        (P, k); sparse on a line."""
+        """Matrix (P, len(weights)) whose product with the weights is the spline's values at points
+        `unit` (P, k) in [-1, 1]^k; sparse on a line."""
         if self.on_line:
             index, factor = self.line_rows(unit)
             ends = np.arange(0, 4 * len(index) + 1, 4)
@@ -89,14 +89,14 @@ class Spline:
         return _rows(np.asarray(unit, dtype=float), self.points, self.scales)
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P, ...) at unit coordinates (P, k)."""
+        """Values (P, ...) of the spline at points `unit` (P, k) in [-1, 1]^k."""
         flat = self.weights.reshape(len(self.weights), -1)
         return (self.basis(unit) @ flat).reshape(len(unit), *self.weights.shape[1:])
 
     def formula(self) -> Formula:
-        """The spline of a single number (weights (N, 1)) as a table, `Formula`. On a line its
-        weights are jumps of the third derivative over 12; many runs close together cost digits
-        there."""
+        """Write the spline of a single number (weights (N, 1)) as a table, `Formula`, which other
+        programs can evaluate. On a line its weights are jumps of the third derivative over 12; many
+        runs close together cost digits there."""
         count, free = len(self.points), self.scales > 0
         linear = np.zeros(1 + len(free))
         if not self.on_line:
@@ -117,10 +117,11 @@ class Spline:
 
 
 def check_spline_runs(points: np.ndarray) -> None:
-    """Raise `IntervalError` unless runs at unit points (N, k) give a spline's bounds and error.
+    """Raise `IntervalError` unless runs at points (N, k) in [-1, 1]^k suffice for a spline and its
+    error.
 
-    There must be at most `MAX_RUNS`, and there must be a spline through all of them but any one,
-    which takes runs that are not in one plane. One run will do for a box without width.
+    There must be at most 4000 (`MAX_RUNS`), and a spline through all of them but any one, which
+    takes runs that are not in one plane. One run will do for a box without width.
     """
     points = np.asarray(points, dtype=float)
     if len(points) > MAX_RUNS:
@@ -204,8 +205,8 @@ def _solve(points, scales, flat) -> tuple[np.ndarray, np.ndarray]:
 
 
 def choose_scales(points: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Scales (k) of distances in a spline through values (N, T) at unit points (N, k), those with
-    the least leave-one-out errors, found by doubling and halving each; 0 where all runs agree.
+    """Scales (k) of distances in a spline through values (N, T) at `points` (N, k) in [-1, 1]^k,
+    those of least leave-one-out errors, found by doubling and halving each; 0 where all runs agree.
 
     The response may change over a tenth of one interval and hardly over all of another; distances
     should tell. Columns count relative to their spread; a few hundred runs and instants choose.

@@ -33,26 +33,27 @@ class Bar(NamedTuple):
 
     @property
     def ends(self) -> np.ndarray:
-        """Distances (m,) of the elements' ends from the start of the bar, m, without strain."""
+        """Distances (m,) in metres of its m elements' far ends from its start, undeformed."""
         return np.cumsum(np.concatenate([beams.length for beams in self.groups]))
 
 
 class Sections(NamedTuple):
-    """Section forces (N) and moments (N m), (t, m, 2, 3), at both ends of a bar's m elements, along
-    and about the section's axes (x along the bar, y, z), acting on the part before the section."""
+    """Section forces and moments of a bar's m elements at t instants: `force` (N) and `moment` (N
+    m), each (t, m, 2, 3): at both ends, along and about the section's axes (x along the bar, y, z),
+    by the part of the bar beyond the section on the part before it."""
 
     force: np.ndarray
     moment: np.ndarray
 
 
 def bar_of(name: str) -> str:
-    """Name of the bar that a beam element or stretch belongs to: `panel` of `panel from knee[3]`,
-    `AB` of `AB[0]`."""
+    """Name of the bar (whole beam) that the beam element or stretch called `name` belongs to:
+    `panel` of `panel from knee[3]`, `AB` of `AB[0]`."""
     return name.rsplit("[", 1)[0].partition(" from ")[0]
 
 
 def bars_of(scene: Scene) -> dict[str, Bar]:
-    """Bars of a scene, by name; stretches of a bar through several points are "name from point"."""
+    """Bars of a scene (all elements of a beam), by name, with all stretches between points."""
     groups: dict[str, list[Beams]] = {}
     for beams in scene.beams:
         groups.setdefault(bar_of(beams.name), []).append(beams)
@@ -75,9 +76,9 @@ def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, n
 
 
 class Bends(NamedTuple):
-    """Deformation of m beam elements: lengths (t, m) m and directions (t, m, 3) of their chords; at
-    both ends sines (t, m, 2) of the small angles between chord and section, scalar products of
-    chord and axes y and z; these angles (rad) by a series; and the axes (t, m, 3, 2)."""
+    """Deformation of m beam elements at t instants: `length` (t, m) m and direction `chord` (t, m,
+    3) of the line between their ends; `sines` (t, m, 2), at both ends, of the small angles of chord
+    and section: chord times axes y and z; `angles` (rad) of these; `axes` y, z (t, m, 3, 2)."""
 
     length: np.ndarray
     chord: np.ndarray
@@ -87,7 +88,8 @@ class Bends(NamedTuple):
 
 
 def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
-    """Deformation (`Bends`) of a group of beam elements; place and axes as for `ends_of`."""
+    """Deformation (`Bends`) of `beams`, a group of beam elements; place(particle), axes(particle):
+    positions (t, 3) m and frames (t, 3, 3) of a particle at t instants."""
     (first, *own), (second, *axes2) = ends_of(scene, beams, place, axes)
     chord, own = second - first, own + axes2
     length = np.linalg.norm(chord, axis=2)
@@ -97,7 +99,8 @@ def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
 
 
 def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
-    """Section forces (`Sections`) of a group of beam elements; place and axes as for `ends_of`."""
+    """Section forces (`Sections`) of `beams`, a group of beam elements; place(particle),
+    axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle at t instants."""
     _, axial, bend_z, bend_y, twist = beams.stiffness().T
     length, chord, sines, angles, own = bends_of(scene, beams, place, axes)
     stiffness = np.stack([bend_z, bend_y], axis=1)
@@ -122,7 +125,8 @@ def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
 
 
 def sections_of(scene: Scene, bar: Bar, place, axes) -> Sections:
-    """Section forces (`Sections`) of all elements of a bar; place and axes as for `ends_of`."""
+    """Section forces (`Sections`) of all elements of a bar; place(particle), axes(particle):
+    positions (t, 3) m and frames (t, 3, 3) of a particle at t instants."""
     groups = [sections(scene, beams, place, axes) for beams in bar.groups]
     return Sections(*(np.concatenate(arrays, axis=1) for arrays in zip(*groups, strict=True)))
 
@@ -146,8 +150,8 @@ def at_share(bar: Bar, sections: Sections, share: float) -> tuple[np.ndarray, np
 
 
 def half_sizes(section: Section) -> tuple[float, float]:
-    """Half width and half height (m) of a section; for an unknown outline, of the rectangle with
-    its area and second moments."""
+    """Half width (along y) and half height (along z) in m of a bar's section; for an unknown
+    outline, of the rectangle with its area and second moments."""
     if section.outline:
         return section.width / 2, section.height / 2
     return tuple(np.sqrt(3.0 * np.array([section.Iz, section.Iy]) / section.A))

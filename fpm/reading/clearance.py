@@ -16,8 +16,8 @@ MOST_PAIRS = 1 << 20
 
 
 def clearance(scene: Scene, first: Bar, second: Bar, place, axes) -> np.ndarray:
-    """Shortest distance (t,) m between the surfaces of two bars, below 0 where they overlap; place
-    and axes as for `bars.ends_of`."""
+    """Shortest distance (t,) m between the surfaces of two bars, below 0 where they overlap;
+    place(particle), axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle."""
     lines1, lines2 = (_lines(scene, bar, place, axes) for bar in (first, second))
     count, pairs = len(lines1[0]), lines1[0].shape[1] * lines2[0].shape[1]
     size = max(1, MOST_PAIRS // pairs)
@@ -52,8 +52,8 @@ def _shortest(a, b, sides_one, radius_one, c, d, sides_two, radius_two) -> np.nd
 
 
 def nearest(a, b, c, d) -> np.ndarray:
-    """Shortest vector (..., 3) from the segment a b to the segment c d, of end points (..., 3). It
-    begins or ends at an end of a segment, or is normal to both."""
+    """Shortest vector (..., 3) from the segment a b to the segment c d; a, b, c, d (..., 3): their
+    end points. It begins or ends at an end of a segment, or is normal to both."""
     u, v, w = b - a, d - c, c - a
 
     def to_segment(point, start, chord):

@@ -25,22 +25,23 @@ SUPPORT = " (its support)"  # what joints are called that hold the point of a hi
 
 
 def joints_of(scene: Scene) -> dict[str, Hinge | Joint]:
-    """All joints of a scene between two bodies, by name; without those that hold an opening."""
+    """All joints of a scene that connect two bodies (hinges, slides, balls, ...), by name; without
+    those that only fix an opening."""
     joints = (*Hinge.of(scene), *Joint.of(scene))
     return {j.name: j for j in joints if len(j.beams) == 2 and not j.holds_opening}
 
 
 def point_of(run: Recording, joint: Hinge | Joint) -> np.ndarray:
-    """Position (t, 3) m, in global axes, at which the forces of a joint act: its point on the first
-    body, of a slide on the second."""
+    """Position (t, 3) m, in global axes, at which a joint's forces act at the t instants of a
+    recorded `run`: its point on the first body, of a slide on the second."""
     beam = joint.beams[1 if joint.slides else 0]
     return run.place(beam.particle) + run.arm(beam)
 
 
 def couple_on_two(run: Recording, joint: Hinge | Joint, sides: Sides) -> np.ndarray:
-    """Moment (t, 3) N m of a joint on its second body about the joint's point, in global axes;
-    sides: from `run.joints`. About axes about which that body cannot rotate: minus that on the
-    first."""
+    """Moment (t, 3) N m that a joint exerts on its second body about the joint's point, in global
+    axes, at the t instants of a recorded `run`; sides: its forces and moments on both particles,
+    from `run.joints`. About axes about which that body cannot rotate: minus that on the first."""
     point = point_of(run, joint)
     place1, place2 = (run.place(beam.particle) for beam in joint.beams)
     opposite = sides.about_two - np.cross(point - place2, sides.on_two)
@@ -51,7 +52,8 @@ def couple_on_two(run: Recording, joint: Hinge | Joint, sides: Sides) -> np.ndar
 
 
 def on_particle(run: Recording, particle: int) -> tuple[np.ndarray, np.ndarray]:
-    """Force (t, 3) N of all joints on a particle, and their moment (t, 3) N m about it."""
+    """Force (t, 3) N of all joints on a particle (its index), and their moment (t, 3) N m about it,
+    in global axes, at the t instants of a recorded `run`."""
     force, moment = np.zeros((2, len(run.time), 3))
     for joint, sides in run.joints:
         for k, beam in enumerate(joint.beams):
@@ -68,9 +70,9 @@ def on_particle(run: Recording, particle: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 class Reaction(NamedTuple):
-    """A supported or driven point, at which a reaction is read: `beam`, the rigid offset from its
-    particle; `holders`, names of joints that hold the point itself; `particle`, whether its
-    particle is held or driven, so that there is a reaction moment too."""
+    """A supported or driven point, at which a reaction force is read: `beam`, the rigid offset from
+    its particle; `holders`, names of joints that connect the point itself to the ground;
+    `particle`, whether its particle is fixed or driven, so that there is a reaction moment too."""
 
     beam: VirtualBeam
     holders: tuple[str, ...]
@@ -78,8 +80,8 @@ class Reaction(NamedTuple):
 
 
 def reactions_of(scene: Scene) -> dict[str, Reaction]:
-    """Reactions by name: supports and drives, points on particles that are held or driven, and
-    hinges whose point is held; of equal names the first counts."""
+    """Points of a scene with a reaction force, by name: supports and drives, points on particles
+    that are fixed or driven, and hinges with a support; of equal names the first one."""
     holding = {joint.name: joint for joint in Joint.of(scene) if len(joint.beams) == 1}
     is_fixed = scene.fixed.any(axis=1)
     reactions = {}
@@ -95,7 +97,7 @@ def reactions_of(scene: Scene) -> dict[str, Reaction]:
 
 def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
     """Force (t, 3) N of a support or drive on the structure, and its moment (t, 3) N m about its
-    point.
+    point, in global axes; run: what was recorded; name: a key of `reactions_of`.
 
     Of a particle that is held: the rate of its momentum less all other forces and those of joints,
     along and about the axes that are held. Several supports on one particle are one. A particle

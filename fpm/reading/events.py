@@ -24,8 +24,8 @@ touches: a step before the later one, SPREAD after the earlier one, and up to on
 
 
 def value_at(curves: Curves, response: Response, instant: float, event: bool) -> float:
-    """Value of a response of a run at the time `instant` (s); event: whether an event happens then,
-    of which the value just before counts.
+    """Value of a response of one run (`curves`: its recorded series) at the time `instant` (s);
+    event: whether something jumps then, as at an impact, of which the value just before counts.
 
     By the cubic at most through the nearest instants with no other event in between, or by values
     and rates (`_continued`). With fewer than two such instants nothing is extrapolated: just before
@@ -52,8 +52,8 @@ def value_at(curves: Curves, response: Response, instant: float, event: bool) ->
 
 
 def cubic_through(time: np.ndarray, values: np.ndarray, last: int) -> np.polynomial.Polynomial:
-    """Polynomial, a cubic at most, of time (s) through four of the values (t,) at instants `time`
-    (t,): those up to index `last`, or the nearest four."""
+    """Polynomial in time (s), a cubic at most, through four of the values (t,) at instants `time`
+    (t,): those at indices last - 3 to last, moved into the range at its start or end."""
     stop = min(max(last + 1, 4), len(time))
     window = slice(max(stop - 4, 0), stop)
     return np.polynomial.Polynomial.fit(time[window], values[window], len(time[window]) - 1)

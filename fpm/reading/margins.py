@@ -44,8 +44,8 @@ UNITS = {"rad": 1.0, "deg": np.pi / 180, "m": 1.0, "mm": 1e-3}
 
 
 class Abscissa(NamedTuple):
-    """What the values of a response are a function of, if not of time: in words, its unit, and its
-    values at the first and the last point."""
+    """What the values of a response are a function of, if not of time: `words` that name it, as
+    "opening of A"; its `unit`; and its values at the `first` and the `last` point, in this unit."""
 
     words: str
     unit: str
@@ -64,8 +64,8 @@ class OpeningPath(NamedTuple):
     stand: tuple[str, ...] = ()
 
     def label(self, part: str = "") -> str:
-        """Label of a recorded column along this path; part: component of the virtual work, or ""
-        for openings and inertia. `read_label` reverses it."""
+        """Label of a recorded column of a sweep along this path, such as "A led from 0.0 to 1.5 by
+        spring"; part: component of the virtual work, or "" for openings and inertia."""
         suffix = "".join(f" beside {name}" for name in self.stand) + (part and f" by {part}")
         first, last = (STOW if end is None else repr(end) for end in (self.first, self.last))
         names = "".join(f" with {name}" for name in self.openings[1:])
@@ -73,8 +73,8 @@ class OpeningPath(NamedTuple):
 
 
 def read_label(label: str) -> tuple[OpeningPath, str]:
-    """The path, and the component of the virtual work ("" if none), that a column's label names;
-    reverses `OpeningPath.label`."""
+    """The path of the quasi-static sweep, and the component of the virtual work ("" if none), that
+    a column's label names, such as "A led from 0.0 to 1.5 by spring" (`OpeningPath.label`)."""
     rest, _, part = label.partition(" by ")
     rest, *stand = rest.split(" beside ")
     rest, *names = rest.split(" with ")
@@ -84,8 +84,9 @@ def read_label(label: str) -> tuple[OpeningPath, str]:
 
 
 def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
-    """Virtual works of a scene swept along a path; raises SceneError as `fpm.travel.lead` does.
-    positions: number of evenly spaced positions; None: as many as the tolerance takes."""
+    """Sweep a scene quasi-statically along a path; returns opening, virtual works and inertia at
+    its positions. positions: number of evenly spaced ones; None: as many as the tolerance takes.
+    Raises SceneError where the opening does not move or does not decide the motion."""
     (start,) = (hinge.opening for hinge in scene.hinges if hinge.name == path.openings[0])
     first, last = (float(start) if end is None else end for end in (path.first, path.last))
     if first == last:
@@ -95,25 +96,24 @@ def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
 
 
 def column_of(travel: Travel, variable: str, part: str) -> np.ndarray:
-    """Values (p,) of one variable at the p positions of a quasi-static sweep of an opening.
-
-    travel: result of the sweep; variable: WORK, the virtual work of component `part` per unit of
-    the opening (N m; N on slides), INERTIA that the opening moves (kg m²; kg), or OPENING (rad; m).
-    """
+    """Values (p,) of one variable at the p positions of a quasi-static sweep of an opening. travel:
+    result of the sweep; variable: "travel_work", virtual work of the component `part` per unit of
+    the opening (N m; N on slides); "travel_inertia" that the opening moves (kg m²; kg); or
+    "travel_opening" (rad; m); `part` counts for the first alone."""
     return {WORK: travel.work.get(part), INERTIA: travel.inertia, OPENING: travel.opening}[variable]
 
 
 def driving(works: Mapping[str, np.ndarray]) -> list[str]:
-    """Names of components that actuate somewhere on the travel, by more than rounding; works:
-    virtual work (p,) by component, above 0 where it actuates."""
+    """Names of components that drive somewhere on a travel, by more than rounding; works: virtual
+    work (p,) at its p positions by component name, above 0 where it drives."""
     largest = max((float(np.abs(work).max()) for work in works.values()), default=0.0)
     return [part for part, work in works.items() if work.max() > DRIVES * largest]
 
 
 def led_curves(scene, responses: Iterable[Any]) -> Any:
-    """Columns that responses of margins need, computed by quasi-static sweeps of a scene without a
-    simulation. The object returned serves as the `run` of `values`, `least` and `torque_budget`;
-    its `time` is 201 values from 0 to 1."""
+    """Sweep a scene quasi-statically for responses that are margins, without a simulation. The
+    object returned stands for a run, as argument `run` of `values`, `least` and `torque_budget`:
+    `columns` are the sweeps' results by (variable, label), `time` is 201 values from 0 to 1."""
     columns, travels = {}, {}
     for variable, label in dict.fromkeys(c for response in responses for c in response.columns):
         path, part = read_label(label)
@@ -124,8 +124,8 @@ def led_curves(scene, responses: Iterable[Any]) -> Any:
 
 
 def read(spec: Any) -> Any:
-    """Response of a torque or force margin, from its definition (`responses.Definition`); raises
-    SceneError for a key or value that is not allowed."""
+    """Make the response of a torque or force margin from `spec`, its definition in a config
+    (`responses.Definition`); raises SceneError for a key or value that is not allowed."""
     openings = (spec.data[spec.kind], *_names(spec, "with"))
     hinges = {hinge.name: hinge for hinge in spec.scene.hinges}
     for name in openings:
@@ -178,9 +178,9 @@ def read(spec: Any) -> Any:
 
 
 class BudgetRow(NamedTuple):
-    """Row of a component in a torque budget: name (part); class; factor; moment (N m, on slides N),
-    the virtual work per unit of the opening, below 0 where it resists; weighted: factor times
-    moment."""
+    """Row of a component in a torque budget: its name (`part`) and class, as "FR" for friction;
+    factor of the standard; moment (N m, on slides N), the virtual work per unit of the opening,
+    below 0 where it resists; weighted: factor times moment."""
 
     part: str
     class_: str
@@ -190,8 +190,9 @@ class BudgetRow(NamedTuple):
 
 
 class Budget(NamedTuple):
-    """Torque budget at an opening (rad, m): margin = drives / requirement - 1; drives: sum of the
-    rows' weighted moments above 0, requirement: of those below 0, as a positive number."""
+    """Torque budget at an `opening` (rad, m): margin = drives / requirement - 1; drives: sum of the
+    components' moments above 0 times their factors (N m, N); requirement: of those below 0, as a
+    positive number; rows: one for each component."""
 
     opening: float
     margin: float
@@ -247,23 +248,23 @@ class _WeightedTravel:
 
 
 def values(response: Any, run: Any) -> np.ndarray:
-    """Margin (t,), without unit, at evenly spaced positions of the travel, one for each instant of
-    the run. response: a margin, made by `read`; run: `Curves` of a run, or `led_curves`."""
+    """Margin (t,), without unit, at t positions evenly spaced over the travel, as many as the run
+    has instants. response: a margin, made by `read`; run: `Curves` of a run, or of `led_curves`."""
     time = run.time
     return _WeightedTravel(response, run).margin((time - time[0]) / (time[-1] - time[0]))
 
 
 def least(response: Any, run: Any) -> tuple[float, float]:
-    """Least margin over the travel, and the opening (rad, m) there; response and run as for
-    `values`."""
+    """Least margin over the travel, and the opening (rad, m) there. response: a margin, made by
+    `read`; run: `Curves` of a run, or what `led_curves` returns."""
     travel = _WeightedTravel(response, run)
     position, margin = travel.least()
     return margin, float(interpolate(travel.positions, travel.opening, np.array([position]))[0])
 
 
 def torque_budget(response: Any, run: Any) -> Budget:
-    """Torque budget, component by component, where the margin is least; response and run as for
-    `values`."""
+    """Torque budget, component by component, at the opening where the margin is least. response: a
+    margin, made by `read`; run: `Curves` of a run, or what `led_curves` returns."""
     travel = _WeightedTravel(response, run)
     position, margin = travel.least()
     points = np.array([position])

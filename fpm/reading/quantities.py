@@ -18,12 +18,13 @@ from fpm.reading.responses import Response
 @dataclass(frozen=True)
 class Quantity:
     """Definition of a named number of a run, such as a peak or the time of an event: its `kind`
-    (key of KINDS) and the values of its other keys.
+    (key of KINDS, as "largest") and the values of its other keys.
 
-    unit (UDUNITS) and long_name are those of the number that `evaluate` returns. response: the
-    function of time that it is read off, None for events; at: time (s), or the quantity that gives
-    it; about, within, level (in the response's unit), way, number: as docs/quantities.md defines
-    them; places: names of the elements whose `event` counts.
+    unit (UDUNITS) and long_name are those of the number. response: the function of time that it is
+    read off, None for events; at: time (s), or the quantity that gives it, for a value; about:
+    target of settling or overshoot; within: its tolerance; level, way ("rising", "falling",
+    "either"), number (n, from 1): of a crossing; event, places: its name, and names of the elements
+    at which it counts, number its n.
     """
 
     name: str
@@ -42,11 +43,8 @@ class Quantity:
 
     @property
     def is_instantaneous(self) -> bool:
-        """Whether the quantity has the size of the response at an instant: maximum, minimum, rms,
-        overshoot.
-
-        A shock that mesh and step do not resolve can then decide its value (Experiment.doubts).
-        """
+        """Whether the quantity has the size of the response at an instant (largest, smallest, rms,
+        overshoot), so that a shock that mesh and step do not resolve can decide it."""
         return KINDS[self.kind].instantaneous
 
     @property
@@ -56,42 +54,39 @@ class Quantity:
 
     @property
     def least(self) -> float | None:
-        """Physical lower bound of the quantity; None where there is none."""
+        """Physical lower bound of the quantity, in its unit; None where there is none."""
         if self.kind == "smallest_at":
             return None
         return 0.0 if self.is_time or KINDS[self.kind].positive else self.response.least
 
     @property
     def decider(self) -> "Quantity | None":
-        """Quantity whose `margin` is the event margin of this one; None if only its number tells
-        whether it exists."""
+        """The quantity whose `margin` says by how much this one's event occurs or not: itself, or
+        of a value the one that gives its time; None if a run only tells whether it occurs."""
         if isinstance(self.at, Quantity):
             return self.at.decider
         settles = self.kind == "settling" and self.about is not None
         return self if self.kind == "crossing" or settles else None
 
     def margin(self, values: np.ndarray) -> np.ndarray:
-        """Event margin (...), in the response's unit, from its values (..., t): above 0 if the
-        event occurs, and continuous. Only of quantities that are their own `decider`."""
+        """By how much (...) a crossing or settling occurs, from the response's values (..., t), in
+        their unit: above 0 if it does; continuous. Only if the quantity is its own `decider`."""
         if self.kind == "settling":
             return self.within - np.abs(values[..., -1] - self.about)
         return crossing_margin(values - self.level, self.way, self.number)
 
     def evaluate(self, curves: Curves) -> float:
-        """Value of the quantity in one run; NaN if it does not exist there, as where an event does
-        not occur.
-
-        Raises ValueError if the run had more events than are kept, and the event may be one of the
-        others.
-        """
+        """Value of the quantity in one run (`curves`: its recorded series); NaN if it does not
+        exist there, as where an event does not occur. Raises ValueError if the run had more events
+        than are kept, and the event may be one of the others."""
         value = KINDS[self.kind].read(self, curves)
         # Parabolas and cubics between instants go below what can be.
         return value if self.least is None else float(np.maximum(value, self.least))
 
 
 def peak(values: np.ndarray) -> float:
-    """Largest of values (t,) at equal time steps, by the parabola through the largest and its
-    neighbours. It is above the largest value by an eighth of the step to a neighbour at most."""
+    """Largest of values (t,) at equal time steps, by the parabola through the largest and its two
+    neighbours. It exceeds the largest value by at most an eighth of the drop to a neighbour."""
     i = int(values.argmax())
     top = float(values[i])
     if 0 < i < len(values) - 1:
@@ -104,9 +99,9 @@ def peak(values: np.ndarray) -> float:
 def crossing(
     time: np.ndarray, values: np.ndarray, level: float, direction: str = "either", number: int = 1
 ) -> float:
-    """Time (s) at which values (t,) at instants `time` (t,) cross a level for the nth time; NaN if
-    they do not. direction: "rising", "falling" or "either"; number: n, from 1. By the cubic through
-    the four instants around it. A value on the level counts as below it."""
+    """Time (s) at which values (t,) at instants `time` (t,) s cross a level (same unit) for the nth
+    time; NaN if they do not. direction: "rising", "falling" or "either"; number: n, from 1. By the
+    cubic through the four instants around it. A value on the level counts as below it."""
     is_above = values > level
     places = np.flatnonzero(is_above[1:] != is_above[:-1])
     if direction != "either":
@@ -117,12 +112,10 @@ def crossing(
 
 
 def crossing_margin(values: np.ndarray, direction: str = "either", number: int = 1) -> np.ndarray:
-    """Event margin (...) of the nth crossing of zero by values (..., t), in their unit: above 0 if
-    it occurs; the least distance from zero that they reach on each side in turn.
-
-    direction, number: as of `crossing`. Before a rising crossing values are below zero, then above,
-    before the next one below again.
-    """
+    """By how much (...) values (..., t) over t instants cross zero for the nth time, in their unit:
+    above 0 if they do, below 0 by what is lacking. direction: "rising", "falling" or "either";
+    number: n, from 1. A rising crossing takes values below zero and later above, the next one below
+    and above again: of the largest distances from zero on these sides in turn, the least counts."""
 
     def turns(side: float, count: int) -> np.ndarray:
         margin = np.inf
@@ -225,12 +218,11 @@ def _event(quantity: Quantity, curves: Curves) -> float:
 
 
 class QuantityType(NamedTuple):
-    """A type of quantity, as its key in a definition selects it from KINDS.
-
-    read: gives its number in a run; text: template of its long name, in which {about} is the
-    response's; mandatory, optional: further keys of its definition; unit: None for the response's;
-    positive: whether it is never below 0; instantaneous: as `Quantity.is_instantaneous`.
-    """
+    """A type of quantity, as its key in a definition selects it from KINDS. read(quantity, curves):
+    its number in a run; text: template of its long name, in which {about} is the response's;
+    mandatory, optional: further keys of its definition; unit: None for the response's; positive:
+    whether it is never below 0; instantaneous: whether it has the size of the response at an
+    instant."""
 
     read: Callable[[Quantity, Curves], float]
     text: str

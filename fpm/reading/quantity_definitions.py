@@ -19,8 +19,9 @@ def parse(
     """Parse the definitions of quantities in a config: the valid quantities, in the order of the
     definitions, and one SceneError for each definition that is wrong.
 
-    definitions: by name, each one of KINDS with its keys (docs/quantities.md); responses: those of
-    the config; elements: those of the scene that have events (`fpm.files.outcome.eventful`).
+    definitions: by name, each a mapping with one key of `quantities.KINDS`, as "largest", and its
+    further keys (docs/quantities.md); responses: all of the config; elements: those of the scene
+    that have events, as latches (`fpm.files.outcome.eventful`).
     """
     by_name, elements = {response.name: response for response in responses}, list(elements)
     quantities: dict[str, Quantity] = {}

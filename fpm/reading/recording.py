@@ -17,8 +17,8 @@ from fpm.scenes.scene import Scene
 
 
 class Sides(NamedTuple):
-    """Forces (N) and moments (N m), (t, 3) along and about global axes, of a joint on the particles
-    of its two sides: `on_one` and `on_two`, `about_one` and `about_two` (about the particle)."""
+    """Forces (N) and moments (N m), (t, 3) each in global axes, of a joint on the particles of its
+    two sides: `on_one` and `on_two`; `about_one` and `about_two`, about the particle."""
 
     on_one: np.ndarray
     about_one: np.ndarray
@@ -71,17 +71,17 @@ class Recording:
         return {int(p): rates[:, :, :, k] for k, p in enumerate(motions[0][0][0])}
 
     def place(self, particle: int) -> np.ndarray:
-        """Position (t, 3) m of a particle."""
+        """Position (t, 3) m of a particle (its index) in global axes."""
         return self._frames[particle][:, :3]
 
     def axes(self, particle: int) -> np.ndarray:
-        """Frame (t, 3, 3) of a particle: its own axes as columns, in global axes."""
+        """Frame (t, 3, 3) of a particle (its index): its own axes as columns, in global axes."""
         second, third = np.split(self._frames[particle][:, 3:], 2, axis=1)
         return np.stack([np.cross(second, third), second, third], axis=2)
 
     def arm(self, beam) -> np.ndarray:
-        """Vector (t, 3) m, in global axes, from a particle to the free end of its rigid offset
-        `beam` (a VirtualBeam)."""
+        """Vector (t, 3) m, in global axes, from a particle to the free end of the rigid offset
+        `beam` that it carries (a VirtualBeam)."""
         return self.axes(beam.particle) @ beam.arm
 
     def _column(self, particle: int, name: str) -> np.ndarray:
@@ -91,12 +91,12 @@ class Recording:
         return self._forces[particle][:, column : column + 3]
 
     def force(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
-        """Force (t, 3) N on a particle and moment (t, 3) N m about it, in global axes, by all but
-        joints, supports and drives."""
+        """Force (t, 3) N on a particle (its index) and moment (t, 3) N m about it, in global axes,
+        by all that acts but joints, supports and drives."""
         return self._column(particle, "FORCE"), self._column(particle, "MOMENT")
 
     def spin(self, particle: int) -> np.ndarray:
-        """Angular velocity (t, 3) rad/s of a particle."""
+        """Angular velocity (t, 3) rad/s of a particle (its index), about global axes."""
         if particle in self._driven_rates:
             return self._driven_rates[particle][1, :, 1]
         spin = self._angular(particle, self._column(particle, "MOMENTUM"))
@@ -104,7 +104,7 @@ class Recording:
         return spin
 
     def velocity(self, particle: int) -> np.ndarray:
-        """Velocity (t, 3) m/s of a particle."""
+        """Velocity (t, 3) m/s of a particle (its index), along global axes."""
         if particle in self._driven_rates:
             return self._driven_rates[particle][1, :, 0]
         velocity = self._column(particle, "VELOCITY").copy()
@@ -112,9 +112,9 @@ class Recording:
         return velocity
 
     def acceleration(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
-        """Acceleration (t, 3) m/s² and angular acceleration (t, 3) rad/s² of a particle: changes
-        over the step around each instant; of driven particles, over the half step after the
-        first."""
+        """Acceleration (t, 3) m/s² and angular acceleration (t, 3) rad/s² of a particle (its
+        index), in global axes: changes over the step around each instant; of driven particles at
+        the first instant, over the half step after it."""
         if particle in self._driven_rates:
             v0, v1, v2 = self._driven_rates[particle]
             change = (v2 - v0) / self.step
@@ -139,8 +139,8 @@ class Recording:
         return rotation * ~self.scene.fixed[particle, 3:]
 
     def inertia(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
-        """Rates of change of momentum (t, 3) N and angular momentum (t, 3) N m of a particle,
-        driven or not."""
+        """Rates of change of momentum (t, 3) N and angular momentum (t, 3) N m of a particle (its
+        index), in global axes, driven or not."""
         (change, turning), spin = self.acceleration(particle), self.spin(particle)
         own = self.scene.inertia[particle]
         momentum, moment = (
@@ -149,14 +149,15 @@ class Recording:
         return self.scene.mass[particle] * change, moment + np.cross(spin, momentum)
 
     def moments(self, hinge: int) -> tuple[np.ndarray, np.ndarray]:
-        """Moments (t, PARTS) N m on a hinge (its index), on a slide forces N, by kind of
-        contribution (columns: `PARTS`), and the work (t, PARTS) J that each did since the start."""
+        """Moments (t, a) N m on a hinge (its index), on a slide forces N, one column for each of
+        the `a` kinds of what acts on it ("spring", "damper", "friction", ...: PARTS), and the work
+        (t, a) J that each did since the start."""
         rows = self._rows(self._parts[Opening].told_track, len(self.scene.hinges) * len(PARTS))
         own = rows[:, hinge * len(PARTS) : (hinge + 1) * len(PARTS)]
         return own[..., 0], own[..., 1]
 
     def sections(self, bar: str) -> tuple[Bar, Sections]:
-        """A bar by its name, and the section forces of its elements; computed once for each bar."""
+        """A bar by its name, and its elements' section forces at all instants; memoized."""
 
         def read() -> tuple[Bar, Sections]:
             bar_data = bars_of(self.scene)[bar]
@@ -165,14 +166,14 @@ class Recording:
         return self.memoize(bar, read)
 
     def memoize(self, key: Hashable, find: Callable[[], Any]) -> Any:
-        """Value of find() for a key, computed at the first call with this key and stored."""
+        """Value of find(), without arguments, stored under `key` at the first call and reused."""
         if key not in self._memo:
             self._memo[key] = find()
         return self._memo[key]
 
     @cached_property
     def joints(self) -> list[tuple[Hinge | Joint, Sides]]:
-        """All joints of the scene, hinges first, with the forces and moments on their two sides."""
+        """All joints of the scene, hinges first, and their forces and moments on both particles."""
         pairs = []
         for kind in (Hinge, Joint):
             if elements := kind.of(self.scene):

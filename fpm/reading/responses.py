@@ -53,12 +53,12 @@ class Response:
 
     @property
     def needs(self) -> tuple[Column, ...]:
-        """Columns, (variable, label), that a run must record on request for the response."""
+        """Columns, (variable, label), of the response that runs record on request alone."""
         return tuple(column for column in self.columns if column[0] in VARIABLES)
 
     @property
     def least(self) -> float | None:
-        """Physical lower bound of the response's values; None where there is none."""
+        """Physical lower bound of the response's values, in its unit; None where there is none."""
         if self.kind == "margin":
             return -1.0
         positive = KINDS[self.kind].positive
@@ -66,8 +66,8 @@ class Response:
         return 0.0 if self.component == "norm" or positive is True or is_positive else None
 
     def evaluate(self, run: Curves) -> np.ndarray:
-        """Values (t,) of the response for one run; raises KeyError if the run did not record its
-        `needs`."""
+        """Values (t,) of the response in one run (`run`: its recorded series), in `unit`; raises
+        KeyError if the run did not record the columns in `needs`."""
         return KINDS[self.kind].values(self, run)
 
 
@@ -79,7 +79,7 @@ def parse(name: str, definition: Mapping[str, Any], scene: Scene) -> Response:
     name : str
         Name of the response.
     definition : mapping
-        Exactly one key of KINDS, and the further keys of this type, as in docs/responses.md.
+        One key that is a type (KINDS), and the further keys of this type (docs/responses.md).
     scene : Scene
         The scene whose points, hinges and bars the definition names.
 
@@ -112,8 +112,8 @@ def parse(name: str, definition: Mapping[str, Any], scene: Scene) -> Response:
 
 
 class Definition(NamedTuple):
-    """Definition of a response in a config: its name, its kind (type), all keys as `data`, and the
-    scene."""
+    """Definition of a response in a config: its name; its kind, the one key that is a type of
+    response (KINDS); `data`, all keys with their values; and the scene that it refers to."""
 
     name: str
     kind: str
@@ -121,9 +121,9 @@ class Definition(NamedTuple):
     scene: Scene
 
     def one_of(self, choices: Iterable[str], key: str = "", value: object = None) -> str:
-        """Check that a value is among the choices, and return it. key: key of the definition to be
-        read, by default that of its type; value: used instead of the definition's where it is
-        given. Raises SceneError with the choices if the value is none of them."""
+        """Check that a value of the definition is among `choices`, and return it. key: of the
+        value, by default that of the type (`kind`); value: used in the place of the definition's,
+        if given. Raises SceneError with the choices if it is none of them."""
         key, names = key or self.kind, list(choices)
         value = self.data[key] if value is None else value
         if not isinstance(value, str) or value not in names:
@@ -133,8 +133,8 @@ class Definition(NamedTuple):
         return value
 
     def hinge(self) -> tuple[str, bool, str]:
-        """The hinge or slide that the definition names: name, whether it is a slide, and words for
-        it ("hinge A"); raises SceneError if the scene has none of this name."""
+        """The hinge or slide that the definition names: its name, whether it is a slide, and words
+        for messages ("hinge A"); raises SceneError if the scene has none of this name."""
         slides = {hinge.name: hinge.slides for hinge in self.scene.hinges}
         name = self.one_of(slides)
         kind = "slide" if slides[name] else "hinge"
@@ -142,13 +142,13 @@ class Definition(NamedTuple):
 
     @property
     def variable(self) -> Variable:
-        """The recorded variable (unit, name, columns) that this response definition asks for, from
-        VARIABLES."""
+        """The variable of `fpm.reading.variables` (unit, words, columns) that has the name of the
+        definition's type; KeyError if none has."""
         return VARIABLES[self.kind]
 
     def response(self, subjects: tuple[str, ...], component: str, *fields: Any) -> Response:
-        """The response with the definition's name and kind. subjects, component and the further
-        `fields`, in their order, are the fields of Response from `subjects` on."""
+        """Make the Response of this definition, with its name and kind. subjects: names of what it
+        is of; component: as "x", or ""; fields: the further fields of Response, in order."""
         return Response(self.name, self.kind, subjects, component, *fields)
 
 
@@ -226,8 +226,8 @@ def _latch(spec: Definition) -> Response:
 
 
 def parts_on(scene: Scene, hinge: str) -> list[str]:
-    """Kinds of contributions to the moment on a hinge that a scene has, each once ("spring",
-    "friction", ... of `PARTS`); hinge: its name."""
+    """Kinds of what acts on a hinge in a scene, each once ("spring", "friction", ...: those that
+    its moment is divided into); hinge: its name."""
     index = [h.name for h in scene.hinges].index(hinge)
     acting = (kind for kind in kinds_of([scene]) if kind.acts_as)
     parts = (k.acts_as for k in acting for e in k.of(scene) if index in e.acts_on())
@@ -323,12 +323,10 @@ def _lost_energy(response: Response, run: Curves) -> np.ndarray:
 
 
 class ResponseType(NamedTuple):
-    """A type of response, as its key in a definition selects it from KINDS.
-
-    read: makes the Response of a definition; values: its values (t,) in a run; mandatory, optional:
-    further keys of its definition; positive: whether values are never below 0 (a tuple: of which
-    subjects); shock: whether an impact makes values jump, so that mesh and step decide its peak.
-    """
+    """A type of response, as its key in a definition selects it from KINDS. read(definition): makes
+    the Response; values(response, run): its values (t,) in a run; mandatory, optional: further keys
+    of its definition; positive: whether values are never below 0 (a tuple: of which subjects);
+    shock: whether an impact makes values jump, so that mesh and step decide its peak."""
 
     read: Callable[[Definition], Response]
     values: Callable[[Response, Curves], np.ndarray] = _of_columns

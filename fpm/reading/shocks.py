@@ -19,7 +19,7 @@ others follow from openings and their rates."""
 
 def doubt(scene: Scene, response: Response) -> str:
     """Warning, as a sentence with the remedy, that peaks of a response do not converge with mesh
-    and step in a scene; "" where they do."""
+    and step in a scene, since a latch or a sudden load gives a shock; "" where they do."""
     jumps = KINDS[response.kind].shock
     if response.kind in ("joint_moment", "joint_power"):
         jumps = response.subjects[1] in _HOLDING

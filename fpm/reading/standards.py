@@ -21,8 +21,8 @@ CLASSES = {
 
 class Standard(NamedTuple):
     """Factors of a standard for torque margins. title; edition that the factors are of; drives:
-    actuation factor by class (CLASSES), 0 where a class must not count; resists: by evidence
-    (theory, measurement, ...), the uncertainty factor by class."""
+    factor of the moments that drive, by class (as "S" for springs), 0 where a class must not count;
+    resists: factor of those that resist, by evidence ("theory", "measurement", ...) and class."""
 
     title: str
     edition: str

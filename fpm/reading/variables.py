@@ -38,13 +38,13 @@ LED_FROM = " led "  # between an opening and its travel
 class Variable(NamedTuple):
     """A variable that runs record on request: unit (UDUNITS), words, and the source of its values.
 
-    names(scene): names of items that it may be recorded of; parts: components of each; probe(scene,
-    name): what the loop has to record; values(recording, name): (t,), or (t, parts). form: how a
-    definition of a response names a column (`fpm.reading.responses.FORMS`), "" if there is no
-    response of that name. shock: whether a shock makes it jump, or as large as it is short
-    (`fpm.reading.shocks`); positive: whether it is never below 0; along: end of the dimension's
-    name; separator: text in a label after which the name ends; time_dim: the dimension of its
-    values.
+    names(scene): names of items that it may be recorded of; parts: components of each, as "x";
+    probe(scene, name): what the time loop has to record for it; values(recording, name): (t,), or
+    (t, parts). form: how a definition of a response names a column (key of
+    `fpm.reading.responses.FORMS`), "" if there is no response of that name. shock: whether an
+    impact makes it jump (`fpm.reading.shocks`); positive: whether it is never below 0; along: end
+    of the name of its dimension of labels in files; separator: text in a label after which the
+    item's name ends; time_dim: the dimension of its values.
     """
 
     unit: str
@@ -61,8 +61,9 @@ class Variable(NamedTuple):
     time_dim: str = "time"
 
     def labels(self, scene: Scene) -> list[str]:
-        """Labels of the columns that a scene has of this variable. Of sections of bars only those
-        in the middle, as there is one at any distance; of travels none, for the same reason."""
+        """Labels of the columns that a scene has of this variable, such as "tip x": item and
+        component. Of sections of bars only those in the middle, as there is one at any distance; of
+        sweeps of openings none, for the same reason."""
         if self.separator == LED_FROM:
             return []
         place = f"{PLACE}0.5" if self.form == "section" else ""
@@ -76,7 +77,7 @@ class Variable(NamedTuple):
         return label.rpartition(" ")[::2] if self.parts else (label, "")
 
     def column(self, recording: Recording, label: str) -> np.ndarray:
-        """Values (t,) in a run, in `unit`, of the column that a label names."""
+        """Values (t,), in `unit`, of a column of a run; label: item and component, as "tip x"."""
         name, part = self.split(label)
         values = self.values(recording, name)
         return values[:, self.parts.index(part)] if self.parts else values
@@ -294,8 +295,8 @@ VARIABLES = {
 
 
 def prepared(scene: Scene, columns: Iterable[Column]) -> Scene:
-    """Copy of a scene with the probe that records the columns, (variable, label) each; the scene
-    itself if there are none. Raises SceneError for a column that the scene does not have."""
+    """Copy of a scene with the probe, the element that makes the time loop store `columns`, pairs
+    (variable, label); the scene if there are none. SceneError for a column it does not have."""
     columns = list(columns)
     if not columns:
         return scene
@@ -323,8 +324,8 @@ def prepared(scene: Scene, columns: Iterable[Column]) -> Scene:
 
 
 def numbers(scene: Scene, columns: Iterable[Column]) -> int:
-    """Number of floating-point values that the time loop stores per run and instant to record the
-    requested columns, as (variable, label), of a scene."""
+    """Number of floating-point values that the time loop stores per run and instant of a scene to
+    record `columns`, pairs (variable, label)."""
     from fpm.elements.particles import probe_kernels
 
     probe = Probe.of_scene(prepared(scene, columns))
@@ -335,8 +336,8 @@ def numbers(scene: Scene, columns: Iterable[Column]) -> int:
 
 
 def recorded(recording: Recording, columns: Iterable[Column]) -> dict[str, Series]:
-    """Requested columns, as (variable, label), of a run: by variable a Series, of values (t,
-    labels), as it is written to the trajectory file."""
+    """Read `columns`, pairs (variable, label), off what the time loop recorded of a run: by
+    variable a Series, whose values (t, labels) can be written to the trajectory file."""
     series = {}
     for name, labels in _by_variable(columns).items():
         variable = VARIABLES[name]
@@ -352,7 +353,7 @@ def recorded(recording: Recording, columns: Iterable[Column]) -> dict[str, Serie
 
 
 def words(columns: Iterable[Column]) -> str:
-    """Columns in words, each variable once with its names, for messages."""
+    """Write `columns`, pairs (variable, label), in words, for messages: "velocity of a, b; ..."."""
     return "; ".join(
         f"{name.replace('_', ' ')} of {', '.join(labels)}"
         for name, labels in _by_variable(columns).items()

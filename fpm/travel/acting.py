@@ -25,8 +25,8 @@ CROSS_PRODUCTS = np.cross(np.eye(3)[:, None], np.eye(3)[None]).swapaxes(1, 2)
 
 
 class ElementForces:
-    """Forces and moments of `elements` of one type of a scene, for given poses of its particles.
-    History, as the deflection of a friction bristle, is carried from each pose to the next."""
+    """Computes forces of `elements`, all of one type, of a scene at given poses (positions and
+    frames) of its n particles. Memory, as of a bristle's deflection, goes on from call to call."""
 
     def __init__(self, scene, elements: list):
         own_scene, kind = copy(scene), type(elements[0])
@@ -39,25 +39,26 @@ class ElementForces:
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
 
     def forces(self, poses: ParticlePoses) -> np.ndarray:
-        """Forces (N) and moments (N m) on all particles (6n,), in global axes, after the elements
-        moved from their last poses to these."""
+        """Move the elements from their last poses to `poses` (positions and frames of particles)
+        and return their forces (N) and moments (N m) on all particles (6n,), in global axes."""
         self._put(poses)
         self._act()
         return self._act()[:, 0]  # once more: nothing is passed on the way
 
     def copy_history(self) -> list[np.ndarray]:
-        """Copies of all floating-point arrays of the elements, those with their history included,
-        for `restore`."""
+        """Copies of all floating-point arrays of the elements, their memory (as bristle
+        deflections) included, to be given to `restore` later."""
         return [array.copy() for array in _numbers(self.parts)]
 
     def restore(self, history: list[np.ndarray]) -> None:
-        """Put arrays of `copy_history` back into the elements."""
+        """Put `history`, a list that `copy_history` returned, back into the elements."""
         for values, array in zip(history, _numbers(self.parts), strict=True):
             array[:] = values
 
     def linearise(self, poses: ParticlePoses) -> tuple[np.ndarray, Any]:
-        """Forces (6n,) as of `forces`, and the stiffness, sparse (6n, 6n): minus their derivatives
-        by the motions (m, rad) of all particles. The elements' history is left as it was."""
+        """Forces (6n,) N, N m of the elements on all n particles at `poses` (positions and frames),
+        and their stiffness, sparse (6n, 6n): minus the derivatives by all motions (m, rad). The
+        elements' memory, as of a bristle's deflection, is left as it was."""
         from scipy.sparse import csc_array
 
         history = self.copy_history()
@@ -115,14 +116,14 @@ class ElementForces:
 
 
 def lanes_of_register() -> int:
-    """Number of lanes of a SIMD register in double precision."""
+    """Number of double-precision values that fit in one SIMD register of this processor."""
     from fpm.kernels.lanes import width
 
     return width(np.float64)
 
 
 def acts(kind: type) -> bool:
-    """Whether an element type has forces that depend on the poses of particles, by its kernels."""
+    """Whether an element type (a class) has a kernel of forces that depend on particles' poses."""
     from fpm.kernels.hooks import KERNELS
 
     own = kind.kernels()

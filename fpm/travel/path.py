@@ -52,12 +52,11 @@ def _rotations_of(first: np.ndarray, last: np.ndarray) -> np.ndarray:
 
 
 class Path:
-    """State of a scene on its quasi-static path, as an opening is moved: `poses` of particles, the
-    `opening` (rad, m), and `tangent`, the motion (6n,) of n particles per unit of the opening.
-
-    openings: names of hinges that move together, the first of which `opening` is; stand: names of
-    hinges that are locked.
-    """
+    """Moves an opening of a scene quasi-statically, and holds the state reached: `poses` (positions
+    and frames) of n particles, the `opening` (rad, m), and `tangent`, the motion (6n,) m, rad of
+    all particles per unit of it. openings: names of hinges or slides that move together, `opening`
+    being that of the first; stand: names of hinges that are locked at their opening at the
+    start."""
 
     def __init__(self, scene, openings: Sequence[str], stand: Sequence[str]):
         self.scene, self.name = scene, openings[0]
@@ -81,9 +80,9 @@ class Path:
         self._ease = self.balance.ease(self.poses, self._scales)
 
     def move_to(self, value: float, depth: int = 0) -> None:
-        """Move the opening to a value (rad, m) in balance, by as many steps as it takes to stay on
-        one branch of solutions; depth: how often the step was halved so far. Raises MisfitError
-        where it cannot be moved there, SceneError where motions jump too often."""
+        """Move the opening to `value` (rad, m) in static equilibrium, in smaller steps where one
+        would leave the branch of solutions. depth: halvings of the step so far, 0 for callers.
+        Raises MisfitError where it cannot be moved, SceneError where motions jump too often."""
         state, tangents = self.state(), self._tangents
         is_past_jump = any(min(state[1], value) <= jump <= max(state[1], value)
                            for jump in self._jumps)  # fmt: skip
@@ -163,18 +162,18 @@ class Path:
         )  # fmt: skip
 
     def state(self) -> tuple:
-        """State that `restore` takes back: poses, opening, tangent, impulses, openings of all
-        hinges."""
+        """State of the path, as a tuple to be given to `restore` later: poses, opening, tangent,
+        impulses in the joints, and openings of all hinges."""
         return self.poses, self.opening, self.tangent, self._impulses, self._openings
 
     def restore(self, state: tuple) -> None:
-        """Go back to a state of `state`; the next prediction is along its tangent."""
+        """Go back to what `state` returned; the next step is predicted along its tangent."""
         self._tangents = self._tangents if state[1] == self.opening else [state[2]]
         self.poses, self.opening, self.tangent, self._impulses, self._openings = state
 
     def update_openings(self) -> list[float]:
-        """Openings (rad, m) of all hinges at the current poses, without jumps by full turns since
-        the last call."""
+        """Openings (rad, of slides m) of all hinges at the current poses, in the scene's order,
+        counted on over full turns from the last call, whose values they replace."""
         poses, openings = SimpleNamespace(**self.poses._asdict()), []
         for hinge, last in zip(self.scene.hinges, self._openings, strict=True):
             value = opening_at(poses, hinge)
@@ -186,7 +185,7 @@ class Path:
         return openings
 
     def rates(self, hinges: Sequence[int]) -> list[float]:
-        """Rates of the openings of hinges (indices), per unit of the opening that is moved."""
+        """Derivatives of the openings of `hinges` (their indices) by the opening that is moved."""
         shift, turn = self.tangent.reshape(-1, 2, 3).transpose(1, 0, 2)
         motion = SimpleNamespace(velocity=shift, spin=turn)
         return [float(rate_at(self.poses, self.scene.hinges[h], motion)) for h in hinges]
@@ -203,12 +202,11 @@ class Path:
         return rates.ravel()
 
     def in_bearings(self, friction: np.ndarray) -> list[float]:
-        """Virtual work (N m, on slides N) of the friction in each bearing, at most 0: by all of a
-        hinge's joint force, on a slide by that across it, in balance with all friction.
-
-        friction: forces and moments (6n,) of the other components that only resist. Raises
-        SceneError where friction presses its joint harder than it is pushed: self-locking.
-        """
+        """Virtual work (N m, on slides N) of the friction in each bearing, per unit of the opening,
+        at most 0, by the force in its joint, on a slide that across it, in balance with all
+        friction. friction: forces and moments (6n,) N, N m of the other components that only
+        resist. Raises SceneError where friction presses its joint harder than it is pushed:
+        self-locking."""
         levers = np.array(list(self.scene.bearings.values()))
         if not len(levers):
             return []
@@ -235,8 +233,8 @@ class Path:
         return [*(-levers * forces * np.abs(rates))]
 
     def check(self) -> None:
-        """Raise SceneError unless the moved opening alone determines the motion of everything
-        else."""
+        """Raise SceneError unless the moved opening alone determines the motion of everything else,
+        which is so if that motion does not change with the masses."""
         scene, uneven = self.scene, np.linspace(1.0, 3.0, len(self.scene.mass))
         self.scene = copy(scene)
         self.scene.mass, self.scene.inertia = scene.mass * uneven, scene.inertia / uneven[:, None]

@@ -25,14 +25,14 @@ NODES = 4
 
 
 def bends_after(positions: np.ndarray) -> np.ndarray:
-    """Index of the first position of each stretch between bends, and at last the number of
-    positions; positions (p,) increase, and stand twice at a bend (a kink or jump of the values)."""
+    """Start indices of the stretches into which bends (kinks or jumps of sampled values) divide
+    `positions` (p,), and at last p. Positions increase, and stand twice at a bend."""
     return np.concatenate([[0], np.flatnonzero(np.diff(positions) == 0) + 1, [len(positions)]])
 
 
 def interpolate(positions: np.ndarray, values: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Values (m, ...) at points (m,), interpolated from values (p, ...) at increasing positions
-    (p,) by cubics, and not across bends, which stand twice among the positions."""
+    """Values (m, ...) at points (m,), interpolated by cubics from values (p, ...) at increasing
+    positions (p,), and not across bends (kinks or jumps): positions that stand twice."""
     points = np.atleast_1d(points)
     ends = bends_after(positions)
     index = np.clip(np.searchsorted(positions, points, side="right") - 1, 0, len(positions) - 2)
@@ -55,7 +55,7 @@ def interpolate(positions: np.ndarray, values: np.ndarray, points: np.ndarray) -
 
 def slopes(positions: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Derivatives (p,) of values (p,) by the increasing positions (p,), by cubic splines between
-    bends, which stand twice among the positions."""
+    bends (kinks or jumps): positions that stand twice."""
     from scipy.interpolate import CubicSpline
 
     ends = bends_after(positions)
@@ -66,9 +66,9 @@ def slopes(positions: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 class SampledTravel:
-    """Values (k,) sampled at increasing positions of a travel, as fractions of it (0 to 1).
-    measure(position, state): returns (values, new state), starting from the state at the nearest
-    position below that is known, or None."""
+    """Values (k,) sampled at increasing positions of a travel, which are fractions of it (0 to 1).
+    measure(position, state): returns (values, new state), starting from `state`, that at the
+    nearest sampled position not above, or None; states are objects of the caller's."""
 
     def __init__(self, measure: Callable):
         self._measure = measure
@@ -78,7 +78,7 @@ class SampledTravel:
         self._bends: set[float] = set()
 
     def add(self, position: float) -> np.ndarray:
-        """Values (k,) at a position: measured and stored unless they are known."""
+        """Values (k,) at a position (0 to 1): measured and stored unless they are known."""
         k = bisect_left(self.positions, position)
         if k < len(self.positions) and self.positions[k] == position:
             return self.values[k]
@@ -89,18 +89,18 @@ class SampledTravel:
         return values
 
     def look(self, position: float) -> tuple[np.ndarray, object]:
-        """Measure the values (k,) at a position, and the state there, without storing them."""
+        """Measure values (k,) and the caller's state at a position (0 to 1); store neither."""
         k = bisect_right(self.positions, position) - 1
         return self._measure(position, self._states[k] if k >= 0 else None)
 
     def add_bend(self, position: float) -> None:
-        """Add a position at which values have a kink or jump, across which nothing is
-        interpolated."""
+        """Sample a position (0 to 1) at which values have a kink or jump, and mark it, so that
+        nothing is interpolated across it."""
         self.add(position)
         self._bends.add(position)
 
     def arrays(self) -> tuple[np.ndarray, np.ndarray]:
-        """Positions (p,), those of bends twice, and the values (p, k) there."""
+        """Sampled positions (p,), increasing, of kinks or jumps twice, and values (p, k) there."""
         inner = [
             p in self._bends and 0 < i < len(self.positions) - 1
             for i, p in enumerate(self.positions)
@@ -109,13 +109,11 @@ class SampledTravel:
         return np.array(self.positions)[index], np.array(self.values)[index]
 
     def refine(self, measure_error: Callable[[np.ndarray, np.ndarray, float], float]) -> bool:
-        """Add positions half-way between others until interpolation is accurate; False where that
-        takes more than MAX_POSITIONS.
-
-        measure_error(expected, values, distance): error of interpolated values (k,) over the
-        allowed one; done at 1, or up to ROUNDING_LIMIT where it does not fall with the distance of
-        positions.
-        """
+        """Sample further positions, half-way between others, until interpolation is accurate;
+        return False where that takes more than MAX_POSITIONS (1500). measure_error(expected,
+        values, distance): error of interpolated values (k,) against measured ones, over the allowed
+        error, at this distance of positions; accurate at 1, or up to ROUNDING_LIMIT (20) where it
+        does not fall with the distance."""
         pairs = [(*ends, np.inf) for ends in pairwise(self.positions)]
         while pairs:
             lower, upper, previous_error = pairs.pop()

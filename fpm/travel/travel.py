@@ -40,9 +40,9 @@ APPROACH = 1e-4
 
 
 class Travel(NamedTuple):
-    """Result of a quasi-static sweep at positions (p,): opening (rad, slides m); work: virtual work
-    (p,) by component, per unit of the opening (N m, slides N), above 0 where it actuates; inertia
-    (p,) that the opening moves (kg m², slides kg)."""
+    """Result of the quasi-static sweep of an opening at p positions: opening (p,) in rad, of slides
+    m; work: virtual work (p,) of each component by name, per unit of the opening (N m, slides N),
+    above 0 where it drives; inertia (p,) that the opening moves (kg m², slides kg)."""
 
     opening: np.ndarray
     work: dict[str, np.ndarray]

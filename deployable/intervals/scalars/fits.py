@@ -32,9 +32,9 @@ _LEVERAGE = 1 - 1e-8  # above it a run alone decides a coefficient, and nothing 
 
 @dataclass(frozen=True)
 class Kriging:
-    """A polynomial `trend` plus a correction through the runs at unit points (N, k): kriging of the
-    residuals with an exponential covariance of correlation length `length`, whose extreme values
-    are at runs, so that noise does not swing beyond them. weights (N, 1): of the runs."""
+    """A polynomial `trend` plus a correction through the runs at points (N, k) in [-1, 1]^k:
+    kriging of the residuals with an exponential covariance of correlation length `length`, whose
+    extreme values are at runs, so that noise does not swing beyond them; weights (N, 1)."""
 
     trend: Surrogate
     points: np.ndarray
@@ -42,11 +42,11 @@ class Kriging:
     length: float
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P, 1) at unit coordinates (P, k)."""
+        """Values (P, 1) at points `unit` (P, k) in [-1, 1]^k."""
         return self.trend.evaluate(unit) + _fading(unit, self.points, self.length) @ self.weights
 
     def formula(self) -> Formula:
-        """The function as a table of numbers."""
+        """The function as a table, `Formula`, which other programs can evaluate."""
         scales = np.full(self.points.shape[1], 1 / self.length)
         fading = {"points": self.points, "scales": scales, "weights": self.weights[:, 0]}
         return replace(polynomial(self.trend), kernel="fading", **fading)
@@ -54,12 +54,12 @@ class Kriging:
 
 @dataclass(frozen=True)
 class RootFunction:
-    """A function of unit coordinates (k) and of the root of an event margin, which is 0 on the
-    limit-state surface: the time of an event ends there like a root.
+    """A function of k normalized parameters and of the root of an event margin, which is above 0
+    where an event occurs and 0 on the border of that part of the box: its time ends there like a
+    root.
 
     function: of k + 1 coordinates, the last one 2 sqrt(margin / scale) - 1; margin: occurrence
-    whose `certainty` is the event margin (P) at unit coordinates (P, k); scale: largest event
-    margin.
+    whose `certainty` is the event margin (P) at points (P, k); scale: largest event margin.
     """
 
     function: Surrogate | Spline | Kriging
@@ -67,32 +67,32 @@ class RootFunction:
     scale: float
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P, 1) at unit coordinates (P, k); margins below 0 count as 0."""
+        """Values (P, 1) at points `unit` (P, k) in [-1, 1]^k; margins below 0 count as 0."""
         roots = root_coordinates(self.margin.certainty(unit), self.scale)
         return self.function.evaluate(np.column_stack([unit, roots]))
 
     @property
     def trend(self) -> RootFunction:
-        """The function without the correction that brings a polynomial to single runs."""
+        """Copy without the kriging correction that brings a polynomial to single runs."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
     def formula(self) -> Formula:
-        """The function as a table of numbers."""
+        """The function as a table, `Formula`, which other programs can evaluate."""
         return replace(_formula(self.function), root=self.margin.formula(), root_scale=self.scale)
 
 
 def root_coordinates(margins: np.ndarray, scale: float) -> np.ndarray:
-    """Coordinates (P) in [-1, 1], 2 sqrt(margin / scale) - 1, of event margins (P), cut off below 0
-    and above `scale` (in their unit)."""
+    """Map event margins (P), which are above 0 where an event occurs, to coordinates (P) in [-1,
+    1]: 2 sqrt(margin / scale) - 1, cut off at margins of 0 and `scale` (in their unit)."""
     return 2.0 * np.sqrt(np.clip(margins / scale, 0.0, 1.0)) - 1.0
 
 
 def root_fit(
     points: np.ndarray, values: np.ndarray, occurrence: Occurrence, margins: np.ndarray
 ) -> Fit | None:
-    """The best fit to values (N) of runs at unit points (N, k) as a function of the points and of
-    the roots of event margins, positive at the runs (N); None where none is, or for too few runs.
-    occurrence: gives the event margin at other points."""
+    """The best fit to values (N) of runs at `points` (N, k) in [-1, 1]^k as a function of the
+    points and of the roots of event margins, positive at the runs (N); None where none is, or for
+    too few runs. occurrence: gives the event margin at other points."""
     scale = float(margins.max(initial=0.0))
     if not scale > 0 or len(values) <= _LEAST_RUNS:
         return None
@@ -108,9 +108,9 @@ def _fading(unit: np.ndarray, points: np.ndarray, length: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Fit:
-    """A function of unit coordinates fitted to the values (N) of runs at unit points (N, k).
-    left_out (N): leave-one-out errors, the value of each run less that of the function fitted to
-    all the others; infinite for a run that no others predict. kind: type of function, in words."""
+    """A function fitted to the values (N) of runs at `points` (N, k) in [-1, 1]^k. left_out (N):
+    leave-one-out errors, the value of each run less that of the function fitted to all the others;
+    infinite for a run that no others predict. kind: type of function, in words."""
 
     points: np.ndarray
     values: np.ndarray
@@ -131,11 +131,11 @@ class Fit:
 
     @property
     def trend(self) -> Fit:
-        """The fit without the correction that brings a polynomial to single runs."""
+        """Copy without the kriging correction that brings a polynomial to single runs."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P) at unit coordinates (P, k)."""
+        """Values (P) of the function at points `unit` (P, k) in [-1, 1]^k."""
         return self.function.evaluate(np.asarray(unit, dtype=float))[:, 0]
 
     @property
@@ -144,7 +144,7 @@ class Fit:
         return float(np.sqrt(np.mean(self.left_out**2)))
 
     def formula(self) -> Formula:
-        """The fitted function as a table of numbers."""
+        """The fitted function as a table, `Formula`, which other programs can evaluate."""
         return _formula(self.function)
 
 
@@ -153,8 +153,8 @@ def _formula(function: Surrogate | Spline | Kriging | RootFunction) -> Formula:
 
 
 def best_fit(points: np.ndarray, values: np.ndarray) -> Fit:
-    """The fit to values (N) of runs at unit points (N, k) with the least leave-one-out errors, by
-    their root mean square; raises IntervalError without values, or for one that is not finite.
+    """The fit to values (N) of runs at `points` (N, k) in [-1, 1]^k with the least leave-one-out
+    errors, by their root mean square; raises IntervalError without values, or if one is not finite.
 
     Tried are polynomials by least squares, of every total degree that the runs can test, and the
     spline through all runs. Runs that are nearly the same count once.

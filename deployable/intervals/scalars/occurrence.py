@@ -39,33 +39,33 @@ _LEVELS = (-0.7, -0.35, 0.0, 0.35, 0.7)  # of the function, at which runs are so
 
 @dataclass(frozen=True)
 class Occurrence:
-    """In which part of the box an event occurs, by runs at unit points (N, k), and by `happens`
-    (N), whether it occurs in each."""
+    """In which part of the box of parameters an event occurs, by runs at `points` (N, k) in [-1,
+    1]^k, and by `happens` (N), whether it occurs in each."""
 
     points: np.ndarray
     happens: np.ndarray
 
     @property
     def is_mixed(self) -> bool:
-        """Whether the event occurs in some runs and not in others."""
+        """Whether the event occurs in some of the runs, but not in all."""
         return bool(self.happens.any() and not self.happens.all())
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Whether the event occurs (P), by the decision function, at unit coordinates (P, k)."""
+        """Whether the event occurs (P), by the decision function, at `unit` (P, k) in [-1, 1]^k."""
         return self.certainty(unit) >= 0
 
     def certainty(self, unit: np.ndarray) -> np.ndarray:
-        """Decision function (P), no probability, at unit coordinates (P, k): above 0 where the
-        event occurs, below 0 where not, undecided below `doubt` in size; infinite where all runs
-        agree."""
+        """Decision function (P), no probability, at points `unit` (P, k) in [-1, 1]^k: above 0
+        where the event occurs, below 0 where not, undecided below `doubt` in size; infinite where
+        all runs agree."""
         unit = np.asarray(unit, dtype=float)
         if not self.is_mixed:
             return np.full(len(unit), np.inf if self.happens.all() else -np.inf)
         return self._border(unit)
 
     def doubt(self, unit: np.ndarray) -> np.ndarray:
-        """Half-width (P) of the undecided band at unit coordinates (P, k): where abs(certainty) is
-        below it, the runs do not determine whether the event occurs."""
+        """Half-width (P) of the undecided band at points `unit` (P, k) in [-1, 1]^k: where
+        abs(certainty) is below it, the runs do not determine whether the event occurs."""
         if not self.is_mixed:
             return np.zeros(len(unit))
         certain = self._certain
@@ -77,20 +77,20 @@ class Occurrence:
         return np.maximum(np.minimum(*nearest), max(1.0, float(-certain.min())))
 
     def run_certainty(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
-        """Decision function (R) at runs as their own results give it: by quantity values `numbers`
-        (R) or event margins (R); NaN where those give no more than whether the event occurs."""
+        """Decision function (R) at R runs by their results: `numbers` (R), values of the quantity,
+        or event margins (R), above 0 where it occurs. Here NaN: known is only whether it occurs."""
         return np.full(len(numbers), np.nan)
 
     @cached_property
     def open(self) -> float:
-        """Volume fraction of the box, about, where runs do not determine whether the event
+        """Volume fraction of the box, about, where the runs do not determine whether the event
         occurs."""
         spread = self._spread()
         return float((np.abs(self.certainty(spread)) < self.doubt(spread)).mean())
 
     def infill_points(self, count: int) -> np.ndarray:
-        """Unit points (at most `count`, k) for further runs near the limit-state surface of the
-        event, as far from all runs and each other as can be; none where all runs agree."""
+        """Points (at most `count`, k) in [-1, 1]^k for further runs, near the border of where the
+        event occurs, as far from all runs and each other as can be; none where all runs agree."""
         points = np.zeros((0, self.points.shape[1]))
         if not self.is_mixed:
             return points
@@ -103,8 +103,8 @@ class Occurrence:
 
     @cached_property
     def surface_points(self) -> np.ndarray:
-        """Unit points (P, k) on the limit-state surface of the event, just inside; none if all runs
-        agree."""
+        """Points (P, k) in [-1, 1]^k on the border of where the event occurs, just inside; none
+        where all runs agree."""
         return self._level_points((0.0,)) if self.is_mixed else self.points[:0]
 
     def _open_places(self) -> np.ndarray:
@@ -146,7 +146,7 @@ class Occurrence:
         return _matern(unit, points) @ weights
 
     def formula(self) -> Formula:
-        """The decision function as a table, for runs that do not all agree."""
+        """The decision function as a table, `Formula`, where runs do not all agree."""
         points, weights = self._support_vectors
         k = points.shape[1]
         constant, scales = np.zeros((1, k), dtype=int), np.full(k, np.sqrt(5) / _LENGTH)
@@ -202,11 +202,12 @@ def _matern(unit: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class FittedOccurrence(Occurrence):
-    """Occurrence of an event by a fitted function: it occurs where the fit is not below 0, or, with
-    `latest` (end of the runs, s), where a fitted time is not above that; `error`: the fit's.
+    """Occurrence of an event by a fitted function: where `fit`, of an event margin, is not below 0,
+    or, with `latest` (end of the runs, s), where `fit`, of a time, is not above; `error`: the
+    fit's.
 
-    An event margin, or the time left before the runs end, locates the limit-state surface better
-    than whether the event occurs does.
+    An event margin, or the time left before the runs end, locates the border of where the event
+    occurs better than whether it occurs does.
     """
 
     fit: Fit
@@ -214,28 +215,30 @@ class FittedOccurrence(Occurrence):
     latest: float | None = None
 
     def agrees(self, slack: float = 0.0) -> bool:
-        """Whether the decision function has the right sign in every run: up to its error in runs
-        with the event, below `slack` in those without."""
+        """Whether the decision function has the right sign in every run: in runs with the event at
+        least minus `error`, in those without below `slack` (in the unit of the function)."""
         certainty = self.certainty(self.points)
         agreement = certainty[self.happens] >= -self.error
         return bool(agreement.all() and (certainty[~self.happens] < slack).all())
 
     def certainty(self, unit: np.ndarray) -> np.ndarray:
-        """Fitted event margin (P), or time left before `latest` (P) s, at unit coordinates (P,
-        k)."""
+        """Fitted event margin (P), or time left before `latest` (P) s, at points `unit` (P, k) in
+        [-1, 1]^k: above 0 where the event occurs."""
         values = self.fit.evaluate(unit)
         return values if self.latest is None else self.latest - values
 
     def formula(self) -> Formula:
+        """The decision function as a table, `Formula`, which other programs can evaluate."""
         formula = self.fit.formula()
         return formula if self.latest is None else formula.shortfall(self.latest)
 
     def run_certainty(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
-        """Event margins (R), or the times left before `latest` (R) s, of runs themselves."""
+        """Decision function (R) at R runs by their own results: event margins (R), or the times
+        left before `latest` (R) s if the fit is of a time; numbers (R): these times."""
         return margins if self.latest is None else self.latest - numbers
 
     def doubt(self, unit: np.ndarray) -> np.ndarray:
-        """The error of the fit (P), the same at all unit coordinates (P, k)."""
+        """The error (P) of the fit, the same at all points `unit` (P, k)."""
         return np.full(len(unit), self.error)
 
     @property

@@ -34,12 +34,9 @@ _TRUSTED = 3.0  # times its error: so far the surrogate must exceed all runs to 
 
 
 class BoundEstimate(NamedTuple):
-    """Lower or upper bound of a quantity, its error, and points at which runs may extend it.
-
-    value: the extreme run's, or the surrogate's where that goes farther by several times its own
-    error; error: by how much the bound may be off, by what the surrogate leaves possible; points
-    (P, k): unit points at which further runs may extend it.
-    """
+    """Lower or upper bound of a quantity. value: the extreme run's, or the surrogate's where that
+    goes farther by several times its own error; error: by how much the bound may be off, by what
+    the surrogate leaves possible; points (P, k) in [-1, 1]^k: where further runs may extend it."""
 
     value: float
     error: float
@@ -53,10 +50,10 @@ def estimate_bounds(
     mispredictions: Sequence[float] = (0.0, 0.0),
 ) -> tuple[BoundEstimate, ...]:
     """The lower and the upper bound of a quantity, from its surrogate and the values (N) of runs at
-    unit points (N, k), NaN where a run has none; nothing where all are.
+    `points` (N, k) in [-1, 1]^k, NaN where a run has none; an empty tuple where all are.
 
-    mispredictions: by how much the last runs at the surrogate's bounds differed from these, if any
-    were made; infinite where they had no value.
+    mispredictions: for the lower and the upper bound, by how much the last run where the surrogate
+    attains it differed from the surrogate; 0 without one, infinite where it had no value.
     """
     if surrogate.fit is None:
         return ()
@@ -70,9 +67,9 @@ def estimate_bounds(
 
 
 def local_errors(fit: Fit, unit: np.ndarray) -> np.ndarray:
-    """Errors (P) of a fit at unit coordinates (P, k), by the leave-one-out errors of the nearest
-    runs: that of a run holds at the distance of its next run, and falls linearly towards the
-    run."""
+    """Errors (P) of a fit at points `unit` (P, k) in [-1, 1]^k, by the leave-one-out errors of the
+    nearest runs: that of a run holds at the distance of its next run, and falls linearly towards
+    the run."""
     points, width = fit.points, float(np.ptp(fit.values))
     errors = np.minimum(np.abs(fit.left_out), width)
     if len(points) == 1:

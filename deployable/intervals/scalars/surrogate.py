@@ -24,8 +24,8 @@ Function = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class Extremes:
-    """Least and largest value of a function over a part of the box, and their unit coordinates (k);
-    NaN where it has no value there."""
+    """Least and largest value, `low` and `high`, of a function over a part of the box, and where,
+    `argmin` and `argmax` (k) in [-1, 1]^k; NaN where it has no value there."""
 
     low: float
     high: float
@@ -34,7 +34,7 @@ class Extremes:
 
     @property
     def width(self) -> float:
-        """Largest less least value."""
+        """Difference of the largest and the least value."""
         return self.high - self.low
 
 
@@ -45,8 +45,9 @@ def extremes(
     extra_points: np.ndarray | None = None,
     climbs: int = _CLIMBS,
 ) -> Extremes:
-    """Least and largest value that a function attains over the part [lower, upper] (k each) of the
-    box, in unit coordinates; the arguments are those of `extreme`."""
+    """Least and largest value that a function attains over the part of the box from `lower` to
+    `upper` (k each, in [-1, 1]). function: of points (P, k), gives (P), NaN without a value;
+    extra_points (P, k): tried, too; climbs: number of best points from which a search goes on."""
     low, argmin = extreme(function, -1.0, lower, upper, extra_points, climbs)
     high, argmax = extreme(function, 1.0, lower, upper, extra_points, climbs)
     return Extremes(low, high, argmin, argmax)
@@ -60,13 +61,13 @@ def extreme(
     extra_points: np.ndarray | None = None,
     climbs: int = _CLIMBS,
 ) -> tuple[float, np.ndarray]:
-    """The largest (sign 1) or least (sign -1) value that a function attains over the part
-    [lower, upper] (k each) of the unit box, and where (k); NaN if it has none there.
+    """The largest (sign 1) or least (sign -1) value that a function attains over the part of the
+    box from `lower` to `upper` (k each, in [-1, 1]), and where (k); NaN if it has none there.
 
-    The best of points spread over the part, its faces and corners, and of those `extra_points`
-    (P, k) that lie in it; from the best `climbs` of them a quasi-Newton search goes on (L-BFGS-B),
-    which takes a smooth function. `function` takes unit coordinates (P, k) and gives values (P),
-    NaN where it has none.
+    The best of points spread over the part, its faces and corners, and of those `extra_points` (P,
+    k) that lie in it; from the best `climbs` of them a quasi-Newton search goes on (L-BFGS-B),
+    which takes a smooth function. `function` takes points (P, k) and gives values (P), NaN where it
+    has none.
     """
     lower, upper = np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
     middle, half = (lower + upper) / 2, (upper - lower) / 2
@@ -120,9 +121,9 @@ def _spread(free: tuple[bool, ...]) -> np.ndarray:
 
 @dataclass(frozen=True)
 class ScalarSurrogate:
-    """Surrogate of a quantity over the box: `fit`, its value as a function of the parameters (None
-    where no run has one), and `occurrence`, in which part of the box it exists. least: physical
-    lower bound; latest: of a time, the end of the runs, which no value exceeds."""
+    """Surrogate of a quantity (a number of each run) over the box: `fit`, its value as a function
+    of the parameters (None: no run has one), and `occurrence`, in which part of the box it exists.
+    least: physical lower bound; latest: of a time, the end of the runs, which no value passes."""
 
     fit: Fit | None
     occurrence: Occurrence
@@ -142,29 +143,30 @@ class ScalarSurrogate:
 
     @property
     def trend(self) -> ScalarSurrogate:
-        """The surrogate without the correction that brings a polynomial to single runs, to compare
+        """Copy without the kriging correction that brings a polynomial to single runs, to compare
         parts of the box with each other."""
         return self if self.fit is None else replace(self, fit=self.fit.trend)
 
     @property
     def physical_bounds(self) -> tuple[float, float]:
-        """Least and largest value that the quantity can have."""
+        """Least and largest value that the quantity can have, infinite where nothing limits it."""
         return self.least, self.latest
 
     def predict(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P) of the fit at unit coordinates (P, k), clipped to the physical bounds; also
-        where the quantity does not exist."""
+        """Values (P) of the fit at points `unit` (P, k) in [-1, 1]^k, clipped to the physical
+        bounds; also where the quantity does not exist."""
         return np.clip(self.fit.evaluate(np.asarray(unit, dtype=float)), self.least, self.latest)
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P) at unit coordinates (P, k), NaN where the quantity does not exist."""
+        """Values (P) at points `unit` (P, k) in [-1, 1]^k, NaN where the quantity has none."""
         if self.fit is None:
             return np.full(len(unit), np.nan)
         return np.where(self.occurrence.evaluate(unit), self.predict(unit), np.nan)
 
     def formulas(self) -> tuple[Formula | None, Formula | bool]:
-        """Tables of the fit, None without one, and of a function that is not below 0 where the
-        quantity exists; True or False instead of the latter if it exists in all runs or in none."""
+        """Two tables, `Formula`, which other programs can evaluate: of the fit, None without one;
+        and of a function that is at least 0 where the quantity exists; in the place of the latter
+        True or False if the quantity exists in all runs or in none."""
         sure = not self.occurrence.is_mixed
         return (
             None if self.fit is None else self.fit.formula(),
@@ -174,16 +176,18 @@ class ScalarSurrogate:
     def range(
         self, lower: np.ndarray | None = None, upper: np.ndarray | None = None, **options: int
     ) -> Extremes:
-        """Range attained by the surrogate over the part [lower, upper] (k each, unit coordinates)
-        of the box, by default the whole; NaN without values. options: `climbs` of `extreme`."""
+        """Range attained by the surrogate over the part of the box from `lower` to `upper` (k each,
+        in [-1, 1]), by default the whole; NaN without values. options: `climbs`, number of best
+        points from which a search goes on (`extreme`)."""
         lower, upper = self._part(lower, upper)
         return extremes(self.evaluate, lower, upper, self._trial_points, **options)
 
     def end(
         self, sign: float, lower: np.ndarray, upper: np.ndarray, climbs: int = 1
     ) -> tuple[float, np.ndarray]:
-        """Upper (sign 1) or lower (sign -1) bound of the surrogate over the part [lower, upper] (k
-        each) of the box, and the unit point (k) where it is attained; climbs: as of `extreme`."""
+        """Upper (sign 1) or lower (sign -1) bound of the surrogate over the part of the box from
+        `lower` to `upper` (k each, in [-1, 1]), and the point (k) where it is attained; climbs:
+        number of best points from which a search goes on."""
         part = self._part(lower, upper)
         return extreme(self.evaluate, sign, *part, self._trial_points, climbs)
 
@@ -205,13 +209,13 @@ class ScalarSurrogate:
         return lower, np.where(free, side if upper is None else upper, 0.0)
 
     def nowhere(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
-        """Unit point (k) in the part [lower, upper] of the box where the quantity most certainly
-        does not exist; None if it exists all over the part."""
+        """The point (k) in the part of the box from `lower` to `upper` (k each, in [-1, 1]) where
+        the quantity most certainly does not exist; None if it exists all over the part."""
         return self._place(lower, upper, False)
 
     def somewhere(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
-        """Unit point (k) in the part [lower, upper] of the box where the quantity most certainly
-        exists; None if it exists nowhere in the part."""
+        """The point (k) in the part of the box from `lower` to `upper` (k each, in [-1, 1]) where
+        the quantity most certainly exists; None if it exists nowhere in the part."""
         return self._place(lower, upper, True)
 
     def _place(self, lower: np.ndarray, upper: np.ndarray, happens: bool) -> np.ndarray | None:
@@ -230,13 +234,13 @@ def fit_scalar(
     least: float | None = None,
     margin: np.ndarray | None = None,
 ) -> ScalarSurrogate:
-    """Fit the surrogate of a quantity to values (N) of runs at unit points (N, k), NaN where the
-    quantity does not exist in a run, as the time of an event that does not occur.
+    """Fit the surrogate of a quantity to values (N) of runs at `points` (N, k) in [-1, 1]^k, NaN
+    where the quantity does not exist in a run, as the time of an event that does not occur.
 
     latest: of a time, when runs end; least: physical lower bound; margin (N): event margin, above 0
-    where the event occurs, NaN where not known. The limit-state surface between runs with and
-    without a value is the one that leaves least volume undecided: by the runs alone, where the fit
-    reaches `latest`, or where a fit to `margin`, if known of all runs, vanishes.
+    where the event occurs, NaN where not known. The border between runs with and without a value is
+    the one that leaves least volume undecided: by the runs alone, where the fit reaches `latest`,
+    or where a fit to `margin`, if known of all runs, vanishes.
     """
     points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
     happens = np.isfinite(values)
@@ -280,9 +284,9 @@ def _occurrence(
 @dataclass(frozen=True)
 class Influence:
     """Widths of a quantity's range by parameter (k): `alone`, if only this one varies; `share`,
-    this over the sum of all that exceed the error of the fit, else 0; `fixed` and `halved`, if all
-    vary but this one keeps its nominal value, or half its interval about it. `width`: of the whole
-    box."""
+    this over the sum for all parameters, without those below the error of the fit; `fixed` and
+    `halved`, if all vary but this one keeps its nominal value, or half its interval about it.
+    `width`: of the whole box."""
 
     width: float
     alone: np.ndarray
@@ -293,7 +297,7 @@ class Influence:
 
 def influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
     """Influence of each parameter on the width of a quantity's range, by the trend of its
-    surrogate, without further runs; nominal (k): nominal point in unit coordinates."""
+    surrogate, without further runs; nominal (k): nominal point of the parameters in [-1, 1]^k."""
     surrogate = surrogate.trend
     nominal = np.asarray(nominal, dtype=float)
     k = len(nominal)

@@ -46,9 +46,9 @@ def answer(
     tell: Tell,
     threads: int,
 ) -> None:
-    """Find the nominal values of chosen parameters whose worst case is best, simulate the runs that
-    this takes, and write `choice.json` into `folder`, that of a planned campaign's results. choose,
-    requirements, verify, jobs: sections of the config; tell: called with each message; threads: how
+    """Find the nominal values of chosen parameters whose worst case is best, with the runs that
+    this takes, and write `choice.json` into `folder`, a planned campaign's results. choose,
+    requirements, verify, jobs: sections of the config; tell: called with messages; threads: how
     many simulate."""
     base_plan = read_plan(folder.plan)
     experiment = widened(base_plan.experiment, choose)
@@ -118,9 +118,9 @@ def widened(experiment: Experiment, choose: Choose) -> Experiment:
 
 
 def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
-    """Return normalized points (N, k), -1 to 1 in the box, of the runs to which surrogates over all
-    choices are fitted: a sparse grid and a few validation runs. experiment: as `widened` returns
-    it."""
+    """Return normalized points (N, k), -1 to 1 in the box, of the runs that surrogates over all
+    choices are fitted to: a sparse grid and a few validation runs. experiment: `widened`'s
+    result."""
     from deployable.intervals import held_out_points, make_design
 
     order, box = experiment.design.order, experiment.box
@@ -172,9 +172,8 @@ def _error(
 
 def deciding(trials: Sequence[Any], error: float) -> list[bool]:
     """Return a flag for each chosen parameter: whether tried choices that differ only in it differ
-    by more than `error` in the first goal or, if no choice is allowed, in the least margin to a
-    limit. trials: `intervals.scalars.Choice`, all that were tried; error: in the unit of the
-    goal."""
+    by more than `error` (unit of the first goal) in that goal or, if no choice is allowed, in the
+    least margin to a limit. trials: `intervals.scalars.Choice`, all that were tried."""
     allowed = [trial.is_allowed for trial in trials]
     worth = np.array([
         trial.slack if not any(allowed) else trial.goals[0] if trial.is_allowed else np.inf

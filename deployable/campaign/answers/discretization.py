@@ -39,9 +39,9 @@ COMPONENTS = ("step", "mesh")
 
 
 def checked_components(plan: Plan, verify: Verify) -> tuple[str, ...]:
-    """Return for which of "step" (of time) and "mesh" the errors of a plan's bounds are to be
-    estimated: with an `accuracy` as its present round says, else both or none, as `verify`
-    (section) says."""
+    """Return for which of "step" (of time) and "mesh" to estimate the errors of a plan's bounds:
+    with an `accuracy` as its present round says, else both or none, as the section `verify`
+    says."""
     if plan.experiment.is_sought:
         return plan.adaptive.check
     return COMPONENTS if verify.discretization else ()
@@ -55,11 +55,10 @@ def check_bounds(
     threads: int = 1,
     components: tuple = COMPONENTS,
 ) -> Any:
-    """Return the dataset of a campaign's response bounds with its errors by time step and mesh
-    added, after repeating the deciding runs with finer ones. folder: of results; bounds: of
-    `intervals.bounds_dataset`; jobs: section; tell: called with each message; components: "step",
-    "mesh" or both. With an `accuracy` it also gets ``quantity_error_<component>`` (quantity), in
-    their units."""
+    """Return the dataset of a campaign's response bounds with errors by time step and mesh added,
+    after repeating the deciding runs with finer ones. folder: of results; bounds: the dataset;
+    jobs: section; tell: called with messages; components: "step", "mesh" or both. With an
+    `accuracy` it also gets ``quantity_error_<component>`` (quantity), in their units."""
     from deployable import intervals
 
     model = ModelEvaluator.from_folder(folder, jobs, tell, threads)
@@ -81,9 +80,8 @@ def check_bounds(
 class RefinementLevel(NamedTuple):
     """Plans from which the error by one component, time step or mesh, is estimated.
 
-    finer: plan with half the step, or twice as fine a mesh; third: a third one, to measure the
-    order of the error, None if there is none; ends_finest: whether `third` is finer still (a
-    quarter of the step), not coarser than the original (half the mesh's elements).
+    finer: plan with half the step, or twice as fine a mesh; third: one that shows the order of the
+    error, or None; ends_finest: whether it is finer still (a quarter of the step), not coarser.
     """
 
     finer: Plan

@@ -29,15 +29,13 @@ SAME_RUN, SAME_POINT = 1e-6, 2e-4
 
 
 class ModelEvaluator:
-    """Holds R runs of a campaign, and simulates further ones wherever in the box an answer needs
-    them.
+    """Holds R runs of a campaign, and simulates further ones where an answer needs them in the box.
 
     `unit` (R, k): normalized points, -1 to 1; `numbers` (R, q): quantities, NaN if absent;
     `margins` (R, q): by how much each event occurs, above 0 if so. `further`: runs added here, at
     most `max_further`; `simulated`: how many were not stored before. Of a large scan some runs are
-    held (`fitted_rows`); `unfitted` counts the rest, `unfitted_with` (q) those with each quantity.
-    plan: sets step and mesh; jobs: section of the config; folder: of results; tell: called with
-    messages.
+    held; `unfitted` counts the rest, `unfitted_with` (q) those with each quantity. plan: sets step
+    and mesh; jobs: section of the config; folder: of results; tell: called with messages.
     """
 
     max_further: float = math.inf
@@ -60,9 +58,9 @@ class ModelEvaluator:
     def from_folder(
         cls, folder: Folder, jobs: Jobs, tell: Tell, threads: int = 1, further: bool = False
     ) -> ModelEvaluator:
-        """Make an evaluator that holds the runs in `samples.nc` of a folder of results, and with
-        `further` also those in `further.nc`. jobs: section of the config; tell: called with each
-        message."""
+        """Make an evaluator that holds the runs in `samples.nc` of a folder of results, with
+        `further` also those in `further.nc`. jobs: section of the config; tell: called with
+        messages."""
         model = cls(read_plan(folder.plan), jobs, folder, tell, threads)
         with open_netcdf(folder.samples) as samples:
             unit = samples["normalized"][:]
@@ -133,13 +131,11 @@ class ModelEvaluator:
 
     @property
     def distinct_rows(self) -> np.ndarray:
-        """Indices of the held runs without repeated points: the nominal run may be in the design,
-        too."""
+        """Indices of the held runs without repeated points (the nominal run may be a node, too)."""
         return np.sort(np.unique(np.round(self.unit, 9) + 0.0, axis=0, return_index=True)[1])
 
     def surrogates(self) -> list[Any]:
-        """Fit a surrogate (`intervals.scalars.ScalarSurrogate`) of each quantity to all held runs,
-        and return them."""
+        """Fit and return a surrogate (`intervals.scalars.ScalarSurrogate`) of each quantity."""
         from deployable.intervals.scalars import fit_scalar
 
         end = self.experiment.solver.duration

@@ -132,8 +132,7 @@ def is_shown(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
 
 
 def describe_limit(model: ModelEvaluator, spec: LimitSpec) -> dict:
-    """Return a limit as plain data for JSON: name, units and words of its quantity, kind and
-    level."""
+    """Return a limit as plain data for JSON: quantity (name, units, words), kind and level."""
     quantity = model.experiment.numbers[spec.quantity]
     level = bool(spec.level) if spec.kind == "happens" else spec.level
     description = {"quantity": quantity.name, "units": quantity.unit, **words_of(quantity)}

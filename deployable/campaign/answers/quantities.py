@@ -222,9 +222,8 @@ def coordinates(model: ModelEvaluator) -> dict:
 
 def attributes_of(model: ModelEvaluator) -> dict:
     """Return attributes by name for the netCDF files of answers: conventions, campaign, scene,
-    config with its hash, digest of the mechanics (code and structure), `runs` (number of distinct
-    runs that the answers rest on) and `further_runs` (how many of them were added for the
-    answers)."""
+    config with its hash, digest of the mechanics (code and structure), `runs` (how many distinct
+    runs the answers rest on) and `further_runs` (how many were added for them)."""
     return {
         "Conventions": CONVENTIONS,
         "campaign": model.experiment.name,

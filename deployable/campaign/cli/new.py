@@ -39,8 +39,8 @@ IGNORED = "/results/\n/exports/\n/report.html\n/.snakemake/\n"
 
 
 def starts() -> list[str]:
-    """Return the names that a new folder can start from: campaigns, and structures without a
-    campaign."""
+    """Return the names that a new folder can start from: campaigns, and structures that have
+    none."""
     campaigns = shipped.campaigns()
     scenes = [load(path)["scene"] for path in campaigns.values()]
     scene_names = {scene.get("name") or Path(scene["file"]).stem for scene in scenes}
@@ -86,8 +86,8 @@ def _start_files(start: str) -> tuple[str, dict[str, Path]]:
 
 
 def campaign_of(path: Path, name: str) -> str:
-    """Write the text of a first campaign's YAML for the structure in the file `path`, `name` in the
-    text.
+    """Write the YAML text of a first campaign for the structure in the file `path`, called `name`
+    there.
 
     Its first real parameter that has a value is known to 1 %; the speeds of all points and the
     openings of all hinges are recorded for a second; quantities ask when its latches catch,

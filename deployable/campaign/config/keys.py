@@ -99,7 +99,7 @@ class ConfigKey:
     names: str
 
     def child(self, name: Any) -> ConfigKey | None:
-        """Return the key called `name` below this one, else that of its entries; None without
+        """Return the key called `name` below this one, else that of any entry; None without
         either."""
         return self.children.get(name, self.entry)
 

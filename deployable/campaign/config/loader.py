@@ -34,8 +34,7 @@ EXECUTED = "__use_yte__"
 
 
 class UniqueKeyLoader(yaml.SafeLoader):
-    """YAML loader that collects, as messages in `problems`, keys given twice and keys that are not
-    text.
+    """YAML loader that notes, in `problems`, keys given twice and keys that are not text.
 
     Dates are left as text.
     """
@@ -48,8 +47,7 @@ class UniqueKeyLoader(yaml.SafeLoader):
 
     def compose_node(self, parent, index):
         """Compose the next YAML node below `parent` (`yaml.Composer`'s method); raises
-        `ExcessError` once nodes are nested too deep or too many, so that hostile files end
-        early."""
+        `ExcessError` for nodes nested too deep or too many, so that hostile files end early."""
         is_alias = self.check_event(yaml.AliasEvent)
         self.depth += 1
         count, deepest, self.deepest = self.count, self.deepest, self.depth
@@ -72,8 +70,7 @@ class UniqueKeyLoader(yaml.SafeLoader):
             raise ExcessError(f"the file holds more than {MOST} values; allowed: fewer")
 
     def construct_mapping(self, node, deep=False):
-        """Make the dict of a YAML mapping; keys given twice, or that are not text, go into
-        `problems`."""
+        """Make the dict of a YAML mapping; repeated keys, and those not text, go to `problems`."""
         first: dict[object, int] = {}
         for key_node, _ in node.value:
             if key_node.tag == "tag:yaml.org,2002:merge":
@@ -113,9 +110,8 @@ class Text(NamedTuple):
 
 
 def read(text: str, source: str) -> Text:
-    """Parse a YAML text: returns its mapping and the line of each key. Raises `ConfigError`, naming
-    `source` (what messages call it) and line, if it is not YAML, too large, repeats a key or is no
-    mapping."""
+    """Parse a YAML text: returns its mapping and the line of each key. Raises `ConfigError` if it
+    is not YAML, too large, repeats a key or is no mapping; source: what messages call it."""
     if len(text) > LARGEST:
         allowed = f"at most {LARGEST}"
         raise ConfigError(source, [f"the file has {len(text)} characters; allowed: {allowed}"])

@@ -75,9 +75,9 @@ BRIEFLY = {"duration": 1e-3, "instants": 201}
 
 
 def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
-    """Turn the section `margins` (of actuation) of a config into responses, the quantities of their
+    """Turn the section `margins` (of actuation) of a config into responses, quantities of their
     least values, and requirements that these be at least 0; returns the new config and a sentence
-    for each problem. solver: section as the user wrote it, without defaults."""
+    for each problem. solver: section as the user wrote it."""
     if not (config.responses or config.quantities or "duration" in solver):
         brief = {key: value for key, value in BRIEFLY.items() if key not in solver}
         config = replace(config, solver=replace(config.solver, **brief))
@@ -221,8 +221,7 @@ def _ends(spec: IntervalSpec, default: Any) -> Interval:
 
 
 def real_names(scene_type: Any) -> list[str]:
-    """Return the names of a structure's real-valued parameters, the only ones that may be
-    intervals."""
+    """Return the names of a structure's real-valued parameters, which alone may be intervals."""
     return [name for name, parameter in scene_type.parameters.items() if parameter.kind == "real"]
 
 

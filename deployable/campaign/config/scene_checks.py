@@ -256,9 +256,8 @@ def parameter_problems(values: Mapping, scene_type: Any) -> list[str]:
 
 
 def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
-    """Check the section `accuracy`: returns a sentence for each key set beside it that it would
-    choose itself, and each unknown name in it. user_config: the config's mapping before
-    defaults."""
+    """Check the section `accuracy`: returns a sentence for each key beside it that it would choose
+    itself, and each unknown name in it. user_config: the config's mapping before defaults."""
     if config.accuracy is None:
         return []
     problems = [
@@ -277,7 +276,7 @@ def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
 
 
 def answer_problems(campaign: Campaign) -> list[str]:
-    """Check the sections `requirements` and `choose` of a campaign: returns a sentence for each
+    """Check a campaign's sections `requirements` and `choose`: returns a sentence for each
     problem."""
     problems = []
     quantities = campaign.experiment.quantities
@@ -329,8 +328,8 @@ def _choice_problem(name: str, choose: Choose, experiment: Experiment) -> str:
 
 
 def keep_problems(campaign: Campaign) -> list[str]:
-    """Check `jobs.keep` of a campaign: returns a sentence if it excludes the design or the model of
-    the bounds, or if the disk has too little room; else an empty list."""
+    """Check `jobs.keep` of a campaign: returns a sentence, in a list, if it excludes the design or
+    the model of the bounds, or the disk lacks room; empty if all is right."""
     design, bounds = campaign.experiment.design, campaign.bounds
     if campaign.jobs.keep == "extremes":
         if campaign.experiment.is_sought or design.method != "sobol" or design.order is not None:

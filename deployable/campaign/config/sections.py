@@ -175,8 +175,8 @@ class Experiment:
 
     @classmethod
     def of_results(cls, data: Mapping) -> Experiment:
-        """Make the experiment from `data`, its nested dicts in a result file. Anybody may have made
-        that, so names (which files are called after) and limits are checked. Raises
+        """Make the experiment from `data`, its nested dicts in a result file, which may come from
+        anybody: names, after which files are called, and limits are checked. Raises
         `HeldConfigError`."""
         try:
             experiment = from_data(cls, data)
@@ -204,9 +204,9 @@ class Experiment:
 
     @cached_property
     def scene_type(self) -> Any:
-        """The `fpm` structure, with its parameters, from which scenes are built; raises
-        `fpm.SceneError`, and `CampaignError` for a file that only results name: they may be
-        anybody's, and it any file here."""
+        """The `fpm` structure, which builds scenes; raises `fpm.SceneError`, and `CampaignError`
+        for a file that only results name: they may be anybody's, and it any file of this
+        machine."""
         file = self.scene.file
         if file and os.path.realpath(file) not in _TRUSTED:
             cause = "is a program and was not run" if file.endswith(".py") else "was not read"
@@ -218,25 +218,22 @@ class Experiment:
 
     @property
     def mechanics(self) -> str:
-        """Digest of the structure and of all code that computes runs; runs are reused only while it
-        is the same."""
+        """Digest of the structure and of all code that computes runs; if it differs, runs do."""
         return made_by(self.scene_type.digest)
 
     @cached_property
     def curves(self) -> list[Any]:
-        """Responses (curves over time of a run), parsed: `fpm.responses.Response`; raises
-        `fpm.SceneError`."""
+        """Parsed responses (curves), `fpm.responses.Response`; raises `fpm.SceneError`."""
         return [fpm.responses.parse(n, d, self.nominal_scene) for n, d in self.responses.items()]
 
     @cached_property
     def record(self) -> tuple[tuple[str, str], ...]:
-        """Columns that runs record for the responses, sorted: (variable, label of its element or
-        component)."""
+        """Columns that runs record for the responses, sorted pairs of variable and label."""
         return tuple(sorted({need for curve in self.curves for need in curve.needs}))
 
     @cached_property
     def numbers(self) -> list[Any]:
-        """Quantities (single numbers of a run), parsed: `fpm.quantities.Quantity`; raises
+        """Parsed quantities (single numbers), `fpm.quantities.Quantity`; raises
         `fpm.SceneError`."""
         if not self.quantities:
             return []
@@ -276,8 +273,7 @@ class Experiment:
 
     @cached_property
     def nominal(self) -> list[float]:
-        """Nominal values (k) of the interval parameters, in the order of `intervals` and their
-        units."""
+        """Nominal values (k) of the interval parameters, in their order and units."""
         return [interval.nominal for interval in self.intervals.values()]
 
     @property
@@ -286,8 +282,7 @@ class Experiment:
 
     @cached_property
     def nominal_scene(self) -> Any:
-        """The `fpm.Scene` built with nominal values, shared (do not change it); raises
-        `fpm.SceneError`."""
+        """The `fpm.Scene` at nominal values, shared: do not change it; raises `fpm.SceneError`."""
         return self.build(self._nominal_values)
 
     def parameters(self, values: Mapping[str, float]) -> dict[str, Any]:
@@ -324,8 +319,7 @@ class Choose(Choosing):
         return goals
 
     def interval(self, name: str, value: float, experiment: Experiment) -> tuple[float, float]:
-        """Return the lower and upper end of parameter `name` when `value` is chosen as its nominal
-        value."""
+        """Return the ends of the interval of parameter `name` if its nominal value is `value`."""
         interval = experiment.intervals.get(name)
         if interval is None:
             return value, value
@@ -373,8 +367,7 @@ class Campaign:
 
 
 def make_design(choice: DesignChoice, box: Any) -> Any:
-    """Make the `intervals.Design` (points of the runs) that a config's `choice` describes, in a
-    box.
+    """Make the `intervals.Design` (points of the runs) of a config's `choice`, in a box.
 
     Raises `intervals.IntervalError`.
     """
@@ -404,8 +397,7 @@ def steps_problems(solver: Solver, step: float) -> list[str]:
 
 
 def count_runs(experiment: Experiment) -> int:
-    """Return the largest number of runs that the plan of an experiment may have; a run that is both
-    nominal and in the design counts twice."""
+    """Return the largest possible number of runs of a campaign; those in two roles count twice."""
     design = experiment.design
     if experiment.is_sought:
         return experiment.accuracy.max_runs
@@ -424,8 +416,7 @@ def as_json(**sections: Any) -> str:
 
 
 def plain_data(section: Any) -> Any:
-    """Turn a section of the config into nested dicts and lists; other values are returned
-    unchanged."""
+    """Turn a section of the config into nested dicts and lists; returns other values unchanged."""
     return asdict(section) if is_dataclass(section) else section
 
 

@@ -47,9 +47,8 @@ def first_plan(experiment: Experiment) -> Plan:
 def next_plan(
     experiment: Experiment, plan: Plan, samples_path: str | Path, bounds_path: str | Path
 ) -> Plan:
-    """Make the plan that follows a finished round of an `accuracy`: with more runs, a finer mesh or
-    step, or a check of the errors by both; or the same plan, marked as the last, with the reason to
-    stop.
+    """Make the plan after a finished round of an `accuracy`: with more runs, a finer mesh or step,
+    or a check of the errors by both; or the same plan, marked as the last, with the reason to stop.
 
     experiment: has the `accuracy`; plan: of the finished round; samples_path, bounds_path: the
     `samples.nc` and `bounds.nc` of that round.

@@ -88,10 +88,9 @@ class Resources:
 class Decision:
     """The next action of an `accuracy`, with the `reason` as a sentence.
 
-    action: "stop"; "check" (estimate the errors by step and mesh by repeating runs with finer
-    ones); "runs" (add some); "mesh" or "step" (halve it and make all runs again). check: which of
-    "step" and "mesh" the next round is to check; met: whether all errors are within their
-    tolerances.
+    action: "stop"; "check" (repeat runs with finer step and mesh, to estimate the errors by both);
+    "runs" (add some); "mesh" or "step" (halve it and make all runs again). check: which of these
+    two the next round is checked for; met: whether all errors are within their tolerances.
     """
 
     action: str
@@ -117,8 +116,7 @@ class Errors:
 
     @property
     def discretization(self) -> float:
-        """Error by mesh and step together, as a fraction of the width, which more runs do not
-        reduce."""
+        """Error by mesh and step, as a fraction of the width; more runs do not reduce it."""
         return self.parts.get("mesh", 0.0) + self.parts.get("step", 0.0)
 
     @property
@@ -177,8 +175,8 @@ class Standing:
 
     @cached_property
     def needs(self) -> dict[str, Need]:
-        """`Need` (action, and why it cannot be taken) by name of each response or quantity beyond
-        tolerance."""
+        """What each response or quantity beyond its tolerance needs (`Need`: an action), by
+        name."""
         return {error.name: self._need(error) for error in self.unmet}
 
     @property

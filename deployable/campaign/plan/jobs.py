@@ -58,9 +58,8 @@ def job_megabytes(campaign: Campaign) -> int:
 
 
 def seconds_of_run(campaign: Campaign, time: TimeStep | None = None) -> float:
-    """Return the core seconds on this machine of a run that is one of eight side by side:
-    `jobs.run_seconds` of the config, else an estimate. time: the plan's time step; None: chosen
-    here."""
+    """Return the core seconds on this machine of a run that is one of eight side by side: the
+    config's `jobs.run_seconds`, else an estimate. time: of the plan; None: chosen here."""
     experiment = campaign.experiment
     if seconds := campaign.jobs.run_seconds:
         return seconds

@@ -66,10 +66,9 @@ class Round:
     """A finished round of an `accuracy`, with the `action` decided after it and the `reason`.
 
     runs, seconds: spent so far, checks included, the time (s of one core) by estimate; error: of
-    the worst response or quantity; shares: all errors by name and component (surrogate, step,
-    mesh); both as fractions of the widths; elements: value of the mesh's parameter; safety: factor
-    on the stable step, or the step (s) if the config gives it; nodes: runs that surrogates were
-    fitted to.
+    the worst response or quantity; shares: errors by name and component (surrogate, step, mesh);
+    both as fractions of the widths; elements: value of the mesh's parameter; safety: factor on the
+    stable step, or the step (s) if the config gives it; nodes: runs that surrogates were fitted to.
     """
 
     runs: int
@@ -98,9 +97,8 @@ class Rounds:
 
 @dataclass(frozen=True)
 class Plan:
-    """All runs of an experiment, and their time step (`time`). mechanics: digest of the structure
-    and of the code that computes runs; adaptive: state of the rounds of an `accuracy`, None without
-    one."""
+    """All runs of an experiment, and their time step (`time`). mechanics: digest of structure and
+    code that determine runs; adaptive: state of the rounds of an `accuracy`, None without one."""
 
     experiment: Experiment
     mechanics: str
@@ -115,8 +113,7 @@ class Plan:
 
     @cached_property
     def config_hash(self) -> str:
-        """Digest of the experiment's settings, in which the structure's content stands for its
-        path."""
+        """Digest of the experiment; the structure's content stands for its path."""
         data = plain_data(self.experiment)
         if data["scene"]["file"]:
             data["scene"]["file"] = self.mechanics
@@ -124,8 +121,7 @@ class Plan:
 
     @cached_property
     def digest(self) -> str:
-        """Digest of the experiment, time step and all runs, by which results are known to be of
-        this plan."""
+        """Digest of experiment, time step and runs: results of this plan are known by it."""
         return digest([self.config_hash, self.mechanics, self.time.step, self.runs.digest])
 
     def unique_runs(self) -> Runs:
@@ -210,8 +206,8 @@ def write_plan(plan: Plan, path: str | Path) -> None:
 
 
 def read_plan(path: str | Path) -> Plan:
-    """Read the plan in the file `path` (`plan.json`); raises `fpm.files.sealed.DamagedError` if it
-    was changed since it was written."""
+    """Read the plan in the file `path`; raises `fpm.files.sealed.DamagedError` if it was changed
+    since."""
     data = read_json(path)
     with reading(path):
         return _plan(path, data)

@@ -82,8 +82,7 @@ class Runs(Sequence[PlannedRun]):
         return sha.hexdigest()[:16]
 
     def unique(self) -> Runs:
-        """Return the runs in order, without those that repeat the parameter values of an earlier
-        one."""
+        """Return the runs in order, without those that repeat an earlier one's parameter values."""
         if not self.values.shape[1]:
             return self[:1]
         words, key = np.ascontiguousarray(self.values).view(np.uint64), np.uint64(0)
@@ -121,9 +120,9 @@ def namer(
 
 
 def run_id(experiment: Experiment, parameters: Mapping, step: float, mechanics: str) -> str:
-    """Compute the id of a run: 16 hex digits, a digest of all that its motion depends on.
+    """Return the id of a run: a digest, 16 hex digits, of all that its motion depends on.
     parameters: values of all structure parameters by name; step: time step (s); mechanics: digest
-    of the structure and of the code that computes runs."""
+    of structure and code."""
     return digest(
         {
             "scene": experiment.scene.name,

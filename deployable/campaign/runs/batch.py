@@ -192,11 +192,10 @@ def tell_again(store: Any, tell: Tell) -> None:
 
 
 def make_again(plan: Plan, store: Any, group: Runs, size: int, tell: Tell) -> None:
-    """Simulate the runs of a group that a store lacks, and write them into it. size: how many runs
-    are integrated together; tell: called with each message.
+    """Simulate the runs of a group that a store lacks, and write them into it.
 
-    Raises `CampaignError` with the runs that failed, or if structure or code changed since the plan
-    was made.
+    size: how many runs are integrated together; tell: called with messages. Raises `CampaignError`
+    with the runs that failed, or if structure or code changed since the plan was made.
     """
     missing = store.missing(group)
     tell_again(store, tell)

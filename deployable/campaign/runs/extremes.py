@@ -135,12 +135,10 @@ class ScanChunk:
 
 
 class ScanExtremes(common.Store):
-    """Store of a scan with `keep: extremes`: one netCDF file for each chunk (part of the scan's
-    runs)."""
+    """Store with `keep: extremes`: one netCDF file for each chunk, a part of the scan's runs."""
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
-        """Divide the runs of a scan into chunks, each written to a file of its own; `size` is not
-        used."""
+        """Divide the runs of a scan into chunks, each with a file of its own; size: not used."""
         count = FEWEST
         while count < MOST and len(runs) > count * LARGE:
             count *= 2

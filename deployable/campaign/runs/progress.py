@@ -62,8 +62,7 @@ class Progress:
         self.reported = -math.inf
 
     def report(self, last: bool = True) -> None:
-        """Tell how many runs are done and how long the rest takes; not again within 1 s, unless
-        `last`."""
+        """Tell the runs done and the time left, at most once a second unless `last`."""
         time_now = time.monotonic()
         if not last and time_now < self.reported + 1.0:
             return

@@ -80,8 +80,8 @@ class Store:
         self.lacking: dict[str, set[Column]] = {}
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
-        """Divide runs, in order, into groups that are written together, of `size` runs each but the
-        last."""
+        """Divide runs, in order, into groups of `size`, the last maybe smaller, written
+        together."""
         return groups_of(runs, size)
 
     def previous_columns(self, runs: Runs) -> set[Column]:
@@ -122,8 +122,7 @@ class Store:
         return record
 
     def is_whole(self, path: Path) -> bool:
-        """Return whether the file `path` exists undamaged; damage is noted in the attribute
-        `damage`."""
+        """Return whether the file `path` exists undamaged; damage is noted in `damage`."""
         try:
             check(path, title(path))
             refuse_outside(path)
@@ -137,8 +136,7 @@ class Store:
 
 
 def title(path: Path) -> str:
-    """Return the name under which a group's file is sealed (checksummed), such as "runs
-    <digest>"."""
+    """Return the name with which a group's file is sealed (checksummed): runs <digest>."""
     return f"runs {path.stem}"
 
 
@@ -213,8 +211,8 @@ def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapp
 
 
 def names_of(holder: Any) -> dict[str, list[str]]:
-    """Return the names of the responses and quantities of `holder` (a store or a chunk), in a dict
-    with keys "response" and "quantity"."""
+    """Return names of the responses and quantities of a store or chunk, by "response" and
+    "quantity"."""
     return {
         "response": [response.name for response in holder.responses],
         "quantity": [quantity.name for quantity in holder.quantities],

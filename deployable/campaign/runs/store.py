@@ -37,8 +37,7 @@ from fpm.reading.variables import VARIABLES
 
 
 class Trajectories(Store):
-    """Store with `keep: trajectories`: one netCDF file for each run, with everything that it
-    recorded.
+    """Store with `keep: trajectories`: one netCDF file for each run, with all that it recorded.
 
     Changed responses are read from stored files again, unless they need other recorded variables.
     """
@@ -203,10 +202,9 @@ def pack(store: str | Path, bundle: str | Path) -> None:
 
 
 def unpack(bundles: Iterable[str | Path], store: str | Path) -> None:
-    """Extract the result files in the tar files `bundles` into the folder `store`, except those
-    that exist.
+    """Extract the result files in tar files, `bundles`, into the folder `store`, unless they exist.
 
-    Raises `CampaignError` for a file that is no tar file. Damaged runs are detected later, by their
+    Raises `CampaignError` for a file that is no tar file. Damaged runs are found later, by their
     seals.
     """
     for bundle in bundles:

@@ -48,9 +48,8 @@ def gather(
 ) -> None:
     """Write `samples.nc` to `path` from the stored chunks of a scan with `keep: extremes`.
 
-    folder: of the store; jobs: section of the config; tell: called with each message. One chunk at
-    a time is in memory. Chunks that are missing or damaged are simulated again; raises
-    `CampaignError` if runs fail.
+    folder: of the store; jobs: section; tell: called with messages. One chunk at a time is in
+    memory. Missing or damaged ones are simulated again; raises `CampaignError` if runs fail.
     """
     import netCDF4
 

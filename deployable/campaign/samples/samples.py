@@ -60,12 +60,11 @@ ATTRIBUTES = {
 def gather(
     plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, tell: Tell = lambda text: None
 ) -> None:
-    """Write the responses and quantities of all runs of a plan, read from the store, to `path`
+    """Write the responses and quantities of all runs of a plan, from a store, to `path`
     (`samples.nc`).
 
-    folder: of the store; jobs: section of the config; tell: called with each message. One group of
-    runs at a time is in memory. Runs that are missing or damaged are simulated again; raises
-    `CampaignError` if runs fail.
+    folder: of the store; jobs: section; tell: called with messages. One group of runs at a time is
+    in memory. Missing or damaged runs are simulated again; raises `CampaignError` if runs fail.
     """
     import netCDF4
 

@@ -76,16 +76,14 @@ class Stage:
     draws: bool = False
 
     def work(self, folder: Folder, tell: Tell, **arguments: Any) -> None:
-        """Do the work of the stage, by the function `work` of its module, without seals. folder: of
-        the campaign's results; tell: called with each message; arguments: its sections and options
-        by name."""
+        """Do the work of the stage, without sealing files. folder: of the campaign's results; tell:
+        called with each message; arguments: its sections and options by name."""
         import_module(f"{__name__}.{self.name}").work(folder, tell, **arguments)
 
     def run(self, folder: Folder, tell: Tell, **arguments: Any) -> None:
-        """Do the work of the stage in a folder of results, and seal the files that it writes with
-        what they were made from. tell: called with each message; arguments: its sections and
-        options by name. Raises `CampaignError` for trouble with files, also if they are not of one
-        plan."""
+        """Do the work of the stage in a folder of results, and seal the files that it writes. tell:
+        called with each message; arguments: its sections and options by name. Raises
+        `CampaignError` for trouble with files, also if they are not of one plan."""
         sections = {name: arguments[name] for name in self.sections}
         try:
             refuse_links(folder.whole)
@@ -150,8 +148,7 @@ def plan_of(folder: Folder, names: Sequence[str]) -> dict[str, str]:
 
 
 def drawings(experiment: Experiment) -> list[str]:
-    """Return the names of the figures on the whole campaign, not one response, that `figures`
-    draws."""
+    """Return the names of the figures that `figures` draws of the whole campaign."""
     has_contributions = len(experiment.intervals) > 1 and experiment.design.order is not None
     return ["sensitivities"] * has_contributions + ["ranges"] * bool(experiment.quantities)
 

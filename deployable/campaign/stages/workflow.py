@@ -37,8 +37,8 @@ class Workflow:
 
     @classmethod
     def from_files(cls, paths: Sequence[str | Path], overrides: Mapping | None = None) -> Workflow:
-        """Make the workflow of a config in YAML files, merged, later ones and `overrides` (keys of
-        `--config`) winning.
+        """Make the workflow of the config in YAML files; later files and `overrides` (`--config`)
+        win.
 
         Raises `ConfigError`.
         """
@@ -96,8 +96,7 @@ class Workflow:
         return reasons
 
     def files_of(self, stage: Stage) -> list[Path]:
-        """Return the paths of the files that a stage writes in this campaign; of batches, those
-        that exist."""
+        """Return the paths of the files that a stage writes; of batches, those that exist."""
         names = stage.leaves(self.campaign)
         if any("{batch}" in name for name in names):
             return sorted(self.folder.path.glob("batches/*.json"))

@@ -119,8 +119,7 @@ def widened(experiment: Experiment, choose: Choose) -> Experiment:
 
 def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
     """Return normalized points (N, k), -1 to 1 in the box, of the runs that surrogates over all
-    choices are fitted to: a sparse grid and a few validation runs. experiment: `widened`'s
-    result."""
+    choices are fitted to: a sparse grid and a few validation runs. experiment: from `widened`."""
     from deployable.intervals import held_out_points, make_design
 
     order, box = experiment.design.order, experiment.box

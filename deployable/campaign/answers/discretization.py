@@ -40,8 +40,8 @@ COMPONENTS = ("step", "mesh")
 
 def checked_components(plan: Plan, verify: Verify) -> tuple[str, ...]:
     """Return for which of "step" (of time) and "mesh" to estimate the errors of a plan's bounds:
-    with an `accuracy` as its present round says, else both or none, as the section `verify`
-    says."""
+    with an `accuracy` as its present round says, else both or none, as the section `verify` has
+    it."""
     if plan.experiment.is_sought:
         return plan.adaptive.check
     return COMPONENTS if verify.discretization else ()

@@ -107,9 +107,9 @@ def assess_limits(
 
 def is_shown(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
     """Return whether limit `i` (index) of an assessment, broken in no run, surely holds in the
-    whole box: its margin exceeds the estimated errors, and the surrogate of the event margin (by
-    how much the event occurs) exceeds its own. Without event margins the runs prove nothing between
-    them."""
+    whole box: its margin exceeds the estimated errors, and the event margin (by how much an event
+    occurs, or not), fitted over the box, keeps its sign by more than its error. Without event
+    margins the runs prove nothing between them."""
     from deployable.intervals.scalars import fit_scalar
 
     limit, q = result.limits[i], result.specs[i].quantity

@@ -228,12 +228,12 @@ class Experiment:
 
     @cached_property
     def record(self) -> tuple[tuple[str, str], ...]:
-        """Columns that runs record for the responses, sorted pairs of variable and label."""
+        """Columns to record for the responses, sorted: (variable, label "element component")."""
         return tuple(sorted({need for curve in self.curves for need in curve.needs}))
 
     @cached_property
     def numbers(self) -> list[Any]:
-        """Parsed quantities (single numbers), `fpm.quantities.Quantity`; raises
+        """Parsed quantities (numbers of a run), `fpm.quantities.Quantity`; raises
         `fpm.SceneError`."""
         if not self.quantities:
             return []

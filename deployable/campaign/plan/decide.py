@@ -86,7 +86,8 @@ class Resources:
 
 @dataclass(frozen=True)
 class Decision:
-    """The next action of an `accuracy`, with the `reason` as a sentence.
+    """The next action towards the errors that an `accuracy` allows, with the `reason` as a
+    sentence.
 
     action: "stop"; "check" (repeat runs with finer step and mesh, to estimate the errors by both);
     "runs" (add some); "mesh" or "step" (halve it and make all runs again). check: which of these
@@ -148,12 +149,12 @@ class Need:
 
 @dataclass(frozen=True)
 class Standing:
-    """State of an `accuracy` after a finished round, from which `decide` takes the next action.
+    """State after a finished round of runs, from which `decide` takes the next action.
 
-    accuracy: tolerances and budget; shares: errors of responses and quantities by name and
-    component (surrogate, step, mesh), as fractions of their widths; state: earlier rounds, and what
-    this one was checked for; cost: resources spent and needed; step_is_free: whether the step may
-    be halved, since the config does not give one.
+    accuracy: tolerances of errors, and budget, of the config; shares: errors of responses and
+    quantities by name and component (surrogate, step, mesh), as fractions of their widths; state:
+    earlier rounds, and what this one was checked for; cost: resources spent and needed;
+    step_is_free: whether the step may be halved, since the config does not give one.
     """
 
     accuracy: Accuracy

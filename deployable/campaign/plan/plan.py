@@ -98,7 +98,8 @@ class Rounds:
 @dataclass(frozen=True)
 class Plan:
     """All runs of an experiment, and their time step (`time`). mechanics: digest of structure and
-    code that determine runs; adaptive: state of the rounds of an `accuracy`, None without one."""
+    code that determine runs; adaptive: state of the rounds towards the config's `accuracy`, None
+    without."""
 
     experiment: Experiment
     mechanics: str
@@ -206,8 +207,8 @@ def write_plan(plan: Plan, path: str | Path) -> None:
 
 
 def read_plan(path: str | Path) -> Plan:
-    """Read the plan in the file `path`; raises `fpm.files.sealed.DamagedError` if it was changed
-    since."""
+    """Read the plan in the file `path`; raises `fpm.files.sealed.DamagedError` if it was
+    changed."""
     data = read_json(path)
     with reading(path):
         return _plan(path, data)

@@ -46,9 +46,10 @@ def answer(
     tell: Tell,
     threads: int,
 ) -> None:
-    """Find the best choice of nominal values of a planned campaign, simulate the runs that it
-    takes, and write `choice.json`. choose, requirements, verify, jobs: sections of the config;
-    tell: called with each message; threads: number of them that simulate."""
+    """Find the nominal values of chosen parameters whose worst case is best, with the runs that
+    this takes, and write `choice.json` into `folder`, a planned campaign's results. choose,
+    requirements, verify, jobs: sections of the config; tell: called with messages; threads: how
+    many simulate."""
     base_plan = read_plan(folder.plan)
     experiment = widened(base_plan.experiment, choose)
     plan = Plan(experiment, base_plan.mechanics, choose_step(experiment), Runs.of([]))
@@ -85,9 +86,10 @@ def answer(
 
 
 def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray]:
-    """Normalized points (k) to be simulated next: where limited quantities are taken to occur, or
-    not to, so that choices near the best one are not allowed whose first goal is better. best,
-    trials: `intervals.scalars.Choice`, the best one and all that were tried."""
+    """Return normalized points (k), -1 to 1 in the box, to simulate next: those at which the
+    surrogate says that a limited event occurs, or does not, and so alone rules out a trial with a
+    better first goal than the best choice; nearest trials first. best, trials:
+    `intervals.scalars.Choice`, the best and all that were tried."""
     sign = choose.goals[0][0]
     better = [
         trial
@@ -106,8 +108,8 @@ def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray
 
 
 def widened(experiment: Experiment, choose: Choose) -> Experiment:
-    """The experiment with an interval for each chosen parameter, from the least to the largest
-    value of all choices with the intervals about them."""
+    """Return the experiment with an interval for each parameter to be chosen that spans all nominal
+    values allowed by `choose`, with the uncertainty about each."""
     intervals = dict(experiment.intervals)
     for name in choose.parameters:
         lower, upper = choose.ends(name, experiment)
@@ -116,8 +118,8 @@ def widened(experiment: Experiment, choose: Choose) -> Experiment:
 
 
 def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
-    """Normalized points (N, k) of the runs that surrogates over all choices take: a sparse grid,
-    and a few validation runs. experiment: as `widened` returns it."""
+    """Return normalized points (N, k), -1 to 1 in the box, of the runs that surrogates over all
+    choices are fitted to: a sparse grid and a few validation runs. experiment: from `widened`."""
     from deployable.intervals import held_out_points, make_design
 
     order, box = experiment.design.order, experiment.box
@@ -168,9 +170,9 @@ def _error(
 
 
 def deciding(trials: Sequence[Any], error: float) -> list[bool]:
-    """Flags, one for each chosen parameter: whether tried choices that differ in it alone differ by
-    more than `error` in the first goal or, if no choice is allowed, in the slack of the limits.
-    trials: `intervals.scalars.Choice`, all that were tried; error: in the unit of the goal."""
+    """Return a flag for each chosen parameter: whether tried choices that differ only in it differ
+    by more than `error` (unit of the first goal) in that goal or, if no choice is allowed, in the
+    least margin to a limit. trials: `intervals.scalars.Choice`, all that were tried."""
     allowed = [trial.is_allowed for trial in trials]
     worth = np.array([
         trial.slack if not any(allowed) else trial.goals[0] if trial.is_allowed else np.inf

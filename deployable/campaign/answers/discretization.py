@@ -39,8 +39,9 @@ COMPONENTS = ("step", "mesh")
 
 
 def checked_components(plan: Plan, verify: Verify) -> tuple[str, ...]:
-    """Components, "step" and "mesh", for which the errors of a plan's bounds are to be estimated:
-    with an `accuracy` those of its round, else both or none, as `verify` says."""
+    """Return for which of "step" (of time) and "mesh" to estimate the errors of a plan's bounds:
+    with an `accuracy` as its present round says, else both or none, as the section `verify` has
+    it."""
     if plan.experiment.is_sought:
         return plan.adaptive.check
     return COMPONENTS if verify.discretization else ()
@@ -54,10 +55,10 @@ def check_bounds(
     threads: int = 1,
     components: tuple = COMPONENTS,
 ) -> Any:
-    """Add the errors by step and mesh to the dataset of the bounds of a campaign's responses, from
-    runs that are repeated with finer ones; returns the new dataset. bounds: as
-    `intervals.bounds_dataset` returns it; components: some of `COMPONENTS`. With an `accuracy` it
-    also has ``quantity_error_<component>`` over quantity, in their units."""
+    """Return the dataset of a campaign's response bounds with errors by time step and mesh added,
+    after repeating the deciding runs with finer ones. folder: of results; bounds: the dataset;
+    jobs: section; tell: called with messages; components: "step", "mesh" or both. With an
+    `accuracy` it also gets ``quantity_error_<component>`` (quantity), in their units."""
     from deployable import intervals
 
     model = ModelEvaluator.from_folder(folder, jobs, tell, threads)
@@ -77,10 +78,10 @@ def check_bounds(
 
 
 class RefinementLevel(NamedTuple):
-    """Plans that show the error by one component, step or mesh.
+    """Plans from which the error by one component, time step or mesh, is estimated.
 
-    finer: with twice as fine a step or mesh as before; third: for the order of the error, twice as
-    fine again (`ends_finest`), or half as fine as before; None where there is no such plan.
+    finer: plan with half the step, or twice as fine a mesh; third: one that shows the order of the
+    error, or None; ends_finest: whether it is finer still (a quarter of the step), not coarser.
     """
 
     finer: Plan
@@ -88,10 +89,9 @@ class RefinementLevel(NamedTuple):
     ends_finest: bool
 
     def ratio(self, coarse: np.ndarray, fine: np.ndarray, third: np.ndarray) -> np.ndarray:
-        """Ratio of successive changes under refinement, |coarse to medium| / |medium to fine|: 2**p
-        at order p. coarse, fine: values (n,) or series (..., T) without and with the finer mesh or
-        step; third: of the third plan. Of series the mean sizes of the changes over T are
-        compared."""
+        """Return the ratio of successive changes under refinement, |coarse to medium| / |medium to
+        fine|: 2**p at order p. coarse, fine, third: values (n,), or curves (..., T) of which the
+        mean changes over T count, of the original plan, of `finer` and of the plan `third`."""
         levels = (coarse, fine, third) if self.ends_finest else (third, coarse, fine)
         return refinement_ratio(*(_mean_size(change) for change in np.diff(levels, axis=0)))
 
@@ -103,13 +103,13 @@ def _mean_size(change: np.ndarray) -> np.ndarray:
 def estimate_discretization_errors(
     model: ModelEvaluator, bounds: list[QuantityBounds], components: tuple = COMPONENTS
 ) -> dict[str, np.ndarray]:
-    """Errors (q, 2) by "step" and "mesh", in a dict, of the lower and upper bounds of all
-    quantities, in their units: the changes under refinement at the points of the bounds,
+    """Return the errors (q, 2) by "step" and "mesh", in a dict, of the lower and upper bounds of
+    all quantities, in their units: the changes when the runs at the bounds are refined,
     extrapolated by the order at the bound that changes most.
 
-    bounds: of `converge_bounds`; components: some of `COMPONENTS`. Where the refined run at a bound
-    does not have the quantity, the nearest one that has it is taken. NaN without a value; no mesh
-    where no parameter sets it.
+    bounds: of `converge_bounds`; components: "step", "mesh" or both. Where an event does not occur
+    in the refined run at a bound, the nearest run with it is taken. NaN for quantities without a
+    value; no "mesh" if no parameter sets it.
     """
     points = np.array([point for b in bounds for point in (b.argmin, b.argmax)])
     values = np.array([value for b in bounds for value in (b.lower, b.upper)])
@@ -164,9 +164,9 @@ def _find_nearest_values(
 def estimate_fraction_errors(
     model: ModelEvaluator, bounds: list[QuantityBounds], errors: dict[str, np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Errors (q,) by mesh and step of what decides the volume fractions of the box: of the values
-    of each quantity, in its unit, and of the decision function of whether it occurs. Infinite where
-    refined runs disagree and do not show by how much. bounds: of `converge_bounds`; errors: of
+    """Return two errors (q,) by mesh and step for computing shares of the box: of each quantity's
+    values, in its unit, and of the function whose sign tells whether it occurs. Infinite where
+    refined runs disagree on that by an unknown amount. bounds: of `converge_bounds`; errors: of
     `estimate_discretization_errors`."""
     numbers, shifts = np.zeros(len(bounds)), np.zeros(len(bounds))
     if not errors:

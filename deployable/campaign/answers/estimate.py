@@ -44,10 +44,10 @@ _SHARE_CURVES = 4  # of a response in the file of a share of a scan
 class Estimate:
     """What a campaign takes, estimated before it runs.
 
-    runs: at most, but for those that answers add; seconds: wall-clock time on all cores, of which
-    `compiling` goes to the time loop if it is not compiled yet; integrating: core time (s) of all
-    runs; bytes: on disk; is_budget: whether these are what may be spent, mostly far more than what
-    will be; answers: what adds runs, in words.
+    runs: largest number, without those that answers add; seconds: wall-clock time on all cores, of
+    which `compiling` (s) compiles kernels; integrating: core time (s) of all runs; bytes: on disk;
+    is_budget: whether these are limits set by the config, mostly far more than will be used;
+    answers: names of the answers that add runs, as text.
     """
 
     runs: int
@@ -70,8 +70,8 @@ class Estimate:
 
 
 def estimate(campaign: Campaign) -> Estimate:
-    """Estimate what a campaign takes in one call of `run`, with its page. The time is right to a
-    factor of 1.5 where little is left to chance, and of two or so where runs are most of it
+    """Estimate runs, time and disk of one call of `run` for a campaign, with its page. The time is
+    right to a factor of 1.5, or of about two where simulating takes most of it
     (`fpm.scenes.effort`)."""
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs = count_runs(experiment)
@@ -129,9 +129,9 @@ def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
 
 
 def runs_there(campaign: Campaign, folder: Folder) -> str:
-    """Text that says how many runs of a campaign are stored in its folder of results, and why
-    others must be made again; empty where none is stored, and with an `accuracy`, whose runs are
-    not known yet."""
+    """Return text that says how many runs of a campaign its folder of results has stored, and why
+    others must be made again; empty where it has none, and with an `accuracy`, whose runs are not
+    known yet."""
     keep = campaign.jobs.keep
     if campaign.experiment.is_sought or not folder.runs(keep).is_dir():
         return ""
@@ -154,7 +154,7 @@ def runs_there(campaign: Campaign, folder: Folder) -> str:
 
 
 def cores() -> int:
-    """Number of cores of this machine."""
+    """Return the number of processor cores of this machine."""
     return os.cpu_count() or 1
 
 

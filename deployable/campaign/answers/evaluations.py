@@ -29,14 +29,13 @@ SAME_RUN, SAME_POINT = 1e-6, 2e-4
 
 
 class ModelEvaluator:
-    """Model evaluations: normalized points `unit` (R, k), quantities `numbers` (R, q), NaN for
-    none, and event `margins` (R, q), positive where the event occurs. Missing points are simulated
-    with the step of `plan`, and stored in the campaign's folder.
+    """Holds R runs of a campaign, and simulates further ones where an answer needs them in the box.
 
-    `further`: the runs that were added here, at most `max_further`; `simulated`: number of runs
-    that were not stored. Of a large scan only some runs are held (`fitted_rows`): `unfitted` counts
-    the others, `unfitted_with` (q) those of them that have each quantity. jobs: section of the
-    config; tell: called with messages.
+    `unit` (R, k): normalized points, -1 to 1; `numbers` (R, q): quantities, NaN if absent;
+    `margins` (R, q): by how much each event occurs, above 0 if so. `further`: runs added here, at
+    most `max_further`; `simulated`: how many were not stored before. Of a large scan some runs are
+    held; `unfitted` counts the rest, `unfitted_with` (q) those with each quantity. plan: sets step
+    and mesh; jobs: section of the config; folder: of results; tell: called with messages.
     """
 
     max_further: float = math.inf
@@ -59,8 +58,9 @@ class ModelEvaluator:
     def from_folder(
         cls, folder: Folder, jobs: Jobs, tell: Tell, threads: int = 1, further: bool = False
     ) -> ModelEvaluator:
-        """Make an evaluator that holds the runs in `samples.nc` of a campaign; further: and those
-        in `further.nc`."""
+        """Make an evaluator that holds the runs in `samples.nc` of a folder of results, with
+        `further` also those in `further.nc`. jobs: section of the config; tell: called with
+        messages."""
         model = cls(read_plan(folder.plan), jobs, folder, tell, threads)
         with open_netcdf(folder.samples) as samples:
             unit = samples["normalized"][:]
@@ -83,25 +83,25 @@ class ModelEvaluator:
 
     @property
     def experiment(self) -> Experiment:
-        """The experiment of the plan, the settings that decide its runs."""
+        """The plan's experiment: scene, solver, intervals and all else that decides its runs."""
         return self.plan.experiment
 
     @cached_property
     def nominal(self) -> np.ndarray:
-        """Unit coordinates (k) of the nominal run."""
+        """Normalized coordinates (k), -1 to 1 in the box, of the nominal run."""
         return self.experiment.box.to_unit(self.experiment.nominal)
 
     def nearest(self, point: np.ndarray) -> tuple[int, float]:
-        """Index of the run nearest to a normalized point (k), and its distance: the largest
-        difference of a coordinate."""
+        """Return the index of the held run nearest to a normalized point (k), and its distance: the
+        largest difference of a coordinate."""
         distances = np.abs(self.unit - point).max(axis=1)
         row = int(distances.argmin())
         return row, float(distances[row])
 
     def describe_point(self, point: np.ndarray, q: int) -> dict:
-        """A normalized point (k) as plain data: parameter values `at`, whether a run was made there
-        (`ran`), and its value of the quantity with index `q` (`simulated`), None without a run or a
-        value."""
+        """Describe a normalized point (k) as plain data: parameter values by name (`at`), whether a
+        run was made there (`ran`), and that run's value (`simulated`) of the quantity with index
+        `q`, None without a run or a value."""
         box = self.experiment.box
         values = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
         run, distance = self.nearest(point)
@@ -110,10 +110,10 @@ class ModelEvaluator:
         return {"at": values, "ran": ran, "simulated": number(value)}
 
     def add(self, points: Sequence[np.ndarray]) -> np.ndarray:
-        """Add runs at normalized points (P, k), but where there is one, and return the indices (P,)
-        of the runs there, or of the nearest where `max_further` runs are added.
+        """Simulate and add runs at normalized points (P, k) that have none yet, and return the
+        index (P,) of the run at each, or of the nearest once `max_further` runs are added.
 
-        Raises `CampaignError` if one fails.
+        Raises `CampaignError` if a run fails.
         """
         additions: list[np.ndarray] = []
         for point in points:
@@ -131,11 +131,11 @@ class ModelEvaluator:
 
     @property
     def distinct_rows(self) -> np.ndarray:
-        """Indices of the runs, each once: the nominal run may be a node, too."""
+        """Indices of the held runs without repeated points (the nominal run may be a node, too)."""
         return np.sort(np.unique(np.round(self.unit, 9) + 0.0, axis=0, return_index=True)[1])
 
     def surrogates(self) -> list[Any]:
-        """A surrogate of each quantity (`intervals.scalars.ScalarSurrogate`), from all runs."""
+        """Fit and return a surrogate (`intervals.scalars.ScalarSurrogate`) of each quantity."""
         from deployable.intervals.scalars import fit_scalar
 
         end = self.experiment.solver.duration
@@ -146,16 +146,16 @@ class ModelEvaluator:
         ]
 
     def evaluate(self, plan: Plan, points: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Quantities and event margins, each (P, q), of runs at normalized points (P, k), simulated
-        with mesh and step of `plan` unless the store has them; they are not added to those held
-        here."""
+        """Return the quantities and the event margins, each (P, q), of runs at normalized points
+        (P, k) with mesh and step of `plan`, simulated unless stored; the runs are not added to this
+        evaluator."""
         records = self.records(plan, runs_at(plan, points))
         margins = margins_of(self.experiment, np.array([record.values for record in records]))
         return np.array([record.numbers for record in records]), margins
 
     def records(self, plan: Plan, runs: Sequence[PlannedRun]) -> list[RunRecord]:
-        """The records of runs of a plan, in order, simulated unless the store has them. Raises
-        `CampaignError` if one fails."""
+        """Return the `RunRecord` (curves, events, quantities) of each of a plan's runs, in order,
+        simulated unless stored. Raises `CampaignError` if a run fails."""
         store = open_store(self.keep, self.store, plan.experiment)
         records, simulation = {}, Simulation(plan, self.jobs.group, self.threads)
         for group in store.groups(Runs.of(runs).unique(), self.jobs.group):
@@ -173,7 +173,8 @@ class ModelEvaluator:
 
 
 def runs_at(plan: Plan, points: Sequence[np.ndarray]) -> list[PlannedRun]:
-    """Planned runs, of role further, at normalized points (P, k), with mesh and step of a plan."""
+    """Return runs to be made beyond the design (role "further") at normalized points (P, k), -1 to
+    1 in the box, with the mesh and step of a plan; nothing is simulated."""
     experiment, runs = plan.experiment, []
     for point in points:
         values = tuple(map(float, experiment.box.from_unit(point)))
@@ -184,5 +185,5 @@ def runs_at(plan: Plan, points: Sequence[np.ndarray]) -> list[PlannedRun]:
 
 
 def number(value: float) -> float | None:
-    """A number as JSON can hold it; None for NaN and infinity."""
+    """Return a number as JSON can hold it: None for NaN and infinity."""
     return float(value) if np.isfinite(value) else None

@@ -18,9 +18,9 @@ _OVERSHOOT = 1e-3  # by how much farther from the nominal values than the border
 
 @dataclass(frozen=True)
 class LimitSpec:
-    """One limit of a requirement on the quantity with index `quantity`. kind: "at_least", "at_most"
-    or "happens"; level: in the quantity's unit; of "happens" 1 if it must occur, 0 if it must
-    not."""
+    """One limit that a requirement, by name, sets on the quantity with index `quantity`. kind:
+    "at_least", "at_most" or "happens"; level: bound in the quantity's unit; of "happens" 1 if the
+    event must occur, 0 if it must not."""
 
     requirement: str
     quantity: int
@@ -29,8 +29,8 @@ class LimitSpec:
 
 
 def list_limits(requirements: Mapping[str, Mapping], quantities: list[str]) -> list[LimitSpec]:
-    """All limits that requirements set, in their order. requirements: section of the config, limits
-    by the names of requirement and quantity; quantities: names of all quantities, in order."""
+    """Return all limits that requirements set, in their order. requirements: section of the config,
+    limits by requirement and by quantity; quantities: names of all quantities, in order."""
     return [
         LimitSpec(name, quantities.index(quantity), kind, float(bounds[kind]))
         for name, limits in requirements.items()
@@ -42,13 +42,13 @@ def list_limits(requirements: Mapping[str, Mapping], quantities: list[str]) -> l
 
 @dataclass(frozen=True)
 class LimitAssessment:
-    """Assessment of l limits over the box by surrogates, and in R runs.
+    """How l limits are kept over the parameter box, by surrogates, and in R simulated runs.
 
-    limits: `intervals.scalars.Limit`; slack (l, R): margin of each limit in each run, below 0 where
-    it is broken; worst: of each limit the least slack in the box, and its normalized point (k);
-    largest: scale (0 to 1) of the largest box about the nominal point in which all limits hold,
-    and, below 1, index of the limit that fails first beyond it, and where; failure_point (k): where
-    a run fails.
+    specs: the limits as set; limits: `intervals.scalars.Limit`; slack (l, R): margin of each limit
+    in each run, below 0 if broken; worst: least margin of each limit in the box, and its normalized
+    point (k); largest: scale (0 to 1) of the largest box about the nominal point in which all
+    limits hold, and, below 1, index of the limit that fails first beyond it, and where;
+    failure_point (k): normalized point at which a limit fails, None if none does.
     """
 
     specs: Sequence[LimitSpec]
@@ -60,7 +60,7 @@ class LimitAssessment:
 
     @property
     def points(self) -> list[np.ndarray]:
-        """Normalized points (k) at which runs decide whether limits hold."""
+        """Normalized points (k) at which a run would confirm or refute whether the limits hold."""
         return [point for _, point in self.worst] + (
             [] if self.failure_point is None else [self.failure_point]
         )
@@ -72,9 +72,9 @@ def assess_limits(
     specs: Sequence[LimitSpec],
     errors: np.ndarray | None = None,
 ) -> LimitAssessment:
-    """Assess limits, `specs`, by the surrogates of all quantities, and by the runs of `model`.
-    errors (2, q): by mesh and step, of the quantities and of the decision functions of whether they
-    occur; None: 0."""
+    """Assess limits, `specs`, over the box by the surrogates of all quantities, and in the runs
+    that `model` holds. errors (2, q): by mesh and step, of each quantity's value and of the
+    function whose sign tells whether it occurs; None: 0."""
     from deployable.intervals.scalars import Limit, largest_share, share_reaching
 
     errors = np.zeros((2, len(surrogates))) if errors is None else errors
@@ -106,10 +106,10 @@ def assess_limits(
 
 
 def is_shown(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
-    """Whether it is shown that limit `i` of an assessment, which no run breaks, holds in the whole
-    box: by more than the estimated errors, with an event margin that shows by more than its error
-    that the quantity occurs, or does not. Without such a margin, runs with an event prove nothing
-    of others."""
+    """Return whether limit `i` (index) of an assessment, broken in no run, surely holds in the
+    whole box: its margin exceeds the estimated errors, and the event margin (by how much an event
+    occurs, or not), fitted over the box, keeps its sign by more than its error. Without event
+    margins the runs prove nothing between them."""
     from deployable.intervals.scalars import fit_scalar
 
     limit, q = result.limits[i], result.specs[i].quantity
@@ -132,7 +132,7 @@ def is_shown(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
 
 
 def describe_limit(model: ModelEvaluator, spec: LimitSpec) -> dict:
-    """A limit as plain data for JSON: quantity, its units and words, kind and level."""
+    """Return a limit as plain data for JSON: quantity (name, units, words), kind and level."""
     quantity = model.experiment.numbers[spec.quantity]
     level = bool(spec.level) if spec.kind == "happens" else spec.level
     description = {"quantity": quantity.name, "units": quantity.unit, **words_of(quantity)}

@@ -50,10 +50,10 @@ def answer(
     tell: Tell,
     threads: int,
 ) -> None:
-    """Find the intervals of the quantities of a sampled campaign, simulate the refinement runs that
-    they and the requirements take, and write `quantities.nc` and `further.nc`. requirements,
-    verify, jobs: sections of the config; tell: called with each message; threads: number of them
-    that simulate."""
+    """Bound each quantity over the parameter box, with further runs where bounds and requirements
+    need them, and write `quantities.nc` and `further.nc` into `folder`, that of a campaign with
+    `samples.nc`. requirements, verify, jobs: sections of the config; tell: called with each
+    message; threads: how many simulate."""
     model = ModelEvaluator.from_folder(folder, jobs, tell, threads)
     if (rounds := model.plan.adaptive) is not None and rounds.rounds:
         reserve = CHECKED_RUNS * len(model.experiment.quantities)
@@ -72,9 +72,9 @@ def answer(
 def quantities_dataset(
     model: ModelEvaluator, bounds: list[QuantityBounds], finer: Mapping[str, np.ndarray]
 ) -> Any:
-    """The intervals of all quantities as an `xarray.Dataset`, the content of `quantities.nc`.
-    bounds: of `converge_bounds`; finer: errors (q, 2) of the lower and upper bounds by "step" and
-    "mesh", as `estimate_discretization_errors` returns them; empty if not estimated."""
+    """Return the bounds and errors of all quantities as an `xarray.Dataset`, the content of
+    `quantities.nc`. bounds: of `converge_bounds`; finer: errors (q, 2) of lower and upper bounds by
+    "step" and "mesh", of `estimate_discretization_errors`; empty if not estimated."""
     import xarray as xr
 
     from deployable.intervals.estimates import AVERAGED
@@ -181,8 +181,8 @@ def _put_shares(variables: _Variables, model: ModelEvaluator, bounds: list[Quant
 
 
 def further_dataset(model: ModelEvaluator) -> Any:
-    """The refinement runs with their quantities as an `xarray.Dataset`, the content of
-    `further.nc`."""
+    """Return the runs that `model` added beyond the plan, with their points and quantities, as an
+    `xarray.Dataset`, the content of `further.nc`."""
     import xarray as xr
 
     runs, k = model.further, model.unit.shape[1]
@@ -202,8 +202,8 @@ def further_dataset(model: ModelEvaluator) -> Any:
 
 
 def coordinates(model: ModelEvaluator) -> dict:
-    """Coordinates of a dataset over quantity and parameter, by name: dimension, values and
-    attributes."""
+    """Return xarray coordinates by name, as (dimension, values, attributes): names and units of the
+    model's quantities and interval parameters, and the ends of the intervals."""
     experiment = model.experiment
     quantities, parameters = experiment.numbers, experiment.scene_type.parameters
     names, rows = list(experiment.intervals), experiment.intervals.values()
@@ -221,9 +221,9 @@ def coordinates(model: ModelEvaluator) -> dict:
 
 
 def attributes_of(model: ModelEvaluator) -> dict:
-    """Attributes, by name, that files of answers have in common: conventions, campaign, scene, the
-    config with its hash, the digest of the mechanics, and two counts: of the runs that the answers
-    are made of, each once, and of those among them that were added for the answers."""
+    """Return attributes by name for the netCDF files of answers: conventions, campaign, scene,
+    config with its hash, digest of the mechanics (code and structure), `runs` (how many distinct
+    runs the answers rest on) and `further_runs` (how many were added for them)."""
     return {
         "Conventions": CONVENTIONS,
         "campaign": model.experiment.name,

@@ -17,12 +17,12 @@ _SURFACE = 8  # runs of an iteration about a limit-state surface: eight take wha
 
 @dataclass(frozen=True)
 class QuantityBounds:
-    """Bounds of a quantity, by its surrogate and by the runs.
+    """Bounds of a quantity over the parameter box, by its surrogate and by the runs.
 
-    surrogate: `intervals.scalars.ScalarSurrogate` from all runs; surrogate_range: the `Extremes` of
-    it. lower, upper: the extreme values of the runs, NaN where there is none; argmin, argmax (k):
-    unit coordinates of these runs. estimates: `BoundEstimate` of the lower and upper bound, none
-    without a value. unconverged (2): whether the surrogate exceeds a bound of the runs.
+    surrogate: `intervals.scalars.ScalarSurrogate` of all runs; surrogate_range: its `Extremes` over
+    the box. lower, upper: extreme values of the runs, NaN if none has the quantity; argmin, argmax
+    (k): normalized points of these runs. estimates: `BoundEstimate` of the lower and upper bound,
+    empty without a value. unconverged (2): whether the surrogate goes below or above these runs.
     """
 
     surrogate: Any
@@ -36,24 +36,24 @@ class QuantityBounds:
 
     @property
     def outer(self) -> tuple[float, float]:
-        """The bounds that are reported: attained by a run, or the surrogate's where it goes farther
-        by several times its own error."""
+        """Lower and upper bound as reported, in the quantity's unit: a run's value, or the
+        surrogate's where it goes farther by several times its own error; NaN without a value."""
         return tuple(e.value for e in self.estimates) or (np.nan, np.nan)
 
     @property
     def error(self) -> float:
-        """Largest error of the two bounds by what the surrogate leaves possible, in the quantity's
-        unit; NaN without a value."""
+        """Larger of the two bounds' errors by how far the surrogate may still go beyond them, in
+        the quantity's unit; NaN without a value."""
         return max((e.error for e in self.estimates), default=np.nan)
 
 
 def converge_bounds(
     model: ModelEvaluator, max_iterations: int, specs: Sequence[LimitSpec] = ()
 ) -> list[QuantityBounds]:
-    """Refine the bounds of all quantities for at most `max_iterations` iterations, and return them.
-    Each iteration adds runs at the bounds of the surrogates and where these may still go farther,
-    near limit-state surfaces of events, and at the points that decide the limits `specs`, then
-    refits."""
+    """Refine the bounds of all quantities for at most `max_iterations` iterations, and return one
+    `QuantityBounds` each. An iteration adds runs to `model` at the surrogates' bounds and where
+    these may still go farther, at the border of where events occur, and where the limits `specs`
+    are worst, then refits."""
     mispredictions = np.zeros((len(model.experiment.numbers), 2))
     for iteration in range(max_iterations + 1):
         surrogates = model.surrogates()

@@ -39,7 +39,8 @@ IGNORED = "/results/\n/exports/\n/report.html\n/.snakemake/\n"
 
 
 def starts() -> list[str]:
-    """Names that a new folder can start from: campaigns, and structures that have none."""
+    """Return the names that a new folder can start from: campaigns, and structures that have
+    none."""
     campaigns = shipped.campaigns()
     scenes = [load(path)["scene"] for path in campaigns.values()]
     scene_names = {scene.get("name") or Path(scene["file"]).stem for scene in scenes}
@@ -47,10 +48,10 @@ def starts() -> list[str]:
 
 
 def make_folder(folder: str | Path, start: str) -> None:
-    """Make `folder` with what `snakemake` and `python -m deployable run` need.
+    """Make `folder` with what `snakemake` and `python -m deployable run` need to run a campaign.
 
-    start: one of `starts()`, or the file of a structure in text. Files that are there already are
-    refused with `CampaignError`, before anything is written.
+    start: one of `starts()`, or a structure's YAML file. Raises `CampaignError`, before writing, if
+    one of the files exists.
     """
     folder = Path(folder)
     campaign, structures = _start_files(start)
@@ -85,11 +86,12 @@ def _start_files(start: str) -> tuple[str, dict[str, Path]]:
 
 
 def campaign_of(path: Path, name: str) -> str:
-    """A campaign to begin with, for the structure in the file at `path`, called `name` in it.
+    """Write the YAML text of a first campaign for the structure in the file `path`, called `name`
+    there.
 
     Its first real parameter that has a value is known to 1 %; the speeds of all points and the
-    openings of all hinges are recorded for a second, and of its latches it is asked when they
-    catch, and whether all do. Raises `CampaignError`.
+    openings of all hinges are recorded for a second; quantities ask when its latches catch,
+    requirements whether all do. Raises `CampaignError`.
     """
     try:
         scene = scene_type("", str(path))

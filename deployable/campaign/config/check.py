@@ -96,7 +96,7 @@ def _place(problem: str, lines: Mapping[str, str]) -> str:
 
 
 def check_config(raw: Mapping, source: str = "the config") -> Campaign:
-    """A campaign from the content of a config, checked and with all defaults filled in.
+    """Check the content of a config, fill in all defaults, and return the campaign.
 
     raw: sections by name, nested as in YAML; source: what messages call the config. Raises
     `ConfigError` with everything that is wrong.
@@ -126,7 +126,7 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
 
 
 def merge(target: dict, update: Mapping) -> dict:
-    """Merge the mapping `update` into `target`, which is changed and returned: mappings key by key,
+    """Merge the mapping `update` into `target` in place, and return `target`: mappings key by key,
     any other value replaces that of `target`."""
     for key, value in update.items():
         if isinstance(value, Mapping) and isinstance(target.get(key), Mapping):
@@ -137,8 +137,8 @@ def merge(target: dict, update: Mapping) -> dict:
 
 
 def anchored(raw: Mapping, folder: str | Path) -> Mapping:
-    """The raw config with the path of its scene's file, which is relative to `folder`, as seen from
-    the working folder: below that it stays relative; any other becomes absolute."""
+    """Return the raw config with the path of its structure's file, written relative to `folder`, as
+    seen from the working folder: relative if it lies in that, else absolute."""
     scene = raw.get("scene")
     if not isinstance(scene, Mapping) or not isinstance(scene.get("file"), str):
         return raw

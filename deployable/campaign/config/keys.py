@@ -16,9 +16,9 @@ from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origi
 
 
 class RefusedError(ValueError):
-    """A combination of values that a section of the config must not have. key: the one to blame,
-    relative to the section; text: what is wrong and what is allowed; empty: the section is refused
-    as a whole, with what is allowed for it."""
+    """Raised for values that a section of the config must not have together. key: the one to blame,
+    relative to the section; text: what is wrong and what is allowed; without both the section as a
+    whole is refused, with what is allowed for it."""
 
     def __init__(self, key: str = "", text: str = ""):
         self.key, self.text = key, text
@@ -26,11 +26,11 @@ class RefusedError(ValueError):
 
 @dataclass(frozen=True)
 class Rule:
-    """Limits and wording of a key of the config, put beside its type by `Annotated`.
+    """Limits and wording of a config key, put beside its type by `Annotated`.
 
-    allowed: what is allowed, in words, where the limits do not say it; about: what an entry of a
-    mapping is; unit: of the number; pattern: of the whole text; gt, ge, le: limits of a number,
-    above, from and up to; least, most: number of entries of a mapping or list.
+    allowed: what is allowed, in words, if the limits do not say it; about: what an entry of a
+    mapping is; unit: of the number; pattern: regular expression for the whole text; gt, ge, le: the
+    number is above, at least, at most this; least, most: number of entries of a mapping or list.
     """
 
     allowed: str = ""
@@ -56,13 +56,13 @@ class Rule:
             yield types.Predicate(re.compile(self.pattern).fullmatch)
 
     def allows(self, number: float) -> bool:
-        """Whether a number is within the limits."""
+        """Return whether a number is within `gt`, `ge` and `le`."""
         limits = ((self.gt, operator.gt), (self.ge, operator.ge), (self.le, operator.le))
         return all(end is None or is_right(number, end) for end, is_right in limits)
 
     def words(self, kind: Any) -> str:
-        """What is allowed, in words: `allowed` or else what the type, `kind`, and the limits
-        say."""
+        """Say in words what is allowed: the text `allowed` or else what the limits and the key's
+        type `kind` imply, such as "a whole number above 0"."""
         if self.allowed or is_dataclass(kind):
             return self.allowed or "a mapping"
         if get_origin(kind) is Literal:
@@ -84,11 +84,10 @@ def _text(limit: float) -> str:
 
 @dataclass(frozen=True)
 class ConfigKey:
-    """A key of the config, with what may stand below it: `children` by name, or any name with an
-    `entry`.
+    """A config key and the keys below it: `children` by name, or `entry` for entries of any name.
 
-    key: its limits; allowed, about: what is allowed and what it is, in words; default: `MISSING`
-    where the key is required; names: what names of entries may be, in words.
+    key: its `Rule`; allowed, about: what is allowed and what it is, in words; default: `MISSING` if
+    required; names: what names of entries may be, in words.
     """
 
     key: Rule
@@ -100,14 +99,15 @@ class ConfigKey:
     names: str
 
     def child(self, name: Any) -> ConfigKey | None:
-        """The key below this one, or its entry, that has a name; None where there is none."""
+        """Return the key called `name` below this one, else that of any entry; None without
+        either."""
         return self.children.get(name, self.entry)
 
 
 def config_key_of(kind: Any, default: Any = MISSING, description: str = "") -> ConfigKey:
-    """The `ConfigKey` of a type, with all that are below it. kind: a type with its `Rule` in
-    `Annotated`, a dataclass, a dict or a choice of these; default: of the key; description: what it
-    is, in words."""
+    """Make the `ConfigKey` of a type, with all keys below it. kind: a type with its `Rule` in
+    `Annotated`, a dataclass, a dict or a union of these; default: value of the key if it is left
+    out; description: what the key is, in words."""
     key = next((m for m in getattr(kind, "__metadata__", ()) if isinstance(m, Rule)), Rule())
     kind = get_args(kind)[0] if get_origin(kind) is Annotated else kind
     children, entry, names = {}, None, ""
@@ -152,8 +152,8 @@ are in SI units unless a unit is given. This page is made from
 
 
 def rows(section: ConfigKey, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
-    """Rows of the table of all keys below a section: key, description, what is allowed, and
-    default, as texts. prefix: what the names of the keys begin with, such as `solver.`."""
+    """Yield the rows of the table of all keys below a section: key, description, what is allowed
+    and default, as texts. prefix: put before the names of the keys, such as `solver.`."""
     entries = {"<name>": section.entry} if section.entry and section.entry.about else {}
     for name, child in (section.children | entries).items():
         unit = f" ({child.key.unit})" if child.key.unit else ""
@@ -173,7 +173,8 @@ def _default_text(key: ConfigKey) -> str:
 
 
 def table(config: ConfigKey) -> str:
-    """The page of all keys of a config as Markdown, `docs/config.md`; config: of `read.whole`."""
+    """Return the page of all keys of a config as Markdown, `docs/config.md`; config: the
+    `ConfigKey` of a whole config, as `read.whole` returns it."""
     groups = {f"`{name}`": [] for name in config.children}
     for key, *row in rows(config):
         groups[f"`{key.partition('.')[0]}`"].append(f"| `{key}` | {' | '.join(row)} |\n")

@@ -34,9 +34,9 @@ EXECUTED = "__use_yte__"
 
 
 class UniqueKeyLoader(yaml.SafeLoader):
-    """SafeLoader that notes keys given twice, or that are not text, in `problems`.
+    """YAML loader that notes, in `problems`, keys given twice and keys that are not text.
 
-    A date stays text.
+    Dates are left as text.
     """
 
     def __init__(self, stream):
@@ -46,8 +46,8 @@ class UniqueKeyLoader(yaml.SafeLoader):
         self.sizes: dict[int, tuple[int, int]] = {}  # of nodes: values, and how deep they go
 
     def compose_node(self, parent, index):
-        """The next YAML node, as of `yaml.Composer`; `ExcessError` where it lies too deep or after
-        too many: it is refused anyway, and to read on would take long."""
+        """Compose the next YAML node below `parent` (`yaml.Composer`'s method); raises
+        `ExcessError` for nodes nested too deep or too many, so that hostile files end early."""
         is_alias = self.check_event(yaml.AliasEvent)
         self.depth += 1
         count, deepest, self.deepest = self.count, self.deepest, self.depth
@@ -70,6 +70,7 @@ class UniqueKeyLoader(yaml.SafeLoader):
             raise ExcessError(f"the file holds more than {MOST} values; allowed: fewer")
 
     def construct_mapping(self, node, deep=False):
+        """Make the dict of a YAML mapping; repeated keys, and those not text, go to `problems`."""
         first: dict[object, int] = {}
         for key_node, _ in node.value:
             if key_node.tag == "tag:yaml.org,2002:merge":
@@ -101,16 +102,16 @@ UniqueKeyLoader.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, list("-
 
 
 class Text(NamedTuple):
-    """The mapping that a YAML text holds, `data`, and the lines of its keys, by their names joined
-    by dots."""
+    """Content of a YAML text: `data`, its mapping, and `lines`, the line number (from 1) of each
+    key by its dotted path, such as `solver.step`."""
 
     data: dict
     lines: dict[str, int]
 
 
 def read(text: str, source: str) -> Text:
-    """Read a YAML text: the mapping that it holds, and the lines of its keys. Raises `ConfigError`,
-    naming `source` and the line, when `text` is not YAML, repeats a key, or is not a mapping."""
+    """Parse a YAML text: returns its mapping and the line of each key. Raises `ConfigError` if it
+    is not YAML, too large, repeats a key or is no mapping; source: what messages call it."""
     if len(text) > LARGEST:
         allowed = f"at most {LARGEST}"
         raise ConfigError(source, [f"the file has {len(text)} characters; allowed: {allowed}"])
@@ -135,7 +136,8 @@ def _lines(node: yaml.Node, path: str = "") -> Iterator[tuple[str, int]]:
 
 
 def parse(text: str, source: str) -> dict:
-    """The mapping in a YAML text; raises `ConfigError` like `read`, naming `source`."""
+    """Return the mapping in a YAML text. Raises `ConfigError`, naming `source` (what messages call
+    the text) and the line, if it is not YAML, repeats a key or is not a mapping."""
     return read(text, source).data
 
 
@@ -156,8 +158,8 @@ def _reading_error(error: Exception, text: str) -> str:
 
 
 def retyped(value: Any) -> Any:
-    """The value with all text in it, also in lists and mappings, read as YAML: Snakemake's
-    `--config` leaves numbers as text."""
+    """Return a value in which each text, also in lists and mappings, is replaced by what it means
+    as YAML, such as "1e9" by a number: Snakemake's `--config` leaves numbers as text."""
     if isinstance(value, Mapping):
         return {key: retyped(item) for key, item in value.items()}
     if isinstance(value, list):
@@ -168,14 +170,14 @@ def retyped(value: Any) -> Any:
 
 
 def load(path: str | Path) -> dict:
-    """The mapping in the YAML file at `path`; raises `ConfigError` like `read`, and without a
-    file."""
+    """Return the mapping in the YAML file at `path`. Raises `ConfigError` for no such file, and if
+    it is not YAML, repeats a key or is not a mapping."""
     return read_file(path).data
 
 
 def read_file(path: str | Path) -> Text:
-    """Read the YAML file at `path`: its mapping, and the lines of its keys; raises `ConfigError`
-    like `read`, and without a file."""
+    """Read the YAML file at `path`: returns its mapping and the line of each key. Raises
+    `ConfigError` for no such file, and if it is not YAML, repeats a key or is not a mapping."""
     try:
         return read(read_text(path), str(path))
     except StructureError as error:

@@ -16,9 +16,9 @@ from fpm.structures.reading import commas
 
 
 def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
-    """Check a raw config by the models of its sections: returns the `Config`, the part of `raw`
-    that is valid, and a sentence for each problem. What is wrong is left out, so that the rest can
-    be looked at too; the config is None where that leaves none."""
+    """Check a raw config by the models of its sections: returns the `Config`, the valid part of
+    `raw`, and a sentence for each problem. Invalid keys are left out, so that the rest can be
+    checked too; the config is None if no valid one remains."""
     endless: dict[str, Any] = {}
     right, problems = _as_meant(_plain(raw, "", endless))
     problems += [f"{key}: {value} is not allowed; allowed: a finite number"
@@ -36,7 +36,7 @@ def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
 
 @cache
 def whole() -> ConfigKey:
-    """The `ConfigKey` of the whole config, with all its keys."""
+    """Return the description (`ConfigKey`) of all keys that a config may have, as a tree."""
     return config_key_of(Config)
 
 
@@ -48,9 +48,9 @@ def _adapter() -> Any:
 
 
 class Fault(NamedTuple):
-    """A problem of a config: a sentence, `text`, on the key at `path`, and the path of what is left
-    out for it: of an entry of a mapping all, since one without one of its keys would only raise
-    another complaint."""
+    """A problem of a config: a sentence, `text`, on the key at `path` (names from the top), and
+    `left_out`, the path of what must be removed to check the rest: of a mapping's entry the whole
+    entry, since without one of its keys it would raise another complaint."""
 
     path: tuple[str, ...]
     left_out: tuple[str, ...]
@@ -134,7 +134,7 @@ def _remove(data: Any, path: tuple[str, ...]) -> None:
 
 
 def show(value: Any) -> str:
-    """A value as short text for a message."""
+    """Write a value as short text for a message."""
     text = json.dumps(value, default=str) if not isinstance(value, str) else repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
 

@@ -38,8 +38,8 @@ def campaign_of(
     config: Config, user_config: Mapping, structure: Any, intervals: Mapping
 ) -> Campaign:
     """Resolve a checked config into a campaign, with numbers for what it leaves open. user_config:
-    the mapping as the user gave it; structure: the `fpm` structure; intervals: `Interval` by
-    parameter."""
+    the config's mapping before defaults; structure: the `fpm` structure; intervals: the resolved
+    `Interval` of each parameter by name."""
     accuracy, order = Accuracy(), config.design.order
     if config.design.method == "sobol" and "order" not in user_config.get("design", {}):
         order = None
@@ -75,8 +75,9 @@ BRIEFLY = {"duration": 1e-3, "instants": 201}
 
 
 def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
-    """Add the margins of a config to its responses, quantities and requirements; returns the new
-    config and sentences on what is wrong with them. solver: what the user gave of that section."""
+    """Turn the section `margins` (of actuation) of a config into responses, quantities of their
+    least values, and requirements that these be at least 0; returns the new config and a sentence
+    for each problem. solver: section as the user wrote it."""
     if not (config.responses or config.quantities or "duration" in solver):
         brief = {key: value for key, value in BRIEFLY.items() if key not in solver}
         config = replace(config, solver=replace(config.solver, **brief))
@@ -128,10 +129,10 @@ def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
 
 
 def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
-    """Replace what the `accuracy` of a config chooses: mesh, design, model of the bounds and
-    checks; returns the new config, and the accuracy with a tolerance for every response and
-    quantity. The mesh starts at half of the structure's own, and is refined from there, unless the
-    config gives one. scene_type: the `fpm` structure."""
+    """Replace what the `accuracy` of a config decides (mesh, design, model of the bounds, checks);
+    returns the new config, and the `Accuracy` with a tolerance for every response and quantity. The
+    mesh starts at half the structure's default, unless the config gives one. scene_type: the `fpm`
+    structure."""
     aim, scene, mesh = config.accuracy, config.scene, scene_type.mesh
     aim = aim if isinstance(aim, Aim) else Aim(tolerance=aim)
     if mesh is None or mesh in scene.parameters:
@@ -154,8 +155,8 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
 
 
 def choose_of(choosing: Choosing, intervals: Mapping[str, IntervalSpec]) -> Choose:
-    """Resolve the section `choose` of a config; intervals: the section as the user gave it, by
-    parameter."""
+    """Resolve the section `choose` of a config (nominal values to be chosen) and return it;
+    intervals: that section as the user wrote it, by parameter."""
     relative = [
         n for n in choosing.parameters if n in intervals and intervals[n].relative is not None
     ]
@@ -167,9 +168,9 @@ def choose_of(choosing: Choosing, intervals: Mapping[str, IntervalSpec]) -> Choo
 def intervals_of(
     specs: Mapping[str, IntervalSpec], scene_values: Mapping, scene_type: Any
 ) -> tuple[dict[str, Interval], list[str]]:
-    """Resolve the section `intervals`, `specs` by parameter: returns the intervals by name, and a
-    sentence for each that cannot be used. scene_values: the parameters of the scene that the config
-    sets; scene_type: the `fpm` structure."""
+    """Resolve the section `intervals` (`specs`, by parameter) into numbers: returns the intervals
+    by name, and a sentence for each that cannot be used. scene_values: scene parameters set by the
+    config; scene_type: the `fpm` structure."""
     intervals: dict[str, Interval] = {}
     problems: list[str] = []
     for name, spec in specs.items():
@@ -220,19 +221,19 @@ def _ends(spec: IntervalSpec, default: Any) -> Interval:
 
 
 def real_names(scene_type: Any) -> list[str]:
-    """Names of the parameters of a structure that may be intervals, those that are real numbers."""
+    """Return the names of a structure's real-valued parameters, which alone may be intervals."""
     return [name for name, parameter in scene_type.parameters.items() if parameter.kind == "real"]
 
 
 def unknown(name: str, noun: str, names: Iterable[str]) -> str:
-    """Text for a message: there is nothing called `name`, the most similar one, and all allowed
-    names. noun: what the name would be of, such as response."""
+    """Return a message that nothing is called `name`, with the most similar and all allowed
+    `names`. noun: what was looked for, such as "response"."""
     hint, names = did_you_mean(name, names), ", ".join(names)
     return f"there is no such {noun}{hint}; allowed: {names or 'none'}"
 
 
 def allows(parameter: Any, value: Any) -> bool:
-    """Whether a parameter of a scene (of `fpm` structures) may have a value."""
+    """Return whether a parameter of an `fpm` structure may have a value."""
     try:
         parameter.check("", value)
     except SceneError:

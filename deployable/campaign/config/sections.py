@@ -55,8 +55,8 @@ _GOAL = re.compile(r"(\w+)\((\w+)\)")
 
 
 def scene_type(name: str, file: str = "") -> Any:
-    """The `fpm` structure in a file that a user names, or without a file the shipped one called
-    `name`; raises `fpm.SceneError`."""
+    """Load the `fpm` structure in `file`, which results may name from then on (`trust`), or without
+    one the shipped structure called `name`; raises `fpm.SceneError`."""
     if not file:
         if name not in (files := shipped.structures()):
             raise SceneError("scene.name", name, f"one of {', '.join(files)}")
@@ -73,8 +73,8 @@ _TRUSTED: set[str] = set()
 
 
 def trust(file: str) -> None:
-    """Allow results to name this file of a structure, which is then read, or run if it is
-    Python."""
+    """Allow results, for the rest of this process, to name this structure's file, which is then
+    read, or executed if it is Python."""
     if "\0" not in file:
         _TRUSTED.add(os.path.realpath(file))
 
@@ -91,7 +91,7 @@ BY_STANDARD = "_by_standard"
 
 @dataclass(frozen=True)
 class Interval:
-    """An uncertain parameter: `lower` <= `nominal` <= `upper`, in the parameter's unit."""
+    """Range of an uncertain parameter: `lower` <= `nominal` <= `upper`, in the parameter's unit."""
 
     lower: float
     nominal: float
@@ -99,8 +99,8 @@ class Interval:
 
 
 def corners(intervals: Mapping[str, Interval], most: int = 16) -> Iterator[dict[str, float]]:
-    """Parameter values by name at the nominal point, then at corners of the box; if it has more
-    than `most` corners, at both ends of each interval with the others at their nominal values."""
+    """Yield parameter values by name: at the nominal point, then at all corners of the box; if it
+    has more than `most` corners, at each interval's two ends with all others nominal instead."""
     nominal = {name: interval.nominal for name, interval in intervals.items()}
     yield nominal
     if 2 ** len(intervals) <= most:
@@ -115,8 +115,8 @@ def corners(intervals: Mapping[str, Interval], most: int = 16) -> Iterator[dict[
 
 @dataclass(frozen=True)
 class SceneChoice:
-    """The scene by the name of its structure, and the parameters that differ from its defaults.
-    file: path of the structure's text, "" for one that is shipped."""
+    """Structure of a campaign by name, with the parameter values that differ from its defaults.
+    file: path of its YAML or Python file, "" for one that is shipped."""
 
     name: str
     parameters: dict[str, Any]
@@ -125,8 +125,8 @@ class SceneChoice:
 
 @dataclass(frozen=True)
 class DesignChoice(DesignSection):
-    """Design of experiments: where the runs are, and the order of the surrogate, None for no
-    polynomial. existing: normalized points (n, k) of an adaptive design."""
+    """Design of experiments: which runs are made, and the polynomial `order` of the surrogate, None
+    for another kind. existing: normalized points (n, k), -1 to 1, of an adaptive design's runs."""
 
     order: int | None = 3
     existing: tuple = ()
@@ -134,11 +134,11 @@ class DesignChoice(DesignSection):
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Target and budget of adaptive runs; without tolerances the runs are not adaptive.
+    """Target and budget of runs that are added until errors are small; without tolerances none are.
 
-    tolerances: of the estimated errors of responses and quantities by name, relative to the widths
-    of their intervals; max_core_minutes: minutes of one core; mesh: name of the parameter that may
-    be refined, "" for none.
+    tolerances: of the estimated errors of responses and quantities by name, as fractions of the
+    widths of their intervals; max_runs, max_core_minutes: budget; mesh: name of the parameter that
+    sets the mesh and may be refined, "" for none.
     """
 
     tolerances: dict[str, float] = field(default_factory=dict)
@@ -149,9 +149,9 @@ class Accuracy:
 
 @dataclass(frozen=True)
 class Experiment:
-    """All settings that determine the runs of a campaign, and what is evaluated of them. held_out:
-    number of validation runs; responses, quantities: their definitions by name, as in the
-    config."""
+    """All settings that determine the runs of a campaign, and what is evaluated of each run.
+    held_out: number of validation runs; responses (curves over time), quantities (single numbers):
+    definitions by name, as in the config."""
 
     name: str
     scene: SceneChoice
@@ -165,8 +165,8 @@ class Experiment:
 
     @classmethod
     def read(cls, text: str) -> Experiment:
-        """The experiment of a file of results, from `text`, its attribute `config` (JSON). Raises
-        `HeldConfigError`."""
+        """Read the experiment from `text`, the JSON in the attribute `config` of a result file.
+        Raises `HeldConfigError`."""
         try:
             return cls.of_results(json.loads(text))
         except (TypeError, ValueError, RecursionError) as error:
@@ -175,8 +175,9 @@ class Experiment:
 
     @classmethod
     def of_results(cls, data: Mapping) -> Experiment:
-        """The experiment from `data`, what results hold of it, which may come from anybody: names,
-        after which files are called, and limits are checked. Raises `HeldConfigError`."""
+        """Make the experiment from `data`, its nested dicts in a result file, which may come from
+        anybody: names, after which files are called, and limits are checked. Raises
+        `HeldConfigError`."""
         try:
             experiment = from_data(cls, data)
             names = [*experiment.responses, *experiment.quantities]
@@ -197,14 +198,15 @@ class Experiment:
 
     @property
     def is_sought(self) -> bool:
-        """Whether runs are adaptive: an accuracy is required, towards which runs, mesh and step are
-        chosen."""
+        """Whether an accuracy is required, towards which runs, mesh and step are chosen in
+        rounds."""
         return bool(self.accuracy.tolerances)
 
     @cached_property
     def scene_type(self) -> Any:
-        """The `fpm` structure; raises `fpm.SceneError`, and `CampaignError` for a file that only
-        results name, since they may be anybody's, and the file any of this machine."""
+        """The `fpm` structure, which builds scenes; raises `fpm.SceneError`, and `CampaignError`
+        for a file that only results name: they may be anybody's, and it any file of this
+        machine."""
         file = self.scene.file
         if file and os.path.realpath(file) not in _TRUSTED:
             cause = "is a program and was not run" if file.endswith(".py") else "was not read"
@@ -216,22 +218,23 @@ class Experiment:
 
     @property
     def mechanics(self) -> str:
-        """Digest of the structure and of all code that computes runs; where it differs, runs do."""
+        """Digest of the structure and of all code that computes runs; if it differs, runs do."""
         return made_by(self.scene_type.digest)
 
     @cached_property
     def curves(self) -> list[Any]:
-        """The parsed responses, `fpm.responses.Response`; raises `fpm.SceneError`."""
+        """Parsed responses (curves), `fpm.responses.Response`; raises `fpm.SceneError`."""
         return [fpm.responses.parse(n, d, self.nominal_scene) for n, d in self.responses.items()]
 
     @cached_property
     def record(self) -> tuple[tuple[str, str], ...]:
-        """Columns that runs record for the responses, in order (fpm.reading.variables)."""
+        """Columns to record for the responses, sorted: (variable, label "element component")."""
         return tuple(sorted({need for curve in self.curves for need in curve.needs}))
 
     @cached_property
     def numbers(self) -> list[Any]:
-        """The parsed quantities, `fpm.quantities.Quantity`; raises `fpm.SceneError`."""
+        """Parsed quantities (numbers of a run), `fpm.quantities.Quantity`; raises
+        `fpm.SceneError`."""
         if not self.quantities:
             return []
         quantities, problems = parse(self.quantities, self.curves, eventful(self.nominal_scene))
@@ -241,9 +244,9 @@ class Experiment:
 
     @cached_property
     def doubts(self) -> dict[str, str]:
-        """Reasons, with advice, why the model does not determine responses or quantities, by their
-        names: peaks of shocks, which mesh and step alone decide (fpm.reading.shocks), and forces of
-        joints that others make redundant."""
+        """Texts, by response or quantity, on why the model does not determine its value, with
+        advice: peaks of shocks depend on mesh and step, forces of joints that others make redundant
+        are arbitrary."""
         curves = [(curve.name, curve, True) for curve in self.curves]
         quantities = [(q.name, q.response, q.is_instantaneous) for q in self.numbers if q.response]
         undetermined = undetermined_forces(self.nominal_scene, self.curves)
@@ -256,7 +259,7 @@ class Experiment:
 
     @property
     def warnings(self) -> list[str]:
-        """Texts on what of the structure at the nominal values is likely a mistake; raises
+        """Texts on likely mistakes in the structure at its nominal values; raises
         `fpm.SceneError`."""
         from fpm.structures.plausible import warnings  # scipy's graphs take 0.1 s to load
 
@@ -264,13 +267,13 @@ class Experiment:
 
     @cached_property
     def box(self) -> Any:
-        """The `intervals.Box` of the interval parameters."""
+        """The `intervals.Box` that the intervals of all uncertain parameters span."""
         rows = self.intervals.values()
         return intervals.Box(list(self.intervals), [i.lower for i in rows], [i.upper for i in rows])
 
     @cached_property
     def nominal(self) -> list[float]:
-        """Nominal values of the interval parameters, in their units."""
+        """Nominal values (k) of the interval parameters, in their order and units."""
         return [interval.nominal for interval in self.intervals.values()]
 
     @property
@@ -279,26 +282,26 @@ class Experiment:
 
     @cached_property
     def nominal_scene(self) -> Any:
-        """The `fpm.Scene` at the nominal values (do not change it); raises `fpm.SceneError`."""
+        """The `fpm.Scene` at nominal values, shared: do not change it; raises `fpm.SceneError`."""
         return self.build(self._nominal_values)
 
     def parameters(self, values: Mapping[str, float]) -> dict[str, Any]:
-        """Values of all parameters of the scene by name, in a run whose interval parameters have
-        `values`."""
+        """Return the values of all structure parameters by name for one run: defaults, replaced by
+        those of the config, then by `values` of the interval parameters."""
         defaults = {name: p.default for name, p in self.scene_type.parameters.items()}
         return {**defaults, **self.scene.parameters, **values}
 
     def build(self, values: Mapping[str, float]) -> Any:
-        """Build the `fpm.Scene` of a run whose interval parameters have `values`; raises
-        `fpm.SceneError`."""
+        """Build and return the `fpm.Scene` of one run. values: of the interval parameters by name,
+        in their units. Raises `fpm.SceneError`."""
         return self.scene_type.build(**self.parameters(values))
 
 
 @dataclass(frozen=True)
 class Choose(Choosing):
-    """Nominal values to be chosen by their worst case, and the goals, texts such as `upper(t)`.
-    relative: parameters whose intervals grow with the nominal value; others keep their width, and a
-    parameter without an interval has none."""
+    """Parameters whose nominal values are to be chosen by the worst case. minimise, maximise:
+    goals, texts such as `upper(t)`; relative: parameters whose intervals scale with the nominal
+    value, while others keep their width (0 without an interval)."""
 
     minimise: tuple[str, ...] = ()
     maximise: tuple[str, ...] = ()
@@ -307,7 +310,7 @@ class Choose(Choosing):
     @property
     def goals(self) -> list[tuple[float, str, str]]:
         """Goals as (1.0 to minimise or -1.0 to maximise, `upper`, `lower` or `width`, name of the
-        quantity); of a text that is no goal, it and "" in place of the last two."""
+        quantity); for a malformed text, that text and "" in place of the last two."""
         goals = []
         for sign, texts in ((1.0, self.minimise), (-1.0, self.maximise)):
             for text in texts:
@@ -316,7 +319,7 @@ class Choose(Choosing):
         return goals
 
     def interval(self, name: str, value: float, experiment: Experiment) -> tuple[float, float]:
-        """Lower and upper end of the interval of parameter `name` about a chosen nominal value."""
+        """Return the ends of the interval of parameter `name` if its nominal value is `value`."""
         interval = experiment.intervals.get(name)
         if interval is None:
             return value, value
@@ -328,19 +331,19 @@ class Choose(Choosing):
         return value + interval.lower - interval.nominal, value + interval.upper - interval.nominal
 
     def ends(self, name: str, experiment: Experiment) -> tuple[float, float]:
-        """Least and largest value of parameter `name` over all choices, with the intervals about
-        them."""
+        """Return the least and largest value of parameter `name` over all nominal values that may
+        be chosen, with its uncertainty about each."""
         values = [end for v in self.parameters[name] for end in self.interval(name, v, experiment)]
         return min(values), max(values)
 
 
 @dataclass(frozen=True)
 class Campaign:
-    """A whole campaign, its config resolved: the experiment, and sections on what is made of the
-    runs.
+    """A whole config, checked and resolved: the experiment, which determines the runs, and the
+    sections on what is made of the runs.
 
-    published: largest differences of bounds from the literature, by response; review: standard of
-    the review sheet, None for no sheet.
+    published: largest difference of the bounds from those in the literature, by response; review:
+    name of the standard that the review sheet follows, None for no sheet.
     """
 
     experiment: Experiment
@@ -356,7 +359,7 @@ class Campaign:
 
     @property
     def name(self) -> str:
-        """Name of the campaign and of its folder of results."""
+        """Name of the campaign, also of its folder in the folder of results."""
         return self.experiment.name
 
 
@@ -364,7 +367,7 @@ class Campaign:
 
 
 def make_design(choice: DesignChoice, box: Any) -> Any:
-    """The `intervals.Design` of a choice in an `intervals.Box`.
+    """Make the `intervals.Design` (points of the runs) of a config's `choice`, in a box.
 
     Raises `intervals.IntervalError`.
     """
@@ -382,8 +385,8 @@ MOST_STEPS = 10**9
 
 
 def steps_problems(solver: Solver, step: float) -> list[str]:
-    """Sentence on a run of more than `MOST_STEPS` steps, in a list; empty where it has fewer. step:
-    s."""
+    """Check that a run with the time step `step` (s) has at most `MOST_STEPS` steps: returns a
+    sentence in a list, empty if so."""
     if solver.duration / step <= MOST_STEPS:
         return []
     key = "duration" if solver.step == "auto" else "step"
@@ -394,7 +397,7 @@ def steps_problems(solver: Solver, step: float) -> list[str]:
 
 
 def count_runs(experiment: Experiment) -> int:
-    """Number of runs of the campaign, at most; those in two roles are counted twice."""
+    """Return the largest possible number of runs of a campaign; those in two roles count twice."""
     design = experiment.design
     if experiment.is_sought:
         return experiment.accuracy.max_runs
@@ -407,19 +410,19 @@ def count_runs(experiment: Experiment) -> int:
 
 
 def as_json(**sections: Any) -> str:
-    """Sections by name as JSON on one line, in their order."""
+    """Write sections of the config, given by name, as one line of JSON, in the order given."""
     plain = {name: plain_data(section) for name, section in sections.items()}
     return json.dumps(plain, separators=(",", ":"), allow_nan=False)
 
 
 def plain_data(section: Any) -> Any:
-    """A section of the config as nested dicts and lists; other values are returned as they are."""
+    """Turn a section of the config into nested dicts and lists; returns other values unchanged."""
     return asdict(section) if is_dataclass(section) else section
 
 
 def from_data(kind: Any, data: Any) -> Any:
-    """A section of type `kind` from data as `plain_data` returns them, which are not checked again:
-    pydantic takes 0.1 s to import, and every job reads sections."""
+    """Rebuild a section of type `kind` (dataclass) from nested dicts as `plain_data` makes them,
+    without checks: pydantic takes 0.1 s to import, and every job reads sections."""
     if is_dataclass(kind):
         hints = _hints(kind)
         return kind(**{name: from_data(hints[name], value) for name, value in data.items()})
@@ -434,7 +437,7 @@ _hints = cache(get_type_hints)
 
 
 def digest(data: Any) -> str:
-    """Digest of plain data or a section: the first 16 hex digits of the SHA-256 of its JSON, which
-    is the same for equal data (floats to their last bit)."""
+    """Return 16 hex digits (start of the SHA-256) that identify plain data or a section by its
+    JSON; equal data, floats to the last bit, have equal digests."""
     text = json.dumps(plain_data(data), sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -35,9 +35,9 @@ _CHECKED = 8  # places at which a check makes runs, of the responses
 
 
 def first_plan(experiment: Experiment) -> Plan:
-    """Make the plan of round 0 of an `accuracy`: eight runs for each interval that has a width, the
-    nominal one among them, at points of a Sobol sequence. Its bounds are to be checked for the
-    mesh, or for the step where no parameter sets the mesh. experiment: as the config gives it."""
+    """Make the plan of round 0 towards the errors that the config's `accuracy` allows: eight runs
+    for each interval that has a width, the nominal one among them, at points of a Sobol sequence.
+    It asks to estimate the errors by the mesh, or by the step if no parameter sets the mesh."""
     box = experiment.box
     count = max(LANES * int(box.free.sum()) - 1, 1)
     points = intervals.make_design("sobol", box, samples=count).points
@@ -48,7 +48,7 @@ def next_plan(
     experiment: Experiment, plan: Plan, samples_path: str | Path, bounds_path: str | Path
 ) -> Plan:
     """Make the plan after a finished round of an `accuracy`: with more runs, a finer mesh or step,
-    or a check of the errors by both; or the same plan with the reason to stop.
+    or a check of the errors by both; or the same plan, marked as the last, with the reason to stop.
 
     experiment: has the `accuracy`; plan: of the finished round; samples_path, bounds_path: the
     `samples.nc` and `bounds.nc` of that round.
@@ -204,12 +204,11 @@ def _standing(plan: Plan, shares: Mapping, step_is_free: bool = True) -> Standin
 
 
 def added(nodes: int, growth: float, affordable: float) -> int:
-    """Number of runs that the next round adds: `growth` - 1 times `nodes`, as far as that is
-    affordable, but at least a quarter of `nodes`; a multiple of `LANES`, since eight take as long
-    as one.
+    """Return how many runs the next round adds, a multiple of `LANES` (eight side by side take as
+    long as one): `growth` - 1 times `nodes`, if affordable, but at least a quarter of `nodes`.
 
-    nodes: runs that surrogates are fitted to so far; growth: factor by which these should become
-    more; affordable: runs that the budget allows.
+    nodes: runs that surrogates are fitted to so far; growth: factor by which their number should
+    grow; affordable: runs that the budget allows.
     """
     quarter, need = (LANES * max(1, round(nodes * share / LANES)) for share in (0.25, growth - 1))
     return max(quarter, min(need, LANES * int(affordable // LANES)))

@@ -53,12 +53,12 @@ where the errors are expected to be small enough after it."""
 
 @dataclass(frozen=True)
 class Resources:
-    """What the rounds of an `accuracy` have spent, and what the next actions take.
+    """What the rounds of an `accuracy` have spent, and what the next actions would take.
 
-    runs, seconds: spent, checks included; the time (s of one core) is an estimate; nodes: runs that
-    surrogates are fitted to; next_runs: those that would be added; checked: runs of a check of one
-    of step and mesh; run_seconds: of one core, for a run; elements: value of the mesh's parameter;
-    reserved: runs that are kept for the answers after the rounds.
+    runs, seconds: spent so far, checks included, the time (s of one core) by estimate; nodes: runs
+    that surrogates are fitted to; next_runs: how many would be added; checked: runs repeated in a
+    check of step or of mesh; run_seconds: of one core, for a run; elements: number set by the
+    mesh's parameter; reserved: runs kept for the answers after the rounds.
     """
 
     runs: int
@@ -71,9 +71,9 @@ class Resources:
     reserved: int = 0
 
     def of(self, action: str) -> tuple[int, float]:
-        """Runs and seconds of one core that an action ("check", "runs", "step" or "mesh") takes,
-        with the check that belongs to it and the last check of step and mesh, for which there must
-        be room."""
+        """Return the runs and the seconds of one core that an action ("check", "runs", "step" or
+        "mesh") takes, including its own check and a last one of step and mesh, which the budget
+        must allow too."""
         checked, time = self.checked, self.run_seconds
         if action == "check":
             return 2 * checked, 6 * checked * time
@@ -86,11 +86,12 @@ class Resources:
 
 @dataclass(frozen=True)
 class Decision:
-    """The next action towards an `accuracy`, and the reason as a sentence.
+    """The next action towards the errors that an `accuracy` allows, with the `reason` as a
+    sentence.
 
-    action: "stop"; "check", to estimate the errors by step and mesh with finer runs; "runs", to add
-    some; "mesh" or "step", to halve it and make all runs again. check: those of step and mesh for
-    which the next round is checked; met: whether all errors are within their tolerances.
+    action: "stop"; "check" (repeat runs with finer step and mesh, to estimate the errors by both);
+    "runs" (add some); "mesh" or "step" (halve it and make all runs again). check: which of these
+    two the next round is checked for; met: whether all errors are within their tolerances.
     """
 
     action: str
@@ -101,9 +102,9 @@ class Decision:
 
 @dataclass(frozen=True)
 class Errors:
-    """Estimated errors of the bounds of a response or quantity, relative to the width of its
-    interval. aim: tolerance of their sum; parts: errors by component: surrogate and, if known, step
-    and mesh."""
+    """Estimated errors of the bounds of the response or quantity `name`, all as fractions of the
+    width of its interval. aim: tolerance of their sum; parts: error by component: "surrogate" and,
+    if known, "step" and "mesh"."""
 
     name: str
     aim: float
@@ -111,23 +112,23 @@ class Errors:
 
     @property
     def whole(self) -> float:
-        """Sum of the errors of all components, relative to the width."""
+        """Sum of the errors by surrogate, step and mesh, as a fraction of the interval's width."""
         return sum(self.parts.values())
 
     @property
     def discretization(self) -> float:
-        """Error of mesh and step together, which more runs do not reduce."""
+        """Error by mesh and step, as a fraction of the width; more runs do not reduce it."""
         return self.parts.get("mesh", 0.0) + self.parts.get("step", 0.0)
 
     @property
     def larger(self) -> str:
-        """Name of the component, "mesh" or "step", with the larger error."""
+        """Which of "mesh" and "step" has the larger error."""
         return "mesh" if self.parts.get("mesh", 0.0) >= self.parts.get("step", 0.0) else "step"
 
     @property
     def allowance(self) -> float:
-        """Error that the surrogate may have: what mesh and step leave of the aim, at least a
-        quarter of it."""
+        """Error, as a fraction of the width, left to the surrogate: the tolerance less the errors
+        by mesh and step, but at least a quarter of the tolerance."""
         mesh, step = self.parts.get("mesh", 0.0), self.parts.get("step", 0.0)
         return max(self.aim - mesh - step, (1 - _FINAL_SHARE) * self.aim)
 
@@ -139,8 +140,8 @@ class Errors:
 
 @dataclass(frozen=True)
 class Need:
-    """The action ("runs", "mesh" or "step") that brings a response or quantity within its
-    tolerance; why_not: why it cannot be taken, empty where it can."""
+    """What brings a response or quantity within its tolerance: `action`, "runs", "mesh" or "step";
+    why_not: why that cannot be done, empty if it can."""
 
     action: str
     why_not: str = ""
@@ -148,12 +149,12 @@ class Need:
 
 @dataclass(frozen=True)
 class Standing:
-    """State of an `accuracy` after a finished round, from which `decide` takes the next action.
+    """State after a finished round of runs, from which `decide` takes the next action.
 
-    accuracy: tolerances and budget; shares: errors of responses and quantities by name and
-    component, relative to the widths; state: the rounds before, and what this one was checked for;
-    cost: spent and needed; step_is_free: whether the step may be halved, since the config does not
-    give it.
+    accuracy: tolerances of errors, and budget, of the config; shares: errors of responses and
+    quantities by name and component (surrogate, step, mesh), as fractions of their widths; state:
+    earlier rounds, and what this one was checked for; cost: resources spent and needed;
+    step_is_free: whether the step may be halved, since the config does not give one.
     """
 
     accuracy: Accuracy
@@ -164,8 +165,8 @@ class Standing:
 
     @cached_property
     def unmet(self) -> list[Errors]:
-        """Errors of the responses and quantities beyond their tolerances; those that are NaN do not
-        count."""
+        """Errors of each response and quantity that exceeds its tolerance; unknown (NaN) ones are
+        left out."""
         return [error for error in self._all if error.whole > error.aim]
 
     @property
@@ -175,13 +176,14 @@ class Standing:
 
     @cached_property
     def needs(self) -> dict[str, Need]:
-        """What each response and quantity that is beyond its tolerance needs, by name."""
+        """What each response or quantity beyond its tolerance needs (`Need`: an action), by
+        name."""
         return {error.name: self._need(error) for error in self.unmet}
 
     @property
     def pursued(self) -> list[Errors]:
-        """Errors of those beyond their tolerances for which the action that they need can be
-        taken."""
+        """Errors of each response and quantity beyond its tolerance for which the needed action is
+        possible."""
         return [error for error in self.unmet if not self.needs[error.name].why_not]
 
     def decide(self) -> Decision:
@@ -227,9 +229,9 @@ class Standing:
         return Decision("runs", f"{worst}; {self.cost.next_runs} runs are added", check)
 
     def growth(self) -> float:
-        """Factor (1.25 to 2) by which the runs that surrogates are fitted to should become more, so
-        that the errors of `pursued` fall to what is allowed, at the rate at which they fell
-        last."""
+        """Return the factor (1.25 to 2) by which to increase the number of runs that surrogates are
+        fitted to, so that the surrogate errors in `pursued` fall to their allowance, at the rate at
+        which they fell last."""
         factors = [
             (error.parts["surrogate"] / (_SPARE * error.allowance)) ** (1 / self._rate(error))
             for error in self.pursued

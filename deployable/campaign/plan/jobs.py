@@ -21,9 +21,9 @@ PROGRAM, PROCESS = 600.0, 150.0
 
 
 def run_seconds(experiment: Experiment, time: TimeStep) -> float:
-    """Estimated seconds of one core for a run that is one of eight side by side: of the reference
-    core of `fpm.scenes.effort`, whichever this one is, since what rounds may spend depends on it.
-    time: step of the plan."""
+    """Estimate the core seconds of a run that is one of eight side by side, on the reference core
+    of `fpm.scenes.effort` instead of this one, so that the rounds of an `accuracy` are the same
+    everywhere. time: the plan's time step."""
     instants = experiment.solver.instants
     return effort.run_seconds(
         experiment.nominal_scene, time.steps_per_instant * (instants - 1), instants
@@ -31,17 +31,17 @@ def run_seconds(experiment: Experiment, time: TimeStep) -> float:
 
 
 def runs_in_job(campaign: Campaign) -> int:
-    """Largest number of runs in a job that is to take `jobs.minutes` of the config: whole groups,
-    at least one for each process."""
+    """Return how many runs fit a job of `jobs.minutes` (config): whole groups, at least one per
+    process."""
     jobs = campaign.jobs
     fitting = 60.0 * jobs.minutes * jobs.processes / seconds_of_run(campaign)
     return max(1, jobs.processes, int(fitting / jobs.group)) * jobs.group
 
 
 def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> int:
-    """Minutes of wall-clock time to ask a queue for, for a job of `runs` runs: twice the estimate,
-    and `JOB_STARTING`. With an `accuracy`, whose mesh is not known yet, its whole budget is the
-    estimate. time: the step of the plan; None: it is found here, which takes longer."""
+    """Return the minutes of wall-clock time to ask a queue for, for a job of `runs` runs: the start
+    of the program and twice the estimate, which with an `accuracy` is its whole budget. time: the
+    plan's time step; None: chosen here, which takes longer."""
     if campaign.experiment.is_sought:
         minutes = campaign.experiment.accuracy.max_core_minutes
     else:
@@ -50,16 +50,16 @@ def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> 
 
 
 def job_megabytes(campaign: Campaign) -> int:
-    """Megabytes of memory to ask a queue for, for a job: a program for each process, which holds a
-    group of runs as they are written and the next as they are recorded."""
+    """Return the megabytes of memory to ask a queue for, for one job: of each process the program
+    and two groups of runs, one being written and one being simulated."""
     experiment, jobs = campaign.experiment, campaign.jobs
     run = 8 * experiment.solver.instants * (recorded(experiment) + len(experiment.responses))
     return math.ceil(PROGRAM + jobs.processes * (PROCESS + 2.0 * jobs.group * run / 1e6))
 
 
 def seconds_of_run(campaign: Campaign, time: TimeStep | None = None) -> float:
-    """Seconds of a core of this machine for a run that is one of eight side by side:
-    `jobs.run_seconds` of the config, or else estimated. time: as for `job_minutes`."""
+    """Return the core seconds on this machine of a run that is one of eight side by side: the
+    config's `jobs.run_seconds`, else an estimate. time: of the plan; None: chosen here."""
     experiment = campaign.experiment
     if seconds := campaign.jobs.run_seconds:
         return seconds
@@ -74,8 +74,8 @@ machines must find as many batches."""
 
 
 def batch_count(campaign: Campaign, runs: int) -> int:
-    """Number of batches, one for each job, that `runs` runs are divided into: by `jobs.minutes` of
-    the config, else by `jobs.runs_per_job`, and if that is `auto` by the number of cores."""
+    """Return into how many batches, one for each job, `runs` runs are divided: by `jobs.minutes` of
+    the config, else by `jobs.runs_per_job`, or if that is `auto` by the number of cores."""
     if campaign.jobs.minutes:
         return -(-runs // runs_in_job(campaign))
     if campaign.jobs.runs_per_job != "auto":

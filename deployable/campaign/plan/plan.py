@@ -49,10 +49,10 @@ MOST_LISTED = 10_000
 
 @dataclass(frozen=True)
 class TimeStep:
-    """The time step of all runs of a plan, `step` (s), and the largest stable one, `step_limit`
-    (s), which the element `limiting_element` limits. steps_per_instant: steps between two recorded
-    instants; assembly_energy: largest strain energy (J) that forcing parts together leaves at the
-    start of a run."""
+    """Time step of all runs of a plan: `step` (s); `steps_per_instant`, steps between recorded
+    instants; `step_limit` (s), the largest stable step, set by the element `limiting_element`;
+    `assembly_energy`, largest strain energy (J) left at the start of a run by forcing parts
+    together."""
 
     step: float
     steps_per_instant: int
@@ -63,12 +63,12 @@ class TimeStep:
 
 @dataclass(frozen=True)
 class Round:
-    """A finished round of an `accuracy`, with the action that was decided after it and the reason.
+    """A finished round of an `accuracy`, with the `action` decided after it and the `reason`.
 
-    runs, seconds: spent so far, with checks, the time (s of one core) by estimate; error: of the
-    worst response or quantity; shares: all errors by name and component (surrogate, step, mesh),
-    relative to the widths; elements: value of the mesh's parameter; safety: factor on the stable
-    step, or the step (s) itself if the config gives it; nodes: runs that surrogates were fitted to.
+    runs, seconds: spent so far, checks included, the time (s of one core) by estimate; error: of
+    the worst response or quantity; shares: errors by name and component (surrogate, step, mesh);
+    both as fractions of the widths; elements: value of the mesh's parameter; safety: factor on the
+    stable step, or the step (s) if the config gives it; nodes: runs that surrogates were fitted to.
     """
 
     runs: int
@@ -84,10 +84,10 @@ class Round:
 
 @dataclass(frozen=True)
 class Rounds:
-    """State of an `accuracy` in a plan: the finished rounds, and the normalized points (n, k) of
+    """State of an `accuracy` in a plan: the finished `rounds`, and `points` (n, k), normalized, of
     the runs that surrogates are fitted to. met: whether all errors are within their tolerances,
-    None while rounds go on; check: those of step and mesh whose errors of this plan's bounds are to
-    be estimated, with finer runs."""
+    None while rounds go on; check: which of "step" and "mesh" this plan's bounds are checked for,
+    by repeating runs with finer ones."""
 
     rounds: tuple[Round, ...]
     points: tuple[tuple[float, ...], ...]
@@ -97,8 +97,9 @@ class Rounds:
 
 @dataclass(frozen=True)
 class Plan:
-    """All runs of an experiment, and their time step. mechanics: digest of the code that computes
-    them, and of the structure; adaptive: state of the rounds of an `accuracy`, None without one."""
+    """All runs of an experiment, and their time step (`time`). mechanics: digest of structure and
+    code that determine runs; adaptive: state of the rounds towards the config's `accuracy`, None
+    without."""
 
     experiment: Experiment
     mechanics: str
@@ -108,12 +109,12 @@ class Plan:
 
     @property
     def is_finished(self) -> bool:
-        """Whether this is the plan after the last round."""
+        """Whether this is the plan after the last round of an `accuracy`; False without one."""
         return self.adaptive is not None and self.adaptive.met is not None
 
     @cached_property
     def config_hash(self) -> str:
-        """Digest of the experiment; for a structure's path stands the digest of its mechanics."""
+        """Digest of the experiment; the structure's content stands for its path."""
         data = plain_data(self.experiment)
         if data["scene"]["file"]:
             data["scene"]["file"] = self.mechanics
@@ -121,11 +122,11 @@ class Plan:
 
     @cached_property
     def digest(self) -> str:
-        """Digest of the experiment and all its runs: what results of the plan are known by."""
+        """Digest of experiment, time step and runs: results of this plan are known by it."""
         return digest([self.config_hash, self.mechanics, self.time.step, self.runs.digest])
 
     def unique_runs(self) -> Runs:
-        """The runs in their order, without those that have the parameter values of an earlier
+        """Return the runs in order, without those that repeat the parameter values of an earlier
         one."""
         return self._unique
 
@@ -134,13 +135,13 @@ class Plan:
         return self.runs.unique()
 
     def named(self, run: PlannedRun) -> dict[str, float]:
-        """Values of the interval parameters in a run, by name."""
+        """Return the values of the interval parameters in a run, by name."""
         return dict(zip(self.experiment.intervals, run.values, strict=True))
 
 
 def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
     """Make the plan of a checked experiment: the nominal run, those of its design and, unless that
-    is a Sobol sequence, held-out ones. time: their step; None: that of `choose_step`."""
+    is a Sobol sequence, validation runs. time: their time step; None: chosen by `choose_step`."""
     box = experiment.box
     design = make_design(experiment.design, box)
     parts = [("nominal", box.to_unit(experiment.nominal)[None]), ("node", design.points)]
@@ -158,9 +159,9 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
 
 
 def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
-    """Choose one time step for all runs of an experiment: the solver's safety times the largest
-    stable step, or the step of the config, shortened until instants are a whole number of steps
-    apart. corners: whether it is stable at every corner of the box, or at the centre alone. Raises
+    """Choose one time step for all runs of an experiment: the solver's safety factor times the
+    largest stable step, or the config's step, shortened to divide the time between instants.
+    corners: whether stability is computed at every corner of the box, or only its centre. Raises
     `CampaignError` for a run of more than `MOST_STEPS` steps."""
     solver, box = experiment.solver, experiment.box
     limit, element, energy = math.inf, "", 0.0
@@ -180,14 +181,14 @@ def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
 
 
 def share(items: list, part: int, parts: int) -> list:
-    """Part number `part` (from 0) of a list that is divided, in order, into `parts` parts of nearly
-    equal length."""
+    """Return part number `part` (from 0) of `items`, cut in order into `parts` nearly equal
+    parts."""
     return items[len(items) * part // parts : len(items) * (part + 1) // parts]
 
 
 def write_plan(plan: Plan, path: str | Path) -> None:
-    """Write a plan to `path` as `plan.json`, a line for each run, or, of more than `MOST_LISTED`,
-    all runs packed as arrays."""
+    """Write a plan to the file `path` as JSON (`plan.json`), a line for each run, or, of more than
+    `MOST_LISTED`, all runs packed as arrays."""
     head = {
         "campaign": plan.experiment.name,
         "config_hash": plan.config_hash,
@@ -206,7 +207,8 @@ def write_plan(plan: Plan, path: str | Path) -> None:
 
 
 def read_plan(path: str | Path) -> Plan:
-    """The plan in `plan.json`; `fpm.files.sealed.DamagedError` unless it is as it was written."""
+    """Read the plan in the file `path`; raises `fpm.files.sealed.DamagedError` if it was
+    changed."""
     data = read_json(path)
     with reading(path):
         return _plan(path, data)
@@ -243,7 +245,7 @@ def _plan(path: str | Path, data: Mapping) -> Plan:
 
 
 def read_step(path: str | Path) -> TimeStep:
-    """The time step of the plan in `plan.json`, in less time than all of it."""
+    """Read only the time step of the plan in the file `path` (`plan.json`), which is faster."""
     data = read_json(path)
     with reading(path):
         return _time(data)

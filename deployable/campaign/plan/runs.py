@@ -18,8 +18,9 @@ _REMEMBERED = 1 << 17  # names
 
 @dataclass(frozen=True)
 class PlannedRun:
-    """One run: normalized coordinates (k) in the box, and values (k) of the interval parameters.
-    id: digest, after which its file is called; role: nominal, node, held_out or further."""
+    """One run to be made: its point in the box (`normalized` (k), -1 to 1) and `values` (k) of the
+    interval parameters, in their units. id: digest that names its file; role: "nominal", "node" (of
+    the design), "held_out" (validation) or "further" (added for answers)."""
 
     id: str
     role: str
@@ -28,11 +29,11 @@ class PlannedRun:
 
 
 class Runs(Sequence[PlannedRun]):
-    """N runs in order, held as arrays; a `PlannedRun` is made when one is accessed.
+    """Sequence of N runs, held as arrays; a `PlannedRun` is made when one is accessed.
 
-    role: indices (N,) into `ROLES`; unit, values (N, k): normalized coordinates in the box, kept as
-    `normalized`, and values of the interval parameters; name: function of values (k) that returns a
-    run's id.
+    role: indices (N,) into `ROLES` (nominal, node, held_out, ...); unit (N, k): normalized points,
+    kept as `normalized`; values (N, k): of the interval parameters; name: function that returns a
+    run's id from its values (k).
     """
 
     def __init__(
@@ -46,7 +47,7 @@ class Runs(Sequence[PlannedRun]):
 
     @classmethod
     def of(cls, runs: Sequence[PlannedRun]) -> Runs:
-        """The runs of a list, with the names that they have."""
+        """Make the sequence from `PlannedRun` objects, which keep their ids."""
         role = np.array([ROLES.index(run.role) for run in runs], np.int8)
         names = {run.values: run.id for run in runs}
         arrays = (
@@ -74,14 +75,14 @@ class Runs(Sequence[PlannedRun]):
 
     @property
     def digest(self) -> str:
-        """Digest of roles, coordinates and values, to their last bit."""
+        """Digest of all roles, points and values, to their last bit."""
         sha = hashlib.sha256(self.role.tobytes())
         sha.update(self.normalized.tobytes())
         sha.update(self.values.tobytes())
         return sha.hexdigest()[:16]
 
     def unique(self) -> Runs:
-        """The runs without those that have the values of an earlier one."""
+        """Return the runs in order, without those that repeat an earlier one's parameter values."""
         if not self.values.shape[1]:
             return self[:1]
         words, key = np.ascontiguousarray(self.values).view(np.uint64), np.uint64(0)
@@ -96,9 +97,9 @@ class Runs(Sequence[PlannedRun]):
 
 
 def values_of(experiment: Experiment, role: np.ndarray, unit: np.ndarray) -> np.ndarray:
-    """Values (N, k) of the interval parameters in runs with roles `role` (N,), indices into
-    `ROLES`, at normalized points `unit` (N, k). The nominal values are those of the config; a map
-    to the box and back may round."""
+    """Return the values (N, k) of the interval parameters in runs at normalized points `unit` (N,
+    k). role (N,): indices into `ROLES`; nominal runs get the config's values exactly, which the map
+    from the box might round."""
     values = experiment.box.from_unit(unit)
     values[role == ROLES.index("nominal")] = experiment.nominal
     return values
@@ -107,8 +108,8 @@ def values_of(experiment: Experiment, role: np.ndarray, unit: np.ndarray) -> np.
 def namer(
     experiment: Experiment, step: float, mechanics: str
 ) -> Callable[[tuple[float, ...]], str]:
-    """A function that returns the id of a run from its values (k) of the interval parameters. step:
-    of time, s; mechanics: digest, as in `Plan`."""
+    """Return a function that computes a run's id from its values (k) of the interval parameters.
+    step: time step (s); mechanics: digest of the structure and of the code that computes runs."""
 
     @lru_cache(_REMEMBERED)
     def name(values: tuple[float, ...]) -> str:
@@ -119,8 +120,9 @@ def namer(
 
 
 def run_id(experiment: Experiment, parameters: Mapping, step: float, mechanics: str) -> str:
-    """The id of a run: a digest, 16 hex digits, of all that its motion depends on. parameters:
-    values of all parameters of the scene by name; step, mechanics: as for `namer`."""
+    """Return the id of a run: a digest, 16 hex digits, of all that its motion depends on.
+    parameters: values of all structure parameters by name; step: time step (s); mechanics: digest
+    of structure and code."""
     return digest(
         {
             "scene": experiment.scene.name,

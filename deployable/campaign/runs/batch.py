@@ -125,10 +125,10 @@ def run_batch(
 
 
 def spread(function: Callable, work: Sequence[tuple], processes: int) -> Iterator[Any]:
-    """Results of `function(*arguments)` for all arguments in `work`, in order of completion,
-    computed by forked processes.
+    """Call `function(*arguments)` for each tuple of arguments in `work` in forked processes, at
+    most `processes` at once, and yield the results in order of completion.
 
-    Raises what a function raises, and `CampaignError` if a process was ended from outside.
+    Raises what the function raises, and `CampaignError` if a process was ended from outside.
     """
     processes = min(processes, len(work))
     if processes < 2:
@@ -171,15 +171,16 @@ def _simulate_groups(
 
 
 def check_structure(plan: Plan) -> None:
-    """Raise `CampaignError` if structure or mechanics changed since the plan was made, whose run
-    names would then be those of other runs."""
+    """Raise `CampaignError` if the structure or the code that computes runs changed since the plan
+    was made, as the ids of its runs would then name other runs."""
     if plan.experiment.mechanics != plan.mechanics:
         source = plan.experiment.scene.file or f"the structure {plan.experiment.scene.name}"
         raise CampaignError(f"{source} has changed since the runs were planned; start again")
 
 
 def tell_again(store: Any, tell: Tell) -> None:
-    """Report each file of a store that is damaged or lacks variables, once, and forget them."""
+    """Report, by calls of `tell`, each file of a store found damaged or without variables that
+    responses now need, whose runs are made again; then clear these notes in the store."""
     for error in store.damage.values():
         tell(f"{error}; its runs are made again")
     store.damage.clear()
@@ -191,10 +192,10 @@ def tell_again(store: Any, tell: Tell) -> None:
 
 
 def make_again(plan: Plan, store: Any, group: Runs, size: int, tell: Tell) -> None:
-    """Simulate the runs of a group that a store lacks, and write them.
+    """Simulate the runs of a group that a store lacks, and write them into it.
 
-    size: number of runs integrated together. Raises `CampaignError` with the runs that failed, or
-    if structure or mechanics changed.
+    size: how many runs are integrated together; tell: called with messages. Raises `CampaignError`
+    with the runs that failed, or if structure or code changed since the plan was made.
     """
     missing = store.missing(group)
     tell_again(store, tell)
@@ -208,11 +209,11 @@ def make_again(plan: Plan, store: Any, group: Runs, size: int, tell: Tell) -> No
 
 
 class Simulation:
-    """Simulates runs of a plan, `size` side by side, on some threads, and counts them.
+    """Simulates runs of a plan in groups of `size`, which `threads` share, and counts them.
 
-    Attributes: `count` of runs that succeeded; `failures`, pairs of run and reason; `seconds` (2,)
-    of integration: wall-clock time, as the mean of the threads, and processor time, of all threads;
-    `after_group`, called after each group.
+    Attributes: `count`: runs that succeeded; `failures`: pairs of run and reason; `seconds` (2,):
+    spent integrating, wall-clock (mean of the threads) and processor time (their sum);
+    `after_group`: function without arguments, called after each group.
     """
 
     def __init__(self, plan: Plan, size: int, threads: int = 1):
@@ -222,24 +223,24 @@ class Simulation:
         self.after_group: Callable[[], None] = lambda: None
 
     def take(self, totals: tuple[int, list[Failure], np.ndarray]) -> None:
-        """Add the results of another simulation: number of runs that succeeded, failures, and
-        seconds (2,)."""
+        """Add the totals of another simulation to this one's: number of runs that succeeded,
+        failures (pairs of run and reason), and seconds (2,), wall-clock and processor time."""
         count, failures, seconds = totals
         self.count += count
         self.failures += failures
         self.seconds += seconds
 
     def results(self, runs: Runs, columns: Iterable[Column] = ()) -> Iterator[Result]:
-        """Results of the runs that succeed, in order; columns: recorded besides what responses
-        need."""
+        """Simulate runs and yield the `Result` of each that succeeds, in order. columns: (variable,
+        label) pairs to record besides what responses need."""
         for results in self.run_lots([(runs, columns)]):
             yield from results
 
     def run_lots(self, lots: Sequence[tuple[Runs, Iterable[Column]]]) -> Iterator[Iterator[Result]]:
-        """Results of several lots of runs, an iterator for each lot, to be consumed in order.
+        """Simulate several lots of runs, and yield for each an iterator of its `Result` objects, to
+        be consumed in order; meanwhile the threads integrate the next group.
 
-        While results of a group of runs are consumed, the threads integrate the next. lots: runs,
-        and columns to be recorded besides what responses need.
+        lots: pairs of runs, and columns (variable, label) to record besides what responses need.
         """
         with ThreadPoolExecutor(self.threads) as pool:
 
@@ -266,7 +267,7 @@ class Simulation:
             self.after_group()
 
     def check(self) -> None:
-        """Raise `CampaignError` with the runs that failed, if there are any."""
+        """Raise `CampaignError` with the runs that failed so far, if any did."""
         if self.failures:
             raise CampaignError(failure_text(self.plan, self.failures))
 
@@ -284,9 +285,9 @@ def _one_ahead(start: Callable, items: Iterable[tuple]) -> Iterator[Any]:
 def simulate(
     plan: Plan, runs: Sequence[PlannedRun], columns: Iterable[Column] = ()
 ) -> tuple[list[Result], list[Failure], np.ndarray]:
-    """Simulate runs of a plan side by side: returns the results of those that succeed, the others
-    with the reasons, and seconds (2,) of integration, wall-clock and processor time of this thread.
-    columns: recorded besides what responses need."""
+    """Simulate runs of a plan side by side in this thread: returns a `Result` for each that
+    succeeds, pairs of run and reason for the others, and seconds (2,) of integration, wall-clock
+    and processor time. columns: (variable, label) pairs to record besides what responses need."""
     experiment, solver = plan.experiment, plan.experiment.solver
     parameters = [experiment.parameters(plan.named(run)) for run in runs]
     with _BUILDING:
@@ -323,8 +324,8 @@ def simulate(
 
 
 def failure_text(plan: Plan, failures: Sequence[Failure]) -> str:
-    """A message with the runs of a plan that failed, pairs of run and reason, and their
-    parameters."""
+    """Write a message that names the runs of a plan that failed, with parameter values and reasons.
+    failures: pairs of run and reason."""
     lines = [f"{len(failures)} of the runs failed; all others were written:"]
     for run, reason in failures[:_MOST]:
         values = ", ".join(f"{name} = {value:.9g}" for name, value in plan.named(run).items())
@@ -335,6 +336,6 @@ def failure_text(plan: Plan, failures: Sequence[Failure]) -> str:
 
 
 def clocks(cpu: Callable[[], float] = time.process_time) -> np.ndarray:
-    """Seconds (2,) of wall-clock time and of processor time since some fixed moment; cpu: the clock
-    of the latter."""
+    """Return the seconds (2,) of wall-clock and processor time since some fixed moment, to be
+    subtracted. cpu: function that reads the processor clock."""
     return np.array([time.perf_counter(), cpu()])

@@ -51,9 +51,9 @@ EVENTS = {"event_time": ("f4", np.nan), "event_contact": ("i2", -1), "event_clos
 
 
 class ScanChunk:
-    """What is stored of a chunk of `count` runs of a scan: running extremes of the responses, and
-    of each run its quantities and impacts. `mask` (count,): which runs are included already.
-    responses, quantities: their definitions, as `Experiment.curves` and `Experiment.numbers` have
+    """What is kept of `count` runs, a chunk of a scan: extremes of the responses over the runs at
+    each instant, and quantities and impacts of each run. `mask` (count,): which runs are included
+    yet. responses, quantities: parsed, as `Experiment.curves` and `Experiment.numbers` hold
     them."""
 
     def __init__(self, count: int, responses: Sequence[Any], quantities: Sequence[Any]):
@@ -67,7 +67,7 @@ class ScanChunk:
         self.contacts: list[str] = []
 
     def take(self, rows: Sequence[int], results: Sequence[common.Result]) -> None:
-        """Include results of runs; rows: their indices in the chunk, increasing.
+        """Include the results of runs in the chunk. rows: their indices in the chunk, increasing.
 
         Raises ValueError if a response is not finite.
         """
@@ -95,7 +95,7 @@ class ScanChunk:
             self.events[name][row, : len(events)] = events[:, column]
 
     def write(self, path: Path) -> None:
-        """Write the chunk as a netCDF file."""
+        """Write the chunk to the netCDF file `path`."""
         packed = {"zlib": True, "complevel": 1, "shuffle": True}
         events, curves = ("run", "event"), ("response", "time")
         variables = {
@@ -116,8 +116,8 @@ class ScanChunk:
 
     @classmethod
     def read(cls, path: Path, responses: Sequence[Any], quantities: Sequence[Any]) -> ScanChunk:
-        """Read the chunk in a netCDF file of `write`; responses, quantities: as of the class.
-        Raises `DamagedError` for malformed content."""
+        """Read a chunk from the netCDF file `path`. responses, quantities: parsed, of the
+        experiment. Raises `DamagedError` for malformed content."""
         import netCDF4
 
         with reading(path), netCDF4.Dataset(path) as file:
@@ -135,10 +135,10 @@ class ScanChunk:
 
 
 class ScanExtremes(common.Store):
-    """The store of `keep: extremes`: one netCDF file for each chunk of a scan."""
+    """Store with `keep: extremes`: one netCDF file for each chunk, a part of the scan's runs."""
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
-        """The chunks of a scan, whatever the size of groups."""
+        """Divide the runs of a scan into chunks, each with a file of its own; size: not used."""
         count = FEWEST
         while count < MOST and len(runs) > count * LARGE:
             count *= 2
@@ -146,6 +146,7 @@ class ScanExtremes(common.Store):
         return [runs[a:b] for a, b in pairwise(ends) if b > a]
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
+        """Return a function that counts the runs stored of these chunks, by file names alone."""
         names = {self.file_of(group) for group in groups}
 
         def count() -> int:
@@ -159,15 +160,15 @@ class ScanExtremes(common.Store):
         return count
 
     def missing(self, group: Runs) -> Runs:
-        """The runs of a chunk that are not simulated yet."""
+        """Return the runs of a chunk (`group`) that are not stored yet."""
         chunk = self.read(group)
         return group if chunk is None else group[np.flatnonzero(~chunk.mask)]
 
     def write(self, group: Runs, results: Iterable[common.Result]) -> None:
-        """Include the results of runs of a chunk as they come, in the order of its runs.
+        """Add results, in the order of the chunk's runs, to the stored chunk as they come. The file
+        is written whenever `PAUSE` (s) has passed, and at the end.
 
-        The file is written whenever `PAUSE` has passed, and at the end. Raises ValueError if a
-        response is not finite.
+        Raises ValueError if a response is not finite.
         """
         chunk = self.read(group) or ScanChunk(len(group), self.responses, self.quantities)
         rows = {values: row for row, values in enumerate(map(tuple, group.values.tolist()))}
@@ -181,10 +182,9 @@ class ScanExtremes(common.Store):
             self._save(group, chunk)
 
     def read(self, group: Runs) -> ScanChunk | None:
-        """The stored part of a chunk, from the undamaged file with most runs; None if there is
-        none.
+        """Read what is stored of a chunk, from its undamaged file with most runs; None without one.
 
-        Raises DamagedError for a file of other runs, responses or instants.
+        Raises `DamagedError` for a file of other runs, responses or instants.
         """
         paths = sorted(self._files(group), key=_runs_in, reverse=True)
         path = next(filter(self.is_whole, paths), None)  # a file may be replaced meanwhile

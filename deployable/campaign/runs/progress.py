@@ -20,10 +20,8 @@ Tell = Callable[[str], None]
 
 
 class Teller:
-    """Prints messages to files; `move` rewrites one line on files that are terminals.
-
-    On other files each text of that line is a line of its own, once.
-    """
+    """Prints each message it is called with to text files; `move` rewrites one line on terminals,
+    and on other files prints each new text as a line of its own."""
 
     def __init__(self, *files: TextIO):
         self.files = files
@@ -37,7 +35,7 @@ class Teller:
         self.is_open = False
 
     def move(self, text: str, last: bool = False) -> None:
-        """Replace the text of the moving line; last: end the line after it."""
+        """Replace the text of the line that is rewritten in place; last: then end that line."""
         end = "\n" if last else ""
         for file in self.files:
             if file.isatty():
@@ -54,8 +52,8 @@ class Teller:
 
 
 class Progress:
-    """Reports how many runs of a campaign are done and how long the rest takes, estimated from
-    those that all jobs finished since this one began. total: number of runs; count: function that
+    """Reports how many runs of a campaign are done, and the time left, estimated from those that
+    all jobs finished since this object was made. total: number of runs; count: function that
     returns how many are done; tell: called with each message."""
 
     def __init__(self, campaign: str, total: int, count: Callable[[], int], tell: Tell):
@@ -64,7 +62,7 @@ class Progress:
         self.reported = -math.inf
 
     def report(self, last: bool = True) -> None:
-        """Report, at most once a second unless it is the last time."""
+        """Tell the runs done and the time left, at most once a second unless `last`."""
         time_now = time.monotonic()
         if not last and time_now < self.reported + 1.0:
             return
@@ -81,11 +79,8 @@ class Progress:
 
 
 def warm_up(scene: Any, tell: Tell, record: Sequence = ()) -> None:
-    """Compile the kernels for a scene, or load them from the cache, with messages while that takes
-    long.
-
-    record: variables to be recorded, as for `fpm.simulate`.
-    """
+    """Compile the kernels that a scene needs, or load them from the cache; messages go to `tell`
+    every few seconds while that lasts. record: variables to be recorded, as for `fpm.simulate`."""
     start, end, total = time.monotonic(), threading.Event(), compile_seconds(scene)
     move = tell.move if isinstance(tell, Teller) else tell
 

@@ -26,8 +26,8 @@ EVENT_VARIABLES = ("event_time", "event_contact", "event_closing")
 
 @dataclass(frozen=True)
 class Result:
-    """A run that succeeded: its `fpm.Outcome`, parameter values by name, and attributes that the
-    files of all runs of the plan have in common."""
+    """A run that succeeded: the planned `run`, its `fpm.Outcome`, the values of all structure
+    parameters by name, and `common`, file attributes that all runs of the plan share."""
 
     run: PlannedRun
     outcome: Any
@@ -36,23 +36,23 @@ class Result:
 
     @property
     def id(self) -> str:
-        """Name of the run."""
+        """Id of the run, 16 hex digits, after which its file is named."""
         return self.run.id
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """Attributes of the run's file by name."""
+        """Attributes of the run's netCDF file, by name."""
         own = {f"parameter_{name}": v for name, v in self.parameters.items() if v is not None}
         return {"run_id": self.id, **self.common, **own}
 
 
 @dataclass(frozen=True)
 class RunRecord:
-    """A run as `samples.nc` needs it.
+    """What `samples.nc` holds of one run.
 
-    time (t,): s; values (n, t): responses; events (e, 3): time (s), contact index, 1 if it closes;
-    contacts: their names; numbers (q,): quantities, NaN for one that does not occur; overlap:
-    largest overlap of the faces of a contact at the instants, rad.
+    time (t,): instants (s); values (n, t): responses; events (e, 3): time (s), index into
+    `contacts`, 1 if it closes; contacts: names; numbers (q,): quantities, NaN if absent; overlap:
+    largest overlap of the faces of a contact at the instants (rad).
     """
 
     time: np.ndarray
@@ -64,13 +64,13 @@ class RunRecord:
 
 
 class Store:
-    """A folder of results of runs under names that follow from their content; responses and
-    quantities are those of `experiment`.
+    """Base of the stores: a folder of run results in files named by a digest of their content, so
+    that a restarted campaign finds finished runs again. experiment: its responses and quantities
+    are kept.
 
-    A finished run is found again by a campaign that was killed. A file that is damaged or another
-    run's counts as absent, and is noted in `damage` until written again; `lacking` has, by run, the
-    columns that its file lacks. A store knows which runs of a group are `missing`, and can `write`
-    the results of a group and `read` its records.
+    A file that is damaged or of another run counts as absent, and is noted in `damage` (errors by
+    path); `lacking` notes by run id the columns that its file lacks. A subclass can tell which runs
+    of a group are `missing`, `write` the results of a group and `read` its records.
     """
 
     def __init__(self, folder: Path, experiment: Experiment):
@@ -80,17 +80,18 @@ class Store:
         self.lacking: dict[str, set[Column]] = {}
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
-        """Divide runs into groups that are written together, of `size` runs each but the last."""
+        """Divide runs, in order, into groups of `size`, the last maybe smaller, written
+        together."""
         return groups_of(runs, size)
 
     def previous_columns(self, runs: Runs) -> set[Column]:
-        """Columns (variables of `fpm.reading.variables`) to be recorded again of runs besides what
-        responses need, since their files had them."""
+        """Return the columns (variable, label) that runs to be simulated again must record besides
+        what responses need, since their files had them; here none."""
         return set()
 
     def file_of(self, group: Runs) -> str:
-        """Name without suffix of a group's file: a digest of its runs and of the definitions of its
-        contents."""
+        """Return the name, without suffix, of a group's file: a digest of its runs, and of the
+        responses and quantities it holds with the code that evaluates them."""
         values = hashlib.sha256(group.values.tobytes()).hexdigest()
         return digest([self._contents, list(self.experiment.intervals), group[0].id, values])
 
@@ -102,13 +103,13 @@ class Store:
         return [type(self).__name__, sources.reading(), *definitions]
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
-        """A function that returns how many runs of the groups are stored, by file names alone."""
+        """Return a function that counts the runs stored of these groups, by file names alone."""
         sizes = {f"{self.file_of(group)}.nc": len(group) for group in groups}
         return lambda: sum(sizes.get(path.name, 0) for path in self.folder.glob("*.nc"))
 
     def checked(self, record: RunRecord) -> RunRecord:
-        """Check that shapes and values of a record are those of the campaign, and return it; raises
-        ValueError where not."""
+        """Check that a record has the experiment's shapes and finite values, and return it
+        unchanged; raises ValueError otherwise."""
         shapes = [np.shape(array) for array in (record.time, record.values, record.numbers)]
         count, instants = len(self.responses), self.experiment.solver.instants
         if shapes != [(instants,), (count, instants), (len(self.quantities),)]:
@@ -121,7 +122,7 @@ class Store:
         return record
 
     def is_whole(self, path: Path) -> bool:
-        """Whether the file at `path` is there undamaged; a damaged one is noted in `damage`."""
+        """Return whether the file `path` exists undamaged; damage is noted in `damage`."""
         try:
             check(path, title(path))
             refuse_outside(path)
@@ -135,18 +136,18 @@ class Store:
 
 
 def title(path: Path) -> str:
-    """Name of a group's file in its seal."""
+    """Return the name with which a group's file is sealed (checksummed): runs <digest>."""
     return f"runs {path.stem}"
 
 
 def groups_of(runs: Runs, size: int) -> list[Runs]:
-    """Divide runs, in order, into groups of `size`; only the last group may be smaller."""
+    """Divide runs, in order, into groups of `size`; only the last may be smaller."""
     return [runs[first : first + size] for first in range(0, len(runs), size)]
 
 
 def values_of(responses: Sequence[Any], outcomes: Sequence[Any]) -> np.ndarray:
-    """Values (r, n, t) of n responses of r runs at t instants; outcomes: `fpm.Outcome` of each run.
-    Raises ValueError if one is not finite."""
+    """Evaluate n responses of r runs at t instants as an array (r, n, t); outcomes: `fpm.Outcome`
+    of each run. Raises ValueError if a value is not finite."""
     values = np.array([[r.evaluate(outcome) for r in responses] for outcome in outcomes])
     for i, response in enumerate(responses):
         if not np.isfinite(values[:, i]).all():
@@ -155,9 +156,9 @@ def values_of(responses: Sequence[Any], outcomes: Sequence[Any]) -> np.ndarray:
 
 
 def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
-    """Quantities (q,) of one run, NaN for one that does not occur. quantities: their definitions;
-    curves: of the run, or its `fpm.Outcome`. Raises `CampaignError` where one cannot be
-    evaluated."""
+    """Evaluate the quantities of one run as an array (q,), NaN for one that does not occur.
+    quantities: parsed; curves: the run's `fpm.files.trajectory.Curves` or `fpm.Outcome`. Raises
+    `CampaignError` if one cannot be evaluated."""
     try:
         return np.array([quantity.evaluate(curves) for quantity in quantities], dtype=float)
     except ValueError as error:
@@ -165,8 +166,8 @@ def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
 
 
 def padded(events: Sequence[np.ndarray], least: int = 0) -> np.ndarray:
-    """Events of r runs, tables (e, 3), as one array (r, most, 3) filled with NaN; `most` is at
-    least `least`."""
+    """Stack the event tables (e, 3) of r runs into one array (r, most, 3), filled up with NaN;
+    most: largest number of events of a run, or `least` if that is more."""
     most = max(least, *map(len, events))
     tables = np.full((len(events), most, len(EVENT_VARIABLES)), np.nan)
     for row, table in zip(tables, events, strict=True):
@@ -175,13 +176,14 @@ def padded(events: Sequence[np.ndarray], least: int = 0) -> np.ndarray:
 
 
 def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str]) -> float:
-    """Largest overlap (rad) of the faces of the contacts on hinges, from their openings (t,)."""
+    """Return the largest overlap (rad) of the faces of hinge contacts, 0 if none. openings: curves
+    (t,) (rad) by name; contacts: names, of which those without an opening are skipped."""
     return max((float(-openings[name].min()) for name in contacts if name in openings), default=0.0)
 
 
 def write_dimension(file: Any, dimension: str, names: Iterable[str], long_name: str) -> None:
-    """Define a dimension in an open netCDF file, with names as its coordinate, which gets the
-    attribute `long_name`."""
+    """Define a dimension in an open `netCDF4.Dataset`, with `names` as its coordinate variable,
+    described by `long_name`."""
     names = np.array([str(name) for name in names], dtype=object)
     file.createDimension(dimension, len(names))
     variable = file.createVariable(dimension, str, (dimension,))
@@ -191,10 +193,10 @@ def write_dimension(file: Any, dimension: str, names: Iterable[str], long_name: 
 
 
 def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapping) -> None:
-    """Write a netCDF file of dimensions with names, and variables.
+    """Write dimensions that have names, and variables, to the netCDF file `path`.
 
-    names: of each dimension; variables: by name the type, dimensions, values and options of
-    netCDF4's `createVariable`.
+    names: coordinate names by dimension; variables: by name a tuple of type, dimensions, values and
+    options of netCDF4's `createVariable`.
     """
     import netCDF4
 
@@ -209,7 +211,8 @@ def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapp
 
 
 def names_of(holder: Any) -> dict[str, list[str]]:
-    """Names of responses and quantities of a store or of a chunk, by dimension."""
+    """Return names of the responses and quantities of a store or chunk, by "response" and
+    "quantity"."""
     return {
         "response": [response.name for response in holder.responses],
         "quantity": [quantity.name for quantity in holder.quantities],

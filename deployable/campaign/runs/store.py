@@ -37,9 +37,9 @@ from fpm.reading.variables import VARIABLES
 
 
 class Trajectories(Store):
-    """The store of `keep: trajectories`: one netCDF file for each run, with everything recorded.
+    """Store with `keep: trajectories`: one netCDF file for each run, with all that it recorded.
 
-    A file depends on the responses only by the variables that they need recorded.
+    Changed responses are read from stored files again, unless they need other recorded variables.
     """
 
     def __init__(self, folder: Path, experiment: Experiment):
@@ -49,31 +49,33 @@ class Trajectories(Store):
         self._code = sources.reading()
 
     def path(self, run: PlannedRun) -> Path:
-        """The file of a run."""
+        """Return the path of a run's file."""
         return self.folder / f"{run.id}.nc"
 
     def missing(self, group: Runs) -> Runs:
-        """The runs of a group that are not simulated yet, or lack a variable that responses
-        need."""
+        """Return the runs of a group that are not stored, or whose file lacks a variable that
+        responses need."""
         return group[[i for i, run in enumerate(group) if self._curves(run) is None]]
 
     def previous_columns(self, runs: Runs) -> set[Column]:
-        """Columns that files of these runs have which lack other columns."""
+        """Return the columns (variable, label) recorded in the files of these runs that lack
+        others, so that a new simulation can record them again."""
         return set().union(*(self._columns.get(run.id, ()) for run in runs))
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
+        """Return a function that counts the runs stored of these groups, by file names alone."""
         names = {self.path(run).name for group in groups for run in group}
         return lambda: sum(path.name in names for path in self.folder.glob("*.nc"))
 
     def write(self, group: Runs, results: Iterable[Result]) -> None:
-        """Write the results of runs of a group as they come; ValueError if a number is not
-        finite."""
+        """Write each result, as it comes, to its run's file; `group` is not used. ValueError if a
+        number is not finite."""
         for result in results:
             contents = trajectory.contents(result.outcome, attributes=result.attributes)
             trajectory.write(contents, self.path(result.run))
 
     def read(self, group: Runs) -> dict[str, RunRecord]:
-        """Records of the runs of a group that are stored, by run id."""
+        """Read the runs of a group that are stored: returns a `RunRecord` by run id."""
         records = {}
         for run in group:
             if (curves := self._curves(run)) is None:
@@ -108,19 +110,17 @@ class Trajectories(Store):
 
 
 class Responses(Store):
-    """The store of `keep: responses`: one netCDF file for each group, with responses in single
-    precision, events and quantities."""
+    """Store with `keep: responses`: one netCDF file for each group of runs, with their responses
+    (single precision), events and quantities."""
 
     def path(self, group: Runs) -> Path:
-        """The file of a group, named after its runs, its responses and the code that evaluates
-        them."""
+        """Return the path of a group's file, named by its runs, responses and the code that
+        evaluates them."""
         return self.folder / f"{self.file_of(group)}.nc"
 
     def missing(self, group: Runs) -> Runs:
-        """The runs of a group that are not simulated yet: all of them, or none.
-
-        A group in which a run failed is simulated again as a whole.
-        """
+        """Return the runs of a group to be simulated: none if all are stored, else all of them,
+        also if only one failed."""
         import netCDF4
 
         path = self.path(group)
@@ -131,8 +131,8 @@ class Responses(Store):
         return group[:0] if ids == [run.id for run in group] else group
 
     def write(self, group: Runs, results: Iterable[Result]) -> None:
-        """Write the results of runs of a group, none where no run succeeded; ValueError if a number
-        is not finite."""
+        """Write the results of a group's runs to its file, no file if none succeeded; ValueError if
+        a number is not finite."""
         if not (results := list(results)):
             return
         outcomes = [result.outcome for result in results]
@@ -161,7 +161,7 @@ class Responses(Store):
             common.write_netcdf(temporary, names, variables)
 
     def read(self, group: Runs) -> dict[str, RunRecord]:
-        """Records of the runs of a group that are stored, by run id."""
+        """Read the runs of a group that are stored: returns a `RunRecord` by run id."""
         import netCDF4
 
         if self.missing(group):
@@ -186,8 +186,8 @@ STORES = {"trajectories": Trajectories, "responses": Responses, "extremes": Scan
 
 
 def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Any:
-    """The store of a config's `jobs.keep` in a folder; experiment: has the responses and
-    quantities."""
+    """Return the store of runs in a folder that `keep` (config: `jobs.keep`) asks for:
+    "trajectories", "responses" or "extremes". experiment: has the responses and quantities."""
     return STORES[keep](Path(folder), experiment)
 
 
@@ -195,17 +195,17 @@ def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Any:
 
 
 def pack(store: str | Path, bundle: str | Path) -> None:
-    """Write all runs of a store into a tar file."""
+    """Write all result files in the folder `store` into the tar file `bundle`."""
     with whole_file(bundle) as temporary, tarfile.open(temporary, "w") as file:
         for path in sorted(Path(store).glob("*.nc")):
             file.add(path, path.name)
 
 
 def unpack(bundles: Iterable[str | Path], store: str | Path) -> None:
-    """Extract the runs of tar files into a store, except those that it has already.
+    """Extract the result files in tar files, `bundles`, into the folder `store`, unless they exist.
 
-    Raises `CampaignError` for a file that is no tar file of runs. A damaged run is detected later
-    by its seal.
+    Raises `CampaignError` for a file that is no tar file. Damaged runs are found later, by their
+    seals.
     """
     for bundle in bundles:
         try:

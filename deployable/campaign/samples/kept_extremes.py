@@ -46,10 +46,10 @@ _LONG_NAMES = {
 def gather(
     plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, tell: Tell = lambda text: None
 ) -> None:
-    """Write `samples.nc` at `path` from the chunks of a scan that are stored in a folder.
+    """Write `samples.nc` to `path` from the stored chunks of a scan with `keep: extremes`.
 
-    Memory stays bounded by one chunk and the plan. Chunks whose files are missing or damaged are
-    simulated again. tell: called with each message. Raises `CampaignError` if runs fail.
+    folder: of the store; jobs: section; tell: called with messages. One chunk at a time is in
+    memory. Missing or damaged ones are simulated again; raises `CampaignError` if runs fail.
     """
     import netCDF4
 

@@ -53,17 +53,17 @@ OPTIONS = {
 
 @dataclass(frozen=True)
 class Stage:
-    """A stage of a campaign: its name, what it does (a sentence), and the files that it reads and
-    writes.
+    """A stage of a campaign: `name` (of its command and module), `about` (what it does, a
+    sentence), and the files that it reads and writes.
 
-    sections: those of the config that it depends on; takes: names of the results that it reads;
-    leaves: function of a campaign that returns the names of the results that it writes, `{batch}`
-    for the number of a batch; options: of its command, keys of `OPTIONS`; is_sought: True for
-    adaptive campaigns alone, False for all others, None for both; draws: whether it only shows
-    results.
+    sections: names of the config sections that it depends on; takes: names of the result files that
+    it reads; leaves: function of a campaign that returns the names of those it writes, `{batch}`
+    for the number of a batch; options: of its command, keys of `OPTIONS`; is_sought: True if only
+    campaigns with an `accuracy` have it, False if only others, None if all; draws: whether it only
+    shows results.
 
-    Its module here has the name of the stage, and a function `work(folder, tell, **arguments)`. It
-    is imported where the stage runs, so that a process loads what its own work needs.
+    The function `work` of its module is imported when the stage runs: a process loads what it
+    needs.
     """
 
     name: str
@@ -76,14 +76,14 @@ class Stage:
     draws: bool = False
 
     def work(self, folder: Folder, tell: Tell, **arguments: Any) -> None:
-        """Do the work of the stage, the function `work` of its module. folder: of the campaign's
-        results; tell: called with each message; arguments: sections and options by name."""
+        """Do the work of the stage, without sealing files. folder: of the campaign's results; tell:
+        called with each message; arguments: its sections and options by name."""
         import_module(f"{__name__}.{self.name}").work(folder, tell, **arguments)
 
     def run(self, folder: Folder, tell: Tell, **arguments: Any) -> None:
-        """Do the work of the stage on a folder of results, and seal what it writes. tell: called
-        with each message; arguments: sections and options by name. Raises `CampaignError` for
-        trouble with files, among them those that do not belong together."""
+        """Do the work of the stage in a folder of results, and seal the files that it writes. tell:
+        called with each message; arguments: its sections and options by name. Raises
+        `CampaignError` for trouble with files, also if they are not of one plan."""
         sections = {name: arguments[name] for name in self.sections}
         try:
             refuse_links(folder.whole)
@@ -102,21 +102,21 @@ class Stage:
             raise file_error from error
 
     def basis(self, sections: Mapping[str, Any]) -> str:
-        """Digest of what the stage's results depend on beside the files that it reads: program,
-        structure and sections of the config, by name."""
+        """Return a digest of what the stage's results depend on apart from the files that it reads:
+        program, structure and `sections` of the config, by name."""
         mechanics = [s.mechanics for s in sections.values() if isinstance(s, Experiment)]
         return digest([program_digest(), json.loads(as_json(**sections)), mechanics])
 
     def inputs(self, campaign: Campaign) -> list[str]:
-        """Names of all results that the stage may read: if it shows results, also plan, samples,
-        bounds, summary and answers."""
+        """Return the names of all result files that the stage may read; if it only shows results,
+        with plan, samples, bounds, summary and answers."""
         shown_files = [PLAN, *BOUNDS_FILES, *_answered(campaign)] if self.draws else []
         return list(dict.fromkeys([*self.takes, *shown_files]))
 
     def sections_in(self, config: str) -> dict[str, Any]:
-        """The stage's sections of the config by name. config: the path of a YAML file, or JSON as
-        the workflow passes it, with the `structure` that the user's config names. Raises
-        `CampaignError`."""
+        """Return the config sections that the stage depends on, by name. config: path of a YAML
+        file, or the JSON of the sections that the workflow passes, with the file (`structure`) that
+        the user's config names. Raises `CampaignError`."""
         if not config.lstrip().startswith("{"):  # jobs of the workflow load no checks of a config
             check = import_module("deployable.campaign.config.check")
             return self.sections_of(check.load_config([config]))
@@ -129,13 +129,13 @@ class Stage:
             raise CampaignError(text) from None
 
     def sections_of(self, campaign: Campaign) -> dict[str, Any]:
-        """The stage's sections of a campaign's config by name."""
+        """Return the config sections, of a campaign, that the stage depends on, by name."""
         return {name: getattr(campaign, name) for name in self.sections}
 
 
 def plan_of(folder: Folder, names: Sequence[str]) -> dict[str, str]:
-    """The digest of the plan that the named results are of, as `{"plan": digest}` for the seals of
-    what is made from them, or {} without names. Raises `DamagedError` where they are of different
+    """Return {"plan": digest} of the plan from which the results called `names` were made, for the
+    seals of files made from them; {} without names. Raises `DamagedError` if they are of different
     plans."""
     check_results(folder, names)
     plans = {name: check(folder / name, name).get("plan") for name in names}
@@ -148,7 +148,7 @@ def plan_of(folder: Folder, names: Sequence[str]) -> dict[str, str]:
 
 
 def drawings(experiment: Experiment) -> list[str]:
-    """Names of the figures of the whole campaign that `figures` draws."""
+    """Return the names of the figures that `figures` draws of the whole campaign."""
     has_contributions = len(experiment.intervals) > 1 and experiment.design.order is not None
     return ["sensitivities"] * has_contributions + ["ranges"] * bool(experiment.quantities)
 
@@ -197,5 +197,5 @@ STAGES = {
 
 
 def stages_of(campaign: Campaign) -> list[Stage]:
-    """The stages of a campaign, in the order in which they run."""
+    """Return the stages that a campaign consists of, in the order in which they run."""
     return [s for s in STAGES.values() if s.is_sought in (None, campaign.experiment.is_sought)]

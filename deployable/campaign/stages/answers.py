@@ -16,9 +16,9 @@ def work(
     folder: Folder, tell: Tell, requirements: Any, choose: Any, published: Any, review: Any,
     verify: Any, jobs: Any, threads: int = 1,
 ) -> None:  # fmt: skip
-    """Find the intervals of the quantities, what of the box meets the requirements, and the best
-    choice, with the runs that these take; write the summary. tell: called with each message;
-    threads: number of them that simulate; the others: sections of the config."""
+    """Answer what a campaign asks: bound quantities, assess requirements, find the best choice,
+    with the runs that this takes, and write the results and the summary into `folder`. tell: called
+    with each message; threads: how many simulate; the others: sections of the config."""
     if read_plan(folder.plan).experiment.quantities:
         quantities.answer(folder, requirements, verify, jobs, tell, threads)
     if requirements:

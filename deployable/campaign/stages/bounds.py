@@ -18,16 +18,17 @@ def work(
     folder: Folder, tell: Tell, bounds: Any, verify: Any, jobs: Any, threads: int = 1,
     bundles: Any = (),
 ) -> None:  # fmt: skip
-    """Gather the responses of all runs, fit the surrogate, take its bounds and the influence of
-    each parameter, and estimate the errors by mesh and step if `verify` or the plan requires it.
-    tell: called with each message; bundles: tar files of runs; the others as for `bound`."""
+    """Gather the responses of all runs, fit the surrogate and write its bounds (`bounds.nc`), with
+    the influence of each parameter, and errors by mesh and step if `verify` or the plan asks. tell:
+    called with messages; bundles: tar files of runs; threads: how many simulate; others:
+    sections."""
     unpack(bundles, folder.runs(jobs.keep))
     bound(folder, tell, bounds, verify, jobs, threads)
 
 
 def bound(folder: Folder, tell: Tell, bounds: Any, verify: Any, jobs: Any, threads: int) -> None:
-    """Gather the runs of the plan in a folder, fit the surrogate and take its bounds, with their
-    errors. bounds, verify, jobs: sections of the config; threads: number of them that simulate."""
+    """Gather the runs of the plan in `folder`, fit the surrogate, write its bounds with errors.
+    bounds, verify, jobs: sections; tell: called with messages; threads: how many simulate."""
     plan = read_plan(folder.plan)
     collect = gather_extremes if jobs.keep == "extremes" else gather
     collect(plan, jobs, folder.runs(jobs.keep), folder.samples, tell)

@@ -10,8 +10,8 @@ from deployable.campaign.runs.progress import Tell
 
 
 def work(folder: Folder, tell: Tell, experiment: Any) -> None:
-    """Choose the runs of a campaign and the time step of all of them, and write `plan.json`. tell:
-    called with each message; experiment: of the config."""
+    """Choose the runs of a campaign and their common time step, and write `plan.json` into
+    `folder`. tell: called with each message; experiment: all settings that decide the runs."""
     warn(tell, experiment)
     plan = make_plan(experiment)
     write_plan(plan, folder.plan)
@@ -23,7 +23,7 @@ def work(folder: Folder, tell: Tell, experiment: Any) -> None:
 
 
 def warn(tell: Tell, experiment: Any) -> None:
-    """Report what seems wrong with the structure of an experiment, by calls of `tell` with
-    texts."""
+    """Tell, by calls of `tell` with texts, what is likely wrong in the structure of an
+    experiment."""
     for text in experiment.warnings:
         tell(f"{experiment.name}: warning: {text}")

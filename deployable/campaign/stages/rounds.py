@@ -19,9 +19,9 @@ def work(
     folder: Folder, tell: Tell, experiment: Any, bounds: Any, verify: Any, jobs: Any,
     threads: int = 1,
 ) -> None:  # fmt: skip
-    """Make runs in rounds until an accuracy is met or its budget is spent; the last round's results
-    are the campaign's. tell: called with each message; experiment, bounds, verify, jobs: of the
-    config; threads: number of them that simulate."""
+    """Simulate in rounds until an accuracy is met or its budget is spent, and leave plan, runs,
+    samples and bounds of the last round in `folder`. tell: called with each message; experiment,
+    bounds, verify, jobs: sections of the config; threads: how many simulate."""
     number = 0
     while not _plan_round(place := folder.round(number), tell, experiment):
         with results_of(plan_of(place, (PLAN,))):

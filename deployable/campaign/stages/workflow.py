@@ -27,8 +27,8 @@ from fpm.files.sealed import DamagedError, check, unsealed
 
 
 class Workflow:
-    """A campaign with the names of its files, as the Snakefile needs it. results: folder of all
-    campaigns. Importing and making one is cheap, since every call of Snakemake does it."""
+    """What the Snakefile asks of a campaign: its files, batches and resources. results: folder of
+    all campaigns' results. Cheap to import and make, since every call of Snakemake does it."""
 
     def __init__(self, campaign: Campaign, results: str | Path = "results"):
         self.campaign, self.name = campaign, campaign.name
@@ -37,7 +37,8 @@ class Workflow:
 
     @classmethod
     def from_files(cls, paths: Sequence[str | Path], overrides: Mapping | None = None) -> Workflow:
-        """The campaign of YAML files, later ones and `overrides` (of `--config`) winning.
+        """Make the workflow of the config in YAML files; later files and `overrides` (`--config`)
+        win.
 
         Raises `ConfigError`.
         """
@@ -45,38 +46,38 @@ class Workflow:
 
     @classmethod
     def from_module(cls, config: Mapping) -> Workflow:
-        """The campaign of a config that another workflow, of which this one is a module, passes to
-        it; paths in it are relative to the working folder. Raises `ConfigError`."""
+        """Make the workflow of the `config` that a Snakemake workflow passes which uses this one as
+        a module; paths in it are relative to the working folder. Raises `ConfigError`."""
         return cls(load_config([], retyped(config), "the config of the module"))
 
     def sections(self, stage: str) -> str:
-        """The sections of the config that a stage depends on, as JSON, and the file of the
-        `structure`: stages read none that only results name."""
+        """Return the config sections that a stage, by name, depends on, as JSON; with `structure`,
+        the path of the user's structure, since a stage reads no file that only results name."""
         file = self.campaign.experiment.scene.file
         structure = {"structure": file} if file else {}
         return as_json(**STAGES[stage].sections_of(self.campaign), **structure)
 
     @cache  # noqa: B019 - there is one campaign in a process
     def batch_count(self) -> int:
-        """Number of jobs, each of one batch, that the runs are divided into."""
+        """Return how many batches of runs there are, each simulated by a job of its own."""
         return batch_count(self.campaign, count_runs(self.campaign.experiment))
 
     @cache  # noqa: B019
     def minutes(self, batches: int = 1, plan_path: str | None = None) -> int:
-        """Minutes of wall-clock time to ask a queue for, for a job of one of `batches` equal parts
-        of the runs. plan_path: of the `plan.json` of these runs, None if it is not there."""
+        """Return the minutes of wall-clock time to ask a queue for, for a job of one of `batches`
+        equal parts of the runs. plan_path: path of their `plan.json`, None before there is one."""
         runs = -(-count_runs(self.campaign.experiment) // batches)
         return job_minutes(self.campaign, runs, read_step(plan_path) if plan_path else None)
 
     @cache  # noqa: B019
     def megabytes(self) -> int:
-        """Megabytes of memory to ask a queue for, for one job."""
+        """Return the megabytes of memory to ask a queue for, for one job."""
         return job_megabytes(self.campaign)
 
     def stale(self) -> dict[str, str]:
-        """Paths of results that must be made again, with the reasons: they are damaged, or were
-        made from another config, program or plan. Snakemake knows what it made here itself; the
-        files know it wherever they were made."""
+        """Return the paths of results that must be made again, with the reasons: damaged, or made
+        from another config, program or plan. Their seals tell this wherever they were made, while
+        Snakemake knows only what it made here itself."""
         folder, plan, reasons = self.folder, None, {}
         self._damaged_motions(folder, reasons)
         for stage in stages_of(self.campaign):
@@ -95,20 +96,20 @@ class Workflow:
         return reasons
 
     def files_of(self, stage: Stage) -> list[Path]:
-        """Paths of the files that a stage writes here; of batches, those that are there."""
+        """Return the paths of the files that a stage writes; of batches, those that exist."""
         names = stage.leaves(self.campaign)
         if any("{batch}" in name for name in names):
             return sorted(self.folder.path.glob("batches/*.json"))
         return [self.folder / name for name in names]
 
     def inputs(self, stage: str) -> list[str]:
-        """Patterns of the files that the job of a stage, by name, reads: `{stage}/<name>` for its
-        rule, in which `{stage}` stands for the folder of results."""
+        """Return patterns of the files that a stage, by name, reads, for its Snakemake rule:
+        `{stage}/<name>`, where the wildcard `{stage}` stands for the folder of results."""
         return [f"{{stage}}/{name}" for name in STAGES[stage].inputs(self.campaign)]
 
     def outputs(self, stage: str, *kinds: str) -> list[str]:
-        """Patterns of the files that the job of a stage, by name, writes, as of `inputs`. kinds:
-        endings of the names that are meant; none: all."""
+        """Return patterns `{stage}/<name>` of the files that a stage, by name, writes, for its
+        Snakemake rule. kinds: only names with one of these endings; without any, all."""
         names = STAGES[stage].leaves(self.campaign)
         return [f"{{stage}}/{name}" for name in names if name.endswith(kinds or "")]
 
@@ -122,7 +123,7 @@ class Workflow:
                 reasons[str(folder.report)] = str(error)
 
     def results(self) -> list[str]:
-        """Paths of the files that a campaign leaves for its reader: summary, figures and page."""
+        """Return the paths of the files meant for the reader: summary, figures and page."""
         last = [stage for stage in stages_of(self.campaign) if stage.draws]
         names = ["summary.json", "summary.md", *(n for s in last for n in s.leaves(self.campaign))]
         return [str(self.folder / name) for name in names]
@@ -142,8 +143,8 @@ class Workflow:
         )
 
     def last_words(self) -> str:
-        """Message that the stage `page` ended with, which file to open; empty where its log is
-        elsewhere."""
+        """Return the last message of the stage `page`, which file to open; empty without its log
+        file."""
         log = self.folder / "logs/page.log"
         return log.read_text(encoding="utf-8").strip() if log.exists() else ""
 

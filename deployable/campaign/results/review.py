@@ -29,7 +29,8 @@ STATES = (UNMET, OPEN, PARTLY, NOT_ANALYSED, MET, REPORTED)
 
 
 class Verdict(NamedTuple):
-    """The verdict of a row of the review sheet: a state, one of STATES, and a text in words."""
+    """Verdict of a row of the review sheet: `state`, a word such as `met`, `not met` or `undecided`
+    (STATES), and `text`, the same in a sentence."""
 
     state: str
     text: str
@@ -39,11 +40,9 @@ NOTHING = Verdict(NOT_ANALYSED, NOT_ANALYSED)
 
 
 class Clause(NamedTuple):
-    """A clause of a standard: its number, what it asks in our own words, and the topic that answers
-    it.
-
-    topic: one of quantities, or a key of ANALYSES; empty where nothing analyses the clause.
-    """
+    """A clause of a standard: `number`; `asks`, what it asks in our own words; `topic`, what
+    answers it: a subject of quantities such as `stress`, or a key of ANALYSES, the functions of
+    this module; empty where nothing does."""
 
     number: str
     asks: str
@@ -96,11 +95,10 @@ that the balance shows something: its error is at most 5 % of them then."""
 
 
 def rows_of(facts: Mapping[str, Any], experiment: Any, standard: str) -> list[dict[str, str]]:
-    """Rows of the review sheet of a standard, with the keys `COLUMNS`.
-
-    facts: of `facts_of`, with `mechanism` (`mechanism_of`); experiment: of the campaign; standard:
-    a key of `CLAUSES`.
-    """
+    """All rows of the review sheet of a standard: dicts of texts with the keys `COLUMNS` (clause,
+    what it asks, how it was analysed, value, verdict, ...). facts: of `facts_of`, and their
+    `mechanism` of `mechanism_of`; experiment: the campaign's config, parsed; standard: a key of
+    `CLAUSES`."""
     sheet = _Sheet(facts, experiment, standard)
     return [row for clause in CLAUSES[standard] for row in sheet.rows(clause)] + sheet.other_rows()
 
@@ -108,8 +106,9 @@ def rows_of(facts: Mapping[str, Any], experiment: Any, standard: str) -> list[di
 def head_of(
     facts: Mapping[str, Any], rows: Sequence[Mapping[str, str]], standard: str
 ) -> list[str]:
-    """Paragraphs above the rows of a review sheet: number of rows by state, the box, and how to
-    read the numbers."""
+    """Paragraphs to stand above a review sheet: how many rows have which verdict, the box of
+    parameters, and how to read the numbers. facts: of `facts_of`; rows: of `rows_of`; standard: a
+    key of `CLAUSES`."""
     ends = []
     for state in STATES:
         own = [row for row in rows if row["state"] == state]
@@ -132,12 +131,13 @@ def head_of(
 
 
 def edition_of(standard: str) -> str:
-    """Title of a standard with the edition that its numbers are taken from."""
+    """Title and edition of a standard as text, for headings; standard: a key of `STANDARDS`."""
     return f"{STANDARDS[standard].title} ({STANDARDS[standard].edition})"
 
 
 def as_csv(rows: Iterable[Mapping[str, str]], standard: str) -> str:
-    """The rows of a review sheet as CSV text, headings first."""
+    """A review sheet as CSV text, headings first; rows: of `rows_of`; standard: a key of
+    `CLAUSES`."""
     heads = {**HEADS, "standard": "standard", "state": "state"}
     titled = ({**row, "standard": edition_of(standard)} for row in rows)
     return csv_text([row[name] for name in COLUMNS] for row in (heads, *titled))
@@ -147,8 +147,9 @@ BUDGET_HEADS = ("part", "class", "acts", "moment", "factor", "weighted")
 
 
 def budgets_of(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Tables of the components of each margin at its worst position: title, heads, rows, and the
-    sum in words. facts: of `facts_of`, with `mechanism`."""
+    """Tables, one for each torque margin, of what drives and what resists at the position where it
+    is least: dicts of `title`, `heads`, `rows` and `sum`, all texts. facts: of `facts_of`, and
+    their `mechanism` of `mechanism_of`."""
     budgets = []
     for name, margin in facts["mechanism"]["margins"].items():
         budget = margin["budget"]

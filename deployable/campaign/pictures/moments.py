@@ -12,12 +12,10 @@ from deployable.campaign.pictures.view import View
 
 
 def telling_moments(motion: Any, count: int) -> np.ndarray:
-    """Indices (count,) of frames of an open motion, evenly spread over the length of the particles'
-    paths.
-
-    They reach from the start to the first closure of a contact, or to the end where none closes.
-    The path's length is the sum of the root mean squares of all particles' steps.
-    """
+    """Choose `count` frames of a motion that lie evenly along the particles' paths, from the start
+    to the first closure of a contact, or to the end; returns their indices. motion: whole, open
+    (`fpm.motions`). The length of a path is the sum over its frames of the root mean square of the
+    particles' displacements."""
     time, position = values_in(motion, "time"), values_in(motion, "position")
     is_closing = values_in(motion, "contact_event_closing") == 1
     closures = values_in(motion, "contact_event_time")[is_closing]

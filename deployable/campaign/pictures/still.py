@@ -71,8 +71,8 @@ def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> 
 
 
 def write_structure(scene: Any, path: str | Path) -> Path:
-    """Draw an `fpm.Scene` at its start into a file, `path`, whose suffix is one of `SUFFIXES`;
-    returns the path."""
+    """Draw the structure of an `fpm.Scene` where it starts into a file, and return `path`, which
+    ends with one of `SUFFIXES` (.png, .svg, .pdf)."""
     path = Path(path)
     with whole_file(path) as temporary:
         draw_structure(scene).savefig(temporary, dpi=160)

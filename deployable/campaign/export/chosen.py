@@ -58,11 +58,8 @@ class SelectedRun:
     folder: Folder | None = None
 
     def motion(self, frames: int) -> xarray.Dataset:
-        """The whole motion of the run as a dataset (`fpm.motions`) with `frames` evenly spread
-        frames.
-
-        Raises `CampaignError` if the run fails.
-        """
+        """Simulate the run and return its whole motion, a dataset as `fpm.motions` makes it;
+        frames: how many, evenly spread over time. Raises `CampaignError` if the run fails."""
         import fpm
         from fpm.motions.motion import whole_motion
 
@@ -76,10 +73,8 @@ class SelectedRun:
         return motion
 
     def outcome(self) -> Any:
-        """The `fpm.Outcome` of the run, with all that its responses need recorded.
-
-        Raises `CampaignError` if the run fails.
-        """
+        """Simulate the run, record all that its responses need, and return its `fpm.Outcome`.
+        Raises `CampaignError` if the run fails."""
         import fpm
 
         record = [need for response in self.responses for need in response.needs]
@@ -252,7 +247,8 @@ def _of_structure(source: str, settings: Mapping[str, str], duration: float) -> 
 
 
 def parsed(settings: Mapping[str, str]) -> dict[str, Any]:
-    """Values of parameters by name, parsed from their texts as a YAML file would be."""
+    """Parse values of parameters from texts, as in a YAML file: `"2.5"` as 2.5, `"true"` as True;
+    settings: text by name of parameter; the result: value by name."""
     from deployable.campaign.config.loader import parse
 
     return {

@@ -111,10 +111,10 @@ def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
 
 
 def prices(facts: Mapping[str, Any]) -> Panel | None:
-    """Make the plot of the designs that the search for the best choice tried: its two goals, or its
-    first parameter and the one goal; None without a choice, or with fewer than two such designs.
-    Those are left out whose latest time is the end of the runs, which is no bound. facts: of
-    `facts_of`."""
+    """Make the plot of the parameter values that were tried for the best choice: over its two
+    goals, or over its first parameter and the one goal; None without a choice, or where fewer than
+    two were tried. Those are left out whose latest time is the end of the runs, which is no bound.
+    facts: of `facts_of`."""
     choice = facts.get("choice")
     if choice is None:
         return None

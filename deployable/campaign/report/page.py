@@ -67,9 +67,9 @@ def _text(name: str) -> str:
 
 
 def still_picture(motion: xarray.Dataset) -> str:
-    """An SVG element, as text, of three moments of a motion side by side, for browsers without
-    WebGL: start, first closure of a contact (or else the end), and half-way between by the length
-    of the particles' paths. motion: a run's whole motion (`fpm.motions`)."""
+    """An SVG element, as text, of three moments of a motion side by side, for browsers that show no
+    motion: start, middle, and the first closure of a contact (or else the end); the middle is
+    halfway by length of the particles' paths. motion: a run's whole motion (`fpm.motions`)."""
     frames, view = telling_moments(motion, _MOMENTS), View()
     solid = solid_of_motion(motion, frames)
     low, high = limits_of(solid.places, view, margin=0.03)

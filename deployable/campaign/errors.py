@@ -86,7 +86,7 @@ def _largest_file() -> int | None:
 
 
 class ConfigError(CampaignError):
-    """All problems found in a config, one sentence each.
+    """Raised with all problems found in a config, one sentence each, also as attributes.
 
     Parameters
     ----------

@@ -39,7 +39,7 @@ def program_digest() -> str:
 
 def made_by(structure: str) -> str:
     """Digest (16 hexadecimal digits) of all code that decides what is stored of a run, part of the
-    run's id; structure: digest of the structure and mechanics."""
+    run's id; structure: digest of the structure's files."""
     text = f"{structure} {PROGRAM.digest(include=RUN_CODE, exclude=LOG_CODE)}"
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 

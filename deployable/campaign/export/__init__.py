@@ -85,12 +85,12 @@ def export(
     frames: int | None = None,
     colour: str = "bars",
 ) -> list[Path]:
-    """Write a run into a folder in one of `FORMATS`, and return the paths of the files to open.
+    """Simulate a run, write it in one format, and return the paths of the files to open.
 
     Parameters
     ----------
     run
-        The run, as `choose` returns it; it is simulated again.
+        The run, as `choose` returns it.
     kind
         Name of a format, a key of `FORMATS`: vtk, glb, gif, webp, figures or csv.
     folder
@@ -98,12 +98,13 @@ def export(
     frames
         Number of frames, evenly spread over the run; None: the format's own number.
     colour
-        By what moving pictures (gif, webp) are coloured: ``bars`` or ``stress``.
+        By what moving pictures (gif, webp) are coloured: ``bars``, each in its colour, or
+        ``stress``, equivalent stress.
 
     Returns
     -------
     list of Path
-        Of several files that belong together the one to open.
+        Files to open; of a ParaView collection the .pvd alone, of figures the PDF files.
 
     Raises
     ------

@@ -42,7 +42,9 @@ class _Buffer:
         self.accessors: list[dict] = []
 
     def add(self, values: np.ndarray, kind: str = "f4", target: int | None = None, **fields) -> int:
-        """Store an array; returns its accessor. `fields`: e.g. normalized=True."""
+        """Store an array in the binary part of the file and return the index of its accessor
+        (glTF's description of an array). kind: type to store it in; target: glTF's number of its
+        use (vertices or indices); fields: further keys of the accessor, such as normalized=True."""
         raw = np.ascontiguousarray(values, dtype=f"<{kind}")
         view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": raw.nbytes}
         self.views.append(view | ({"target": target} if target else {}))

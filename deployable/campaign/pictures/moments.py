@@ -33,14 +33,15 @@ def draw_moments(motion: Any, count: int = 5, width: float = 7.5, view: View | N
     Parameters
     ----------
     motion
-        An open whole motion, `xarray.Dataset` or `netCDF4.Dataset`, as of `fpm.motions`.
+        Whole motion of a run as `fpm.motions` makes it, an open `xarray.Dataset` or
+        `netCDF4.Dataset`.
     count
-        Number of moments, evenly spread over the length of the particles' paths up to the first
-        closure of a contact.
+        Number of moments, evenly spread over the length of the particles' paths, up to the first
+        closure of a contact or else the end.
     width
-        Of the figure, in inches.
+        Width of the figure, in inches.
     view
-        Direction from which the structure is seen; None: the default of `View`.
+        Direction from the structure to the eye; None: `View()`.
 
     Returns
     -------

@@ -104,7 +104,7 @@ class RunVerdicts:
 class WhatIf:
     """Surrogates (fitted formulas) that the page's sliders evaluate: `quantities`, of
     `intervals.scalars` by name, and polynomials of the n responses over t instants: coefficients
-    (n, M, t) of M products of Legendre polynomials in the k parameters, whose orders are indices
+    (n, M, t) of M products of Chebyshev polynomials in the k parameters, whose orders are indices
     (M, k); both None where the bounds are not those of polynomials."""
 
     quantities: Mapping[str, Any]

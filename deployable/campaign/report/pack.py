@@ -40,7 +40,9 @@ class _Arrays:
         self.data = bytearray()
 
     def add(self, values: np.ndarray, kind: str) -> dict[str, Any]:
-        """Where an array is, for the script; kind is a little-endian numpy type, e.g. `f4`."""
+        """Append an array's bytes and return where it is, a dict for the page's script: kind, at
+        (first byte), count (of numbers). kind: numpy's type to store it in, little-endian, such as
+        `f4`."""
         raw = np.ascontiguousarray(values, dtype=np.dtype(kind).newbyteorder("<"))
         entry = {"kind": kind, "at": len(self.data), "count": raw.size}
         self.data += raw.tobytes() + b"\0" * (-raw.nbytes % 8)

@@ -41,7 +41,8 @@ def draw_envelopes(bounds_path: str | Path, shade_above: float, folder: str | Pa
 
 
 def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> Any:
-    """A figure of a response: both bounds, nominal run, and where the error of the bounds is large.
+    """A matplotlib figure of one response over time: its bounds, its nominal run, and hatched where
+    the error of the bounds is large.
 
     Below are the differences of the bounds over time where they are too small to be read off the
     bounds. All words stand below the axes.
@@ -51,12 +52,12 @@ def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> 
     bounds
         The open `bounds.nc`.
     name
-        Of the response.
+        Name of the response.
     shade_above
-        Error estimate, relative to the largest difference of the bounds, from which instants
-        are hatched. Bounds are not drawn where it exceeds `LARGE`.
+        Estimated error, as a share of the largest difference of the bounds, above which instants
+        are hatched. Bounds are not drawn where it exceeds `LARGE` (a quarter).
     width
-        Of the figure, in inches.
+        Width of the figure, in inches.
     """
     from matplotlib.figure import Figure
 

@@ -209,7 +209,8 @@ class _Sheet:
         self._row_names: set[str] = set()
 
     def rows(self, clause: Clause) -> list[dict[str, str]]:
-        """The rows of a clause; one that says that nothing was analysed where there is none."""
+        """The sheet's rows that answer a clause, as dicts of texts; a single one that says `not
+        analysed` where nothing answers it. clause: one of `CLAUSES`."""
         if clause.topic in ANALYSES:
             rows = [ANALYSES[clause.topic](self)]
         else:

@@ -37,8 +37,8 @@ def rgb(colour: str) -> tuple[float, float, float]:
 
 def stress_colours(motion: xarray.Dataset) -> tuple[np.ndarray, float]:
     """Colours (t, m, 3), 0 to 1, of a motion's m elements by equivalent stress, and the stress (Pa)
-    at which the scale ends, which 0.5 % of the values exceed. Rigid bodies are grey. motion: whole
-    (`fpm.motions`)."""
+    at which the scale ends, which 0.5 % of the values exceed. Rigid bodies are grey. motion: a
+    run's whole motion, a dataset (`fpm.motions`)."""
     from matplotlib import colormaps
 
     nodes, stress = motion["element_particle"].values, motion["stress"].values

@@ -34,9 +34,9 @@ def write_moving(
     by_stress: bool = False,
 ) -> Path:
     """Write all frames of a motion as a moving picture to `path` (.gif or .webp), and return it.
-    motion: whole (`fpm.motions`); view: direction to the eye, None: that of `View()`; width: of the
-    picture (hundreds of pixels); by_stress: colour elements by their equivalent stress, not by
-    bar."""
+    motion: a run's whole motion, a dataset (`fpm.motions`); view: direction to the eye, None: that
+    of `View()`; width: of the picture (hundreds of pixels); by_stress: colour elements by their
+    equivalent stress, not by bar."""
     from PIL import Image
 
     pictures = frames(motion, view or View(), width, by_stress)
@@ -65,8 +65,9 @@ def frames(
     motion: xarray.Dataset, view: View, width: float, by_stress: bool = False
 ) -> Iterator[np.ndarray]:
     """Draw the frames of a motion one after the other, as images (height, width, 3) of bytes.
-    motion: whole (`fpm.motions`); view: direction to the eye; width: of the image (hundreds of
-    pixels); by_stress: colour elements by their equivalent stress, not by bar."""
+    motion: a run's whole motion, a dataset (`fpm.motions`); view: direction to the eye; width: of
+    the image (hundreds of pixels); by_stress: colour elements by their equivalent stress, not by
+    bar."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -21,7 +21,7 @@ def paint_solid(
     ax: Any, solid: Solid, moment: int, view: View, colours: np.ndarray | None = None
 ) -> Any:
     """Paint a structure's visible faces into matplotlib axes and return their PolyCollection.
-    solid: the structure at its moments; moment: index of one; view: direction to the eye; colours
+    solid: the structure at some moments; moment: index of one; view: direction to the eye; colours
     (m, 3): of its elements, red, green, blue from 0 to 1; None: one for each bar."""
     from matplotlib.collections import PolyCollection
 
@@ -34,7 +34,7 @@ def paint_solid(
 
 def paint_cables(ax: Any, solid: Solid, moment: int, view: View) -> Any:
     """Paint a structure's cables into matplotlib axes, dashed where slack, and return their
-    LineCollection. solid: the structure at its moments; moment: index of one; view: direction to
+    LineCollection. solid: the structure at some moments; moment: index of one; view: direction to
     the eye."""
     from matplotlib.collections import LineCollection
 
@@ -55,7 +55,7 @@ def visible_faces(
     """Faces of a structure that are turned to the eye, from far to near: corners (f, 4, 2) in the
     plane of the picture (m) and shaded colours (f, 3), 0 to 1.
 
-    solid: the structure at its moments; moment: index of one; view: direction to the eye; colours
+    solid: the structure at some moments; moment: index of one; view: direction to the eye; colours
     (m, 3): of its elements, 0 to 1; None: one for each bar.
     """
     element, face = np.nonzero(solid.visible)

@@ -110,9 +110,9 @@ class Solid:
 
 
 def solid_of_motion(motion: Any, frames: Any = slice(None)) -> Solid:
-    """The structure of a motion as hexahedra at some of its frames. motion: whole, open
-    (`fpm.motions`), `xarray.Dataset` or `netCDF4.Dataset`; frames: index, slice or indices of
-    frames; all by default."""
+    """The structure of a motion as hexahedra at some of its frames. motion: a run's whole motion,
+    an open dataset (`fpm.motions`), `xarray.Dataset` or `netCDF4.Dataset`; frames: index, slice or
+    indices of frames; all by default."""
     return Solid(
         nodes=values_in(motion, "element_particle"),
         sections=values_in(motion, "section_corner"),

@@ -126,12 +126,12 @@ class Work:
 class PageData:
     """All data that the page shows, as `from_results` reads them.
 
-    facts: content of `summary.json`; time (t,): s; responses: their bounds; runs: those made by
-    plan, and those added by answers that move; moving: runs shown moving, the nominal one first,
-    then those at which quantities and bounds are attained; omitted: runs for whose motion the page
-    has no room; work: times that tasks took; provenance: what computed the results, texts by name;
-    config: text of a config that repeats the campaign; verdicts: which runs meet the requirements,
-    None without quantities; what_if: formulas for the sliders, None: none.
+    facts: content of `summary.json`; time (t,): s; responses: their bounds; runs: the planned ones,
+    and of those added by answers the ones that move; moving: runs shown moving, the nominal one
+    first, then those at which quantities and bounds are attained; omitted: runs for whose motion
+    the page has no room; work: times that tasks took; provenance: what computed the results, texts
+    by name; config: text of a config that repeats the campaign; verdicts: which runs meet the
+    requirements, None without quantities; what_if: formulas for the sliders, None: none.
     """
 
     facts: Mapping[str, Any]

@@ -57,8 +57,8 @@ def _tells_apart(data: PageData) -> bool:
 
 def panels(data: PageData) -> list[Panel]:
     """Make the plots of failing and feasible runs, one for each pair of the (at most three)
-    parameters by which these differ most; empty where all runs fail, or none does. data: of the
-    page."""
+    parameters by which these differ most; empty where all runs fail, or none does. data: all that
+    the page shows."""
     if not _tells_apart(data):
         return []
     unit = [_unit(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)]
@@ -100,7 +100,7 @@ def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
     """Lines of a plot in parallel coordinates, one for each of at most `MOST_MARKS` runs: its
     index, whether it meets all requirements, its parameters scaled to 0 to 1; failing runs come
     last, drawn above. Empty where the panels show all parameters, or all runs fail, or none does.
-    data: of the page."""
+    data: all that the page shows."""
     if len(data.parameters) <= MOST_PARAMETERS or not _tells_apart(data):
         return []
     unit = np.array([_unit(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)])
@@ -114,7 +114,7 @@ def prices(facts: Mapping[str, Any]) -> Panel | None:
     """Make the plot of the parameter values that were tried for the best choice: over its two
     goals, or over its first parameter and the one goal; None without a choice, or where fewer than
     two were tried. Those are left out whose latest time is the end of the runs, which is no bound.
-    facts: of `facts_of`."""
+    facts: the campaign's results as plain data (`facts_of`)."""
     choice = facts.get("choice")
     if choice is None:
         return None

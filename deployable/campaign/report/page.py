@@ -35,12 +35,13 @@ _WIDE = 300  # units of the drawing, of each moment
 
 def write_page(data: PageData, path: str | Path) -> None:
     """Write a campaign's page to `path` as one HTML file, which loads nothing from the network,
-    whole or not at all; data: of `report.read.from_results`."""
+    whole or not at all; data: all that it shows (`report.read.from_results`)."""
     write_result(path, render(data))
 
 
 def render(data: PageData) -> str:
-    """The campaign's page as the text of one HTML file; data: of `report.read.from_results`."""
+    """The campaign's page as the text of one HTML file; data: all that it shows
+    (`report.read.from_results`)."""
     units = {pretty(response.units) for response in data.responses}
     units |= {pretty(parameter["units"]) for parameter in data.parameters}
     return (

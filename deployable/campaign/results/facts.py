@@ -105,8 +105,8 @@ def facts_of(
 
 def mark_constant(facts: dict) -> None:
     """Set `constant` in the dicts of responses and quantities that do not vary over the box of
-    parameters, and clear their relative errors and contributions; facts (of `facts_of`) are changed
-    in place.
+    parameters, and clear their relative errors and contributions; facts: the campaign's results
+    (`facts_of`), changed in place.
 
     They are those whose upper and lower bound differ by rounding alone, `ROUNDING` times the
     largest value that any of them with that unit has.
@@ -319,8 +319,8 @@ def _response_errors(bounds: Any, i: int) -> dict[str, float]:
 
 def quantity_errors(row: Mapping) -> dict[str, float | None]:
     """Errors of a quantity's bounds by source (surrogate, step, mesh) in its unit, their sum
-    `whole`, and `share`, the sum over the interval's width; row: the quantity's dict, of
-    `quantity_rows`. None stands for unknown; empty where time step and mesh were not refined."""
+    `whole`, and `share`, the sum over the interval's width; row: the quantity's dict
+    (`quantity_rows`). None stands for unknown; empty where time step and mesh were not refined."""
     if "error_whole" not in row:
         return {}
     keys = {"surrogate": "error", "step": "error_step", "mesh": "error_mesh"}
@@ -440,16 +440,17 @@ def _number(value: Any) -> float | None:
 
 def decisive(row: Mapping) -> str | None:
     """Name of the parameter that contributes most to the width of a quantity's interval; None where
-    none contributes, or there is one parameter alone. row: of `quantity_rows`."""
+    none contributes, or there is one parameter alone. row: the quantity's dict
+    (`quantity_rows`)."""
     shares = {name: influence["share"] or 0.0 for name, influence in row["influence"].items()}
     most = max(shares, key=shares.__getitem__)
     return most if shares[most] > 0 and len(shares) > 1 else None
 
 
 def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
-    """Name of a quantity whose occurrence alone decides a requirement: it is met wherever the
-    quantity occurs; None if there is none. row: the requirement's dict in the facts; quantities:
-    dicts of all quantities there."""
+    """Name of a quantity whose occurrence alone decides a requirement that part of the box meets:
+    it is met wherever the quantity occurs; None if there is none. row: the requirement's dict in
+    the facts; quantities: dicts of all quantities there."""
     shares = {quantity["name"]: quantity["happens"] for quantity in quantities}
     limits = {limit["quantity"] for limit in row["limits"] if limit["kind"] != "happens"}
     names = [name for name in limits if shares[name] == row["share"] < 1]
@@ -472,7 +473,7 @@ def closures(samples: Any, run: int) -> list[dict[str, Any]]:
 
 def moments(rows: Iterable[Mapping]) -> dict[str, list[str]]:
     """Names of the contacts that close, in lists by their time as text, such as `0.3100 s`; rows:
-    of `closures`."""
+    dicts of time and contact (`closures`)."""
     contacts: dict[str, list[str]] = {}
     for row in rows:
         names = contacts.setdefault(f"{row['time']:.4f} s", [])

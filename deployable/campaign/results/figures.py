@@ -226,8 +226,9 @@ def without_formulas(figure: Any) -> None:
 
 
 def save(figure: Any, path: Path, **options: Any) -> None:
-    """Save a matplotlib figure as sealed PNG, PDF and SVG without dates, so that equal data give
-    equal files. path: of the files, without suffix; options: passed on to `savefig`."""
+    """Save a matplotlib figure as PNG, PDF and SVG with seals (checksum, origin) and without dates,
+    so that equal data give equal files. path: of the files, without suffix; options: for
+    `savefig`."""
     from matplotlib import rc_context
 
     without_formulas(figure)

@@ -48,9 +48,10 @@ def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dic
 
 
 def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
-    """Energies (J) of a plan's nominal run: `exchanged`, the largest change of any one of them over
-    the run, `largest`, the largest value, and `off`, the largest error of the energy balance; None
-    where its trajectory was not stored. folder: of the campaign; plan: its list of runs."""
+    """Energies (J) of a campaign's nominal run: `exchanged`, the largest change of any one kind
+    over the run, `largest`, the largest value, and `off`, the largest error of their balance; None
+    where its trajectory was not stored. folder: the campaign's results; plan: the runs it consists
+    of (`read_plan`)."""
     path = folder.runs("trajectories") / f"{plan.runs[0].id}.nc"
     if not path.exists():
         return None

@@ -50,9 +50,9 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
 
 
 def summary_text(facts: Mapping[str, Any], template: str = "summary.md.jinja") -> str:
-    """Render a template over the facts: by default the summary as Markdown. facts: of `facts_of`;
-    their texts are escaped, but for backticks in a `doubt`; template: name of a file in this
-    folder."""
+    """Render a template over the facts: by default the summary as Markdown. facts: the campaign's
+    results as plain data (`facts_of`); their texts are escaped, but for backticks in a `doubt`;
+    template: name of a file in this folder."""
     text = environment().get_template(template).render(facts=_escaped(facts))
     return text.rstrip() + "\n"
 
@@ -82,7 +82,8 @@ def met_text(row: Mapping[str, Any]) -> str:
 
 def doubts(facts: Mapping[str, Any]) -> list[str]:
     """Sentences that name the responses and quantities that the model does not determine, one for
-    each reason; facts: of `facts_of`, where `doubt` of a response or quantity is the reason."""
+    each reason; facts: the campaign's results as plain data (`facts_of`), where `doubt` of a
+    response or quantity is the reason."""
     rows = (*facts["responses"], *facts["quantities"])
     return doubt_texts({row["name"]: row["doubt"] for row in rows if "doubt" in row})
 

@@ -193,11 +193,12 @@ def motion_of(folder: str | Path, row: int) -> xarray.Dataset:
 
 
 def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
-    """Simulate the runs that a campaign's page shows, write their whole motions as `motions/<run
-    id>.nc` into `folder`, the campaign's results, and return the paths.
+    """Simulate the runs that a campaign's page shows, write their whole motions into `folder /
+    "motions"`, files named after the runs' ids (.nc), and return the paths.
 
-    frames: of each motion. Damaged motions of other runs are removed. Nothing is written, and the
-    list empty, where the structure or the mechanics changed since the runs were made.
+    folder: the campaign's results; frames: of each motion. Damaged motions of other runs are
+    removed. Nothing is written, and the list empty, where structure or mechanics changed since the
+    runs.
     """
     from deployable.campaign.results.bounds import write_dataset
 

@@ -517,7 +517,7 @@ class _Sheet:
 
     def redundant(self) -> dict[str, str] | None:
         """Row on whether the torque margin holds with each single driving spring left out in turn;
-        None where it cannot be said."""
+        None where no spring drives."""
         own = {
             name: margin for name, margin in self._margins.items()
             if margin["standard"] == self.standard and not margin["own"]

@@ -52,8 +52,8 @@ def measured(value: float, error: float | None, units: str) -> str:
 
 
 def earliest(row: Mapping[str, Any]) -> str:
-    """Lower bound of a quantity with its unit as text, such as `0.31 s`, rounded as in `interval`.
-    row: the quantity's dict in the facts (`facts_of`)."""
+    """Lower bound of a quantity with its unit as text, such as `0.31 s`, rounded at the first digit
+    of its error. row: the quantity's dict in the facts (`facts_of`)."""
     return with_unit(_ends(row)[0], row["units"])
 
 
@@ -142,8 +142,8 @@ def place(values: Mapping[str, float | None], parameters: Iterable[Mapping[str, 
 
 
 def spread(parameter: Mapping[str, Any]) -> str:
-    """The interval of a parameter as text: `± 1 %` of its nominal value if that is the middle, else
-    both bounds. parameter: dict with lower, nominal, upper and units, as in the facts
+    """The interval of a parameter as text: `± 1 %` of its nominal value (of angles `± 2°`) if that
+    is the middle, else both bounds. parameter: dict with lower, nominal, upper and units
     (`facts_of`)."""
     nominal, units = parameter["nominal"], parameter["units"]
     minus, plus = nominal - parameter["lower"], parameter["upper"] - nominal
@@ -184,8 +184,7 @@ def coded(text: str, units: Iterable[str] = ()) -> Any:
 
 def position(row: Mapping[str, Any], time: float) -> str:
     """A time (s) as text with unit, or for a response over another axis, such as a hinge's opening,
-    the value there. row: the response's dict in the facts (`facts_of`), with that axis as
-    `along`."""
+    the value of that axis then. row: the response's dict in the facts (`facts_of`)."""
     if axis := row.get("along"):
         length = axis["last"] - axis["first"]
         return quantity(axis["first"] + length * time / axis["duration"], axis["unit"], 4)

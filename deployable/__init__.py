@@ -17,10 +17,8 @@ ROOMS = ("intervals", "campaign")
 
 
 def other_fpm() -> str:
-    """What to say where the module `fpm` that Python finds is not ours; nothing where it is.
-
-    Fortran's package manager brings a module of that name, too.
-    """
+    """Check that the module `fpm` that Python finds is this program's, not that of Fortran's
+    package manager; returns an error message with the remedy, or an empty text."""
     spec = find_spec("fpm")
     place = Path(spec.origin).parent if spec and spec.origin else None
     ours = Path(__file__).parents[1] / "fpm"

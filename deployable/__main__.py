@@ -13,7 +13,9 @@ gc.set_threshold(10_000)
 
 
 def program() -> int:
-    """The console script `deployable-intervals`."""
+    """Run the command line (console script `deployable-intervals`) with `sys.argv`; ends the
+    process with the command's exit status, and returns 1 where it could not start or write its
+    output."""
     if message := other_fpm():
         print(message, file=sys.stderr)
         return 1

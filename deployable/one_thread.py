@@ -14,15 +14,16 @@ _VARIABLES = (
 
 
 def set_environment() -> None:
-    """Keep the linear algebra that is loaded after this call, and in processes started, on one
-    thread. Snakemake sets these variables to the threads of a rule."""
+    """Set the environment variables that keep linear algebra on one thread, in libraries that this
+    process loads later and in processes that it starts. Snakemake sets them to the threads of a
+    rule."""
     os.environ.update(dict.fromkeys(_VARIABLES, "1"))
 
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """A block in which linear algebra that is loaded has one thread, and so have the processes
-    that it starts; afterwards all is as before."""
+    """Context manager in which linear algebra, loaded before or not, has one thread, in processes
+    started there too; at its end limits and environment variables are as before."""
     import scipy.linalg  # noqa: F401  # its library counts, too, and can only be limited when loaded
     from threadpoolctl import threadpool_limits
 

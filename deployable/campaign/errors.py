@@ -30,8 +30,8 @@ _REMEDIES = {
 
 
 class CampaignError(Exception):
-    """An error that the user can mend; `str()` is the whole message, in which characters that would
-    control a terminal, as in the name of a file, are replaced."""
+    """An error that the user can mend: `str()` is the whole message. text: the message, in which
+    characters that would control a terminal, as in a file's name, are replaced."""
 
     def __init__(self, text: str = ""):
         super().__init__("".join(s if s.isprintable() or s == "\n" else "\N{REPLACEMENT CHARACTER}"
@@ -39,13 +39,14 @@ class CampaignError(Exception):
 
 
 class HeldConfigError(CampaignError):
-    """The config in a file of results cannot be used."""
+    """Raised where the config that a result file carries cannot be used by this program."""
 
 
 def of_files(error: Exception, folder: Path) -> CampaignError | None:
-    """The message for users on an error of reading or writing a campaign's files, with the remedy;
-    None for an error of the program. folder: of the results. netCDF's library tells no reason: a
-    limit of sizes, or a full disk, is guessed where there is one."""
+    """Turn an error of reading or writing a campaign's files into a message for users with its
+    remedy; None for other errors, which are the program's. error: as caught; folder: of the
+    results. netCDF's library names no cause: a limit of sizes, or a full disk, is guessed where
+    there is one."""
     if isinstance(error, DamagedError):
         advice = "remove it and call snakemake or `python -m deployable run` to have it made again"
         return CampaignError(f"{error}; {advice}")
@@ -85,7 +86,7 @@ def _largest_file() -> int | None:
 
 
 class ConfigError(CampaignError):
-    """All problems found in a config, one sentence each.
+    """Raised with all problems found in a config, one sentence each, also as attributes.
 
     Parameters
     ----------

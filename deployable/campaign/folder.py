@@ -19,8 +19,9 @@ def _file(name: str, text: str) -> Any:
 
 @dataclass(frozen=True)
 class Folder:
-    """Paths of the files in a folder of results, `results/<campaign>` or, of one round of an
-    `accuracy`, `results/<campaign>/rounds/<round>`; `folder / name` is the path of any other."""
+    """A folder of results, with the paths of its files as attributes: `results/<campaign>`, or of
+    one round of an `accuracy` (rounds of more runs until bounds are good)
+    `results/<campaign>/rounds/<n>`; `folder / name` is the path of any other file."""
 
     path: Path
 
@@ -44,39 +45,42 @@ class Folder:
 
     @property
     def figures(self) -> Path:
-        """The folder of the figures of responses."""
+        """Folder of the figures of single responses."""
         return self / "figures"
 
     @property
     def overviews(self) -> Path:
-        """The folder of the figures of the whole campaign, where no response's can be."""
+        """Folder of the figures of the whole campaign, apart from those named after responses."""
         return self.figures / "campaign"
 
     @property
     def stage_folders(self) -> tuple[Path, ...]:
-        """All folders that stages write to, but for those of stored runs."""
+        """All folders that the stages (steps from config to page) write to, without those of stored
+        runs."""
         return self.path, self.figures, self.overviews, self / "batches", self.motions
 
     def batch(self, number: int) -> Path:
-        """Path of the manifest of a batch, by its number, which is written when all its runs are
-        there."""
+        """Path of the JSON file that is written when all runs of a batch (runs simulated in one
+        process) are stored; number: of the batch."""
         return self / f"batches/{number}.json"
 
     def runs(self, keep: str) -> Path:
-        """Folder in which runs are stored, by `jobs.keep` of the config; all designs and rounds
-        share it."""
+        """Folder in which runs are stored, the same for all rounds; keep: its name, that is
+        `jobs.keep` of the config, what is kept of a run: trajectories, responses or extremes."""
         return self.whole / keep
 
     @property
     def whole(self) -> Path:
-        """The folder of the campaign, of which this may be a round's."""
+        """Path of the campaign's own folder: this one, or where this is a round's the one above
+        `rounds`."""
         return self.path.parents[1] if self.path.parent.name == "rounds" else self.path
 
     def round(self, number: int) -> Folder:
-        """The folder of a round of this campaign, by its number, from 0."""
+        """The folder of one round of this campaign; number: of the round, from 0."""
         return Folder(self / f"rounds/{number}")
 
     def previous(self) -> Folder | None:
-        """The folder of the round before this round's; None for the first."""
+        """The folder of the round before the one that this folder is of; None for the first
+        round."""
         number = int(self.path.name)
         return Folder(self.path.parent / str(number - 1)) if number else None

@@ -32,30 +32,31 @@ _ROOT = Path(__file__).parents[2]
 
 
 def program_digest() -> str:
-    """Digest of the program, which comments and formatting do not change: all results are of it."""
+    """Digest of all code of the program and of `fpm`, as hexadecimal text; comments and formatting
+    do not change it. Results made by one digest are not mixed with those by another."""
     return f"{PROGRAM.digest()}{sources.MECHANICS.digest()}"
 
 
 def made_by(structure: str) -> str:
-    """Digest of all code that decides what is stored of the runs of a structure, on which the runs'
-    ids depend. structure: digest of the structure."""
+    """Digest (16 hexadecimal digits) of all code that decides what is stored of a run, part of the
+    run's id; structure: digest of the structure's files."""
     text = f"{structure} {PROGRAM.digest(include=RUN_CODE, exclude=LOG_CODE)}"
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def check_code(reread: bool = False) -> None:
-    """Check that what is in memory is what the program's files were at first, by those imported
-    since the last check and all data files; raises `fpm.errors.ChangedError`. reread: check all
-    files again."""
+    """Raise `fpm.errors.ChangedError` if files of the program were edited since it was imported, so
+    that results would not be of the code that their digests name. Looks at Python files imported
+    since the last call and at all data files; reread: at all Python files again, too."""
     PROGRAM.check(reread)
     sources.MECHANICS.check(reread)
 
 
 @cache
 def program() -> dict[str, str]:
-    """Texts by name on what computes: version, commit, processor, and versions of Python and
-    packages; the same for all in one process. `commit` ends with `, changed` where files differ
-    from it, and says `unknown` without git."""
+    """What computes, texts by name: `program` (with version), `commit`, `processor`, and versions
+    of Python and packages; found once in a process. `commit` ends with `, changed` where files
+    differ from it, and is `unknown` without git."""
     from importlib.metadata import PackageNotFoundError, version
 
     versions = {
@@ -71,12 +72,14 @@ def program() -> dict[str, str]:
 
 
 def as_attribute() -> str:
-    """What `program` returns as JSON on one line, for the attribute `provenance` of a file."""
+    """The texts of `program` as JSON on one line, for the attribute `provenance` of a netCDF
+    file."""
     return json.dumps(program())
 
 
 def dated() -> dict[str, str]:
-    """Texts by name for the seal of a result: version, commit, processor, and the moment in UTC."""
+    """Texts by name for the seal of a result: `program`, `commit`, `processor`, and `made`, the
+    time now in UTC."""
     moment = datetime.now(UTC).isoformat(timespec="seconds")
     return {key: program()[key] for key in ("program", "commit", "processor")} | {"made": moment}
 

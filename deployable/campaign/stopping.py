@@ -15,16 +15,16 @@ _WORDS = "stopped; finished runs are kept, the same command goes on from there\n
 
 
 def end_on_ctrl_c() -> None:
-    """Have Ctrl-C end this process with one sentence; where it is ignored, it stays so."""
+    """Have Ctrl-C end this process at once with one sentence and status 130, unless Ctrl-C is
+    ignored or handled otherwise already."""
     if _raises():
         signal.signal(signal.SIGINT, _end)
 
 
 def leave(status: int) -> NoReturn:
-    """End this process, whose work is done and whose other threads may be stopped.
-
-    Python would take apart first what is loaded, which takes longer than a short stage.
-    """
+    """End this process at once with an exit status, when its work is done: exit handlers run and
+    output is flushed, but other threads stop, and nothing loaded is taken apart, which would take
+    longer than a short stage."""
     atexit._run_exitfuncs()
     sys.stdout.flush()
     sys.stderr.flush()

@@ -13,12 +13,10 @@ from deployable.campaign.files import check_results
 
 @dataclass(frozen=True)
 class ExportFormat:
-    """A format in which a run is written: its writer, a summary in words, the default number of
-    frames, and the results that are read besides `samples.nc`.
-
-    `write(run, folder, frames)` writes files into a folder and returns the paths to open; that of
-    moving pictures also takes `by_stress`.
-    """
+    """A format in which a run is written, such as vtk. `write(run, folder, frames)` writes the
+    files and returns the paths to open, for moving pictures also with `by_stress`; summary: what
+    the format is, in words; frames: how many are written by default; takes: names of the results
+    that `write` reads besides `samples.nc`."""
 
     write: Callable[..., list[Path]]
     summary: str
@@ -87,12 +85,12 @@ def export(
     frames: int | None = None,
     colour: str = "bars",
 ) -> list[Path]:
-    """Write a run into a folder in one of `FORMATS`, and return the paths of the files to open.
+    """Simulate a run, write it in one format, and return the paths of the files to open.
 
     Parameters
     ----------
     run
-        The run, as `choose` returns it; it is simulated again.
+        The run, as `choose` returns it.
     kind
         Name of a format, a key of `FORMATS`: vtk, glb, gif, webp, figures or csv.
     folder
@@ -100,12 +98,13 @@ def export(
     frames
         Number of frames, evenly spread over the run; None: the format's own number.
     colour
-        By what moving pictures (gif, webp) are coloured: ``bars`` or ``stress``.
+        By what moving pictures (gif, webp) are coloured: ``bars``, each in its colour, or
+        ``stress``, equivalent stress.
 
     Returns
     -------
     list of Path
-        Of several files that belong together the one to open.
+        Files to open; of a ParaView collection the .pvd alone, of figures the PDF files.
 
     Raises
     ------

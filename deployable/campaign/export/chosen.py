@@ -25,26 +25,26 @@ INSTANTS = 2001
 
 @dataclass(frozen=True)
 class SelectedRun:
-    """A run that can be simulated, or simulated again: its scene, times and responses.
+    """A run that can be simulated for export: its scene, its times, and what files say of it.
 
     Attributes
     ----------
     name
-        Stem of its files.
+        Name of its files, without suffix.
     scene
         `fpm.Scene` with the parameter values of the run.
     duration, step
-        In s.
+        Simulated time, and time step (s).
     instants
-        Number of recorded instants.
+        Number of recorded instants, start and end included.
     energy_tolerance
-        Largest error of the energy balance, relative to the largest energy.
+        Error of the energy balance, relative to the largest energy, above which the run fails.
     responses
-        Responses of its campaign.
+        The campaign's responses (`fpm.reading.responses.Response`), for tables; empty without one.
     attributes
-        Texts that its files carry.
+        Texts by name for its files, such as ``campaign`` and ``run_id``.
     folder
-        Results of the campaign; None for a run of a config or a structure.
+        The campaign's results; None for a run of a config or a structure.
     """
 
     name: str
@@ -58,11 +58,8 @@ class SelectedRun:
     folder: Folder | None = None
 
     def motion(self, frames: int) -> xarray.Dataset:
-        """The whole motion of the run as a dataset (`fpm.motions`) with `frames` evenly spread
-        frames.
-
-        Raises `CampaignError` if the run fails.
-        """
+        """Simulate the run and return its whole motion, a dataset as `fpm.motions` makes it;
+        frames: how many, evenly spread over time. Raises `CampaignError` if the run fails."""
         import fpm
         from fpm.motions.motion import whole_motion
 
@@ -76,10 +73,8 @@ class SelectedRun:
         return motion
 
     def outcome(self) -> Any:
-        """The `fpm.Outcome` of the run, with all that its responses need recorded.
-
-        Raises `CampaignError` if the run fails.
-        """
+        """Simulate the run, record all that its responses need, and return its `fpm.Outcome`.
+        Raises `CampaignError` if the run fails."""
         import fpm
 
         record = [need for response in self.responses for need in response.needs]
@@ -105,7 +100,7 @@ def choose(
     duration: float | None = None,
     trusted: Sequence[str] = (),
 ) -> SelectedRun:
-    """Select a run of a campaign's results, of a campaign's config, or of a structure.
+    """Find a run to export: of a campaign's results, of a campaign's config, or of a structure.
 
     Parameters
     ----------
@@ -113,13 +108,14 @@ def choose(
         Folder of a campaign's results; path of a campaign's config, whose nominal run is meant;
         or file or name of a structure, at its default parameters.
     run
-        Of results: ``nominal``, or a run's id or the beginning of one; else ``nominal``.
+        ``nominal``; of results also a run's id (hexadecimal) or the beginning of one.
     settings
-        Parameters that differ, as text by name, in their units; not of results.
+        Values of parameters to replace, as texts by name, in the parameters' units; refused for
+        results, whose runs are as they are.
     duration
-        In s; None: that of the config, 1 s of a structure; not of results.
+        Simulated time (s); None: that of the config, or 1 s of a structure; refused for results.
     trusted
-        Files of structures that results may name. They are read, and a Python file is executed.
+        Paths of structures' files that results may name: they are read, Python files executed.
 
     Returns
     -------
@@ -252,7 +248,8 @@ def _of_structure(source: str, settings: Mapping[str, str], duration: float) -> 
 
 
 def parsed(settings: Mapping[str, str]) -> dict[str, Any]:
-    """Values of parameters by name, parsed from their texts as a YAML file would be."""
+    """Parse values of parameters from texts, as in a YAML file: `"2.5"` as 2.5, `"true"` as True;
+    settings: text by name of parameter; the result: value by name."""
     from deployable.campaign.config.loader import parse
 
     return {

@@ -20,11 +20,9 @@ _BOUNDS = ("lower", "upper", "nominal", "error")
 
 
 def write_tables(run: SelectedRun, folder: Path) -> list[Path]:
-    """Simulate a run and write its curves over time as `<name>.csv`; returns the paths.
-
-    Of a run with a folder of results also `bounds.csv`, `runs.csv` and, if the campaign has
-    quantities, `quantities.csv`. Raises `CampaignError` if the run fails.
-    """
+    """Simulate a run, write its curves over time as `<name>.csv` into `folder`, and return the
+    paths of all files. For a run of a campaign's results these are also `bounds.csv`, `runs.csv`
+    and, if there are quantities, `quantities.csv`. Raises `CampaignError` if the run fails."""
     tables = {f"{run.name}.csv": _columns(curves(run.outcome(), run.responses))}
     if run.folder:
         tables["bounds.csv"] = _columns(bounds(run.folder))
@@ -37,12 +35,10 @@ def write_tables(run: SelectedRun, folder: Path) -> list[Path]:
 
 
 def curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np.ndarray]:
-    """Curves (t,) of a run by heading with unit: time, responses, points, openings, energies.
-
-    Of points there are positions (m) and velocities (m/s) along x, y and z. outcome: an
-    `fpm.Outcome`; responses: objects `fpm.reading.responses.Response`, of which `name`, `unit` and
-    `evaluate(outcome)` are read.
-    """
+    """Columns (t,) of a run by heading with unit: time, responses, positions (m) and velocities
+    (m/s) of the points along x, y and z, openings of hinges (rad; m of slides), energies (J).
+    outcome: an `fpm.Outcome`; responses: `fpm.reading.responses.Response` objects to be evaluated
+    on it."""
     columns = {"time (s)": outcome.time}
     columns |= {f"{r.name} ({r.unit})": r.evaluate(outcome) for r in responses}
     for name, tracks in outcome.points.items():
@@ -56,7 +52,8 @@ def curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np.ndarray]
 
 
 def bounds(folder: Folder) -> dict[str, np.ndarray]:
-    """Bounds of a campaign's responses over time, arrays (t,) by heading with unit."""
+    """Columns (t,) by heading with unit: time, and of each response its bounds, nominal run and
+    error. folder: a campaign's results, of which `bounds.nc` is read."""
     with open_netcdf(folder.bounds) as file:
         columns = {"time (s)": file["time"][:]}
         rows = zip(file["response"][:], file["response_units"][:], strict=True)
@@ -68,11 +65,9 @@ def bounds(folder: Folder) -> dict[str, np.ndarray]:
 
 
 def runs(folder: Folder) -> list[list]:
-    """Rows of a campaign's runs: id, role, parameters and quantities; the first row has the
-    headings.
-
-    A quantity that a run does not have is an empty cell. Runs of `further.nc` are not among them.
-    """
+    """Table of a campaign's runs, headings first, then a row for each run in `samples.nc`: id,
+    role, parameter values, quantities (empty where one does not occur). folder: the campaign's
+    results."""
     with open_netcdf(folder.samples) as file:
         rows = [["run", "role", *_headings(file, "parameter", "box_units")]]
         values = file["value"][:]
@@ -87,8 +82,8 @@ def runs(folder: Folder) -> list[list]:
 
 
 def quantities(folder: Folder) -> list[list]:
-    """Rows of a campaign's quantities: interval, and parameter values at both bounds; the first row
-    has the headings."""
+    """Table of a campaign's quantities, headings first, then a row for each: bounds, error, and the
+    parameter values at both bounds. folder: the campaign's results, with `quantities.nc`."""
     with open_netcdf(folder.quantities) as file:
         headings = _headings(file, "parameter", "box_units")
         ends = [f"{name} at the {side} end" for side in ("lower", "upper") for name in headings]

@@ -28,10 +28,8 @@ _OF_ELEMENTS = ("axial_strain", "bending_strain", "stress")
 
 
 def write_vtk(motion: xarray.Dataset, path: Path) -> Path:
-    """Write a whole motion as a ParaView collection, `path` (.pvd); returns `path`.
-
-    Its grids are written into a folder next to the collection that has its name without the suffix.
-    """
+    """Write a whole motion (dataset of `fpm.motions`) for ParaView: a collection `path` (.pvd),
+    which is returned, and grids (.vtu) of each frame in a folder beside it with its name."""
     solid = solid_of_motion(motion)
     places, entries = path.with_suffix(""), []
     for frame, time in enumerate(motion["time"].values.tolist()):
@@ -108,11 +106,10 @@ def grid_text(
     points: np.ndarray, cells: list[tuple[int, np.ndarray]], of_points: Mapping, of_cells: Mapping,
     time: float,
 ) -> str:  # fmt: skip
-    """The text of a .vtu file with one unstructured grid.
-
-    points (n, 3): m; cells: pairs of VTK's number of a cell type and its cells (m, k) as indices of
-    points; of_points, of_cells: arrays by name, with a row for each point or cell; time: s.
-    """
+    """Text of a .vtu file with one unstructured grid; points (n, 3): positions (m); cells: pairs of
+    VTK's number of a cell type, such as 3 for lines, and cells (m, k) as indices of their points;
+    of_points, of_cells: data arrays by name, a row for each point or cell; time: of the frame
+    (s)."""
     connectivity = np.concatenate([nodes.ravel() for _, nodes in cells]).astype(np.int64)
     sizes = np.concatenate([np.full(len(nodes), nodes.shape[1]) for _, nodes in cells])
     kinds = np.concatenate([np.full(len(nodes), kind, np.uint8) for kind, nodes in cells])

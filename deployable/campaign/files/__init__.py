@@ -33,8 +33,8 @@ _FACTS: ContextVar[Mapping[str, str]] = ContextVar("facts of the results", defau
 
 @contextmanager
 def results_of(facts: Mapping[str, str]) -> Iterator[None]:
-    """A block in which results that are written carry `facts` in their seals, texts by name, such
-    as the digest `plan`."""
+    """Context manager: files that `result_file` writes inside get `facts`, texts by name such as
+    `plan` (digest of the runs), into their seals (checksum and origin)."""
     token = _FACTS.set({**_FACTS.get(), **facts})
     try:
         yield
@@ -44,19 +44,19 @@ def results_of(facts: Mapping[str, str]) -> Iterator[None]:
 
 @contextmanager
 def result_file(path: str | Path, **facts: str) -> Iterator[Path]:
-    """A temporary path of a result, which is sealed and renamed to `path` when the block ends
-    without an error. facts: texts by name for the seal, besides its name and date. Raises
-    `CampaignError` if the program was edited since it was imported."""
+    """Context manager that yields a temporary path to write to, and at its end, without an error,
+    seals the file (checksum and origin) and renames it to `path`. facts: texts by name for the
+    seal, besides name, program and date. Raises `fpm.errors.ChangedError` if the program's files
+    were edited since it was imported."""
     with whole_file(path, {"name": Path(path).name, **dated(), **_FACTS.get(), **facts}) as file:
         yield file
         check_code()
 
 
 def open_netcdf(path: str | Path) -> Any:
-    """An open `netCDF4.Dataset` of a result, with plain arrays instead of masked ones.
-
-    Its import is faster than that of xarray. Raises `fpm.files.sealed.DamagedError`.
-    """
+    """Check a result in netCDF and open it as a `netCDF4.Dataset` with plain arrays, not masked
+    ones: imported faster than xarray. Raises `fpm.files.sealed.DamagedError` if the file is not as
+    written."""
     import netCDF4
 
     _check(path)
@@ -78,8 +78,8 @@ HISTORY: deque[Path] = deque(maxlen=9)
 
 
 def unforeseen(error: Exception) -> CampaignError | None:
-    """The error to be reported instead of an unexpected one that malformed results may have caused;
-    None where no result was opened."""
+    """Make of an unexpected error the one that the user sees, which blames the content of results
+    that this process opened; None where it opened none, or Python runs with `-X dev`."""
     if not HISTORY or sys.flags.dev_mode:
         return None
     words, paths = " ".join(str(error).split())[:200], ", ".join(dict.fromkeys(map(str, HISTORY)))
@@ -91,7 +91,8 @@ def unforeseen(error: Exception) -> CampaignError | None:
 
 
 def read_json(path: str | Path) -> dict:
-    """The data of a result in JSON, without its seal; raises `fpm.files.sealed.DamagedError`."""
+    """Read the data of a result in JSON, checked and without its seal; raises
+    `fpm.files.sealed.DamagedError` if the file is not as written."""
     content = read_bytes(path)
     check_content(path, content, Path(path).name)
     HISTORY.append(Path(path))
@@ -99,8 +100,8 @@ def read_json(path: str | Path) -> dict:
 
 
 def check_results(folder: Folder, names: Iterable[str]) -> None:
-    """Raise DamagedError unless the named results of a folder hold what they should, and are all of
-    one campaign."""
+    """Check files of a campaign's results: each is as written, and all are of one campaign; else
+    raises DamagedError. folder: of the results; names: of the files, such as `bounds.nc`."""
     first: tuple[Path, Experiment] | None = None
     for path in (folder / name for name in names):
         if path.suffix == ".json":
@@ -135,7 +136,8 @@ def _check_summary(path: Path, data: dict, experiment: Experiment) -> None:
 
 
 def open_dataset(path: str | Path) -> Any:
-    """An open `xarray.Dataset` of a result; raises `fpm.files.sealed.DamagedError`."""
+    """Check a result in netCDF and open it as an `xarray.Dataset`; raises
+    `fpm.files.sealed.DamagedError` if the file is not as written."""
     import xarray
 
     _check(path)
@@ -143,8 +145,8 @@ def open_dataset(path: str | Path) -> Any:
 
 
 def refuse_links(folder: str | Path) -> None:
-    """Raise CampaignError if a folder of results, which may come from anybody, holds a link to a
-    place outside, a pipe or a device."""
+    """Raise CampaignError if a folder of results, which may come from strangers, has at any depth a
+    link to a place outside of it, a pipe or a device."""
     whole, places = os.path.realpath(folder), [folder]
     while places:
         with suppress(FileNotFoundError, NotADirectoryError), os.scandir(places.pop()) as entries:
@@ -166,23 +168,21 @@ def refuse_links(folder: str | Path) -> None:
 
 
 def write_text(path: str | Path, text: str) -> None:
-    """Write a text file, whole or not at all."""
+    """Write a text to the file `path` in UTF-8, whole or not at all."""
     with whole_file(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 
 def write_result(path: str | Path, text: str, **facts: str) -> None:
-    """Write a text file as a sealed result, whole or not at all; facts: texts by name for the
-    seal."""
+    """Write a text to the file `path` as a result with a seal (checksum and origin), whole or not
+    at all; facts: further texts by name for the seal."""
     with result_file(path, **facts) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 
 def csv_text(rows: Iterable[Sequence]) -> str:
-    """Rows as CSV text, numbers with all their digits.
-
-    A text that a spreadsheet would take for a formula begins with an apostrophe.
-    """
+    """CSV text of rows (sequences of texts and numbers), numbers with all their digits. A text that
+    a spreadsheet would take for a formula gets an apostrophe in front."""
     buffer = io.StringIO()
     csv.writer(buffer, lineterminator="\n").writerows([*map(_cell, row)] for row in rows)
     return buffer.getvalue()

@@ -99,10 +99,8 @@ _ALL = 1 << 26
 
 @contextmanager
 def reading(path: str | os.PathLike) -> Iterator[None]:
-    """A block that reads a file, in which errors of malformed content become DamagedErrors.
-
-    Errors of the system, such as a missing file, and messages for users stay as they are.
-    """
+    """Context manager for code that reads the file `path`: errors from malformed content become
+    DamagedErrors; others, such as a missing file or a message for users, stay as they are."""
     try:
         yield
     except Exception as error:
@@ -116,11 +114,9 @@ def reading(path: str | os.PathLike) -> Iterator[None]:
 
 
 def experiment_of(path: str | os.PathLike) -> Experiment | None:
-    """The experiment of an undamaged result in netCDF; None for a file of which only the size is
-    checked, such as a motion.
-
-    Raises DamagedError for a file whose content is not that of a result.
-    """
+    """Check the content of a result in netCDF and return the parsed config that it carries, an
+    Experiment; None for a file of which only sizes are checked, such as a motion. Raises
+    DamagedError where variables, shapes or values are not those of such a file."""
     state = os.stat(path)
     return _checked(Path(path), state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns)
 
@@ -252,8 +248,9 @@ def _schema() -> dict:
 
 
 def data_of(path: str | os.PathLike, content: bytes) -> dict:
-    """The data in the content of a result in JSON, without its seal; DamagedError if the content is
-    not that of a result."""
+    """Parse and check a result in JSON, and return its data without the seal; path: of the file,
+    whose name tells what it should hold; content: its bytes. Raises DamagedError where it does
+    not."""
     properties = _schema()["properties"]
     answers = {name: properties[name] for name in ("requirements", "together")}
     schemas = {
@@ -273,9 +270,9 @@ def _no_number(text: str) -> None:
 
 
 def matches(schema: Mapping, data: Any, path: str = "") -> None:
-    """Check that plain data match a JSON schema, of which the keywords used in
-    `summary.schema.json` are known; raises ValueError where not. path: dotted path of the data, for
-    messages."""
+    """Raise ValueError unless plain data match a JSON schema; only keywords that
+    `summary.schema.json` uses are known. path: where the data stand in the whole, such as
+    `rows[2]`, for messages."""
     if "$ref" in schema:
         matches(_schema()["$defs"][schema["$ref"].rpartition("/")[2]], data, path)
     kinds = schema.get("type", "object" if "required" in schema else [])

@@ -17,8 +17,8 @@ numbers lie in other datasets."""
 
 
 def refuse_outside(path: str | Path) -> None:
-    """Raise DamagedError if a netCDF-4 file has links, external storage, virtual datasets or
-    groups, none of which a result has."""
+    """Raise DamagedError if a netCDF-4 file may lead to other files: links, external storage,
+    virtual datasets; or has groups, as no result does."""
     if (hdf5 := _library()) is None:
         return
     file = hdf5.H5Fopen(os.fsencode(path), 0, 0)

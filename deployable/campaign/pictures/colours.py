@@ -31,15 +31,14 @@ CLIPPED_SHARE = 0.005
 
 
 def rgb(colour: str) -> tuple[float, float, float]:
-    """Red, green and blue, 0 to 1, of a colour in hexadecimal such as `#E69F00`."""
+    """Red, green and blue, each 0 to 1, of a hexadecimal colour such as `#E69F00`."""
     return tuple(int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
 
 
 def stress_colours(motion: xarray.Dataset) -> tuple[np.ndarray, float]:
-    """Colours (t, m, 3) of the elements of a motion, and the stress (Pa) at which the scale ends.
-
-    Rigid bodies, which have no stress, are grey.
-    """
+    """Colours (t, m, 3), 0 to 1, of a motion's m elements by equivalent stress, and the stress (Pa)
+    at which the scale ends, which 0.5 % of the values exceed. Rigid bodies are grey. motion: a
+    run's whole motion, a dataset (`fpm.motions`)."""
     from matplotlib import colormaps
 
     nodes, stress = motion["element_particle"].values, motion["stress"].values
@@ -51,7 +50,8 @@ def stress_colours(motion: xarray.Dataset) -> tuple[np.ndarray, float]:
 
 
 def draw_scale(figure: Any, top: float) -> None:
-    """Draw the scale from zero to `top` (Pa) into the upper right corner of a figure."""
+    """Draw the colour scale of stresses, from 0 to `top` (Pa), into the upper right corner of a
+    matplotlib figure."""
     from matplotlib.ticker import EngFormatter
 
     ax = figure.add_axes((0.58, 0.94, 0.32, 0.018))

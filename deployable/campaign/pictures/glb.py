@@ -42,7 +42,9 @@ class _Buffer:
         self.accessors: list[dict] = []
 
     def add(self, values: np.ndarray, kind: str = "f4", target: int | None = None, **fields) -> int:
-        """Store an array; returns its accessor. `fields`: e.g. normalized=True."""
+        """Store an array in the binary part of the file and return the index of its accessor
+        (glTF's description of an array). kind: type to store it in; target: glTF's number of its
+        use (vertices or indices); fields: further keys of the accessor, such as normalized=True."""
         raw = np.ascontiguousarray(values, dtype=f"<{kind}")
         view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": raw.nbytes}
         self.views.append(view | ({"target": target} if target else {}))
@@ -59,17 +61,16 @@ class _Buffer:
 
 
 def write_glb(motion: xarray.Dataset, path: Path) -> Path:
-    """Write a whole motion as a glTF file, `path` (.glb); returns `path`."""
+    """Write a whole motion (dataset of `fpm.motions`) as one glTF file, which plays in viewers and
+    Blender; returns `path` (.glb)."""
     with whole_file(path) as temporary:
         temporary.write_bytes(glb_of(motion))
     return path
 
 
 def glb_of(motion: xarray.Dataset, small: bool = False) -> bytes:
-    """The content of a glTF file (.glb) of a whole motion.
-
-    small: positions are rounded to 1/65534 of the motion's extent and rotations to 16 bits.
-    """
+    """The bytes of a glTF file (.glb) that plays a whole motion (dataset of `fpm.motions`). small:
+    round positions to 1/65534 of the motion's extent and store rotations in 16 bits."""
     buffer = _Buffer()
     content = _content(motion, buffer, small)
     text = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()

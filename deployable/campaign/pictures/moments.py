@@ -12,12 +12,10 @@ from deployable.campaign.pictures.view import View
 
 
 def telling_moments(motion: Any, count: int) -> np.ndarray:
-    """Indices (count,) of frames of an open motion, evenly spread over the length of the particles'
-    paths.
-
-    They reach from the start to the first closure of a contact, or to the end where none closes.
-    The path's length is the sum of the root mean squares of all particles' steps.
-    """
+    """Choose `count` frames of a motion that lie evenly along the particles' paths, from the start
+    to the first closure of a contact, or to the end; returns their indices. motion: a run's whole
+    motion, an open dataset (`fpm.motions`). Length along the paths is the sum, frame by frame, of
+    the root mean square of the particles' displacements."""
     time, position = values_in(motion, "time"), values_in(motion, "position")
     is_closing = values_in(motion, "contact_event_closing") == 1
     closures = values_in(motion, "contact_event_time")[is_closing]
@@ -35,14 +33,15 @@ def draw_moments(motion: Any, count: int = 5, width: float = 7.5, view: View | N
     Parameters
     ----------
     motion
-        An open whole motion, `xarray.Dataset` or `netCDF4.Dataset`, as of `fpm.motions`.
+        Whole motion of a run as `fpm.motions` makes it, an open `xarray.Dataset` or
+        `netCDF4.Dataset`.
     count
-        Number of moments, evenly spread over the length of the particles' paths up to the first
-        closure of a contact.
+        Number of moments, evenly spread over the length of the particles' paths, up to the first
+        closure of a contact or else the end.
     width
-        Of the figure, in inches.
+        Width of the figure, in inches.
     view
-        Direction from which the structure is seen; None: the default of `View`.
+        Direction from the structure to the eye; None: `View()`.
 
     Returns
     -------

@@ -33,12 +33,10 @@ def write_moving(
     width: float = 4.8,
     by_stress: bool = False,
 ) -> Path:
-    """Write a motion as a moving picture into `path`, a `.gif` or `.webp`; returns `path`.
-
-    motion: a whole motion, of which all frames are drawn; view: None for the default of `View`;
-    width: hundreds of pixels; by_stress: colour elements by their equivalent stress instead of by
-    bar.
-    """
+    """Write all frames of a motion as a moving picture to `path` (.gif or .webp), and return it.
+    motion: a run's whole motion, a dataset (`fpm.motions`); view: direction to the eye, None: that
+    of `View()`; width: of the picture (hundreds of pixels); by_stress: colour elements by their
+    equivalent stress, not by bar."""
     from PIL import Image
 
     pictures = frames(motion, view or View(), width, by_stress)
@@ -66,10 +64,10 @@ def write_moving(
 def frames(
     motion: xarray.Dataset, view: View, width: float, by_stress: bool = False
 ) -> Iterator[np.ndarray]:
-    """Pictures (height, width, 3) of a motion, one for each frame, as arrays of bytes.
-
-    width: hundreds of pixels; by_stress: colour elements by their equivalent stress.
-    """
+    """Draw the frames of a motion one after the other, as images (height, width, 3) of bytes.
+    motion: a run's whole motion, a dataset (`fpm.motions`); view: direction to the eye; width: of
+    the image (hundreds of pixels); by_stress: colour elements by their equivalent stress, not by
+    bar."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -19,12 +19,10 @@ FACES = np.array([
 
 @dataclass(frozen=True)
 class CablePoints:
-    """The p points of cables, one cable after the other.
-
-    cable (p,): index of the point's cable; particle (p,): index of the particle that the point is
-    fixed to; arm (p, 3): from the particle to the point, in the particle's frame, m; tension (t,
-    c): of each cable, N, None where it is not known.
-    """
+    """The p points through which c cables run, one cable after the other. cable (p,): index of the
+    point's cable; particle (p,): index of the particle that carries the point; arm (p, 3): from
+    that particle to the point, in its rotating frame (m); tension (t, c): of each cable at t
+    moments (N), None where it is not known."""
 
     cable: np.ndarray
     particle: np.ndarray
@@ -33,7 +31,8 @@ class CablePoints:
 
     @cached_property
     def stretches(self) -> np.ndarray:
-        """Indices (s, 2) of the points at the ends of each straight stretch of a cable."""
+        """Pairs (s, 2) of indices of successive points of a cable, the ends of its straight
+        stretches."""
         first = np.flatnonzero(self.cable[1:] == self.cable[:-1])
         return np.stack([first, first + 1], axis=1)
 
@@ -43,11 +42,12 @@ NO_CABLES = CablePoints(np.zeros(0, int), np.zeros(0, int), np.zeros((0, 3)))
 
 @dataclass(frozen=True)
 class Solid:
-    """The m elements of a structure at t moments, each a hexahedron between two sections.
+    """The m elements of a structure with n particles at t moments, each a hexahedron between the
+    sections at its two ends.
 
-    nodes (m, 2): indices of the particles at the elements' ends; sections (m, 2, 4, 3): corners of
-    the sections at the ends, in the particles' frames, m; position (t, n, 3): of the particles, m;
-    frame (t, n, 3, 3): their rotation matrices; elements (m,): names; cables: points of the cables.
+    nodes (m, 2): indices of the particles at the ends; sections (m, 2, 4, 3): the sections' corners
+    from the particle, in its rotating frame (m); position (t, n, 3): of the particles (m); frame
+    (t, n, 3, 3): their rotation matrices; elements (m,): names; cables: the cables' points.
     """
 
     nodes: np.ndarray
@@ -59,44 +59,47 @@ class Solid:
 
     @cached_property
     def cable_points(self) -> np.ndarray:
-        """Positions (t, p, 3), m, of the cables' points."""
+        """Positions (t, p, 3) of the cables' points (m) at each moment."""
         particle, arm = self.cables.particle, self.cables.arm
         return self.position[:, particle] + np.einsum("tpij,pj->tpi", self.frame[:, particle], arm)
 
     @cached_property
     def places(self) -> np.ndarray:
-        """Positions (t, k, 3), m, that a picture must include."""
+        """Positions (t, k, 3) (m) that a picture must hold: corners and cables' points, or all
+        particles where there are no elements."""
         count = len(self.position)
         points = [self.corners.reshape(count, -1, 3), self.cable_points]
         return np.concatenate(points, axis=1) if len(self.nodes) else self.position
 
     @cached_property
     def corners(self) -> np.ndarray:
-        """Corners (t, m, 8, 3) of the elements, m: four at the first end, four at the second."""
+        """Positions (t, m, 8, 3) of the elements' corners (m): four at the first end, four at the
+        second."""
         offsets = np.einsum("tmeij,mecj->tmeci", self.frame[:, self.nodes], self.sections)
         corners = offsets + self.position[:, self.nodes, None, :]
         return corners.reshape(len(corners), len(self.nodes), 8, 3)
 
     @cached_property
     def thickness(self) -> float:
-        """Half the largest section of a bar, m; 0 where there are rigid bodies alone."""
+        """Largest distance (m) of a bar's surface from its axis along a side of the section, so
+        half of the largest width; 0 without bars."""
         bars = self.nodes[:, 0] != self.nodes[:, 1]
         return float(np.abs(self.sections[bars]).max(initial=0.0))
 
     @cached_property
     def bars(self) -> tuple[str, ...]:
-        """Names of the bars, in their order; elements of a bar `AB` are called `AB[3]`."""
+        """Names of the bars in their order, such as `AB`, whose elements are called `AB[3]`."""
         return tuple(dict.fromkeys(map(bar_of, self.elements)))
 
     @cached_property
     def bar(self) -> np.ndarray:
-        """Index (m,) of each element's bar."""
+        """Index (m,) into `bars` of the bar that each element belongs to."""
         return np.array([self.bars.index(bar_of(name)) for name in self.elements], dtype=int)
 
     @cached_property
     def visible(self) -> np.ndarray:
-        """Mask (m, 6) of the faces of the elements that no neighbouring element of the bar
-        covers."""
+        """Mask (m, 6) of the elements' faces (in the order of FACES: four sides, two ends); False
+        for ends that the next element of the bar covers."""
         stretches = np.array([name.rsplit("[", 1)[0] for name in self.elements])
         is_joined = stretches[1:] == stretches[:-1]
         is_joined &= self.nodes[1:, 0] == self.nodes[:-1, 1]
@@ -107,11 +110,9 @@ class Solid:
 
 
 def solid_of_motion(motion: Any, frames: Any = slice(None)) -> Solid:
-    """The solid of an open whole motion, at all its frames or at those of an index.
-
-    motion: `xarray.Dataset` or `netCDF4.Dataset`, as of `fpm.motions`; frames: whatever indexes an
-    array (t, ...) by frames.
-    """
+    """The structure of a motion as hexahedra at some of its frames. motion: a run's whole motion,
+    an open dataset (`fpm.motions`), `xarray.Dataset` or `netCDF4.Dataset`; frames: index, slice or
+    indices of frames; all by default."""
     return Solid(
         nodes=values_in(motion, "element_particle"),
         sections=values_in(motion, "section_corner"),
@@ -123,12 +124,12 @@ def solid_of_motion(motion: Any, frames: Any = slice(None)) -> Solid:
 
 
 def values_in(motion: Any, name: str) -> np.ndarray:
-    """The values of a variable of an open dataset, as an array."""
+    """The variable `name` of an open dataset (`xarray` or `netCDF4`) as a numpy array."""
     return np.asarray(motion.variables[name][:])
 
 
 def solid_of_scene(scene: Any) -> Solid:
-    """The solid of an `fpm.Scene` at its start, with one moment."""
+    """The structure of an `fpm.Scene` as hexahedra where it starts, one moment."""
     from fpm.motions.motion import section_corners
     from fpm.motions.motion_dataset import shapes_of
 

@@ -25,16 +25,17 @@ _MARKER = {"marker": "^", "color": "none", "markeredgecolor": "black", "markersi
 
 
 def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> Any:
-    """A matplotlib figure of a structure at its start, with points, hinges, cables and supports.
+    """A matplotlib figure of a structure where it starts, with named points, axes of hinges, cables
+    and supports.
 
     Parameters
     ----------
     scene
-        An `fpm.Scene`.
+        An `fpm.Scene`, which holds the structure.
     view
-        Direction from which the structure is seen; None: the default of `View`.
+        Direction from the structure to the eye; None: `View()`.
     width
-        Of the figure, in inches; the height follows from the structure.
+        Width of the figure, in inches; the height follows from the structure.
 
     Returns
     -------
@@ -71,8 +72,8 @@ def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> 
 
 
 def write_structure(scene: Any, path: str | Path) -> Path:
-    """Draw an `fpm.Scene` at its start into a file, `path`, whose suffix is one of `SUFFIXES`;
-    returns the path."""
+    """Draw the structure of an `fpm.Scene` where it starts into a file, and return `path`, which
+    ends with one of `SUFFIXES` (.png, .svg, .pdf)."""
     path = Path(path)
     with whole_file(path) as temporary:
         draw_structure(scene).savefig(temporary, dpi=160)

@@ -10,28 +10,30 @@ import numpy as np
 
 @dataclass(frozen=True)
 class View:
-    """The direction from the structure to the eye: `azimuth` about z from x, and `elevation` above
-    the ground, in degrees."""
+    """A direction from the structure to the eye, in degrees: `azimuth`, from x about z, and
+    `elevation` above the plane x, y; pictures are parallel projections along it."""
 
     azimuth: float = -60.0
     elevation: float = 22.0
 
     @cached_property
     def page(self) -> np.ndarray:
-        """Unit vectors (2, 3) to the right and upwards on the page, as rows."""
+        """Unit vectors (2, 3) to the right and upwards in the picture; `page @ position` projects
+        onto it."""
         a = np.radians(self.azimuth)
         right = np.array([-np.sin(a), np.cos(a), 0.0])
         return np.stack([right, np.cross(self.towards, right)])
 
     @cached_property
     def towards(self) -> np.ndarray:
-        """Unit vector (3,) to the eye."""
+        """Unit vector (3,) from the structure to the eye."""
         a, e = np.radians([self.azimuth, self.elevation])
         return np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
 
 
 def nice_length(limit: float) -> float:
-    """The largest of 1, 2 or 5 times a power of ten that is at most `limit` (above 0)."""
+    """Round a length down to 1, 2 or 5 times a power of ten, for a picture's scale; limit: above
+    0."""
     power = 10.0 ** np.floor(np.log10(limit))
     return float(
         max(step for step in (1.0, 2.0, 5.0) if step * power <= limit * (1 + 1e-9)) * power

@@ -21,12 +21,13 @@ MOST_LINES = 48
 
 @dataclass(frozen=True)
 class ResponseBounds:
-    """Bounds of a response over time, arrays (t,) in `units`, with nominal run and error.
+    """Bounds of a response over time for the page: arrays (t,) `lower`, `upper`, `nominal` (run at
+    nominal parameters) and `error` (estimated, of the bounds) in `units`; None stands for unknown.
 
-    error: estimated error of the bounds; shares (k,), widths (k, t): contribution of each
-    parameter, overall and at every instant, NaN where it is not above the error of the fit;
-    abscissa: as of `results.facts.along_of`, None: time; least: lowest possible value. None stands
-    for what is not known.
+    shares (k,): each parameter's share in the mean width of the response's range, 0 to 1; widths
+    (k, t): that width when one parameter varies alone, NaN where it is not above the error of the
+    fit; abscissa: dict of the horizontal axis (`results.facts.along_of`), None: time; least: lowest
+    value that the response can have, such as 0.
     """
 
     name: str
@@ -43,13 +44,14 @@ class ResponseBounds:
 
     @property
     def widest(self) -> int:
-        """Index of the instant of the largest difference of the bounds."""
+        """Index of the instant at which the bounds differ most."""
         return int((self.upper - self.lower).argmax())
 
 
 @dataclass(frozen=True)
 class Event:
-    """A contact that closes, or opens, at a time (s)."""
+    """A contact (by name) that closes, or opens where `closing` is False, at `time` (s) of a
+    run."""
 
     time: float
     contact: str
@@ -58,11 +60,9 @@ class Event:
 
 @dataclass(frozen=True)
 class PageRun:
-    """A run of the page: its role (nominal, node, held_out or further), parameter values (k,) and
-    events.
-
-    curves (response, t): None for a run that is not drawn.
-    """
+    """A run on the page: id (hexadecimal), role (nominal, node: fitted, held_out: tests the fit,
+    further: added by answers), parameter values (k,), and the contact events in it. curves
+    (response, t): its responses, None where they are not drawn."""
 
     id: str
     role: str
@@ -73,8 +73,8 @@ class PageRun:
 
 @dataclass(frozen=True)
 class MovingRun:
-    """A run that is shown moving: its index among the runs, a label in words, and its whole motion,
-    a dataset of `fpm.motions`."""
+    """A run that the page shows moving: `run`, its index in `PageData.runs`, a label in words, and
+    its whole motion, a dataset as `fpm.motions` makes it."""
 
     run: int
     label: str
@@ -83,7 +83,8 @@ class MovingRun:
 
 @dataclass(frozen=True)
 class OmittedRun:
-    """A run that would be shown moving if the page had room: its id, and its label in words."""
+    """A run that the page would show moving if it had room: its id (hexadecimal), and a label in
+    words."""
 
     id: str
     label: str
@@ -91,8 +92,8 @@ class OmittedRun:
 
 @dataclass(frozen=True)
 class RunVerdicts:
-    """Runs with their parameter values (R, k), whether they meet all requirements (R,), and their
-    quantities (R, q), NaN for one that does not occur."""
+    """Of R runs the parameter `values` (R, k), whether they meet all requirements, `met` (R,), and
+    their quantities, `numbers` (R, q), NaN for one that does not occur."""
 
     values: np.ndarray
     met: np.ndarray
@@ -101,12 +102,10 @@ class RunVerdicts:
 
 @dataclass(frozen=True)
 class WhatIf:
-    """Surrogates that the page's sliders evaluate: of quantities by name (`intervals.scalars`), and
-    of all responses as polynomials.
-
-    coefficients (n, M, t): of the products with orders `indices` (M, k); both None where bounds are
-    not those of polynomials.
-    """
+    """Surrogates (fitted formulas) that the page's sliders evaluate: `quantities`, of
+    `intervals.scalars` by name, and polynomials of the n responses over t instants: coefficients
+    (n, M, t) of M products of Chebyshev polynomials in the k parameters, whose orders are indices
+    (M, k); both None where the bounds are not those of polynomials."""
 
     quantities: Mapping[str, Any]
     indices: np.ndarray | None
@@ -115,7 +114,8 @@ class WhatIf:
 
 @dataclass(frozen=True)
 class Work:
-    """Time that a task took: seconds of wall-clock time and, None if unknown, of processor time."""
+    """Time that a task (a name in words) took: `clock`, seconds of wall-clock time, and `cpu`,
+    seconds of processor time, None if unknown."""
 
     task: str
     clock: float
@@ -124,13 +124,14 @@ class Work:
 
 @dataclass(frozen=True)
 class PageData:
-    """All data that the page shows.
+    """All data that the page shows, as `from_results` reads them.
 
-    facts: content of `summary.json`; time (t,): s; responses: their bounds; runs: those of the
-    design, and refinement runs that move; moving: the nominal run first, then those at which
-    quantities and bounds are attained; omitted: runs for whose motion the page has no room; work:
-    times that tasks took; provenance: texts by name; config: text of a config that repeats the
-    campaign; verdicts: None without quantities; what_if: surrogates of the sliders.
+    facts: content of `summary.json`; time (t,): s; responses: their bounds; runs: the planned ones,
+    and of those added by answers the ones that move; moving: runs shown moving, the nominal one
+    first, then those at which quantities and bounds are attained; omitted: runs for whose motion
+    the page has no room; work: times that tasks took; provenance: what computed the results, texts
+    by name; config: text of a config that repeats the campaign; verdicts: which runs meet the
+    requirements, None without quantities; what_if: formulas for the sliders, None: none.
     """
 
     facts: Mapping[str, Any]
@@ -147,24 +148,25 @@ class PageData:
 
     @property
     def parameters(self) -> list[dict[str, Any]]:
-        """The interval parameters: name, description, units, lower, nominal, upper."""
+        """The interval parameters, a dict each: name, description, units, lower, nominal, upper."""
         return self.facts["parameters"]
 
     @property
     def nominal(self) -> PageRun | None:
-        """The nominal run, if there is one."""
+        """The run at nominal parameters; None if there is none."""
         return next((run for run in self.runs if run.role == "nominal"), None)
 
     @property
     def unfitted(self) -> tuple[int, ...]:
-        """Indices of the runs that no surrogate was fitted to; the nominal run is among them."""
+        """Indices in `runs` of those that no surrogate was fitted to; the nominal one may be among
+        them."""
         fitted_ids = {run.id for run in self.runs if run.role in ("node", FURTHER)}
         return tuple(i for i, run in enumerate(self.runs) if run.id not in fitted_ids)
 
     @property
     def lines(self) -> list[int]:
-        """Indices of the runs drawn as thin lines: those not fitted, at most `MOST_LINES`, evenly
-        chosen."""
+        """Indices in `runs` of those drawn as thin lines: neither fitted nor nominal, `MOST_LINES`
+        at most, evenly chosen."""
         runs = [i for i in self.unfitted if self.runs[i].role != "nominal"]
         indices = np.unique(np.linspace(0, len(runs) - 1, min(len(runs), MOST_LINES)).round())
         return [runs[int(i)] for i in indices] if runs else []

@@ -20,12 +20,13 @@ MOST_MARKS = 400
 
 @dataclass(frozen=True)
 class Panel:
-    """A plot of runs over one or two parameters, with whether they meet all requirements.
+    """A scatter plot of runs over one or two parameters, marked by whether they meet all
+    requirements; coordinates are from 0 to 1, lower to upper bound of a parameter.
 
-    x_axis, y_axis: parameters with name, units, lower, upper, None for one parameter alone; marks:
-    x, y, whether the run meets all requirements, whether its other parameters lie within the
-    feasible part; runs: index of each mark's run; feasible: lowest and highest corner of the part
-    of the box without failures, None if there is none. Coordinates are from 0 to 1.
+    x_axis, y_axis: dict of a parameter (name, units, lower, upper), y None for one parameter alone;
+    marks: x, y, whether the run meets all requirements, whether its other parameters lie within the
+    feasible part; feasible: (x, x), (y, y) of the part of the box of parameters without failures,
+    None if there is none; runs: index of each mark's run.
     """
 
     x_axis: Mapping[str, Any]
@@ -36,11 +37,10 @@ class Panel:
 
 
 def meets(limits: Iterable[Mapping], names: Sequence[str], numbers: np.ndarray) -> np.ndarray:
-    """Mask (R,) of the runs that meet all limits of the summary's requirements.
-
-    numbers (R, q): quantities of the runs, in the order of `names`. NaN stands for a quantity that
-    does not occur, and breaks any limit but `happens: false`.
-    """
+    """Mask (R,) of the runs that meet all limits of the requirements; limits: dicts in
+    `summary.json` with quantity, kind and level; names: of the q quantities; numbers (R, q): their
+    values in the runs, NaN for one that does not occur, which breaks any limit but `happens:
+    false`."""
     from deployable.intervals.scalars import Limit
 
     met = np.ones(len(numbers), dtype=bool)
@@ -56,8 +56,9 @@ def _tells_apart(data: PageData) -> bool:
 
 
 def panels(data: PageData) -> list[Panel]:
-    """Plots of the failing and the feasible runs of a page, one for each pair of the parameters by
-    which they differ most; empty where no run fails, or none meets all requirements."""
+    """Make the plots of failing and feasible runs, one for each pair of the (at most three)
+    parameters by which these differ most; empty where all runs fail, or none does. data: all that
+    the page shows."""
     if not _tells_apart(data):
         return []
     unit = [_unit(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)]
@@ -96,9 +97,10 @@ def _panel(data: PageData, unit: list, runs: np.ndarray, i: int, j: int | None) 
 
 
 def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
-    """Index of each run, whether it meets all requirements, and its parameters from 0 to 1, where
-    there are more parameters than panels show; at most `MOST_MARKS` runs, failing ones last, so
-    that they are drawn above."""
+    """Lines of a plot in parallel coordinates, one for each of at most `MOST_MARKS` runs: its
+    index, whether it meets all requirements, its parameters scaled to 0 to 1; failing runs come
+    last, drawn above. Empty where the panels show all parameters, or all runs fail, or none does.
+    data: all that the page shows."""
     if len(data.parameters) <= MOST_PARAMETERS or not _tells_apart(data):
         return []
     unit = np.array([_unit(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)])
@@ -109,11 +111,10 @@ def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
 
 
 def prices(facts: Mapping[str, Any]) -> Panel | None:
-    """A plot of the choices that were tried, over two goals, or over the first parameter and its
-    goal; None without a choice, or with fewer than two trials that have numbers.
-
-    Trials whose latest time is the end of the runs are left out, since it is no bound.
-    """
+    """Make the plot of the parameter values that were tried for the best choice: over its two
+    goals, or over its first parameter and the one goal; None without a choice, or where fewer than
+    two were tried. Those are left out whose latest time is the end of the runs, which is no bound.
+    facts: the campaign's results as plain data (`facts_of`)."""
     choice = facts.get("choice")
     if choice is None:
         return None

@@ -35,10 +35,8 @@ _FEW_RUNS, _FEW_FRAMES = 7, 100
 
 @dataclass(frozen=True)
 class ShownRun:
-    """A run that is shown moving: its id, parameter values (k,), and a label in words.
-
-    row: index among the samples; None for a refinement run, which is in `further.nc`.
-    """
+    """A run that the page shows moving: its id (hexadecimal), parameter values (k,), and a label in
+    words. row: index in `samples.nc`; None: the run is in `further.nc`, as answers added it."""
 
     id: str
     values: np.ndarray
@@ -47,13 +45,10 @@ class ShownRun:
 
 
 def shown_runs(folder: str | Path) -> list[ShownRun]:
-    """The runs of a campaign that its page shows moving, at most `MOST_MOVING`, the nominal run
-    first.
-
-    Then follow the runs at the bounds of the quantities, and those with the least and the largest
-    value of each response at the instant at which its bounds differ most. A scan without a nominal
-    run begins with its first run.
-    """
+    """List the runs that a campaign's page shows moving, at most `MOST_MOVING`: the nominal one (or
+    a scan's first), then those at the bounds of the quantities, then those with the least and
+    largest value of each response at the instant at which its bounds differ most. folder: the
+    campaign's results."""
 
     folder = Path(folder)
     with (
@@ -85,8 +80,8 @@ def shown_runs(folder: str | Path) -> list[ShownRun]:
 
 
 def how_many_move(particles: int) -> int:
-    """Number of moving runs that a page has room for, by the number of particles of the structure:
-    that of runs with a hundred frames each, from 7 to `MOST_MOVING`."""
+    """How many moving runs a page has room for, 7 to `MOST_MOVING`, if each has a hundred frames;
+    particles: number of those of the structure."""
     room = MOST_PLACES // (_FEW_FRAMES * particles)
     return int(np.clip(room, _FEW_RUNS, MOST_MOVING))
 
@@ -139,12 +134,13 @@ def _extreme_runs(samples: xarray.Dataset, response: int, instant: int) -> tuple
 
 
 def motions_of(samples: xarray.Dataset, runs: Sequence[ShownRun], frames: int = 401) -> list:
-    """Whole motions of runs of a campaign, simulated again side by side, an `xarray.Dataset` each.
+    """Simulate runs of a campaign again, side by side, and return their whole motions, an
+    `xarray.Dataset` each; raises `fpm.InstabilityError` if a run fails.
 
-    samples: the open `samples.nc`; frames: of each motion, evenly spread; instants at which a
-    contact of the first run closes are added. A run whose curves are not in `samples.nc` has the
-    variables ``curves`` (response, instant) and ``impact`` (event, 3): time (s), index into
-    ``eventful``, 1 if it closes. Raises `fpm.InstabilityError` if a run fails.
+    samples: the open `samples.nc`; runs: which; frames: of each motion, evenly spread over time,
+    besides the instants at which a contact of the first run closes. A run whose curves are not in
+    `samples.nc` gets the variables ``curves`` (response, instant) and ``impact`` (event, 3): time
+    (s), index into ``eventful`` (names of contacts), 1 if it closes.
     """
     from fpm.motions.motion import whole_motion
 
@@ -182,8 +178,8 @@ def _own_curves(experiment: Any, outcome: Any) -> dict:
 
 
 def motion_of(folder: str | Path, row: int) -> xarray.Dataset:
-    """The whole motion of the run in a row of the samples: read from its file, or else simulated
-    again."""
+    """The whole motion of one run: read from the folder `motions`, or simulated again where it is
+    missing or damaged. folder: the campaign's results; row: the run's index in `samples.nc`."""
 
     folder = Path(folder)
     with open_dataset(folder / "samples.nc") as samples:
@@ -197,12 +193,12 @@ def motion_of(folder: str | Path, row: int) -> xarray.Dataset:
 
 
 def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
-    """Write the whole motions of the runs that the page of a campaign shows, and return their
-    paths.
+    """Simulate the runs that a campaign's page shows, write their whole motions into `folder /
+    "motions"`, files named after the runs' ids (.nc), and return the paths.
 
-    They are `motions/<run id>.nc` below `folder`, that of the campaign's results, with `frames`
-    frames each. Damaged motions of other runs are removed. The list is empty where the structure or
-    the mechanics changed since the runs were made.
+    folder: the campaign's results; frames: of each motion. Damaged motions of other runs are
+    removed. Nothing is written, and the list empty, where structure or mechanics changed since the
+    runs.
     """
     from deployable.campaign.results.bounds import write_dataset
 
@@ -226,11 +222,9 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
 
 
 def draw_nominal(folder: Folder, count: int) -> None:
-    """Draw `count` moments of the nominal run of a campaign side by side, as PNG, PDF and SVG.
-
-    The files are called `moments`, in the folder of overviews. Raises `CampaignError` where
-    structure or mechanics changed since the runs were made.
-    """
+    """Draw `count` moments of a campaign's nominal run side by side into
+    `figures/campaign/moments`, as `.png`, `.pdf` and `.svg`; folder: the campaign's results. Raises
+    `CampaignError` where structure or mechanics changed since the runs were made."""
     with open_netcdf(folder.samples) as samples:
         experiment = Experiment.read(samples.config)
         row, mechanics = nominal_row(samples) or 0, samples.mechanics

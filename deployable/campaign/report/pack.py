@@ -40,7 +40,9 @@ class _Arrays:
         self.data = bytearray()
 
     def add(self, values: np.ndarray, kind: str) -> dict[str, Any]:
-        """Where an array is, for the script; kind is a little-endian numpy type, e.g. `f4`."""
+        """Append an array's bytes and return where it is, a dict for the page's script: kind, at
+        (first byte), count (of numbers). kind: numpy's type to store it in, little-endian, such as
+        `f4`."""
         raw = np.ascontiguousarray(values, dtype=np.dtype(kind).newbyteorder("<"))
         entry = {"kind": kind, "at": len(self.data), "count": raw.size}
         self.data += raw.tobytes() + b"\0" * (-raw.nbytes % 8)
@@ -48,13 +50,14 @@ class _Arrays:
 
 
 def compressed(raw: bytes) -> str:
-    """Bytes as gzip in base64, which the page's script inflates; equal bytes give equal text."""
+    """Bytes as base64 text of a gzip stream, which the page's script inflates; equal bytes, equal
+    text."""
     return base64.b64encode(gzip.compress(raw, 6, mtime=0)).decode()
 
 
 def packed(data: PageData) -> str:
-    """All data of the page's script as compressed text, with as many frames of the motions as keep
-    it below `PAGE` characters."""
+    """All data of the page's script as one text (base64 of gzip). Frames are left out of the
+    motions until it has at most `PAGE` characters."""
     text, count = _packed(data, None), max((m.motion.sizes["time"] for m in data.moving), default=0)
     while len(text) > PAGE and count > 2:
         count = max(2, int(0.97 * count * min(0.97, PAGE / len(text))))
@@ -70,7 +73,8 @@ def _packed(data: PageData, frames: int | None) -> str:
 
 
 def thinned(curves: Sequence[np.ndarray], most: int = MOST_INSTANTS) -> np.ndarray:
-    """Indices of at most about `most` instants, among them the extremes of all curves (t,)."""
+    """Choose about `most` instants (or all, if there are fewer) at which curves are drawn, with the
+    extremes of every curve; curves: arrays (t,); returns increasing indices."""
     count = len(curves[0])
     if count <= most:
         return np.arange(count)
@@ -84,11 +88,9 @@ def thinned(curves: Sequence[np.ndarray], most: int = MOST_INSTANTS) -> np.ndarr
 
 
 def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[str, Any]:
-    """The page's data as plain data for JSON, with references to its arrays, which are added to
-    `arrays`.
-
-    frames: number of frames of each motion; None: all.
-    """
+    """The page's data as a dict for JSON, in which each array is a dict that says where in `arrays`
+    (bytes one after the other, which this call extends) it stands; frames: kept of each motion;
+    None: all."""
     bounds = [c for r in data.responses for c in (r.lower, r.upper, r.upper - r.lower)]
     keep = thinned(bounds)
 

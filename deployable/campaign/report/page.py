@@ -34,16 +34,14 @@ _WIDE = 300  # units of the drawing, of each moment
 
 
 def write_page(data: PageData, path: str | Path) -> None:
-    """Write the page of a campaign as one HTML file, which loads nothing from the network.
-
-    data: what `from_results` reads of the campaign; path: of the file, which is written whole or
-    not at all.
-    """
+    """Write a campaign's page to `path` as one HTML file, which loads nothing from the network,
+    whole or not at all; data: all that it shows (`report.read.from_results`)."""
     write_result(path, render(data))
 
 
 def render(data: PageData) -> str:
-    """The page of a campaign as HTML text."""
+    """The campaign's page as the text of one HTML file; data: all that it shows
+    (`report.read.from_results`)."""
     units = {pretty(response.units) for response in data.responses}
     units |= {pretty(parameter["units"]) for parameter in data.parameters}
     return (
@@ -70,12 +68,9 @@ def _text(name: str) -> str:
 
 
 def still_picture(motion: xarray.Dataset) -> str:
-    """An SVG element with three moments of a whole motion side by side, for browsers that show no
-    motion.
-
-    The moments are the start, the end, and the middle by length of the particles' paths; the end is
-    the first closure of a contact, if there is one. motion: the whole motion of a run.
-    """
+    """An SVG element, as text, of three moments of a motion side by side, for browsers that show no
+    motion: start, middle, and the first closure of a contact (or else the end); the middle is
+    halfway by length of the particles' paths. motion: a run's whole motion (`fpm.motions`)."""
     frames, view = telling_moments(motion, _MOMENTS), View()
     solid = solid_of_motion(motion, frames)
     low, high = limits_of(solid.places, view, margin=0.03)

@@ -36,12 +36,10 @@ if TYPE_CHECKING:
 
 
 def from_results(folder: str | Path) -> PageData:
-    """The data of the page, a `PageData`, from a campaign's folder of results.
-
-    folder: has `samples.nc`, `bounds.nc` and `summary.json`; `sensitivities.nc`, `batches/*.json`
-    and `motions/*.nc` (of `make_motions`) may be absent. Raises `DamagedError` for a damaged
-    result.
-    """
+    """Read all data of a campaign's page; raises `DamagedError` for a damaged result. folder: the
+    campaign's results, with `samples.nc`, `bounds.nc` and `summary.json`; files that may be absent:
+    `sensitivities.nc`, `batches/*.json` (times of the tasks) and `motions/*.nc` (of
+    `make_motions`)."""
     folder = Path(folder)
     facts = read_json(folder / "summary.json")
     samples, bounds = _load(folder / "samples.nc", "values"), _load(folder / "bounds.nc")

@@ -24,11 +24,13 @@ from deployable.campaign.results.which import keeps_extremes
 def analyse(
     folder: Folder, choice: BoundsChoice, with_errors: Callable[[Any], Any] | None = None
 ) -> None:
-    """Fit the design of the samples, and write `surrogate.nc`, `bounds.nc` and `sensitivities.nc`.
+    """Fit the runs of a campaign, and write `surrogate.nc`, `bounds.nc` and `sensitivities.nc` into
+    its folder of results.
 
-    Samples of a scan are read in pieces, so that they may be larger than memory. folder: has
-    `samples.nc`; choice: the model that bounds are taken of; with_errors: returns the dataset of
-    bounds with further estimates of their errors; None: there are none.
+    A scan's samples are read in pieces, so they may be larger than memory. folder: has
+    `samples.nc`, the responses of all runs; choice: of which model (polynomial, spline, ...) the
+    bounds are; with_errors: function of the dataset of bounds, returns it with further estimates of
+    their errors; None: it is written as it is.
     """
     import xarray as xr
 
@@ -65,10 +67,9 @@ def _scanned(samples: Any) -> Any:
 
 
 def write_dataset(dataset: Any, path: str | Path, title: str) -> None:
-    """Write an `xarray.Dataset` as a compressed result in netCDF, whole or not at all.
-
-    title: what the dataset holds, to which the name of the campaign, its attribute, is added.
-    """
+    """Write an `xarray.Dataset` as compressed netCDF with a seal (checksum, origin), whole or not
+    at all. dataset: its attribute `campaign` is the campaign's name; path: of the file; title: what
+    the dataset holds, in words; title, history and provenance become attributes of the file."""
     titled = f"{title}, campaign {dataset.attrs['campaign']}"
     history = f"{dataset.attrs.get('history', '')}\n{title}".strip()
     dataset = dataset.assign_attrs(title=titled, history=history, provenance=as_attribute())

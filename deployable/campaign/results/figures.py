@@ -32,18 +32,17 @@ _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (8, 2)))
 
 
 def draw_envelopes(bounds_path: str | Path, shade_above: float, folder: str | Path) -> None:
-    """Draw each response of `bounds.nc` with its bounds as `<response>.png`, `.pdf` and `.svg` into
-    a folder.
-
-    shade_above: as of `envelope`.
-    """
+    """Draw each response with its bounds over time into the files `<response>.png`, `.pdf` and
+    `.svg`. bounds_path: of `bounds.nc`; shade_above: error, as a share of the largest difference of
+    the bounds, above which instants are hatched; folder: of the files."""
     with open_netcdf(bounds_path) as bounds:
         for name in bounds["response"][:]:
             save(envelope(bounds, name, shade_above), Path(folder) / name)
 
 
 def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> Any:
-    """A figure of a response: both bounds, nominal run, and where the error of the bounds is large.
+    """A matplotlib figure of one response over time: its bounds, its nominal run, and hatched where
+    the error of the bounds is large.
 
     Below are the differences of the bounds over time where they are too small to be read off the
     bounds. All words stand below the axes.
@@ -53,12 +52,12 @@ def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> 
     bounds
         The open `bounds.nc`.
     name
-        Of the response.
+        Name of the response.
     shade_above
-        Error estimate, relative to the largest difference of the bounds, from which instants
-        are hatched. Bounds are not drawn where it exceeds `LARGE`.
+        Estimated error, as a share of the largest difference of the bounds, above which instants
+        are hatched. Bounds are not drawn where it exceeds `LARGE` (a quarter).
     width
-        Of the figure, in inches.
+        Width of the figure, in inches.
     """
     from matplotlib.figure import Figure
 
@@ -126,17 +125,19 @@ _THIN = 0.15
 
 
 def draw_sensitivities(path: str | Path, folder: str | Path) -> None:
-    """Draw `sensitivities.nc` as `sensitivities.png`, `.pdf` and `.svg` into a folder."""
+    """Draw what each parameter contributes to the responses as `sensitivities.png`, `.pdf` and
+    `.svg`; path: of `sensitivities.nc`; folder: of the files."""
     with open_netcdf(path) as data:
         save(shares(data), Path(folder) / "sensitivities")
 
 
 def shares(data: Any, width: float = 7.0) -> Any:
-    """A figure of the open `sensitivities.nc`, with a row for each response.
+    """A matplotlib figure of what each parameter contributes to each response; data: the open
+    `sensitivities.nc`; width: of the figure (inches).
 
-    A row shows the width of the response's range over time when one parameter varies alone, and the
-    share of each parameter in the mean of these widths. Widths that are not above the error of the
-    fit are grey, and have no share. width: of the figure, in inches.
+    The left plot of a response shows how wide its range is over time when one parameter varies
+    alone, the right one each parameter's share (%) in the mean of these widths. Widths that are not
+    above the error of the fit are grey, and have no share.
     """
     from matplotlib.figure import Figure
 
@@ -216,7 +217,8 @@ def _mark_largest(
 
 
 def without_formulas(figure: Any) -> None:
-    """Have a figure show its texts as they are, also with dollar signs in them."""
+    """Change all texts of a matplotlib figure so that dollar signs are drawn, and start no
+    formula."""
     from matplotlib.text import Text
 
     for text in figure.findobj(Text):
@@ -224,10 +226,9 @@ def without_formulas(figure: Any) -> None:
 
 
 def save(figure: Any, path: Path, **options: Any) -> None:
-    """Save a figure as PNG, PDF and SVG without dates, so that equal data give equal files.
-
-    path: of the files, without suffix; options: of matplotlib's `savefig`.
-    """
+    """Save a matplotlib figure as PNG, PDF and SVG with seals (checksum, origin) and without dates,
+    so that equal data give equal files. path: of the files, without suffix; options: for
+    `savefig`."""
     from matplotlib import rc_context
 
     without_formulas(figure)

@@ -26,11 +26,9 @@ OPENING_TOLERANCE = 1e-6
 
 
 def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
-    """Margins by the names of their quantities, names of the latches, and `motion` (`motion_of`),
-    as the review sheet needs them beside the facts.
-
-    quantities: rows of the facts.
-    """
+    """What a review sheet needs beside the facts: `margins` by quantity (dicts of `margin_of`),
+    names of the `latches`, and `motion`, the energies of `motion_of`; folder: of the campaign;
+    quantities: dicts of all quantities in the facts."""
     plan = read_plan(folder.plan)
     experiment, scene = plan.experiment, plan.experiment.nominal_scene
     rows = {row["name"]: row for row in quantities}
@@ -50,9 +48,10 @@ def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dic
 
 
 def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
-    """Energies (J) of the nominal run of a plan: the largest change of one, `exchanged`, the
-    `largest`, and the largest error of the energy balance, `off`; None where the trajectory was not
-    stored."""
+    """Energies (J) of a campaign's nominal run: `exchanged`, the largest change of any one kind
+    over the run, `largest`, the largest value, and `off`, the largest error of their balance; None
+    where its trajectory was not stored. folder: the campaign's results; plan: the runs it consists
+    of (`read_plan`)."""
     path = folder.runs("trajectories") / f"{plan.runs[0].id}.nc"
     if not path.exists():
         return None
@@ -68,12 +67,13 @@ def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
 def margin_of(
     experiment: Any, scenes: Sequence[Any], response: Any, row: Mapping[str, Any], sweep: Callable
 ) -> dict[str, Any]:
-    """Facts of a torque margin: standard, factors, stretch of the travel, and the budget at its
-    worst position.
+    """Facts of a torque margin (driving over required torque, less 1) for its review sheet:
+    standard, factors, travel, and the budget of torques at the position where it is least.
 
-    experiment: of the campaign; scenes: at the corners of the box; response: the margin's; row: its
-    quantity's facts; sweep: function of parameter values (k,) and a response that returns curves of
-    the work of all components along the travel.
+    experiment: the campaign's config, parsed; scenes: structures at the corners of the box of
+    parameters; response: the margin, parsed; row: dict of its quantity in the facts; sweep:
+    function of parameter values (k,) and the margin that returns curves of the work of all springs,
+    motors and other components along the travel.
     """
     definition, standard = experiment.responses[response.name], standard_of(response)
     nominal, positions = scenes[0], response.along
@@ -145,31 +145,33 @@ def _travel_sweep(experiment: Any) -> Callable:
 
 
 def standard_of(margin: Any) -> str:
-    """Name of the standard of a margin, a response of `fpm.reading.margins`: a key of
-    `STANDARDS`."""
+    """Key in `STANDARDS` of the standard by which a margin (response of `fpm.reading.margins`) is
+    taken."""
     return next(word for word in margin.subjects if word in STANDARDS)
 
 
 def evidence_of(margin: Any) -> str:
-    """What the uncertainty factors of a margin rest on, such as theory or measurement."""
+    """What the uncertainty factors of a margin (response of `fpm.reading.margins`) rest on: a word
+    of its standard such as theory or measurement."""
     return margin.subjects[margin.subjects.index(standard_of(margin)) + 1]
 
 
 def left_out(margin: Any) -> list[str]:
-    """Names of the components that a margin leaves out."""
+    """Names of the components, such as a spring that failed, without which a margin (response of
+    `fpm.reading.margins`) is taken."""
     return list(margin.subjects[margin.subjects.index(standard_of(margin)) + 2 :])
 
 
 def travel_of(
     scenes: Iterable[Any], openings: Sequence[str], positions: Any, stowed: bool
 ) -> list[float] | None:
-    """First and last opening of the whole travel of a margin's coordinate, in rad or m; None where
-    no latch and no stop ends it.
+    """First and last opening (rad; m of a slide) of the whole travel of the hinge that a margin
+    follows; None where no latch and no stop ends it.
 
-    It reaches from the start to the farthest latch, without one to the nearest stop, in any of the
-    scenes. openings: names, the first that of the coordinate; positions: of the margin, with
-    `first` and `last` opening; stowed: whether the travel begins at `first` instead of each scene's
-    own start.
+    It reaches from the start to the farthest latch, or without one to the nearest stop, and covers
+    all scenes. scenes: structures; openings: names of the hinges that move together, first the one
+    followed; positions: the margin's, with `first` and `last` opening; stowed: whether it begins at
+    `first`, not at the openings at which the scenes start.
     """
     sign = 1.0 if positions.last > positions.first else -1.0
     starts, ends = [], []
@@ -194,9 +196,9 @@ def travel_of(
 
 
 def own_settings(scene: Any, definition: Mapping[str, Any], response: Any) -> list[str]:
-    """Factors and classes of a margin that differ from those of the standard or the structure, in
-    words. scene: `fpm.Scene`; definition: of the margin in the config; response: the margin, as
-    parsed."""
+    """Factors and classes in a margin's config that differ from those of the standard or the
+    structure, a text each, such as `motor 1.5 for 3`. scene: `fpm.Scene`; definition: the margin's
+    part of the config; response: the margin, parsed."""
     standard = STANDARDS[standard_of(response)]
     resists, parts = standard.resists[evidence_of(response)], parts_of(scene)
     return [
@@ -210,8 +212,9 @@ def own_settings(scene: Any, definition: Mapping[str, Any], response: Any) -> li
 
 
 def weaker_classes(scene: Any, response: Any) -> list[str]:
-    """Components that the structure's file assigns to a class with weaker factors than that of
-    their type, in words. scene: `fpm.Scene`; response: a margin, whose standard has the factors."""
+    """Components that the structure's file puts into a class with weaker factors than their kind
+    has in the standard, a text each. scene: `fpm.Scene`; response: a margin, parsed, of that
+    standard."""
     standard, parts = STANDARDS[standard_of(response)], parts_of(scene)
     drives, resists = standard.drives, standard.resists[evidence_of(response)]
     return [

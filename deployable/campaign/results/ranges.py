@@ -24,19 +24,17 @@ _GREY = "0.75"
 
 
 def draw_ranges(folder: Folder, place: str | Path) -> None:
-    """Draw all quantities over the box as `ranges.png`, `.pdf` and `.svg` into the folder
-    `place`."""
+    """Draw all quantities over the box of parameters as `ranges.png`, `.pdf` and `.svg`. folder:
+    the campaign's results, which are read; place: folder of the files."""
     with open_netcdf(folder.quantities) as data:
         figure = ranges(data, runs_of(folder))
     save(figure, Path(place) / "ranges")
 
 
 def ranges(data: Any, runs: FittedRuns, width: float = 7.0) -> Any:
-    """A figure with a plot of each quantity over the box, or of the widths by parameter where there
-    are more than two parameters.
-
-    data: the open `quantities.nc`; runs: those fitted; width: of the figure, in inches.
-    """
+    """A matplotlib figure with one plot for each quantity: its value over one or two parameters, or
+    where there are more the width of its interval by parameter. data: the open `quantities.nc`;
+    runs: to which the surrogates are fitted (`runs_of`); width: of the figure (inches)."""
     from matplotlib.figure import Figure
 
     free = np.flatnonzero(data["box_upper"][:] > data["box_lower"][:])
@@ -59,20 +57,17 @@ def ranges(data: Any, runs: FittedRuns, width: float = 7.0) -> Any:
 
 
 class FittedRuns(NamedTuple):
-    """Runs that surrogates of quantities are fitted to: normalized points (R, k), quantities (R, q)
-    and event margins (R, q).
-
-    A margin is above 0 where the run has the quantity; NaN in quantities and margins stands for
-    none.
-    """
+    """Runs that surrogates (fitted formulas) of quantities rest on: `unit` (R, k), parameters
+    scaled to -1 to 1; `numbers` (R, q), quantities; `margins` (R, q), above 0 where the run has the
+    quantity. NaN in numbers stands for a quantity that does not occur, in margins for unknown."""
 
     unit: np.ndarray
     numbers: np.ndarray
     margins: np.ndarray
 
     def surrogate(self, data: Any, q: int) -> Any:
-        """The surrogate of quantity `q`, fitted to the runs as it was for the open `quantities.nc`,
-        `data`."""
+        """Fit the surrogate of quantity `q` (index) to these runs as the results' was; data: the
+        open `quantities.nc`, whose settings are read. Returns an object with `evaluate(points)`."""
         from deployable.intervals.scalars import fit_scalar
 
         end = json.loads(data.config)["solver"]["duration"]
@@ -83,7 +78,8 @@ class FittedRuns(NamedTuple):
 
 
 def runs_of(folder: Folder) -> FittedRuns:
-    """The runs of a campaign that surrogates are fitted to, refinement runs included."""
+    """Read the runs that surrogates of quantities are fitted to, from `samples.nc` and `further.nc`
+    (runs that answers added) of a campaign's folder."""
     with open_netcdf(folder.samples) as file:
         numbers = file["quantities"][:]
         rows = fitted_rows(numbers)

@@ -29,7 +29,8 @@ STATES = (UNMET, OPEN, PARTLY, NOT_ANALYSED, MET, REPORTED)
 
 
 class Verdict(NamedTuple):
-    """The verdict of a row of the review sheet: a state, one of STATES, and a text in words."""
+    """Verdict of a row of the review sheet: `state`, a word such as `met`, `not met` or `undecided`
+    (STATES), and `text`, the same in a sentence."""
 
     state: str
     text: str
@@ -39,11 +40,9 @@ NOTHING = Verdict(NOT_ANALYSED, NOT_ANALYSED)
 
 
 class Clause(NamedTuple):
-    """A clause of a standard: its number, what it asks in our own words, and the topic that answers
-    it.
-
-    topic: one of quantities, or a key of ANALYSES; empty where nothing analyses the clause.
-    """
+    """A clause of a standard: `number`; `asks`, what it asks in our own words; `topic`, what
+    answers it: a subject of quantities such as `stress`, or a key of ANALYSES, the functions of
+    this module; empty where nothing does."""
 
     number: str
     asks: str
@@ -96,11 +95,10 @@ that the balance shows something: its error is at most 5 % of them then."""
 
 
 def rows_of(facts: Mapping[str, Any], experiment: Any, standard: str) -> list[dict[str, str]]:
-    """Rows of the review sheet of a standard, with the keys `COLUMNS`.
-
-    facts: of `facts_of`, with `mechanism` (`mechanism_of`); experiment: of the campaign; standard:
-    a key of `CLAUSES`.
-    """
+    """All rows of the review sheet of a standard: dicts of texts with the keys `COLUMNS` (clause,
+    what it asks, how it was analysed, value, verdict, ...). facts: the campaign's results as plain
+    data (`facts_of`), with `mechanism` (`mechanism_of`); experiment: the campaign's config, parsed;
+    standard: a key of `CLAUSES`."""
     sheet = _Sheet(facts, experiment, standard)
     return [row for clause in CLAUSES[standard] for row in sheet.rows(clause)] + sheet.other_rows()
 
@@ -108,8 +106,9 @@ def rows_of(facts: Mapping[str, Any], experiment: Any, standard: str) -> list[di
 def head_of(
     facts: Mapping[str, Any], rows: Sequence[Mapping[str, str]], standard: str
 ) -> list[str]:
-    """Paragraphs above the rows of a review sheet: number of rows by state, the box, and how to
-    read the numbers."""
+    """Paragraphs to stand above a review sheet: how many rows have which verdict, the box of
+    parameters, and how to read the numbers. facts: the campaign's results as plain data
+    (`facts_of`); rows: the sheet's dicts (`rows_of`); standard: a key of `CLAUSES`."""
     ends = []
     for state in STATES:
         own = [row for row in rows if row["state"] == state]
@@ -132,12 +131,13 @@ def head_of(
 
 
 def edition_of(standard: str) -> str:
-    """Title of a standard with the edition that its numbers are taken from."""
+    """Title and edition of a standard as text, for headings; standard: a key of `STANDARDS`."""
     return f"{STANDARDS[standard].title} ({STANDARDS[standard].edition})"
 
 
 def as_csv(rows: Iterable[Mapping[str, str]], standard: str) -> str:
-    """The rows of a review sheet as CSV text, headings first."""
+    """A review sheet as CSV text, headings first; rows: the sheet's dicts (`rows_of`); standard: a
+    key of `CLAUSES`."""
     heads = {**HEADS, "standard": "standard", "state": "state"}
     titled = ({**row, "standard": edition_of(standard)} for row in rows)
     return csv_text([row[name] for name in COLUMNS] for row in (heads, *titled))
@@ -147,8 +147,9 @@ BUDGET_HEADS = ("part", "class", "acts", "moment", "factor", "weighted")
 
 
 def budgets_of(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Tables of the components of each margin at its worst position: title, heads, rows, and the
-    sum in words. facts: of `facts_of`, with `mechanism`."""
+    """Tables, one for each torque margin, of what drives and what resists at the position where it
+    is least: dicts of `title`, `heads`, `rows` and `sum`, all texts. facts: the campaign's results
+    as plain data (`facts_of`), with `mechanism` (`mechanism_of`)."""
     budgets = []
     for name, margin in facts["mechanism"]["margins"].items():
         budget = margin["budget"]
@@ -208,7 +209,8 @@ class _Sheet:
         self._row_names: set[str] = set()
 
     def rows(self, clause: Clause) -> list[dict[str, str]]:
-        """The rows of a clause; one that says that nothing was analysed where there is none."""
+        """The sheet's rows that answer a clause, as dicts of texts; a single one that says `not
+        analysed` where nothing answers it. clause: one of `CLAUSES`."""
         if clause.topic in ANALYSES:
             rows = [ANALYSES[clause.topic](self)]
         else:
@@ -222,7 +224,8 @@ class _Sheet:
         return [{"clause": clause.number, "asks": clause.asks} | row for row in rows]
 
     def other_rows(self) -> list[dict[str, str]]:
-        """Margins by other standards, and requirements of quantities that no clause is about."""
+        """The rows that answer no clause: margins by other standards, and the campaign's own
+        requirements; call it after `rows` of all clauses."""
         rows = []
         for name, row in self._quantities.items():
             if name in self._row_names:
@@ -513,7 +516,8 @@ class _Sheet:
     # -- clauses that are about no single quantity -------------------------------------------------
 
     def redundant(self) -> dict[str, str] | None:
-        """Whether the margin holds without each single one of the springs that drive."""
+        """Row on whether the torque margin holds with each single driving spring left out in turn;
+        None where no spring drives."""
         own = {
             name: margin for name, margin in self._margins.items()
             if margin["standard"] == self.standard and not margin["own"]
@@ -547,7 +551,8 @@ class _Sheet:
         return _row(f"one at a time: {analysed}", Verdict(state, text))
 
     def all_requirements(self) -> dict[str, str] | None:
-        """What of the box meets all requirements, and margins the limit of their standard."""
+        """Row on the part of the box of parameters in which all requirements, and all margins'
+        limits, are met; None where the campaign has no requirements."""
         varied = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
         if "together" not in self.facts:
             return None
@@ -584,7 +589,8 @@ class _Sheet:
         return _row(analysed, verdict, value)
 
     def balance(self) -> dict[str, str]:
-        """The balance of energy, which every run keeps, where energies change by more than it."""
+        """Row on the energy balance of the runs: met where energies change by much more than its
+        error."""
         motion, allowed = self._mechanism["motion"], numbers.percent(self._tolerance)
         runs, duration = self.facts["runs"]["all"], numbers.quantity(self.facts["duration"], "s")
         analysed = (
@@ -607,7 +613,7 @@ class _Sheet:
         return _row(analysed, Verdict(MET, text), value)
 
     def parametric(self) -> dict[str, str]:
-        """Which parameters of the structure are varied."""
+        """Row on which parameters of the structure vary in the campaign, and which are fixed."""
         varied = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
         fixed = [
             f"{p['description'] or p['name']} ({p['name']} = "
@@ -622,7 +628,8 @@ class _Sheet:
         return _row("parameters that are intervals", verdict, ", ".join(varied))
 
     def influence(self) -> dict[str, str] | None:
-        """The parameter that widens each quantity most."""
+        """Row that names for each quantity the parameter that contributes most to its interval's
+        width."""
         texts = [f"{row['name']} by {name} ({numbers.percent(row['influence'][name]['share'])})"
                  for row in self.facts["quantities"] if (name := decisive(row))]  # fmt: skip
         return _row("shares of the widths of quantities, by their surrogates",
@@ -630,7 +637,8 @@ class _Sheet:
                     "most: " + ", ".join(texts)) if texts else None  # fmt: skip
 
     def budget(self) -> dict[str, str] | None:
-        """How wide intervals of quantities are, and with half of the tolerance that counts most."""
+        """Row on how wide each quantity's interval is, now and if the tolerance that counts most
+        were halved."""
         texts = []
         for row in self.facts["quantities"]:
             if name := decisive(row):

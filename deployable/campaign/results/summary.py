@@ -25,19 +25,20 @@ def summarise(
     folder: Folder, published: Mapping[str, float], requirements: bool = False,
     choice: bool = False, review: str | None = None,
 ) -> str:  # fmt: skip
-    """Write `summary.json` and `summary.md` of a campaign, and return the text of the latter.
+    """Write a campaign's results as `summary.json` (facts, for programs) and `summary.md` (text,
+    for people) into its folder; returns that text.
 
     Parameters
     ----------
     folder
-        The campaign's results.
+        The campaign's results, read and written to.
     published
-        Largest differences of bounds from the literature, by response.
+        Largest difference of the bounds in the literature, by name of response.
     requirements, choice
-        Whether the campaign has them.
+        Whether the campaign has requirements, or seeks a best choice, and their results are read.
     review
-        Standard of the review sheet, which is then written as `review.csv` and `review.md`;
-        None: no sheet.
+        Key of the standard, in `review.CLAUSES`, by whose clauses a review sheet is written too,
+        `review.csv` and `review.md`; None: no sheet.
     """
     facts = facts_of(folder, published, requirements, choice)
     if review:

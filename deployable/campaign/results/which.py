@@ -16,11 +16,9 @@ from deployable.campaign.plan.runs import namer
 
 @dataclass(frozen=True)
 class Counts:
-    """Numbers of different runs: all, nodes that were fitted, held-out runs; a run in two roles is
-    counted once.
-
-    nominal_among_them: whether the nominal run is a node or held out.
-    """
+    """How many different runs a campaign has: `runs`, all; `nodes`, those that were fitted;
+    `held_out`, those kept back to test the fit (and no nodes); nominal_among_them: whether the run
+    at nominal parameters is one of the latter two."""
 
     runs: int
     nodes: int
@@ -29,12 +27,13 @@ class Counts:
 
 
 def keeps_extremes(samples: Any) -> bool:
-    """Whether an open `samples.nc` has running extremes instead of the curves of each run."""
+    """Whether the open `samples.nc` holds, instead of each run's curves, only the lowest and
+    highest values of all of them."""
     return "lower_run" in samples.variables
 
 
 def nominal_row(samples: Any) -> int | None:
-    """Row of the nominal run among the samples; None if there is none."""
+    """Index of the run with nominal parameters in the open `samples.nc`; None if there is none."""
     if keeps_extremes(samples):
         return 0
     rows = np.flatnonzero(np.asarray(samples.variables["role"][:]) == ROLES[0])
@@ -48,11 +47,11 @@ _FITTED = 4_000  # of more runs
 
 
 def fitted_rows(numbers: np.ndarray) -> np.ndarray:
-    """Rows of the runs that surrogates of quantities are fitted to, in increasing order.
+    """Indices of the runs that surrogates of quantities are fitted to, in increasing order.
 
-    numbers (R, q): quantities of all runs, NaN for none. Up to `MOST_FITTED` runs all are fitted;
-    of more the first 4000, which fill the box, and of each quantity the runs with its least and
-    largest value and the first run without it.
+    numbers (R, q): quantities of all runs, NaN for one that does not occur. Up to `MOST_FITTED`
+    runs it is all; of more the first 4000, which fill the box of parameters, and for each quantity
+    the runs with its least and largest value and the first without it.
     """
     if len(numbers) <= MOST_FITTED:
         return np.arange(len(numbers))
@@ -67,14 +66,15 @@ def fitted_rows(numbers: np.ndarray) -> np.ndarray:
 
 
 def roles(samples: Any) -> list[str]:
-    """Role of each run of an open `samples.nc`: nominal, node or held_out."""
+    """Role of each run of the open `samples.nc`: `nominal`, `node` (fitted), `held_out` (tests the
+    fit)."""
     if keeps_extremes(samples):
         return ["nominal"] + ["node"] * (samples.variables["value"].shape[0] - 1)
     return np.asarray(samples.variables["role"][:]).tolist()
 
 
 def ids(samples: Any, rows: Sequence[int] | slice) -> list[str]:
-    """Names of the runs in some rows of an open `samples.nc`."""
+    """Names (16 hexadecimal digits) of runs of the open `samples.nc`; rows: their indices."""
     rows = rows if isinstance(rows, slice) else list(rows)
     if "run_id" in samples.variables:
         return np.asarray(samples.variables["run_id"][:])[rows].tolist()
@@ -84,7 +84,7 @@ def ids(samples: Any, rows: Sequence[int] | slice) -> list[str]:
 
 
 def counts(samples: Any) -> Counts:
-    """Numbers of the runs of an open `samples.nc` by role."""
+    """Count the different runs of the open `samples.nc` by their roles."""
     if keeps_extremes(samples):
         runs = samples.variables["value"].shape[0]
         return Counts(runs, runs - 1, 0, False)

@@ -14,7 +14,8 @@ _ANGLES = {"degree": "°", "rad": " rad"}
 
 
 def pretty(units: str) -> str:
-    """Units as people write them: `m s-1` as `m/s`, `kg m2 s-2` as `kg m²/s²`; no unit as `1`."""
+    """Units as people write them, from names with powers: `m s-1` as `m/s`, `kg m2 s-2` as `kg
+    m²/s²`; no unit as `1`."""
     numerator, denominator = [], []
     for name, power in re.findall(r"([A-Za-z%]+)(-?\d+)?", units):
         exponent = abs(int(power or 1))
@@ -24,7 +25,7 @@ def pretty(units: str) -> str:
 
 
 def number(value: float, digits: int = 3) -> str:
-    """A number as text with at most so many significant digits: `0.0618`, `−2.5`, `1.2 × 10⁹`."""
+    """A number as text: `0.0618`, `−2.5`, `1.2 × 10⁹`; digits: most significant digits."""
     text = f"{value + 0.0:.{digits}g}"  # no -0
     if "e" not in text:
         return text.replace("-", "−")
@@ -34,15 +35,15 @@ def number(value: float, digits: int = 3) -> str:
 
 
 def quantity(value: float | None, units: str, digits: int = 3, missing: str = "unknown") -> str:
-    """A number with its unit as text, or `missing` where it is None; digits: significant ones."""
+    """A number with its unit as text, such as `2.5 m/s`; units: as in files (`m s-1`); digits: most
+    significant digits; missing: the text where value is None."""
     return missing if value is None else with_unit(number(value, digits), units)
 
 
 def measured(value: float, error: float | None, units: str) -> str:
-    """A number with its error, rounded to the first digit of the error: `0.062 ± 0.005 m`.
-
-    With three digits and no error where the error is None or below a thousandth of the number.
-    """
+    """A number with its error as text, both rounded to the first digit of the error: `0.062 ± 0.005
+    m`; units: as in files (`m s-1`). The number alone, with three digits, where the error is None
+    or below a thousandth of it."""
     if not error or error < 1e-3 * abs(value):
         return quantity(value, units)
     places = -_power(error)
@@ -51,27 +52,27 @@ def measured(value: float, error: float | None, units: str) -> str:
 
 
 def earliest(row: Mapping[str, Any]) -> str:
-    """The lower bound of a quantity with its unit, rounded as in `interval`; row: of the facts."""
+    """Lower bound of a quantity with its unit as text, such as `0.31 s`, rounded at the first digit
+    of its error. row: the quantity's dict in the facts (`facts_of`)."""
     return with_unit(_ends(row)[0], row["units"])
 
 
 def with_unit(text: str, units: str) -> str:
-    """A text of a number with its unit."""
+    """Put a unit behind the text of a number: `2.5 m/s`; units: as in files (`m s-1`, `1` for
+    none)."""
     return text if pretty(units) == "1" else f"{text} {pretty(units)}"
 
 
 def percent(share: float) -> str:
-    """A fraction in per cent, with two digits below one per cent: `0.0749` as `7 %`, `0.000002` as
-    `0.0002 %`."""
+    """A fraction as text in whole per cent, below one per cent with two digits: `0.0749` as `7 %`,
+    `0.000002` as `0.0002 %`."""
     return f"{number(100 * share, 2) if abs(share) < 0.01 else round(100 * share)} %"
 
 
 def share(share: float, open_: float = 0.0) -> str:
-    """A volume fraction in per cent with its uncertainty, never rounded to all or nothing: `81 ± 2
-    %`, `at least 98 %`.
-
-    share: from 0 to 1; open_: half-width of its uncertainty, rounded up to one digit.
-    """
+    """A share of the box's volume in per cent as text with its uncertainty, never rounded to all or
+    nothing: `81 ± 2 %`, `at least 98 %`. share: from 0 to 1; open_: half-width of its uncertainty,
+    likewise, rounded up to one digit."""
     percent, half_width = 100 * share, 100 * open_
     if half_width < OPEN:
         if 0 < percent < 0.01 or 99.99 < percent < 100:
@@ -94,11 +95,11 @@ OPEN = 0.05
 
 
 def interval(row: Mapping[str, Any]) -> str:
-    """The interval of a quantity with its unit, `0.31 to 0.34 s`; empty where there is none; row:
-    of the facts.
+    """A quantity's interval with its unit as text, `0.31 to 0.34 s`; empty where there is none.
+    row: the quantity's dict in the facts (`facts_of`).
 
-    Both bounds have the decimal place of the first digit of their error, or two places below that
-    of their difference where the error is less or unknown.
+    Bounds are rounded at the first digit of their error, or two digits below that of their
+    difference where the error is less or unknown.
     """
     if row["lower"] is None:
         return ""
@@ -123,7 +124,7 @@ def _ends(row: Mapping[str, Any]) -> list[str]:
 
 
 def capitalised(text: str) -> str:
-    """A sentence with its first letter as a capital, all else as it is."""
+    """A sentence with its first letter made a capital, the rest as it is."""
     return text[:1].upper() + text[1:]
 
 
@@ -133,15 +134,17 @@ def _power(value: float) -> int:
 
 
 def place(values: Mapping[str, float | None], parameters: Iterable[Mapping[str, Any]]) -> str:
-    """Parameter values by name with their units, as text; parameters: rows of the facts."""
+    """Parameter values as text, such as `k = 2.5 N/m, L = 1 m`; values: by name, None is left out;
+    parameters: dicts with `name` and `units`, as in the facts (`facts_of`)."""
     units = {parameter["name"]: parameter["units"] for parameter in parameters}
     values = {name: value for name, value in values.items() if value is not None}
     return ", ".join(f"{name} = {quantity(values[name], units[name], 4)}" for name in values)
 
 
 def spread(parameter: Mapping[str, Any]) -> str:
-    """The interval of a parameter as text: `± 1 %` of its nominal value, else both bounds;
-    parameter: row of the facts."""
+    """The interval of a parameter as text: `± 1 %` of its nominal value (of angles `± 2°`) if that
+    is the middle, else both bounds. parameter: dict with lower, nominal, upper and units
+    (`facts_of`)."""
     nominal, units = parameter["nominal"], parameter["units"]
     minus, plus = nominal - parameter["lower"], parameter["upper"] - nominal
     if abs(plus - minus) < 1e-6 * abs(nominal):
@@ -152,17 +155,16 @@ def spread(parameter: Mapping[str, Any]) -> str:
 
 
 def escaped(text: str, code: str = "") -> str:
-    """A text from outside as one line that Markdown and terminals show unchanged.
-
-    code: characters that are not escaped.
-    """
+    """A text from outside, such as a name, as one line that Markdown and terminals show unchanged;
+    code: characters not to escape, such as a backtick."""
     line = "".join(sign for sign in " ".join(text.split()) if sign.isprintable())
     return line.translate({ord(sign): f"\\{sign}" for sign in "|<>`*[]\\&~$" if sign not in code})
 
 
 def unbroken(text: str, units: Iterable[str]) -> str:
-    """A text with no-break spaces between numbers and their units, signs, powers of ten or names.
-    units: spellings such as `m/s`, besides seconds, radians and per cent."""
+    """Replace spaces of a text by no-break spaces between numbers and their units, signs, powers of
+    ten or names (`k = 2`). units: spellings such as `m/s`, besides those of seconds, radians, per
+    cent."""
     pattern = "|".join(sorted(map(re.escape, {*units, "s", "rad", "%"}), key=len, reverse=True))
     text = re.sub(rf"(?<=[\d⁰-⁹]) (?=(?:{pattern})(?!\w))", _NO_BREAK, text)
     for unit in units:
@@ -173,16 +175,16 @@ def unbroken(text: str, units: Iterable[str]) -> str:
 
 
 def coded(text: str, units: Iterable[str] = ()) -> Any:
-    """A sentence as HTML in which keys of a config, between backticks, are code, and no line is
-    broken between a number and its unit. units: spellings such as `m/s`, as for `unbroken`."""
+    """A sentence as HTML (`markupsafe.Markup`): escaped, what stands between backticks as `<code>`,
+    and no-break spaces between numbers and units. units: spellings such as `m/s`."""
     from markupsafe import Markup, escape
 
     return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", unbroken(str(escape(text)), units)))
 
 
 def position(row: Mapping[str, Any], time: float) -> str:
-    """A time (s) as text, or the position along the abscissa of a response that does not lie over
-    time; row: of the response."""
+    """A time (s) as text with unit, or for a response over another axis, such as a hinge's opening,
+    the value of that axis then. row: the response's dict in the facts (`facts_of`)."""
     if axis := row.get("along"):
         length = axis["last"] - axis["first"]
         return quantity(axis["first"] + length * time / axis["duration"], axis["unit"], 4)
@@ -199,7 +201,7 @@ def duration_text(seconds: float) -> str:
 
 
 def size_text(size: float) -> str:
-    """A number of bytes as text: `5.5 MB`."""
+    """A number of bytes as text in kB, MB or GB: `5.5 MB`."""
     for unit in ("kB", "MB"):
         size /= 1000
         if size < 1000:

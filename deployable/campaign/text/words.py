@@ -11,8 +11,9 @@ if TYPE_CHECKING:
 
 
 def words_of(quantity: Quantity) -> dict[str, str]:
-    """A quantity in words: `event`, a sentence of what must happen for it to exist, and `words`,
-    what it is, for example `L latches` and `speed of the tip when L latches`."""
+    """Describe a quantity in two texts: `event`, what must happen for it to exist (`L latches`),
+    and `words`, what it is (`speed of the tip when L latches`). quantity: a
+    `fpm.reading.quantities.Quantity`."""
     from fpm.reading.quantities import Quantity
 
     name = quantity.response.long_name if quantity.response else ""

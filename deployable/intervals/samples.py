@@ -127,7 +127,8 @@ class Samples:
         return self.source["response_ratio"].values[self.rows] > 0
 
     def read(self, runs: slice) -> np.ndarray:
-        """Responses (r, n, T), as they are stored, of the r runs in a slice, to save memory."""
+        """Responses (r, n, T) of the r runs in a slice, in the precision of the file; only these are
+        read into memory."""
         whole = self.rows == list(range(self.source.sizes["response"]))
         return self.source["values"][runs, slice(None) if whole else self.rows].values
 

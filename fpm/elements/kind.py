@@ -159,7 +159,8 @@ class ElementType:
         return words.format(called=self.called, title=title)
 
     def title(self, scene: SceneData) -> str:
-        """What a message calls this element, as "latch A"; scene: where its hinge has the name."""
+        """What a message calls this element: here the word of its type, `called`; types override it
+        to add a name, as "latch A", from the scene that holds the element."""
         return self.called
 
     def unit_in(self, scene: SceneData, unit: str) -> str:

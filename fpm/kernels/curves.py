@@ -25,7 +25,8 @@ def curve_value(world, curve, t):
 @kernel
 def bend_after(world, curve, t):
     """Return how long after time t (s) the next point of a curve follows (s); infinite where none
-    does. world: solver state with all curves (World); curve: index, -1: no point."""
+    does, as the rate of what follows the curve jumps there. world: solver state with all curves
+    (World); curve: index, -1: the curve that is 1 at all times, which has no points."""
     if curve >= 0:
         for k in range(world.curve_start[curve], world.curve_start[curve + 1]):
             if world.curve_time[k] > t:

@@ -176,8 +176,8 @@ class Experiment:
     @classmethod
     def of_results(cls, data: Mapping) -> Experiment:
         """Make the experiment from `data`, its nested dicts in a result file, which may come from
-        anybody: names, after which files are called, and limits are checked. Raises
-        `HeldConfigError`."""
+        anybody: names, after which files are called, and the allowed ranges of the solver's and the
+        design's numbers are checked. Raises `HeldConfigError`."""
         try:
             experiment = from_data(cls, data)
             names = [*experiment.responses, *experiment.quantities]

@@ -75,7 +75,9 @@ machines must find as many batches."""
 
 def batch_count(campaign: Campaign, runs: int) -> int:
     """Return into how many batches, one for each job, `runs` runs are divided: by `jobs.minutes` of
-    the config, else by `jobs.runs_per_job`, or if that is `auto` by the number of cores."""
+    the config, else by `jobs.runs_per_job`; if that is `auto`, one for each 512 runs, but at most
+    the largest of 8, the number of cores, and one for each 4,096 runs up to 64; above the number of
+    cores, rounded down to a multiple of it."""
     if campaign.jobs.minutes:
         return -(-runs // runs_in_job(campaign))
     if campaign.jobs.runs_per_job != "auto":

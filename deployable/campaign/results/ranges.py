@@ -78,8 +78,9 @@ class FittedRuns(NamedTuple):
 
 
 def runs_of(folder: Folder) -> FittedRuns:
-    """Read the runs that surrogates of quantities are fitted to, from `samples.nc` and `further.nc`
-    (runs that answers added) of a campaign's folder."""
+    """Read the runs that surrogates of quantities are fitted to, from the folder of a campaign: those
+    of the design in `samples.nc` and those of the search for bounds in `further.nc`, which must both
+    exist."""
     with open_netcdf(folder.samples) as file:
         numbers = file["quantities"][:]
         rows = fitted_rows(numbers)

@@ -73,7 +73,8 @@ class RootFunction:
 
     @property
     def trend(self) -> RootFunction:
-        """Copy without the kriging correction that brings a polynomial to single runs."""
+        """Copy without the kriging correction that brings a polynomial to single runs, for comparing
+        parts of the box; a fit without it is copied as it is."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
     def formula(self) -> Formula:
@@ -131,7 +132,8 @@ class Fit:
 
     @property
     def trend(self) -> Fit:
-        """Copy without the kriging correction that brings a polynomial to single runs."""
+        """Copy without the kriging correction that brings a polynomial to single runs, for comparing
+        parts of the box; a fit without it is copied as it is."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:

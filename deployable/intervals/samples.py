@@ -127,7 +127,7 @@ class Samples:
         return self.source["response_ratio"].values[self.rows] > 0
 
     def read(self, runs: slice) -> np.ndarray:
-        """Responses (r, n, T) of the r runs in a slice, in the precision of the file; only these are
+        """Responses (r, n, T) of the r runs in a slice, in the precision of the file; no others are
         read into memory."""
         whole = self.rows == list(range(self.source.sizes["response"]))
         return self.source["values"][runs, slice(None) if whole else self.rows].values

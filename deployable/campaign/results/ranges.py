@@ -78,9 +78,8 @@ class FittedRuns(NamedTuple):
 
 
 def runs_of(folder: Folder) -> FittedRuns:
-    """Read the runs that surrogates of quantities are fitted to, from the folder of a campaign: those
-    of the design in `samples.nc` and those of the search for bounds in `further.nc`, which must both
-    exist."""
+    """Read the runs that surrogates of quantities are fitted to, from a campaign's folder: those of
+    the design (`samples.nc`) and of the search for bounds (`further.nc`), which must both exist."""
     with open_netcdf(folder.samples) as file:
         numbers = file["quantities"][:]
         rows = fitted_rows(numbers)

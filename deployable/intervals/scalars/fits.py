@@ -73,8 +73,8 @@ class RootFunction:
 
     @property
     def trend(self) -> RootFunction:
-        """Copy without the kriging correction that brings a polynomial to single runs, for comparing
-        parts of the box; a fit without it is copied as it is."""
+        """Copy without the kriging correction that brings a polynomial to single runs, to compare
+        parts of the box; a copy of what has none."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
     def formula(self) -> Formula:
@@ -132,8 +132,8 @@ class Fit:
 
     @property
     def trend(self) -> Fit:
-        """Copy without the kriging correction that brings a polynomial to single runs, for comparing
-        parts of the box; a fit without it is copied as it is."""
+        """Copy without the kriging correction that brings a polynomial to single runs, to compare
+        parts of the box; a copy of what has none."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:

@@ -466,7 +466,7 @@ def test_parts_at_the_worst_place_add_up_to_the_margin():
 
 def test_a_margin_is_told_to_four_digits_and_what_it_is_of_to_six():
     (budget,) = budgets_of(sheets.facts_of(margins={"m_least": margin(
-        budget={"opening": 1.23456789, "margin": 2 / 3, "drives": 1.0000012, "required": 2 / 3,
+        budget={"opening": 1.23456789, "margin": 2 / 3, "drives": 1.0000012, "requirement": 2 / 3,
                 "rows": [
             {"part": "s", "class_": "S", "moment": 1.23456789, "factor": 1.0, "weighted": 2 / 3},
         ]})}))  # fmt: skip

@@ -162,7 +162,7 @@ def budgets_of(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
         ]  # fmt: skip
         place = numbers.place(margin["at"], facts["parameters"])
         drives, minimum = (numbers.quantity(budget[key], unit, 6) for key in
-                            ("drives", "required"))  # fmt: skip
+                            ("drives", "requirement"))  # fmt: skip
         budgets.append({
             "title": f"{name}: {edition_of(margin['standard'])}, {margin['evidence']}, "
                      + f"own factors {', '.join(margin['own'])}, " * bool(margin["own"]) + "at "

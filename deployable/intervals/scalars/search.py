@@ -30,6 +30,7 @@ NEAREST = 1e-6
 _CANDIDATES, _CLOUD = 1024, 96
 _CLOUD_SIZES = (1.0, 0.3, 0.1, 0.03, 0.01, 1e-3, 1e-4)  # about the extreme run
 _INFILL, _SECTIONS = 3, 3  # runs of one iteration by confidence, and towards a limit-state surface
+_WORTH = 10.0  # times the tolerance: a gain by confidence, which may be none, that is worth runs
 _TRUSTED = 3.0  # times its error: so far the surrogate must exceed all runs to be a bound
 
 
@@ -106,10 +107,13 @@ def _estimate(
     gain = max(float(gains.max(initial=0.0)), excess)
     is_predicted = excess > max(_TRUSTED * error, tolerance)
     points = [peak] if excess > tolerance else []
-    if gain > tolerance and not is_predicted:
+    worth = _WORTH * tolerance
+    if gain > worth and not is_predicted:
         points += [*_sections(surrogate.occurrence, argument)]
-        points += _spaced(surrogate.occurrence.points, candidates[gains > tolerance])
+        points += _spaced(surrogate.occurrence.points, candidates[gains > worth])
     unit_points = np.array(points).reshape(-1, len(argument))
+    if sign > 0 and surrogate.is_censored:
+        return BoundEstimate(surrogate.latest, 0.0, unit_points[: int(excess > tolerance)])
     if is_predicted:
         return BoundEstimate(end, max(error, gain - excess), unit_points)
     return BoundEstimate(value, gain, unit_points)

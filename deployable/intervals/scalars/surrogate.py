@@ -148,9 +148,10 @@ class ScalarSurrogate:
         return self if self.fit is None else replace(self, fit=self.fit.trend)
 
     @property
-    def physical_bounds(self) -> tuple[float, float]:
-        """Least and largest value that the quantity can have, infinite where nothing limits it."""
-        return self.least, self.latest
+    def is_censored(self) -> bool:
+        """Whether the quantity is a time that in a part of the box comes after the runs have ended,
+        so that its largest value within them is `latest`."""
+        return isinstance(self.occurrence, FittedOccurrence) and self.occurrence.latest is not None
 
     def predict(self, unit: np.ndarray) -> np.ndarray:
         """Values (P) of the fit at points `unit` (P, k) in [-1, 1]^k, clipped to the physical

@@ -50,7 +50,7 @@ def of_margin(name):
 
 def margin(name="m", **more):
     """What a margin is by: of a hinge `h` that is led all its way, by the standard."""
-    budget = {"opening": 1.5, "margin": 0.25, "drives": 0.75, "required": 0.6, "rows": [
+    budget = {"opening": 1.5, "margin": 0.25, "drives": 0.75, "requirement": 0.6, "rows": [
         {"part": "torsion spring h", "class_": "S", "moment": 0.9375, "factor": 0.8,
          "weighted": 0.75},
         {"part": "friction h", "class_": "FR", "moment": -0.1, "factor": 6.0, "weighted": -0.6},

@@ -484,7 +484,7 @@ def test_of_runs_that_start_apart_the_positions_are_told_to_be_the_nominal_ones(
 
 def test_a_margin_at_its_cap_is_no_quotient():
     (budget,) = budgets_of(sheets.facts_of(margins={"m_least": margin(
-        budget={"opening": 0.0, "margin": 99.0, "drives": 0.5, "required": 0.001, "rows": []}
+        budget={"opening": 0.0, "margin": 99.0, "drives": 0.5, "requirement": 0.001, "rows": []}
     )}))  # fmt: skip
     assert budget["sum"].endswith("T/Tmin − 1 is 99 or more, and counts as 99.")
 

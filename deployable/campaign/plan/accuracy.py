@@ -8,10 +8,10 @@ decided by `decide`; here results become its arguments and its decision a plan.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -55,7 +55,8 @@ def next_plan(
     """
     target, base, state = experiment.accuracy, plan.experiment, plan.adaptive
     with open_dataset(samples_path) as samples, open_dataset(bounds_path) as bounds:
-        shares, free = _shares(plan, samples, bounds), base.solver.step == "auto"
+        quantities = _estimate_quantities(base, samples)
+        shares, free = _shares(plan, bounds, quantities), base.solver.step == "auto"
         standing = _standing(plan, shares, free)
         cost, decision = standing.cost, standing.decide()
         whole = max((sum(parts.values()) for parts in shares.values()), default=0.0)
@@ -70,7 +71,9 @@ def next_plan(
         points = list(state.points)
         if decision.action == "runs":
             pursued = [errors.name for errors in standing.pursued]
-            points += _places(base, samples, pursued, cost.next_runs, len(rounds)).tolist()
+            unmet = [estimate for name, estimate in quantities.items() if name in pursued]
+            new = _places(base, samples, pursued, cost.next_runs, len(rounds), unmet)
+            points += new.tolist()
     refined = base
     if decision.action == "mesh":
         parameters = {**base.scene.parameters, target.mesh: 2 * cost.elements}
@@ -116,7 +119,42 @@ def _has_mesh(experiment: Experiment) -> bool:
     return experiment.scene_type.mesh is not None
 
 
-def _shares(plan: Plan, samples: Any, bounds: Any) -> dict[str, dict[str, float]]:
+class _QuantityEstimate(NamedTuple):
+    """The surrogate of a quantity, and estimates of its bounds, none where no run has it."""
+
+    surrogate: ScalarSurrogate
+    bounds: tuple[BoundEstimate, ...]
+
+    def relative_error(self) -> tuple[float, float]:
+        """The error of the bounds by the surrogate as a share of their width, and the width; 0
+        where no run has the quantity, or all the same."""
+        if not self.bounds:
+            return 0.0, 0.0
+        width = self.bounds[1].value - self.bounds[0].value
+        if not width > 0:
+            return 0.0, 0.0
+        error = max(self.surrogate.usual_error, *(estimate.error for estimate in self.bounds))
+        return float(min(error / width, 1e6)), float(width)
+
+
+def _estimate_quantities(experiment: Experiment, samples: Any) -> dict[str, _QuantityEstimate]:
+    """Surrogates and bounds of all quantities by name, from the runs so far."""
+    if not experiment.quantities:
+        return {}
+    unit, numbers = samples["normalized"].values, samples["quantities"].values
+    margins = margins_of_samples(experiment, samples, np.arange(len(unit)))
+    estimates = {}
+    for quantity, values, margin in zip(experiment.numbers, numbers.T, margins.T, strict=True):
+        end = experiment.solver.duration if quantity.is_time else None
+        surrogate = fit_scalar(unit, values, end, quantity.least, margin)
+        bounds = estimate_bounds(surrogate, unit, values)
+        estimates[quantity.name] = _QuantityEstimate(surrogate, bounds)
+    return estimates
+
+
+def _shares(
+    plan: Plan, bounds: Any, quantities: Mapping[str, _QuantityEstimate]
+) -> dict[str, dict[str, float]]:
     """The errors of all responses and quantities by part, as shares of their widths.
 
     Of step and mesh what the last check of the same mesh and step found; nothing where there was
@@ -132,7 +170,7 @@ def _shares(plan: Plan, samples: Any, bounds: Any) -> dict[str, dict[str, float]
         new = {"surrogate": float(surrogate)}
         errors[name] = _parts(previous.get(name, {}), new, row, "share_{}", 1.0)
     for i, name in enumerate(plan.experiment.quantities):
-        surrogate, width = _quantity(plan.experiment, samples, i)
+        surrogate, width = quantities[name].relative_error()
         row = bounds.isel(quantity=i) if "quantity" in bounds.dims else {}
         new = {"surrogate": surrogate}
         errors[name] = _parts(previous.get(name, {}), new, row, "quantity_error_{}", width)
@@ -148,31 +186,6 @@ def _parts(previous: Mapping, new: dict, row: Any, name: str, width: float) -> d
         elif part in previous:
             new[part] = previous[part]
     return new
-
-
-def _quantity(experiment: Experiment, samples: Any, i: int) -> tuple[float, float]:
-    """The error of the bounds of quantity `i` by the surrogate as a share of their width, and the
-    width; 0 where no run has the quantity, or all the same."""
-    surrogate, estimates = _bounds(experiment, samples, i)
-    if not estimates:
-        return 0.0, 0.0
-    width = estimates[1].value - estimates[0].value
-    if not width > 0:
-        return 0.0, 0.0
-    error = max(surrogate.usual_error, *(estimate.error for estimate in estimates))
-    return float(min(error / width, 1e6)), float(width)
-
-
-def _bounds(
-    experiment: Experiment, samples: Any, i: int
-) -> tuple[ScalarSurrogate, tuple[BoundEstimate, ...]]:
-    """The surrogate of quantity `i` and estimates of its bounds, none where no run has it."""
-    quantity = experiment.numbers[i]
-    end = experiment.solver.duration if quantity.is_time else None
-    unit, values = samples["normalized"].values, samples["quantities"].values[:, i]
-    margins = margins_of_samples(experiment, samples, np.arange(len(unit)))[:, i]
-    surrogate = fit_scalar(unit, values, end, quantity.least, margins)
-    return surrogate, estimate_bounds(surrogate, unit, values)
 
 
 def _standing(plan: Plan, shares: Mapping, step_is_free: bool = True) -> Standing:
@@ -219,10 +232,16 @@ def _whole(runs: int) -> int:
 
 
 def _places(
-    experiment: Experiment, samples: Any, unmet: list[str], count: int, seed: int
+    experiment: Experiment,
+    samples: Any,
+    unmet: list[str],
+    count: int,
+    seed: int,
+    quantities: Sequence[_QuantityEstimate] = (),
 ) -> np.ndarray:
-    """Unit points (n, k) of the next `count` runs: where unmet quantities have their ends and
-    where the spline promises wider bounds of unmet responses; the rest is spread."""
+    """Unit points (n, k) of the next `count` runs: where bounds of unmet quantities may still be
+    extended, about their limit-state surfaces, and where the spline predicts wider bounds of unmet
+    responses; the rest is spread."""
     unit, free = samples["normalized"].values, experiment.box.free
     points: list[np.ndarray] = []
 
@@ -232,12 +251,10 @@ def _places(
             if len(points) < count and np.linalg.norm(existing - point, axis=1).min() > least:
                 points.append(np.asarray(point, dtype=float))
 
-    for i, name in enumerate(experiment.quantities):
-        if name in unmet:
-            surrogate, estimates = _bounds(experiment, samples, i)
-            for estimate in estimates:
-                take(estimate.points, NEAREST)
-            take(surrogate.occurrence.infill_points(LANES), NEAREST)
+    for surrogate, estimates in quantities:
+        for estimate in estimates:
+            take(estimate.points, NEAREST)
+        take(surrogate.occurrence.infill_points(LANES), NEAREST)
     spacing = 2.0 * len(unit) ** (-1.0 / max(int(free.sum()), 1))
     if rows := [i for i, name in enumerate(experiment.responses) if name in unmet]:
         values = samples["values"].values[:, rows].astype(float)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import comb
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -19,9 +18,6 @@ from ..estimates import usual
 from ..formula import Formula, polynomial
 from ..spline_equations import distinct
 from ..splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
-
-if TYPE_CHECKING:
-    from .occurrence import Occurrence
 
 _LEAST_RUNS = 4  # below them one more coordinate is not tested
 _HIGHEST = 12  # degree of a polynomial
@@ -58,17 +54,17 @@ class RootFunction:
     where an event occurs and 0 on the border of that part of the box: its time ends there like a
     root.
 
-    function: of k + 1 coordinates, the last one 2 sqrt(margin / scale) - 1; margin: occurrence
-    whose `certainty` is the event margin (P) at points (P, k); scale: largest event margin.
+    function: of k + 1 coordinates, the last one 2 sqrt(margin / scale) - 1; margin: fit
+    that gives the event margin (P) at points (P, k); scale: largest event margin.
     """
 
     function: Surrogate | Spline | Kriging
-    margin: Occurrence
+    margin: Fit
     scale: float
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
         """Values (P, 1) at points `unit` (P, k) in [-1, 1]^k; margins below 0 count as 0."""
-        roots = root_coordinates(self.margin.certainty(unit), self.scale)
+        roots = root_coordinates(self.margin.evaluate(unit), self.scale)
         return self.function.evaluate(np.column_stack([unit, roots]))
 
     @property
@@ -89,16 +85,16 @@ def root_coordinates(margins: np.ndarray, scale: float) -> np.ndarray:
 
 
 def root_fit(
-    points: np.ndarray, values: np.ndarray, occurrence: Occurrence, margins: np.ndarray
+    points: np.ndarray, values: np.ndarray, margin: Fit, margins: np.ndarray
 ) -> Fit | None:
     """The best fit to values (N) of runs at `points` (N, k) in [-1, 1]^k as a function of the
     points and of the roots of event margins, positive at the runs (N); None where none is, or for
-    too few runs. occurrence: gives the event margin at other points."""
+    too few runs. margin: gives the event margin at other points."""
     scale = float(margins.max(initial=0.0))
     if not scale > 0 or len(values) <= _LEAST_RUNS:
         return None
     fit = best_fit(np.column_stack([points, root_coordinates(margins, scale)]), values)
-    function = RootFunction(fit.function, occurrence, scale)
+    function = RootFunction(fit.function, margin, scale)
     return replace(fit, points=fit.points[:, :-1], kind=f"{fit.kind}, with the root of its margin",
                    function=function)  # fmt: skip
 

@@ -117,8 +117,9 @@ class Occurrence:
         spread = spread_points(self._free, _CANDIDATES)
         spread[:, ~self._free] = self.points[0, ~self._free]
         spread = np.concatenate([spread, self.points])
-        certain = self.certainty(spread) / self._scale
-        highs, lows = spread[certain > max(levels)], spread[certain < min(levels)]
+        certain = self.certainty(spread)
+        highs = spread[certain > max(levels) * self._scale]
+        lows = spread[certain < min(levels) * self._scale]
         if not len(highs) or not len(lows):
             return spread[:0]
         lows, border_points = lows[scipy.spatial.cKDTree(lows).query(highs)[1]], []

@@ -180,6 +180,18 @@ class ScalarSurrogate:
         """Range attained by the surrogate over the part of the box from `lower` to `upper` (k each,
         in [-1, 1]), by default the whole; NaN without values. options: `climbs`, number of best
         points from which a search goes on (`extreme`)."""
+        if lower is None and upper is None and not options:
+            return self._whole_range
+        return self._search_range(lower, upper, **options)
+
+    @cached_property
+    def _whole_range(self) -> Extremes:
+        """The range over the whole box, which bounds, their errors and influences all ask for."""
+        return self._search_range(None, None)
+
+    def _search_range(
+        self, lower: np.ndarray | None, upper: np.ndarray | None, **options: int
+    ) -> Extremes:
         lower, upper = self._part(lower, upper)
         return extremes(self.evaluate, lower, upper, self._trial_points, **options)
 
@@ -250,7 +262,7 @@ def fit_scalar(
         fit = replace(fit, left_out=np.full(1, np.inf))
     occurrence = _occurrence(points, happens, fit, latest, margin)
     if isinstance(occurrence, FittedOccurrence) and occurrence.latest is None:
-        edge_fit = root_fit(points[happens], values[happens], occurrence, margin[happens])
+        edge_fit = root_fit(points[happens], values[happens], occurrence.fit, margin[happens])
         if edge_fit is not None and edge_fit.mean_error < fit.mean_error:
             fit = edge_fit
     return ScalarSurrogate(

@@ -28,8 +28,14 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class Material:
-    """Linear elastic isotropic material. E: Young's modulus (Pa), above 0; nu: Poisson's ratio, -1
-    < nu <= 0.5; rho: density (kg/m³), above 0; SceneError if not so."""
+    """Linear elastic isotropic material; SceneError if an attribute is not as said.
+
+    Attributes
+    ----------
+    E: Young's modulus (Pa), above 0.
+    nu: Poisson's ratio, -1 < nu <= 0.5.
+    rho: density (kg/m³), above 0.
+    """
 
     E: float
     nu: float
@@ -51,9 +57,16 @@ class Material:
 
 @dataclass(frozen=True)
 class Section:
-    """Cross-section of a bar. A: area (m²); Iy, Iz: second moments of area ∫z² dA and ∫y² dA (m⁴);
-    J: torsion constant (m⁴); outline: contour, for stresses (fpm/reading/stress.py): "rectangle",
-    "round", or "" if unknown; width, height: of the contour along the local y and z axes (m)."""
+    """Cross-section of a bar.
+
+    Attributes
+    ----------
+    A: area (m²).
+    Iy, Iz: second moments of area ∫z² dA and ∫y² dA (m⁴).
+    J: torsion constant (m⁴).
+    outline: contour, for stresses (fpm/reading/stress.py): "rectangle", "round", or "" if unknown.
+    width, height: of the contour along the local y and z axes (m).
+    """
 
     A: float
     Iy: float

@@ -1,5 +1,7 @@
 """Numbers of runs over the box, on functions whose answers are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,8 @@ from deployable.intervals.scalars import (
     fit_scalar,
     influence,
     largest_share,
+    safe_range,
+    safest_choice,
     share_of_box,
     share_reaching,
     sub_box,
@@ -289,7 +293,8 @@ def test_the_worst_and_the_best_place_lie_in_the_part_that_is_asked(kind, level)
 def test_the_best_choice_of_a_stiffness_is_that_of_the_closed_form():
     """Opening in at least a time, with the stiffness known to 5 %, as soon as may be at the latest.
 
-    t = c / sqrt(k); the earliest, at 1.05 k, must not be before 1.8: k = (c / 1.8)² / 1.05.
+    t = c / sqrt(k); the earliest, at 1.05 k, must not be before 1.8 by the error of the fit:
+    k = (c / (1.8 + error))² / 1.05.
     """
     low, high, c = 0.05 * 0.95, 0.2 * 1.05, 0.6
     points = runs(1, order=16, held_out=4)
@@ -302,10 +307,11 @@ def test_the_best_choice_of_a_stiffness_is_that_of_the_closed_form():
 
     limits = [Limit(surrogate, "at_least", 1.8)]
     best, grid = best_choice([Goal(surrogate, "upper")], limits, [(0.05, 0.2)], box)
-    exact = (c / 1.8) ** 2 / 1.05
-    assert best.is_allowed
+    exact = (c / (1.8 + surrogate.error)) ** 2 / 1.05
+    assert best.is_safe and surrogate.error < 1e-4
     assert best.values[0] == pytest.approx(exact, rel=1e-6)
-    assert best.goals[0] == pytest.approx(1.8 * np.sqrt(1.05 / 0.95), rel=1e-6)
+    latest = (1.8 + surrogate.error) * np.sqrt(1.05 / 0.95)
+    assert best.goals[0] == pytest.approx(latest, rel=1e-6)
     assert len(grid) == 33
     # A window that no choice can keep: the one that breaks it least is in its middle.
     limits = [Limit(surrogate, "at_least", 1.8), Limit(surrogate, "at_most", 1.85)]
@@ -314,6 +320,29 @@ def test_the_best_choice_of_a_stiffness_is_that_of_the_closed_form():
     # c / sqrt(1.05 k) - 1.8 = 1.85 - c / sqrt(0.95 k)
     exact = (c * (1.05**-0.5 + 0.95**-0.5) / 3.65) ** 2
     assert best.values[0] == pytest.approx(exact, rel=1e-4)
+
+
+@pytest.mark.parametrize(("error", "is_safe"), [(0.05, True), (0.2, False)])
+def test_a_choice_keeps_its_limits_by_their_errors_where_one_can(error, is_safe):
+    """q = x, known to 0.1, from 0 to 0.4: the lowest choice that keeps the error is 0.1 + error."""
+    points = runs(1, order=4, held_out=2)
+    surrogate = fit_scalar(points, (points[:, 0] + 1) / 2)
+    surrogate = replace(surrogate, fit=replace(surrogate.fit, left_out=np.full(1, error)))
+    limits = [Limit(surrogate, "at_least", 0.0), Limit(surrogate, "at_most", 0.4)]
+    goals, ends = [Goal(surrogate, "upper")], [(0.0, 1.0)]
+
+    def box(choice):
+        return 2 * (choice - 0.1) - 1, 2 * (choice + 0.1) - 1
+
+    best, trials = best_choice(goals, limits, ends, box)
+    assert best.is_allowed and best.is_safe == is_safe
+    # Where none keeps the error, the one in the middle is farthest from both limits.
+    assert best.values[0] == pytest.approx(0.1 + error if is_safe else 0.2, abs=1e-4)
+    safest = safest_choice(trials, goals, limits, ends, box)
+    assert safest.values[0] == pytest.approx(0.2, abs=1e-4)
+    if is_safe:
+        low, high = safe_range(best, 0, limits, ends[0], box)
+        assert [low, high] == pytest.approx([0.1 + error, 0.3 - error], abs=1e-3)
 
 
 def test_a_box_shrinks_towards_its_nominal_point():

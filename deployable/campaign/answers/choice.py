@@ -1,11 +1,15 @@
 """The best choice of nominal values, judged by the worst case about each, `choice.json`.
 
-    parameters   [{name, units, lower, upper, value, decides}]: the range, the best choice, and
-                 whether choices that differ in it differ in what decides by more than the error
+    parameters   [{name, units, lower, upper, value, decides, safe, safest}]: the range, the best
+                 choice, and whether choices that differ in it differ in what decides by more than
+                 the error; `safe`, the range about the choice in which all requirements are kept by
+                 their errors, and `safest`, the choice whose margins are the most times these
+                 errors; both without requirements of a level, or where none is kept so, null
     kept         whether the whole box about the choice keeps all requirements
+    safe         whether it keeps them by their estimated errors or more
     goals        [{end, quantity, units, sense, value, at, simulated}] of the choice; of a width
                  `at` is where the upper end is, `lower_at` where the lower, `simulated` the width
-    limits       [{requirement, quantity, units, kind, level, margin, at, simulated}] of the choice
+    limits       [{requirement, quantity, units, kind, level, margin, error, at, simulated}] of it
     tried        [{values, goals, kept}]: choices of a grid, for the trade-off
     runs         how many runs it took, over choices and intervals
     simulated    how many of them were simulated in the last call
@@ -59,16 +63,20 @@ def answer(
     model.add(design)
     specs = list_limits(requirements, list(experiment.quantities))
     for iteration in range(verify.max_iterations + 1):
-        best, trials = _best(model, base_plan.experiment, choose, specs)
+        best, safest, safe_ranges, trials = _best(model, base_plan.experiment, choose, specs)
         points = [*np.concatenate(best.goal_points), *best.worst, *doubted(best, trials, choose)]
+        points += [] if safest is None else [*safest.worst]
         points = [point for point in points if model.nearest(point)[1] > SAME_POINT]
         if iteration == verify.max_iterations or not points:
             break
         model.add(points)
     error = _error(model, base_plan.experiment, choose, specs, best.is_allowed)
     choice = {
-        "parameters": _parameters(experiment, choose, best.values, deciding(trials, error)),
+        "parameters": _parameters(
+            experiment, choose, best.values, deciding(trials, error), safe_ranges, safest
+        ),
         "kept": best.is_allowed,
+        "safe": best.is_safe,
         "goals": list(map(partial(_goal, model), choose.goals, best.goals, best.goal_points)),
         "limits": list(map(partial(_limit, model), specs, best.slacks, best.worst)),
         "tried": [
@@ -134,9 +142,11 @@ def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
 
 def _best(
     model: ModelEvaluator, experiment: Experiment, choose: Choose, specs: list[LimitSpec]
-) -> Any:
-    """The best choice, and those that were tried (`intervals.scalars.Choice`)."""
-    from deployable.intervals.scalars import Goal, Limit, best_choice
+) -> tuple[Any, Any, list, list]:
+    """The best choice and the safest (`intervals.scalars.Choice`), the range of each chosen value
+    that is safe, and the choices that were tried; no safest and no ranges where none is safe, or
+    nothing limits a number."""
+    from deployable.intervals.scalars import Goal, Limit, best_choice, safe_range, safest_choice
 
     surrogates, box = [s.trend for s in model.surrogates()], model.experiment.box
     names = list(model.experiment.quantities)
@@ -150,7 +160,13 @@ def _best(
         lower, upper = box.to_unit(np.array([sorted(ends[name]) for name in box.names]).T)
         return np.clip(lower, -1.0, 1.0), np.clip(upper, -1.0, 1.0)
 
-    return best_choice(goals, limits, list(choose.parameters.values()), subbox)
+    ends = list(choose.parameters.values())
+    best, trials = best_choice(goals, limits, ends, subbox)
+    if not best.is_safe or not np.isfinite(best.safety):
+        return best, None, [], trials
+    safest = safest_choice(trials, goals, limits, ends, subbox)
+    ranges = [safe_range(best, i, limits, pair, subbox) for i, pair in enumerate(ends)]
+    return best, safest, ranges, trials
 
 
 def _error(
@@ -195,15 +211,21 @@ def deciding(trials: Sequence[Any], error: float) -> list[bool]:
 
 
 def _parameters(
-    experiment: Experiment, choose: Choose, values: np.ndarray, decides: Sequence[bool]
+    experiment: Experiment,
+    choose: Choose,
+    values: np.ndarray,
+    decides: Sequence[bool],
+    safe_ranges: Sequence[tuple[float, float]],
+    safest: Any,
 ) -> list[dict]:
-    table = experiment.scene_type.parameters
-    return [
-        {"name": name, "units": table[name].unit, "lower": low, "upper": high, "value": float(v),
-         "decides": flag}
-        for (name, (low, high)), v, flag in zip(
-            choose.parameters.items(), values, decides, strict=True)
-    ]  # fmt: skip
+    table, rows = experiment.scene_type.parameters, []
+    for i, (name, (low, high)) in enumerate(choose.parameters.items()):
+        row = {"name": name, "units": table[name].unit, "lower": low, "upper": high}
+        row |= {"value": float(values[i]), "decides": decides[i], "safe": None, "safest": None}
+        if safest is not None:
+            row |= {"safe": list(safe_ranges[i]), "safest": float(safest.values[i])}
+        rows.append(row)
+    return rows
 
 
 def _goal(
@@ -223,6 +245,7 @@ def _goal(
 
 
 def _limit(model: ModelEvaluator, spec: LimitSpec, slack: float, point: np.ndarray) -> dict:
-    margin = {"margin": number(slack), "kept": bool(slack >= 0)}
+    error = None if spec.kind == "happens" else number(model.surrogates()[spec.quantity].error)
+    margin = {"margin": number(slack), "error": error, "kept": bool(slack >= 0)}
     description = {"requirement": spec.requirement, **describe_limit(model, spec)}
     return {**description, **margin, **model.describe_point(point, spec.quantity)}

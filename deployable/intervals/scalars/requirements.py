@@ -229,7 +229,8 @@ class Choice:
     """Chosen nominal `values` (c), and how good they are in the worst case over the box about them.
     goals (g): values of the objectives; slack: least margin of all limits, infinite without any;
     slacks (l): of each limit, attained at points `worst` (l, k) in [-1, 1]^k; goal_points: where
-    each objective's bounds are attained, (1, k), of a width (2, k)."""
+    each objective's bounds are attained, (1, k), of a width (2, k); safety: least limit margin over
+    its estimated error, infinite without a limit of a level."""
 
     values: np.ndarray
     goals: np.ndarray
@@ -237,11 +238,17 @@ class Choice:
     slacks: np.ndarray
     worst: np.ndarray
     goal_points: list[np.ndarray]
+    safety: float = np.inf
 
     @property
     def is_allowed(self) -> bool:
         """Whether the whole box about the choice satisfies every limit."""
         return self.slack >= 0
+
+    @property
+    def is_safe(self) -> bool:
+        """Whether the whole box about the choice satisfies every limit by its error or more."""
+        return self.is_allowed and self.safety >= 1
 
 
 def judge(values: np.ndarray, goals: Sequence[Goal], limits: Sequence[Limit], box: BoxOf) -> Choice:
@@ -251,6 +258,9 @@ def judge(values: np.ndarray, goals: Sequence[Goal], limits: Sequence[Limit], bo
     goal_values = [goal.value(lower, upper) for goal in goals]
     limit_values = [limit.worst(lower, upper) for limit in limits]
     slacks = np.array([slack for slack, _ in limit_values])
+    errors = np.array([0.0 if limit.kind == "happens" else limit.error for limit in limits])
+    has_error = np.isfinite(slacks) & ~np.isnan(errors)
+    sizes = np.maximum(errors[has_error], np.finfo(float).tiny)
     return Choice(
         np.asarray(values, dtype=float),
         np.array([value for value, _ in goal_values]),
@@ -258,6 +268,7 @@ def judge(values: np.ndarray, goals: Sequence[Goal], limits: Sequence[Limit], bo
         slacks,
         np.array([point for _, point in limit_values]).reshape(len(limit_values), len(lower)),
         [point for _, point in goal_values],
+        float((slacks[has_error] / sizes).min(initial=np.inf)),
     )
 
 
@@ -267,35 +278,96 @@ def best_choice(
     ranges: Sequence[tuple[float, float]],
     box: BoxOf,
 ) -> tuple[Choice, list[Choice]]:
-    """Choose values that satisfy every limit with the best first objective (robust optimisation),
-    or, if none do, those that violate them least; returned with all choices of the first grid.
+    """Choose values that satisfy every limit by its error with the best first objective (robust
+    optimisation); if none do, those with the largest margins over their errors, or, if no choice
+    satisfies all limits, that violate them least; returned with all choices of the first grid.
 
     ranges: least and largest of each chosen value (c pairs); box(values): lower and upper corner (k
     each, in [-1, 1]) of the box that they leave. Tried are a grid (a Sobol sequence from three
     choices on), then finer and finer grids about the best.
     """
+
+    def rank(choice: Choice) -> tuple[int, float]:
+        if not choice.is_allowed:
+            return 2, -choice.slack
+        value = goals[0].sign * choice.goals[0] if choice.is_safe else -choice.safety
+        return 0 if choice.is_safe else 1, value if np.isfinite(value) else np.inf
+
+    trials = [judge(place, goals, limits, box) for place in _grid_of_choices(ranges)]
+    return _refine_choice(trials, rank, goals, limits, ranges, box), trials
+
+
+def safest_choice(
+    trials: Sequence[Choice],
+    goals: Sequence[Goal],
+    limits: Sequence[Limit],
+    ranges: Sequence[tuple[float, float]],
+    box: BoxOf,
+) -> Choice:
+    """Choose the values whose least limit margin is the most times its error (`Choice.safety`),
+    from the best of `trials` on; goals, limits, ranges, box: as of `best_choice`."""
+
+    def rank(choice: Choice) -> tuple[bool, float]:
+        return not choice.is_allowed, -choice.safety if choice.is_allowed else -choice.slack
+
+    return _refine_choice(trials, rank, goals, limits, ranges, box)
+
+
+def safe_range(
+    best: Choice, index: int, limits: Sequence[Limit], ends: tuple[float, float], box: BoxOf
+) -> tuple[float, float]:
+    """Range of a chosen value, by its index, about that of a safe choice, the others as there, in
+    which all limits are satisfied by their errors; it ends where one is not, or at `ends` of the
+    values that are allowed. A gap narrower than a 16th of the way is not noticed."""
+
+    def is_safe(value: float) -> bool:
+        return judge(np.where(np.arange(len(best.values)) == index, value, best.values), (), limits,
+                     box).is_safe  # fmt: skip
+
+    limits_of_range = []
+    for end in ends:
+        safe_value = best.values[index]
+        for value in np.linspace(safe_value, end, 17)[1:]:
+            if not is_safe(value):
+                for _ in range(10):
+                    middle = (safe_value + value) / 2
+                    safe_value, value = (middle, value) if is_safe(middle) else (safe_value, middle)
+                break
+            safe_value = value
+        limits_of_range.append(float(safe_value))
+    return limits_of_range[0], limits_of_range[1]
+
+
+def _grid_of_choices(ranges: Sequence[tuple[float, float]]) -> np.ndarray:
+    """Values (n, c) to be tried first: a grid, or from three chosen values on a Sobol sequence."""
     ends = np.array(ranges, dtype=float)
     wide = ends[:, 1] > ends[:, 0]
     if len(ends) <= 2:
         count = _GRID if len(ends) == 1 else _ZOOM_GRID + 6
         sizes = [count if free else 1 for free in wide]
         lines = [np.linspace(*end, size) for end, size in zip(ends, sizes, strict=True)]
-        places = np.array(list(itertools.product(*lines)))
-    else:
-        unit = (scan_points(wide, _SPREAD) + 1) / 2
-        places = ends[:, 0] + unit * (ends[:, 1] - ends[:, 0])
+        return np.array(list(itertools.product(*lines)))
+    unit = (scan_points(wide, _SPREAD) + 1) / 2
+    return ends[:, 0] + unit * (ends[:, 1] - ends[:, 0])
 
-    def order(choice: Choice) -> tuple[bool, float]:
-        value = goals[0].sign * choice.goals[0] if choice.is_allowed else -choice.slack
-        return not choice.is_allowed, value if np.isfinite(value) else np.inf
 
-    first = [judge(place, goals, limits, box) for place in places]
-    best = min(first, key=order)
-    reach = (ends[:, 1] - ends[:, 0]) * (1.5 / len(places) ** (1 / len(ends)))
+def _refine_choice(
+    trials: Sequence[Choice],
+    rank: Callable[[Choice], tuple],
+    goals: Sequence[Goal],
+    limits: Sequence[Limit],
+    ranges: Sequence[tuple[float, float]],
+    box: BoxOf,
+) -> Choice:
+    """The choice of the lowest rank: the best of `trials`, then of finer and finer grids about."""
+    ends = np.array(ranges, dtype=float)
+    wide = ends[:, 1] > ends[:, 0]
+    best = min(trials, key=rank)
+    reach = (ends[:, 1] - ends[:, 0]) * (1.5 / len(trials) ** (1 / len(ends)))
     steps = np.linspace(-1.0, 1.0, _ZOOM_GRID if len(ends) == 1 else 3)
     for _ in range(_ZOOMS):
         for offset in itertools.product(*[steps if free else [0.0] for free in wide]):
             place = np.clip(best.values + reach * offset, ends[:, 0], ends[:, 1])
-            best = min(best, judge(place, goals, limits, box), key=order)
+            best = min(best, judge(place, goals, limits, box), key=rank)
         reach = reach * (0.45 if len(ends) == 1 else 0.6)
-    return best, first
+    return best

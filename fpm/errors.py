@@ -42,8 +42,7 @@ class InstabilityError(RuntimeError):
     largest energy held; `cause`, name of the watched quantity that is too large (None: the balance
     broke); `largest`, values of all watched quantities by name; `words`, cause and remedy in words,
     by the cause; `remedy` of the element where its type knows one and no watched quantity is too
-    large.
-    """
+    large."""
 
     def __init__(
         self, time, element, step, limit, balance, scale, cause=None, largest=None, words=None,

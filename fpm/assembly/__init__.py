@@ -23,8 +23,7 @@ stress adds to H (Gauss and Newton's method) until the last rounds.
 Where U falls from the position that was come to, along a motion that keeps the joints closed, this
 snaps: both sides are followed downhill, and the lower end is taken if they differ.
 
-Springs, cables, gravity and loads act from the start of a run, not before.
-"""
+Springs, cables, gravity and loads act from the start of a run, not before."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -91,8 +90,7 @@ def assemble(scene, hold: Sequence[str] = ()) -> None:
     Positions and frames become those of the assembled structure, scene.assembly the result
     (Assembly). Beams keep the lengths and axes that they had; positions stated later refer to the
     scene before. hold: names of hinges that keep the opening that the scene states. Raises
-    MisfitError where no such position is found.
-    """
+    MisfitError where no such position is found."""
     if not len(scene.position):
         return
     start = ParticlePoses(scene.position.copy(), scene.frame.copy())
@@ -270,8 +268,7 @@ def linearised(
     of all particles; conditions: c of them (Conditions); elastic: Elastic or Unstressed; impulses
     (c,): of the conditions; scales (6n,): size (m), 1 for turns; free: indices of dofs that are not
     held; weight (c,): factors on the conditions; ease: how much masses hold motions back, times the
-    largest mass (N m); None: `share` of the largest stiffness.
-    """
+    largest mass (N m); None: `share` of the largest stiffness."""
     from scipy.sparse import bmat, identity
     from scipy.sparse.linalg import splu
 

@@ -2,8 +2,7 @@
 
 Each is one of three: two points agree along a direction, global or carried by the first particle
 (joints of points, supports, sliders), or a direction of the first is normal to one of the second
-(axes, and openings that are held).
-"""
+(axes, and openings that are held)."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -107,8 +106,7 @@ class Conditions(NamedTuple):
     BODY_FIXED, gap along a direction that is global or fixed to the first particle, or NORMAL, two
     directions at right angles; axis1 (c, 3): the direction; axis2 (c, 3): for NORMAL that on the
     second; arms (c, 2, 3) m: from the particles to the points, in their frames; second (c,): 1, or
-    0 where the point is held at `place` (c, 3) m.
-    """
+    0 where the point is held at `place` (c, 3) m."""
 
     joint: list[str]
     pairs: np.ndarray

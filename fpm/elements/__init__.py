@@ -58,9 +58,8 @@ KINDS: tuple[type[ElementType], ...] = (
     Probe,
 )
 """The registry. The order is that of sums, hence of the last digits: add new kinds at the end,
-before Drive if they act with forces (drives feel them, supports take them out, damping scales
-them, joints and the probe come last).
-"""
+before Drive if they act with forces (drives feel them, supports take them out, damping scales them,
+joints and the probe come last)."""
 
 
 def kinds_of(scenes) -> list[type[ElementType]]:

@@ -1,8 +1,7 @@
 """Scenes of one topology to kernel arrays: numbers of several scenes side by side in SIMD lanes.
 
 Only numbers of the scenes may differ (fpm/solver/pack.py). The last scene fills the lanes that are
-left over; their results are dropped.
-"""
+left over; their results are dropped."""
 
 import math
 from collections import Counter

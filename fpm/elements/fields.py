@@ -1,8 +1,7 @@
 """Fields of elements: units, limits and words of each.
 
 Checks, packing, descriptions of elements and the keys of a structure file follow from these
-(kind.py). A field of a dataclass without a spec is left to its element type.
-"""
+(kind.py). A field of a dataclass without a spec is left to its element type."""
 
 import math
 from collections.abc import Mapping, Sequence

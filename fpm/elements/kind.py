@@ -2,8 +2,7 @@
 
 An element type is a frozen dataclass by which a scene states its elements, one object each (for
 beams, one for a group of elements), and a kernel file (fpm/kernels/hooks.py). Everything has a
-neutral default. `docs/mechanics.md` shows how to add an element type.
-"""
+neutral default. `docs/mechanics.md` shows how to add an element type."""
 
 from collections.abc import Callable, Hashable
 from functools import cache

@@ -3,8 +3,7 @@
 A trajectory has some thirty small variables. To create them through HDF5 takes half as long as to
 simulate the run, and netCDF's own library is no faster in this format; scipy's writer takes little
 longer than to copy the numbers, and its reader notices a file that was cut off. Any netCDF library
-reads these files.
-"""
+reads these files."""
 
 import os
 from collections.abc import Mapping

@@ -63,8 +63,7 @@ class Outcome(Curves):
         between an element's chord and its ends, or of its twist; `strain` at the surface of an
         element; ...).
     final
-        Motion of all particles at the end (Motion).
-    """
+        Motion of all particles at the end (Motion)."""
 
     scene: Scene
     energy_kinds: tuple[Energy, ...]
@@ -105,8 +104,7 @@ class Outcome(Curves):
         attributes : dict, optional
             Further global attributes by name.
         parameters : dict, optional
-            Values and units, (value, unit), of parameters of the run by name.
-        """
+            Values and units, (value, unit), of parameters of the run by name."""
         return to_dataset(self, responses, attributes, parameters)
 
 

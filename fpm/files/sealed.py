@@ -4,8 +4,7 @@ A sealed file ends with a line of facts as JSON: a digest of all the bytes befor
 facts, and what the file is (`name`, and what its writer adds). Readers of netCDF, PNG and PDF
 overlook that line; in Markdown, HTML and SVG it is a comment, in JSON it is the first key. Files
 appear whole or not at all: they are written under a temporary name, which says whose it is, and
-renamed.
-"""
+renamed."""
 
 import hashlib
 import json
@@ -152,8 +151,7 @@ def _with_digest(content, facts: Mapping[str, str]) -> dict[str, str]:
 def _digest(path: Path, size: int):
     """Hash of the first `size` bytes of a file, which may be larger than memory.
 
-    A large one is read once for several checks by one process, as long as it is the same.
-    """
+    A large one is read once for several checks by one process, as long as it is the same."""
     if size < _LARGE:
         return _hash(path, size)
     st = path.stat()

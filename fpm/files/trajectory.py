@@ -3,8 +3,7 @@
 Written in the classic format, which is quick for files of this kind (`fpm.files.classic`); to be
 read by any netCDF library, and by `read_curves`. The format has no empty arrays: a run without
 events has no variables of events. Energies and what else the kinds in a scene record have the names
-that the kinds give them; all others are fixed.
-"""
+that the kinds give them; all others are fixed."""
 
 import os
 from collections.abc import Iterable, Mapping

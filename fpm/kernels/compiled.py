@@ -5,8 +5,7 @@ cache folder is named after a digest of all kernel sources as they were imported
 of kinds from elsewhere with what they import from beside them: an edited kernel never meets old
 code, and what was imported before an edit is not kept under the name of what came after. Every set
 has a folder of its own, so that no kind is needed to load a loop without it, and so has every kind
-of processor, so that machines can share a cache.
-"""
+of processor, so that machines can share a cache."""
 
 import fcntl
 import functools

@@ -4,8 +4,7 @@ A kind's kernel file has a named tuple of its arrays and, for what it does, kern
 `@hook(ItsTuple)` that are named as the hooks below. The loop calls a hook with the tuples of all
 kinds in the scene; when it is compiled, that becomes one call after the other of the kernels there
 are, in the order of the kinds. A kind that a scene lacks, or a hook that a kind lacks, leaves
-nothing behind.
-"""
+nothing behind."""
 
 import functools
 import inspect

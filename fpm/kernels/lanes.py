@@ -1,8 +1,8 @@
 """SIMD lanes as a numba type: one value holds the same quantity of several samples.
 
 A kernel written with lanes reads like scalar code, yet every operation is one LLVM vector
-instruction over all samples of the batch. This does not lean on the auto-vectoriser, which gives
-up silently (on index wrap-around, on alias checks, on large loop bodies).
+instruction over all samples of the batch. This does not lean on the auto-vectoriser, which gives up
+silently (on index wrap-around, on alias checks, on large loop bodies).
 
 A register holds eight ``float64`` or sixteen ``float32`` (512 bits; LLVM splits it on narrower
 machines). The lanes never mix, so a sample's numbers do not depend on which samples run beside it.
@@ -11,9 +11,8 @@ the same bits in every run.
 
 Arrays hold lanes along the last, contiguous axis: ``(rows, fields, WIDTH)``; ``load(a, i, k)``
 reads the lanes ``a[i, k, :]``. With a pair of rows ``(i, j)`` it reads both into a lane type of
-twice the width, and the same code then works on two particles or elements at once: their chains
-of operations interleave, which hides the latency of the arithmetic units.
-"""
+twice the width, and the same code then works on two particles or elements at once: their chains of
+operations interleave, which hides the latency of the arithmetic units."""
 
 import operator
 

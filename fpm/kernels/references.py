@@ -3,8 +3,7 @@
 numba hands a named tuple on field by field, and an array as eleven numbers: a kernel that sees a
 World and a kind's arrays has some four hundred arguments, each named, packed and unpacked wherever
 it is called. By reference they are two. Everything is compiled into one loop in the end, where no
-reference is left.
-"""
+reference is left."""
 
 from numba import types
 from numba.core.cgutils import alloca_once_value, gep_inbounds, unpack_tuple

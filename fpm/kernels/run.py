@@ -1,8 +1,7 @@
 """The time loop: leapfrog steps, recording, and the watch over the energy balance.
 
 Positions stand at whole steps, momenta at half steps (central differences; Verlet 1967). The first
-kick is half a step long, so that the given velocities are those at t = 0.
-"""
+kick is half a step long, so that the given velocities are those at t = 0."""
 
 from fpm.kernels import hooks
 from fpm.kernels.failures import find_failures
@@ -16,8 +15,7 @@ from fpm.kernels.world import StepTime
 
 NORMALISE_EVERY = 16
 """Steps between two corrections of the directors. Rounding changes them, and, where they turn by
-tenths of a radian in a step, the ends of the series; the third as a product adds to that.
-"""
+tenths of a radian in a step, the ends of the series; the third as a product adds to that."""
 
 
 @kernel

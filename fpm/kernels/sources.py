@@ -1,8 +1,7 @@
 """A digest of source code that changes with what the code does, not with how it is written.
 
 Numbers come from code in memory, names from files: so the files of a package are noted before they
-are imported (`Imported`), and one that has changed since is refused where something is named.
-"""
+are imported (`Imported`), and one that has changed since is refused where something is named."""
 
 import ast
 import hashlib

@@ -1,8 +1,7 @@
 """Three-vectors of lanes: kernels are written in them as formulas are, `c * a + cross(b, d)`.
 
 A vector has the components x, y, z; the sum, the difference and the product with a scalar or with
-lanes are operators, applied component by component.
-"""
+lanes are operators, applied component by component."""
 
 import operator
 from collections.abc import Callable
@@ -24,8 +23,7 @@ from fpm.kernels.lanes import ALL_LANES, Lane, load, store, where_negative
 OPTIONS = {"error_model": "numpy", "boundscheck": False, "nogil": True, "_nrt": False}
 """Compiler options of every kernel: no branches for division by zero, no GIL, no allocation.
 
-Without allocation nothing counts references: a look into a tuple of arrays costs nothing.
-"""
+Without allocation nothing counts references: a look into a tuple of arrays costs nothing."""
 
 INLINED = {
     **OPTIONS,

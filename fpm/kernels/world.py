@@ -1,8 +1,7 @@
 """Arrays of a run that all element types share, as named tuples.
 
 Integer arrays are the same for all lanes; the others are (rows, fields, lanes), fields as in
-layout.py.
-"""
+layout.py."""
 
 from typing import NamedTuple
 

@@ -2,8 +2,7 @@
 
 A trajectory holds a few named points. Here the run is made again with a named point at every
 particle and at two arms of one metre along its axes; points do not influence the motion, so that it
-is the trajectory's bit for bit. Strains follow outside the time loop.
-"""
+is the trajectory's bit for bit. Strains follow outside the time loop."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
@@ -68,8 +67,7 @@ def whole_motion(
     Raises
     ------
     InstabilityError, SceneError
-        The failure of the first run that fails; arguments that are not allowed.
-    """
+        The failure of the first run that fails; arguments that are not allowed."""
     arguments = {"duration": duration, "instants": instants, "step": step}
     arguments |= {"energy_tolerance": energy_tolerance, "record": tuple(record)}
     count = len(scenes[0].position)

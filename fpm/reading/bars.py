@@ -4,8 +4,7 @@ Forces and moments in a section are those of the part beyond on the part before,
 the section: x along the bar, y across the section's width, z along its height. At the ends of an
 element they are its end force F_a and moments M_a, -M_b, which are the gradient of its energy
 (theory: elements/bars/beam.py), along the axes that the particles there carry; in between the
-components go straight.
-"""
+components go straight."""
 
 from typing import NamedTuple
 
@@ -65,8 +64,7 @@ def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, n
     sections as the particles there carry them; one pair (positions, axes) for each end.
 
     beams: a group of m elements; place(particle): positions (t, 3) m of a particle, by its index;
-    axes(particle): its frames (t, 3, 3), axes as columns (`Recording.place`, `Recording.axes`).
-    """
+    axes(particle): its frames (t, 3, 3), axes as columns (`Recording.place`, `Recording.axes`)."""
     start, ends = scene.frame if scene.unstrained is None else scene.unstrained, []
     for nodes, square in zip(beams.nodes.T, beams.end_axes(), strict=True):
         frames = np.stack([axes(int(p)) for p in nodes], axis=1)
@@ -136,8 +134,7 @@ def at_share(bar: Bar, sections: Sections, share: float) -> tuple[np.ndarray, np
     element; where two elements meet, the mean of both.
 
     sections: the bar's section forces, from `sections_of`; share: distance of the section from the
-    start of the bar, as a fraction of its length (0 to 1).
-    """
+    start of the bar, as a fraction of its length (0 to 1)."""
     ends = bar.ends
     lengths = np.diff(ends, prepend=0.0)
     position = share * ends[-1]

@@ -3,8 +3,7 @@
 Along the line of the shortest distance of two axes, of direction d, a round section takes its
 radius and a rectangle |d·y| b/2 + |d·z| h/2, with its axes y, z and sides b, h. Bars are convex
 stretch by stretch, so they are at least so far apart, and just so where two sides or edges face
-each other. Below zero they overlap.
-"""
+each other. Below zero they overlap."""
 
 import numpy as np
 

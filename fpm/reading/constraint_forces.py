@@ -4,8 +4,7 @@ A joint's are the impulses that its solver applied over the step around an insta
 length of that step; at the first instant, over the half step after it, without what closes gaps of
 the third order there (`look_back` of joint_kernels.py). With leapfrog they stand at the instant
 like all other forces, to the second order in the step. Conditions that others imply bear what the
-solver gives them: of all impulses that keep the joints closed the smallest.
-"""
+solver gives them: of all impulses that keep the joints closed the smallest."""
 
 from collections.abc import Iterable
 from typing import Any, NamedTuple
@@ -102,8 +101,7 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
     Of a particle that is held: the rate of its momentum less all other forces and those of joints,
     along and about the axes that are held. Several supports on one particle are one. A particle
     that is held entirely and is neither on a bar nor a named body is the ground, which has no
-    weight (`ElementType.weight`).
-    """
+    weight (`ElementType.weight`)."""
     scene, support = run.scene, reactions_of(run.scene)[name]
     particle = support.beam.particle
     force, moment = np.zeros((2, len(run.time), 3))
@@ -160,8 +158,7 @@ def undetermined(scene: Scene) -> set[str]:
     """Names of joints and supports whose forces the motion does not determine, at the start.
 
     Their conditions depend on those of others, with no elastic part between them: as in a planar
-    loop of rigid bodies on hinges. Sums of such forces are determined, each one is not.
-    """
+    loop of rigid bodies on hinges. Sums of such forces are determined, each one is not."""
     from scipy.sparse.csgraph import connected_components
 
     conditions = conditions_of(scene)

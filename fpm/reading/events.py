@@ -64,8 +64,7 @@ def _continued(curves: Curves, response: Response, rows, t: float) -> float | No
     constituents and their rates.
 
     None where rates are not recorded, or would have predicted the last of five instants no better
-    than a cubic: a constituent that trembles between the instants, or jumps.
-    """
+    than a cubic: a constituent that trembles between the instants, or jumps."""
     values = {}
     for name in response.subjects:
         curve = _with_rates(curves, response.kind, name)

@@ -2,8 +2,7 @@
 
 Runs record the virtual work of every part (`fpm.travel`) at positions of their own; factors are
 applied when a response is read, so that another standard takes no run. The curve of a margin is
-even over the travel; the least margin is sought between all positions.
-"""
+even over the travel; the least margin is sought between all positions."""
 
 from collections.abc import Iterable, Mapping
 from types import SimpleNamespace

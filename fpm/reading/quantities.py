@@ -1,7 +1,6 @@
 """Quantities: numbers that are read off a run, such as its peaks and the times of its events.
 
-A run in which what is asked for does not happen has no number: NaN.
-"""
+A run in which what is asked for does not happen has no number: NaN."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -24,8 +23,7 @@ class Quantity:
     read off, None for events; at: time (s), or the quantity that gives it, for a value; about:
     target of settling or overshoot; within: its tolerance; level, way ("rising", "falling",
     "either"), number (n, from 1): of a crossing; event, places: its name, and names of the elements
-    at which it counts, number its n.
-    """
+    at which it counts, number its n."""
 
     name: str
     kind: str

@@ -21,8 +21,7 @@ def parse(
 
     definitions: by name, each a mapping with one key of `quantities.KINDS`, as "largest", and its
     further keys (docs/quantities.md); responses: all of the config; elements: those of the scene
-    that have events, as latches (`fpm.files.outcome.eventful`).
-    """
+    that have events, as latches (`fpm.files.outcome.eventful`)."""
     by_name, elements = {response.name: response for response in responses}, list(elements)
     quantities: dict[str, Quantity] = {}
     problems = []

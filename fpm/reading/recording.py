@@ -32,8 +32,7 @@ class Recording:
 
     batch: the runs integrated together (elements/batch.py); parts: their element arrays, one entry
     for each of batch.kinds; lane: index of the run in the batch; time: instants (t,) s; step: time
-    step (s). Particles are named by their index in the scene.
-    """
+    step (s). Particles are named by their index in the scene."""
 
     def __init__(self, batch, parts, lane: int, time: np.ndarray, step: float):
         self.scene: Scene = batch.scenes[lane]

@@ -2,8 +2,7 @@
 
 KINDS is the table of all: those that every run records, those that are a variable of
 `fpm.reading.variables` as it is (its entry there is all there is to such a one), and those that are
-made of several.
-"""
+made of several."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -38,8 +37,7 @@ class Response:
     `evaluate` returns; columns: recorded series, as (variable, label), that it is computed from,
     besides points and energies; along: the abscissa, if not time (margins: the opening of a hinge);
     factors: of margins, (output torque, its factor), then (actuation factor, resistance factor,
-    class) by component.
-    """
+    class) by component."""
 
     name: str
     kind: str
@@ -91,8 +89,7 @@ def parse(name: str, definition: Mapping[str, Any], scene: Scene) -> Response:
     Raises
     ------
     SceneError
-        For keys and values that are not allowed; it names them and what is.
-    """
+        For keys and values that are not allowed; it names them and what is."""
     if not isinstance(definition, Mapping) or len(set(definition) & set(KINDS)) != 1:
         raise SceneError(f"responses.{name}", definition, f"exactly one of {', '.join(KINDS)}")
     kind = next(k for k in KINDS if k in definition)

@@ -1,8 +1,7 @@
 """Which responses tell of forces that mesh and step alone decide, since nothing softens a shock.
 
 Two cases: a latch that holds exactly stops its joint within one step, and what is applied at once
-runs through elastic bars as a wave whose front is a few elements long, whatever their length.
-"""
+runs through elastic bars as a wave whose front is a few elements long, whatever their length."""
 
 import numpy as np
 

@@ -6,8 +6,7 @@ AIAA S-114 (2005) at second hand. All three are the same sum,
     margin = sum of d w+ / sum of r w- - 1 >= 0,
 
 w being virtual work per unit of travel, of what drives (w+) and what resists (w-), with factors d
-and r by its class and by the evidence for it. Kinetic energy is not counted in any.
-"""
+and r by its class and by the evidence for it. Kinetic energy is not counted in any."""
 
 from typing import NamedTuple
 

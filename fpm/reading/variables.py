@@ -2,8 +2,7 @@
 
 Each variable has columns along a dimension of its own in a trajectory file; a column's label says
 of what it is: a name, and the part of it (an axis, a component, who acts) where there are several.
-A request names columns, as (variable, label).
-"""
+A request names columns, as (variable, label)."""
 
 from collections.abc import Callable, Iterable, Sequence
 from copy import copy
@@ -44,8 +43,7 @@ class Variable(NamedTuple):
     `fpm.reading.responses.FORMS`), "" if there is no response of that name. shock: whether an
     impact makes it jump (`fpm.reading.shocks`); positive: whether it is never below 0; along: end
     of the name of its dimension of labels in files; separator: text in a label after which the
-    item's name ends; time_dim: the dimension of its values.
-    """
+    item's name ends; time_dim: the dimension of its values."""
 
     unit: str
     long_name: str

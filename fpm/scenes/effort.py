@@ -3,8 +3,7 @@
 Costs are those of eight runs side by side, in nanoseconds, as measured where a register holds 256
 bits (an AMD EPYC without 512), and right to a factor of two or so; `machine` is what they have to
 be multiplied with here. Joints that are solved together are counted out, as it depends on how they
-are coupled: twenty joints on one body cost far more than twenty in a chain.
-"""
+are coupled: twenty joints on one body cost far more than twenty in a chain."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
 """A scene: particles and the elements between them, at their starting state.
 
 A scene describes one sample. Scenes that differ only in numbers can run side by side (simulate.py).
-Everything is in SI units; positions, directions and loads are given in global axes at the start.
-"""
+Everything is in SI units; positions, directions and loads are given in global axes at the start."""
 
 import math
 from collections import Counter
@@ -68,12 +67,12 @@ def _elements(kind: type[ElementType]) -> property:
 class Scene:
     """Particles of one sample at their start, and the elements between and on them.
 
-    Arrays of its n particles: position (n, 3) m; frame (n, 3, 3), own axes as columns; velocity
-    (n, 3) m/s; spin (n, 3) rad/s; mass (n,) kg; inertia (n, 3) kg m²; fixed (n, 6), held
-    translations and rotations. kinds: lists of elements by element type (fpm/elements); curves:
-    list of (times (s), values); points: named ones, for responses; supports: those held or driven;
-    bodies: particle of each named rigid body; unstrained, unstrained_position: frames and positions
-    before fpm.assembly strained the scene, None: as they are; assembly: what that did, or None.
+    Arrays of its n particles: position (n, 3) m; frame (n, 3, 3), own axes as columns; velocity (n,
+    3) m/s; spin (n, 3) rad/s; mass (n,) kg; inertia (n, 3) kg m²; fixed (n, 6), held translations
+    and rotations. kinds: lists of elements by element type (fpm/elements); curves: list of (times
+    (s), values); points: named ones, for responses; supports: those held or driven; bodies:
+    particle of each named rigid body; unstrained, unstrained_position: frames and positions before
+    fpm.assembly strained the scene, None: as they are; assembly: what that did, or None.
 
     Parameters
     ----------
@@ -83,8 +82,7 @@ class Scene:
         Acceleration of gravity (m/s²), in global axes.
     damping : float
         Mass-proportional damping rate (1/s): the force on a particle is
-        -damping * mass * velocity; rotations are damped alike.
-    """
+        -damping * mass * velocity; rotations are damped alike."""
 
     def __init__(self, name: str = "scene", gravity=(0.0, 0.0, 0.0), damping: float = 0.0):
         self.name = name
@@ -169,8 +167,7 @@ class Scene:
         Raises
         ------
         SceneError
-            For masses that are not positive, and frames that are no rotations.
-        """
+            For masses that are not positive, and frames that are no rotations."""
         position = np.atleast_2d(np.asarray(position, float))
         first, n = len(self.position), len(position)
         mass, inertia = _rows(mass, n), _rows(inertia, n, 3)
@@ -205,8 +202,7 @@ class Scene:
         normal : (3,) or (m, 3) array
             A vector in the plane of the chord and the section's local z axis.
         name : str
-            Prefix of the elements' names.
-        """
+            Prefix of the elements' names."""
         self.add(Beams.create(self, nodes, section, material, normal, name))
 
     def add_link(
@@ -240,8 +236,7 @@ class Scene:
         name : str
             Prefix of the elements' names.
         inertia_scale : float
-            Factor, at least 1, on the section's rotational inertia.
-        """
+            Factor, at least 1, on the section's rotational inertia."""
         start, end = np.asarray(start, float), np.asarray(end, float)
         chord = end - start
         length = size(chord)
@@ -282,8 +277,7 @@ class Scene:
         opening : float
             Opening (rad) at the start; with references, tells which of those 2 pi apart is meant.
         support : str
-            Global axes along which the hinge point is held: "", "z", "xyz".
-        """
+            Global axes along which the hinge point is held: "", "z", "xyz"."""
         return self.add(
             Hinge.create(self, name, particles, point, axis, references, opening, support)
         )
@@ -307,8 +301,7 @@ class Scene:
         axis : (3,) array
             Direction of the axis.
         axis2 : (3,) array, optional
-            Of a universal joint: the axis on the second particle, normal to `axis`.
-        """
+            Of a universal joint: the axis on the second particle, normal to `axis`."""
         return self.add(Joint.create(self, name, type, particles, point, axis, axis2))
 
     def add_slide(self, name, particles, point, axis, opening: float = 0.0) -> int:
@@ -328,8 +321,7 @@ class Scene:
         axis : (3,) array
             Direction of the slide, in which the opening grows.
         opening : float
-            Opening (m) at the start.
-        """
+            Opening (m) at the start."""
         return self.add(Joint.slide(self, name, particles, point, axis, opening))
 
     def add_universal(self, name, particles, point, axis, axis2, openings=(0.0, 0.0)) -> int:
@@ -351,8 +343,7 @@ class Scene:
         axis, axis2 : (3,) array
             Axes on the first and on the second particle, normal to each other.
         openings : (float, float)
-            Both openings (rad) at the start.
-        """
+            Both openings (rad) at the start."""
         hinges = Joint.universal(self, name, particles, point, axis, axis2, openings)
         return min(self.add(hinge) for hinge in hinges)
 
@@ -370,8 +361,7 @@ class Scene:
         point : (3,) array
             Position of the point (m) at the start.
         axes : str
-            Global axes along which it is held, as "z" or "xy".
-        """
+            Global axes along which it is held, as "z" or "xy"."""
         return self.add(Joint.holding(self, name, int(particle), point, axes))
 
     def add_torsion_spring(self, hinge: int, stiffness: float, rest: float = 0.0) -> None:
@@ -384,8 +374,7 @@ class Scene:
         stiffness
             N m/rad, above 0; on a slide N/m.
         rest
-            Opening (rad) without moment; on a slide m.
-        """
+            Opening (rad) without moment; on a slide m."""
         self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
 
     def add_contact(self, hinge: int, stiffness: float) -> None:
@@ -415,8 +404,7 @@ class Scene:
         curve : int
             Index of the winch's curve of time; -1: none.
         friction : float, optional
-            Coefficient of friction at the points between the ends; None: they turn freely.
-        """
+            Coefficient of friction at the points between the ends; None: they turn freely."""
         return self.add(Cable.create(self, name, points, EA, rest, preload, reel, curve, friction))
 
     # -- supports, loads, drives, points ------------------------------------------------------
@@ -432,8 +420,7 @@ class Scene:
         particles : int or sequence of int
             Indices of the particles.
         translations, rotations : str
-            Global axes along and about which they are held: letters of "xyz".
-        """
+            Global axes along and about which they are held: letters of "xyz"."""
         self.add(Support(tuple(np.atleast_1d(particles)), translations, rotations))
 
     def add_curve(self, times: Sequence[float], values: Sequence[float]) -> int:
@@ -460,8 +447,7 @@ class Scene:
             Vector (m) from the particle to where the force acts, at the start; it is fixed to the
             particle.
         curve : int
-            Index of the curve of time that scales both; -1: constant.
-        """
+            Index of the curve of time that scales both; -1: constant."""
         frame = self.frame if self.unstrained is None else self.unstrained
         beam = VirtualBeam(int(particle), frame[particle].T @ np.asarray(arm, float))
         self.add(Load(beam, np.asarray(force, float), np.asarray(moment, float), int(curve)))
@@ -478,8 +464,7 @@ class Scene:
         velocity, spin : (3,) array
             Velocity (m/s) and angular velocity (rad/s), in global axes.
         curve : int
-            Index of the curve of time that scales both; -1: constant.
-        """
+            Index of the curve of time that scales both; -1: constant."""
         velocity, spin = np.asarray(velocity, float), np.asarray(spin, float)
         self.add(Drive(int(particle), velocity, spin, int(curve)))
 
@@ -493,8 +478,7 @@ class Scene:
         particle
             Index of the particle, whose rotation the point follows.
         position
-            Where the point is at the start, (3,) m; None: at the particle.
-        """
+            Where the point is at the start, (3,) m; None: at the particle."""
         if name in self.points:
             raise SceneError("point", name, f"a name not yet used ({', '.join(self.points)})")
         self.points[name] = self.arm_to(int(particle), position)

@@ -32,8 +32,7 @@ class Parameter:
     lower, upper
         Least and largest allowed value, in `unit`.
     kind
-        "real" or "integer"; only real ones may be intervals.
-    """
+        "real" or "integer"; only real ones may be intervals."""
 
     default: float | int | None
     unit: str
@@ -87,8 +86,7 @@ class SceneType:
     mesh
         Name of the parameter that sets the mesh, or None.
     content
-        Digest of the structure's own files, hexadecimal.
-    """
+        Digest of the structure's own files, hexadecimal."""
 
     name: str
     description: str

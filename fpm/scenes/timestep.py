@@ -19,8 +19,7 @@ count as springs of 4 C/h. A mode z^n u, with a = h u*Cu and b = h² u*Ku for u*
 
 On the unit circle, z = exp(i q), the imaginary part is a sin q (2 - cos q), which leaves z = -1,
 where b + 4 a = 4. Below that all modes decay (they do for small a, and roots move with a and b),
-and that is so if the largest eigenvalue of K + 4 C/h is below 4/h².
-"""
+and that is so if the largest eigenvalue of K + 4 C/h is below 4/h²."""
 
 from typing import NamedTuple
 

@@ -45,8 +45,7 @@ def divide_time(duration: float, instants: int, max_step: float) -> Division:
     Returns
     -------
     Division
-        `step` (s), steps `per_instant`, and steps `per_check` of the energy balance.
-    """
+        `step` (s), steps `per_instant`, and steps `per_check` of the energy balance."""
     interval = duration / (instants - 1)
     # The tiny allowance keeps a step that was given as an exact share of the interval.
     steps = max(1, math.ceil(interval / max_step * (1 - 1e-12)))
@@ -101,8 +100,7 @@ def simulate(
     Raises
     ------
     SceneError
-        For arguments that are not allowed, and for topologies that differ.
-    """
+        For arguments that are not allowed, and for topologies that differ."""
     from fpm.kernels.lanes import width as lanes_of
 
     scenes = [scenes] if isinstance(scenes, Scene) else list(scenes)

@@ -9,8 +9,7 @@ that do fit, those are taken at which that blow changes the motion least, with m
 G being the conditions of joints, supports and what holds openings, b what these prescribe, p the
 impulses. That is the motion after an inelastic blow (Gauss's principle; Moreau 1988). Friction
 bears no more than a finite moment, and nothing in a blow, so it is no condition. Conditions may
-imply each other: see assembly, which solves in the same way.
-"""
+imply each other: see assembly, which solves in the same way."""
 
 from __future__ import annotations
 
@@ -33,8 +32,7 @@ AGREES = 1e-12
 
 CONTINUES = 1e-3
 """The same of a motion that nothing prescribes. That with which a run ended agrees to the second
-order in its step only; to change it would be another motion, which does not lead back.
-"""
+order in its step only; to change it would be another motion, which does not lead back."""
 
 EASE, ROUNDS = 1e-13, 30
 """By which redundant conditions are eased, and how often at most the equations are solved."""
@@ -44,10 +42,8 @@ MASS_RATIO = 1e6
 
 RESOLVED, REDUNDANT = 1e-8, 1e-24
 """Eigenvalues of the matrix of all conditions, its diagonal being one: above the first they are a
-hundred times what eases the joints (EASE in joint.py), so that a first solution is right to
-1 % and the correction after it to 1e-4; below the second they are those of conditions that others
-imply.
-"""
+hundred times what eases the joints (EASE in joint.py), so that a first solution is right to 1 % and
+the correction after it to 1e-4; below the second they are those of conditions that others imply."""
 
 
 def consistent_scene(scene: Scene) -> Scene:

@@ -5,8 +5,7 @@ turned into two chains of functions, for the value and for its dimension: nothin
 `eval`. Values are single numbers; a batch is evaluated sample by sample, so that a sample's last
 digits do not depend on its neighbours (the vector units of a processor round a sine differently
 from its scalar ones), and since it takes less than a hundredth of the time that building the
-sample's particles does.
-"""
+sample's particles does."""
 
 import ast
 import math

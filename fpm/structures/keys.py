@@ -2,8 +2,7 @@
 
 `read` is called once for a file and notes what is wrong with the text; it returns a function of the
 Builder of every sample, which returns the value there or raises SceneError for numbers that are not
-allowed. A further type of value goes here.
-"""
+allowed. A further type of value goes here."""
 
 from collections.abc import Callable, Container, Iterator
 from dataclasses import dataclass, replace

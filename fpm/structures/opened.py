@@ -2,8 +2,7 @@
 
 Python tells of every file that it opens itself, also of those that a helper opens while it is
 imported. Compiled code of other packages opens files unseen, and so do other programs: a structure
-that has such code is refused, unless it names its files itself (`DATA`).
-"""
+that has such code is refused, unless it names its files itself (`DATA`)."""
 
 import glob
 import hashlib

@@ -1,8 +1,7 @@
 """What is allowed in a structure, but hardly meant: each told with its number.
 
 Limits are far from what deployable structures are made of, so that a slip of units (mm for m, g/cm³
-for kg/m³, Pa for GPa) shows, and no structure that is meant does.
-"""
+for kg/m³, Pa for GPa) shows, and no structure that is meant does."""
 
 from collections.abc import Iterator
 

@@ -1,8 +1,7 @@
 """A YAML file as nodes that know their lines, and all that is wrong with it, told at once.
 
-Nothing is converted: whether `1e9` is a number, or `on` a name, is up to the key it belongs to.
-A key may be given once; anchors and tags are refused, because names and `let` do their work.
-"""
+Nothing is converted: whether `1e9` is a number, or `on` a name, is up to the key it belongs to. A
+key may be given once; anchors and tags are refused, because names and `let` do their work."""
 
 import re
 from collections.abc import Iterable

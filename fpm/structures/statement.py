@@ -2,8 +2,7 @@
 
 A statement says which keys it takes, with units and limits, and how it goes into a scene. For an
 element these follow from the fields of its kind. A new kind of joint or action is one such function
-in a file of `statements/`.
-"""
+in a file of `statements/`."""
 
 from collections.abc import Callable, Container, Mapping
 from dataclasses import MISSING, dataclass, fields, replace

@@ -1,7 +1,6 @@
 """Structures from YAML, in the language of docs/structures.md: data, which runs no code.
 
-Parameters have value, unit, range and description side by side.
-"""
+Parameters have value, unit, range and description side by side."""
 
 import hashlib
 import json

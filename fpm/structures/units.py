@@ -1,7 +1,6 @@
 """Units as they are written behind a number, and the dimensions that they stand for.
 
-All is computed in SI units. Angles count as numbers (rad = 1), so that N m/rad and N m agree.
-"""
+All is computed in SI units. Angles count as numbers (rad = 1), so that N m/rad and N m agree."""
 
 import math
 import re

@@ -3,8 +3,7 @@
 Values are known at increasing positions; where they bend or jump, a position stands twice, and what
 is between bends is interpolated by cubics through the four positions around (fewer where there are
 not as many). Positions are added half-way between others until the interpolant meets every tested
-value.
-"""
+value."""
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable

@@ -83,8 +83,7 @@ def lead(
     SceneError
         Where the opening does not decide the motion of all.
     MisfitError
-        Where the opening cannot be moved to a value in balance.
-    """
+        Where the opening cannot be moved to a value in balance."""
     path = Path(scene, [openings] if isinstance(openings, str) else openings, stand)
     count = positions or POSITIONS
     spacing = (last - first) / (count - 1)
@@ -152,8 +151,7 @@ def lead(
 def _add_bends(scene, samples: SampledTravel, openings: int) -> None:
     """Add positions at which forces of elements bend, and at which joints with friction reverse.
 
-    openings: first column of the samples' values with openings; rates of joints follow them.
-    """
+    openings: first column of the samples' values with openings; rates of joints follow them."""
     bends = [(openings + hinge, angle) for hinge, angle in sorted(set(_bends(scene)))]
     rates = openings + len(scene.hinges)
     sizes = np.abs(np.array(samples.values)[:, rates:]).max(axis=0)

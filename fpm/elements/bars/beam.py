@@ -12,8 +12,7 @@ What is left is small, and linear Euler-Bernoulli theory holds for it::
 The end forces are the exact gradient of U with respect to the particles' positions and rotations.
 So they vanish in any rigid motion, carry no net force or moment (momentum is kept to rounding) and
 are conservative. Source of the concept: Ting, Shih, Wang, J. Mech. 20 (2004) 113 (vector form
-intrinsic finite element); corotational chord frame: Crisfield, Non-linear FEA vol. 2, ch. 17.
-"""
+intrinsic finite element); corotational chord frame: Crisfield, Non-linear FEA vol. 2, ch. 17."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -34,8 +33,7 @@ class Material:
     ----------
     E: Young's modulus (Pa), above 0.
     nu: Poisson's ratio, -1 < nu <= 0.5.
-    rho: density (kg/m³), above 0.
-    """
+    rho: density (kg/m³), above 0."""
 
     E: float
     nu: float
@@ -65,8 +63,7 @@ class Section:
     Iy, Iz: second moments of area ∫z² dA and ∫y² dA (m⁴).
     J: torsion constant (m⁴).
     outline: contour, for stresses (fpm/reading/stress.py): "rectangle", "round", or "" if unknown.
-    width, height: of the contour along the local y and z axes (m).
-    """
+    width, height: of the contour along the local y and z axes (m)."""
 
     A: float
     Iy: float

@@ -1,8 +1,7 @@
 """Forces, strain energy and strains of beam elements (theory: beam.py).
 
 Elements whose axes are those of their particles, as on straight links, have arrays of their own
-type, for which less is computed.
-"""
+type, for which less is computed."""
 
 from typing import NamedTuple
 

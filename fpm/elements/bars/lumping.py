@@ -4,16 +4,15 @@ Half of each element's mass at either end (the trapezium rule) overstates the tr
 a link of n elements by 2/n². The masses are the weights of a quadrature of the inertia forces along
 the link, and the rule's error comes from the ends. Gregory's end corrections remove it, in
 differences up to the fourth, or as many as find room on half of the link, but two at least: mass,
-centre and inertia M L²/12 of the slender bar are exact for every n >= 2 (n = 2: Simpson's rule,
-n = 3: his 3/8 rule), and 8 elements do better than 16 with half-and-half masses
-(docs/accuracy.md). More differences do not pay: the elements themselves are of fourth order.
-Source: Hildebrand, Introduction to Numerical Analysis, 2nd ed., § 5.9.
+centre and inertia M L²/12 of the slender bar are exact for every n >= 2 (n = 2: Simpson's rule, n =
+3: his 3/8 rule), and 8 elements do better than 16 with half-and-half masses (docs/accuracy.md).
+More differences do not pay: the elements themselves are of fourth order. Source: Hildebrand,
+Introduction to Numerical Analysis, 2nd ed., § 5.9.
 
-Rotational inertia of the section: each element brings rho Ip l about the bar's axis and
-f rho I l about the others, shared by its ends. f = 1 is the physical value. f > 1 spares the time
-step; the excess (f - 1) rho I L of the link's inertia is taken back by moving a further
-``(f - 1) (r/l)² n / (2 (n - 1))`` from the ends, as long as the end particle keeps some mass.
-"""
+Rotational inertia of the section: each element brings rho Ip l about the bar's axis and f rho I l
+about the others, shared by its ends. f = 1 is the physical value. f > 1 spares the time step; the
+excess (f - 1) rho I L of the link's inertia is taken back by moving a further ``(f - 1) (r/l)² n /
+(2 (n - 1))`` from the ends, as long as the end particle keeps some mass."""
 
 import math
 from functools import lru_cache
@@ -58,8 +57,7 @@ def lump(length: float, elements: int, section, material, scale: float = 1.0):
     along; scale: factor f >= 1 on the section's transverse rotational inertia. The link's mass,
     centre and inertia tensor are those of a uniform bar, exactly, for two elements or more; a
     single element keeps mass, centre and polar inertia only. SceneError if `elements` is no whole
-    number above 0, or `scale` below 1 or so large that no positive end mass makes up for it.
-    """
+    number above 0, or `scale` below 1 or so large that no positive end mass makes up for it."""
     if elements < 1 or int(elements) != elements:
         raise SceneError("elements", elements, "a whole number, at least 1")
     if not scale >= 1.0:

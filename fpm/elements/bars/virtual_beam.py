@@ -2,8 +2,7 @@
 
 They carry the size of the section: the hinge line of a thick link lies on an edge of its end face,
 not on its axis. The paper uses stiff beam elements; the limit of infinite stiffness is taken here,
-because it costs no element and does not shorten the stable step.
-"""
+because it costs no element and does not shorten the stable step."""
 
 from dataclasses import dataclass
 

@@ -12,8 +12,7 @@ viscosity, b1 rho c_d l de/dt (von Neumann, Richtmyer, J. Appl. Phys. 21 (1950) 
 Landshoff, LA-1930 (1955) for the linear term; Abaqus Analysis User's Guide, Explicit dynamic
 analysis, with b1 = 0.06). It changes with the mesh: as this is refined it vanishes. Sections,
 stresses and strain energy have no part of it. What bounds the step of slender elements is their
-bending, so that a share of 0.2 costs no step there; 0.5 a third of it.
-"""
+bending, so that a share of 0.2 costs no step there; 0.5 a third of it."""
 
 from dataclasses import dataclass
 

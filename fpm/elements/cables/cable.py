@@ -6,15 +6,14 @@ with the length L of them all,
     strain e = (L - R) / R,   tension T = EA max(e, 0),   energy EA R max(e, 0)²/2
 
 Points between its ends are pulleys of no radius: the tension is one all along. The unstrained
-length may change with a curve of time, as when a winch takes cable in; the winch gives
--T (1 + e/2) dR/dt, the pull on the strained cable less the strain energy that leaves with it; it
-stands at the first point.
+length may change with a curve of time, as when a winch takes cable in; the winch gives -T (1 + e/2)
+dR/dt, the pull on the strained cable less the strain energy that leaves with it; it stands at the
+first point.
 
 A cable that rubs at these points has a strain and a tension in every stretch. Its material slips
-over a point, where the cable turns by the angle a, as soon as T' on one side is more than
-T exp(mu a) on the other (Eytelwein's law of the capstan). A metre that slips from T to T' leaves
-T' (1 + e'/2) - T (1 + e/2) to friction. Cables from point to point have none.
-"""
+over a point, where the cable turns by the angle a, as soon as T' on one side is more than T exp(mu
+a) on the other (Eytelwein's law of the capstan). A metre that slips from T to T' leaves T' (1 +
+e'/2) - T (1 + e/2) to friction. Cables from point to point have none."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -8,8 +8,7 @@ points. These springs bear the tension's stiffness across, T/l for a stretch l, 
 T/l <= EA/R: what is watched as crowding.
 
 A cable that rubs is at most as stiff as its stretches, each stuck at both ends. Their unstrained
-lengths are those at the start; where one becomes much shorter, the balance of energies tells.
-"""
+lengths are those at the start; where one becomes much shorter, the balance of energies tells."""
 
 from collections.abc import Iterable, Sequence
 

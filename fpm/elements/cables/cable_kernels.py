@@ -100,8 +100,7 @@ def missing(new, old):
     Where a cable turns tight or slack between two steps, the force of either is not that of the way
     between them, k s²/2 on the way from -b to s. The half of what is missing is added at the later
     step, and the energy is then kept through the turn to the third order in the step instead of the
-    second; for that one step, a cable that has turned slack pushes a little.
-    """
+    second; for that one step, a cable that has turned slack pushes a little."""
     product = new * old
     return where_negative(product, 0.5 * product / absolute(new - old), 0.0)
 

@@ -5,8 +5,7 @@ have moved, s slips over the point at which it begins and which turns the cable 
 
     s > 0: e(j) = r e(j-1),   s < 0: e(j-1) = r e(j),   s = 0: neither more than r = exp(mu a) times
 
-docs/mechanics.md shows that there is one solution, and that these steps find it.
-"""
+docs/mechanics.md shows that there is one solution, and that these steps find it."""
 
 from fpm.elements.cables.cable_kernels import LENGTH, TINY
 from fpm.kernels.lanes import absolute, any_negative, load, sqrt, store, where_negative

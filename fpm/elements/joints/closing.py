@@ -1,8 +1,7 @@
 """What lone hinges and coupled joints have in common: gaps that are watched, and impulses summed.
 
 Impulses are summed over a step only in loops in which a probe wants them: the solvers count where
-they push bodies; where sums are None nothing is compiled of it.
-"""
+they push bodies; where sums are None nothing is compiled of it."""
 
 from fpm.elements.joints.hinge_arrays import (
     ABOUT_ONE,

@@ -12,8 +12,7 @@ all that acts on hinges acts; what they keep together is solved with the coupled
 A universal joint is two: the angle about its axis on the first particle, from a reference of the
 first to the axis on the second; and that about the axis on the second, from the axis on the first
 to a reference of the second. The rate of each is the relative spin about its axis, as of any hinge,
-since the two axes stay normal to each other.
-"""
+since the two axes stay normal to each other."""
 
 import math
 from collections import Counter
@@ -113,8 +112,7 @@ class Hinge(JointBase):
     type: "revolute"; "prismatic": a slide, whose opening (m) is the distance along the axis from
     the first beam's end to the second's, plus `offset` (m); "universal" and "cross": the first and
     the second angle of a universal joint; the axis of each is fixed in the first of its two
-    particles.
-    """
+    particles."""
 
     name: str
     beams: tuple[VirtualBeam, VirtualBeam]
@@ -265,8 +263,7 @@ def are_alone(scene) -> list[bool]:
     It can if it is revolute; nothing holds its opening exactly (turn.py); its particles, unless
     held altogether, are in no other hinge or joint and not driven; and its own matrix is regular,
     whatever arms and axis are and become: no axis is held for both particles, nor for a particle
-    and the hinge point, one of the two may turn, and about all axes or none.
-    """
+    and the hinge point, one of the two may turn, and about all axes or none."""
     joining = [e for kind, elements in scene.kinds.items() if kind.joins for e in elements]
     uses = Counter(p for element in joining for p in element.particles)
     shared = {p for p, count in uses.items() if count > 1 and not scene.fixed[p].all()}

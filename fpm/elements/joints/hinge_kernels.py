@@ -12,8 +12,7 @@ times:
    three digits more, down to rounding.
 
 A sample whose gaps are small is left alone in the rounds that other samples need: its numbers do
-not depend on theirs.
-"""
+not depend on theirs."""
 
 from fpm.elements.joints.closing import (
     ALL,

@@ -6,8 +6,7 @@ and factorised by blocks at the start of a step: first the moments, then the imp
 complement), then the supports. hinge.py uses it. The two particles of hinge h are its bodies, rows
 2h and 2h + 1 of the arrays over bodies. The work goes in passes over all bodies or hinges, each
 with a short chain of operations, so that the processor works on several at once. Kernels take a
-named tuple with `ends`, `bodies`, ... as hinge_kernels.py has it.
-"""
+named tuple with `ends`, `bodies`, ... as hinge_kernels.py has it."""
 
 from fpm.elements.joints.closing import keep
 from fpm.elements.joints.hinge_arrays import (

@@ -5,8 +5,7 @@ other hinges, and spherical, universal, prismatic and fixed joints, go here: the
 found from one system of equations for the whole structure (joint_matrix.py). A particle is a rigid
 body with a mass and three inertias, and joints sit at the ends of its virtual beams; so these are
 the joints of rigid bodies as well. Redundant conditions, as rigid loops have them, do no harm where
-they agree; the impulses are then the smallest that keep the joints closed.
-"""
+they agree; the impulses are then the smallest that keep the joints closed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -3,8 +3,7 @@
 As for lone hinges (hinge_kernels.py): `prepare` aims the impulses so that the gaps stay closed if
 their rates do not change over the step, less what was missing so in the step before; `move` moves
 the bodies and, only where a gap is large, goes back and aims better; at its end all gaps are closed
-by small turns on top. All joints of a sample are solved together, and go the same rounds.
-"""
+by small turns on top. All joints of a sample are solved together, and go the same rounds."""
 
 from fpm.elements.joints.closing import (
     ALL,
@@ -278,8 +277,7 @@ def look_back(part, world, timing):
     other steps do so before and after an instant, alike, the momenta change over an instant by what
     acts there alone. Reflected, those before the first lack it: the impulses that close the joints
     a step before the start as well, mu, belong to them, and the impulses of both kicks are twice
-    those of the first less mu.
-    """
+    those of the first less mu."""
     move_back(part, world.start_state, timing.step)
     for j in range(part.types.shape[0]):
         find_gaps(part, world.start_state, j)

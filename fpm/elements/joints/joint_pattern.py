@@ -2,8 +2,7 @@
 
 Joints are coupled when they share a body that can move. Elimination by least degree (Tinney and
 Walker, Proc. IEEE 55 (1967) 1801) keeps what it fills in small: a chain or a tree of joints fills
-nothing, a loop one block a joint. Found once for all scenes of a topology.
-"""
+nothing, a loop one block a joint. Found once for all scenes of a topology."""
 
 from collections.abc import Sequence
 

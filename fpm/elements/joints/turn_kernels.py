@@ -6,8 +6,7 @@ on the way from there, as all other moments do (losses_kernels.lose).
 
 And what coupled joints among which some hold openings do otherwise: `prepare` only kicks the
 bodies; `solve` finds the impulses, again where it was decided otherwise, and tells the rates that
-the openings would have; `move` begins with the impulses that stand then.
-"""
+the openings would have; `move` begins with the impulses that stand then."""
 
 from fpm.elements.joints import joint_kernels
 from fpm.elements.joints.closing import clear, report_gaps

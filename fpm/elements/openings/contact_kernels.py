@@ -15,8 +15,7 @@ STIFFNESS = 0
 
 TOUCH = 1e-9
 """Overlap (rad) from which faces count as shut: what the hinges leave open is below it, so a
-linkage at rest at closure has no events. Faces that meet at 1 rad/s reach it within 1 ns.
-"""
+linkage at rest at closure has no events. Faces that meet at 1 rad/s reach it within 1 ns."""
 
 
 class Contacts(NamedTuple):

@@ -8,9 +8,8 @@ rest; both together never exceed M.
 
 M may go with the force that the joint bears, as of the step before (`load`), or by a table of the
 opening: a curve that is another on the way back is the mean of both, of a spring by a table, beside
-friction with half of their difference (hysteresis).
-Source: Dupont, Hayward, Armstrong, Altpeter, IEEE Trans. Automatic Control 47 (2002) 787.
-"""
+friction with half of their difference (hysteresis). Source: Dupont, Hayward, Armstrong, Altpeter,
+IEEE Trans. Automatic Control 47 (2002) 787."""
 
 from dataclasses import dataclass, replace
 
@@ -39,8 +38,7 @@ which it slips grows as much or more: then it never slips, and all the motion is
 
 DAMPED = 0.3
 """Damping ratio of the bristle with the inertias of the hinge's own two particles, likewise. The
-step of a scene that it limits is 0.57 of the one without.
-"""
+step of a scene that it limits is 0.57 of the one without."""
 
 
 def _locked(values: dict[str, float]) -> tuple[str, str]:

@@ -8,8 +8,7 @@ It holds at the opening psi_c at which it caught, so that nothing jumps: no mome
     -k (psi - psi_c) - c dpsi/dt                  both ways, or
     k s + max(c ds/dt, -k s),  s = psi_c - psi    `one_sided`: only against going back, where s > 0
 
-(for one that catches on the way up). A latch without stiffness is rigid (rigid.py).
-"""
+(for one that catches on the way up). A latch without stiffness is rigid (rigid.py)."""
 
 from dataclasses import dataclass
 
@@ -73,8 +72,7 @@ class AnyLatch(OnHinge):
 class Latch(AnyLatch):
     """A latch with a spring and a damper; its name is that of the hinge if "" is given.
 
-    one_sided: whether it lets the opening go on, as a ratchet.
-    """
+    one_sided: whether it lets the opening go on, as a ratchet."""
 
     hinge: int = on_hinge()
     angle: float = number("rad", text="opening at which it catches")

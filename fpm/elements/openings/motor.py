@@ -5,8 +5,7 @@ being a curve of time, or the integral of one from t = 0 on, and the hinge follo
 
     moment M = k (target - psi) + c (target' - psi'),   work given M target'
 
-of which k (target - psi)²/2 is stored in the drive train and c (target' - psi')² lost there.
-"""
+of which k (target - psi)²/2 is stored in the drive train and c (target' - psi')² lost there."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -48,8 +47,7 @@ class Motor(AnyMotor):
     times the curve of index `curve` (-1: 1).
 
     stiffness and damping: of the drive train; by_rate: whether turn (rad/s) times the curve is the
-    rate of the opening instead.
-    """
+    rate of the opening instead."""
 
     hinge: int = on_hinge()
     stiffness: float = stiffness(text="of its drive train")

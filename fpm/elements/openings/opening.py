@@ -3,10 +3,9 @@
 An opening is the angle about a hinge's axis between a reference direction of either particle. It
 grows when the second turns by the right-hand rule about the axis against the first, and it counts
 full turns: of all angles that differ by them it is the one closest to the last. Universal joints
-have two such angles (hinge.py). The opening of a slide is a length: the way of a point of
-the second particle from one of the first, along the axis. What acts on hinges acts on it likewise,
-with forces for moments, m for rad: SLIDING has the units.
-"""
+have two such angles (hinge.py). The opening of a slide is a length: the way of a point of the
+second particle from one of the first, along the axis. What acts on hinges acts on it likewise, with
+forces for moments, m for rad: SLIDING has the units."""
 
 from dataclasses import dataclass
 from types import SimpleNamespace
@@ -26,8 +25,7 @@ JOINT_LOSS = Energy("joint_loss", "joint_loss", "energy lost on joints: friction
 
 ONSET = 1.5
 """Largest share of a kick with which a damper begins (losses_kernels.onset): counted in the stable
-step, so that an impact is not thrown back by its damper alone.
-"""
+step, so that an impact is not thrown back by its damper alone."""
 
 
 PARTS = (
@@ -260,8 +258,7 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
 
     In the second particle the axis of a universal joint's angle lies in a plane, anywhere in the
     course of a motion; so does a spring's stiffest direction. By Cauchy and Schwarz springs from
-    both sides to the ground, on the second about all axes of the plane, bound it then.
-    """
+    both sides to the ground, on the second about all axes of the plane, bound it then."""
     axis1, axis2 = hinge.axes
     zero = np.zeros(3)
     if hinge.type == "revolute":

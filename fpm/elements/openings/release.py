@@ -1,8 +1,7 @@
 """Releases: hinges that are held until a time, or until another hinge has opened so far.
 
 Until then a release has the moment k (hold - psi) - c psi' of a spring and a damper; from then on
-it has none. What its spring has stored at that moment is lost, as that of a bolt that is cut.
-"""
+it has none. What its spring has stored at that moment is lost, as that of a bolt that is cut."""
 
 from dataclasses import dataclass
 

@@ -4,8 +4,7 @@ With the overlap s = psi - angle (or angle - psi for a stop below), where s > 0,
 
     k s + max(c ds/dt, -k s)
 
-so that a stop never pulls.
-"""
+so that a stop never pulls."""
 
 from dataclasses import dataclass
 

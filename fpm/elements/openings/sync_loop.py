@@ -6,8 +6,7 @@ With pulleys of radii r1 and r2 on the hinges, one strand becomes longer by the 
 
 and the other shorter. Both strands are preloaded with P and have the stiffness EA/l each; together
 they pull at the rims with k e, k = 2 EA/l, and store k e²/2, until one of them is slack, where the
-pull is 2 P. Beyond, the other one is alone, with k/2.
-"""
+pull is 2 P. Beyond, the other one is alone, with k/2."""
 
 from dataclasses import dataclass
 
@@ -24,8 +23,7 @@ class SyncLoop(OnHinges):
     """A closed cable loop over pulleys on two hinges, which couples their openings.
 
     name: of its own; hinges: indices of both; radii: of the pulleys (m); stiffness: of both strands
-    together (N/m); rest: openings without slip (rad); preload: tension of each strand (N).
-    """
+    together (N/m); rest: openings without slip (rad); preload: tension of each strand (N)."""
 
     name: str = same()
     hinges: tuple[int, int] = index("hinges", words="hinge of {title}", types=TURNING)

@@ -1,9 +1,8 @@
 """Torque motors on hinges: a moment by a curve of time, which falls with the speed.
 
-With a curve f of time and the torque T the moment is T f(t) (1 - |w|/w0)
-where the hinge turns with it at w = psi', down to nothing at the no-load speed w0, as that of a
-direct current motor does. It is T f(t) where the hinge turns against it, and it never brakes.
-"""
+With a curve f of time and the torque T the moment is T f(t) (1 - |w|/w0) where the hinge turns with
+it at w = psi', down to nothing at the no-load speed w0, as that of a direct current motor does. It
+is T f(t) where the hinge turns against it, and it never brakes."""
 
 from dataclasses import dataclass
 
@@ -18,8 +17,7 @@ from fpm.elements.openings.opening import on_hinge
 class TorqueMotor(AnyMotor):
     """Moves a joint by a torque, or force, that falls with the speed, evenly down to none.
 
-    The torque is multiplied with the curve of that index (-1: 1).
-    """
+    The torque is multiplied with the curve of that index (-1: 1)."""
 
     hinge: int = on_hinge()
     torque: float = number("N m", text="its moment at rest")

@@ -12,8 +12,7 @@ from fpm.elements.kind import ElementType, Energy
 class Damping(ElementType):
     """Mass-proportional damping of all particles at a rate (1/s); several add up.
 
-    Particles that are held or driven entirely are not damped.
-    """
+    Particles that are held or driven entirely are not damped."""
 
     rate: float = number("1/s", 0.0, words="damping")
 

@@ -2,8 +2,7 @@
 
 (1 + c) v+ = (1 - c) v- + kick F/m with c = rate * kick / 2, and so momenta. Free particles are
 damped as they are kicked; of those that another kind kicks, momenta and forces are scaled before.
-The work over a step is the rate times the sum of every momentum times the way that it takes.
-"""
+The work over a step is the rate times the sum of every momentum times the way that it takes."""
 
 from typing import NamedTuple
 

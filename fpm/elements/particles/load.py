@@ -14,8 +14,7 @@ from fpm.elements.particles.gravity import LOAD_WORK
 class Load(ElementType):
     """A force at the free end of a virtual beam, and a moment, in global axes.
 
-    curve: index of the curve that scales both with time; -1 for a constant load.
-    """
+    curve: index of the curve that scales both with time; -1 for a constant load."""
 
     beam: VirtualBeam
     force: np.ndarray = number("N", count=3)

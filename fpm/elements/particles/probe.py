@@ -2,8 +2,7 @@
 
 A scene without a probe has a time loop without it. With one, the loop keeps at every instant the
 frames of some particles; of some of them momenta, forces and how the momenta change in the step
-around the instant; the moments on openings, told apart by who acts; and the impulses of joints.
-"""
+around the instant; the moments on openings, told apart by who acts; and the impulses of joints."""
 
 from dataclasses import dataclass
 

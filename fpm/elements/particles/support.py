@@ -1,8 +1,7 @@
 """Supports: particles held along and about global axes.
 
 Which axes are held is a property of the particles (`Scene.fixed`); what is held entirely has no
-inverse mass and costs nothing. Only particles held along some axes need a kernel.
-"""
+inverse mass and costs nothing. Only particles held along some axes need a kernel."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

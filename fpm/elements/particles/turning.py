@@ -3,8 +3,7 @@
 What is held about an axis does not turn about it; its angular momentum there is what that takes. A
 particle that turns about one axis n alone has the constant inertia n·Jn, whichever axes of its own
 are principal, and is one with that about all axes. One that turns about two has its momentum about
-the third found in every step (support_kernels.py).
-"""
+the third found in every step (support_kernels.py)."""
 
 from typing import NamedTuple
 

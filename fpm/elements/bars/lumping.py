@@ -29,9 +29,9 @@ SMALLEST_END = 0.1
 
 
 def end_weights(elements: int, order: int | None = None) -> np.ndarray:
-    """Masses (n+1,) of the particles of a slender link of n elements, as fractions of one element's
-    mass. elements: n, at least 1; order: of the last differences in the end corrections, 0 for none
-    (the trapezium rule), at most 4; None: the best for so many elements."""
+    """Return the masses (n+1,) of the particles of a slender link, as fractions of the mass of one
+    element. elements: their number n, at least 1; order: highest order of differences in Gregory's
+    end corrections, 0 (the trapezium rule) to 4; None: the best for n."""
     return np.array(_end_weights(elements, order))
 
 
@@ -51,13 +51,14 @@ def _end_weights(elements: int, order: int | None) -> tuple[float, ...]:
 
 
 def lump(length: float, elements: int, section, material, scale: float = 1.0):
-    """Particle masses (n+1,) in kg and principal inertias (n+1, 3) in kg m² of a straight link.
+    """Return particle masses (n+1,) kg and principal inertias (n+1, 3) kg m² of a straight link.
 
-    length (m): of the whole link; elements: n; section (Section), material (Material): the same all
-    along; scale: factor f >= 1 on the section's transverse rotational inertia. The link's mass,
-    centre and inertia tensor are those of a uniform bar, exactly, for two elements or more; a
-    single element keeps mass, centre and polar inertia only. SceneError if `elements` is no whole
-    number above 0, or `scale` below 1 or so large that no positive end mass makes up for it."""
+    length (m): of the whole link; elements: their number n; section (Section), material (Material):
+    the same all along; scale: factor f >= 1 on the section's transverse rotational inertia, above 1
+    to allow longer time steps. For n >= 2 the link's mass, centre and inertia tensor are exactly
+    those of a uniform bar; for one element mass, centre and polar inertia. SceneError if `elements`
+    is no whole number above 0, or `scale` below 1 or so large that no positive end mass makes up
+    for it."""
     if elements < 1 or int(elements) != elements:
         raise SceneError("elements", elements, "a whole number, at least 1")
     if not scale >= 1.0:

@@ -19,6 +19,7 @@ class VirtualBeam:
 
     @staticmethod
     def to_point(particle: int, position, frame, point) -> "VirtualBeam":
-        """The rigid arm from a particle to a point. particle: index; position (3,), m, of the
-        particle and frame (3, 3), its axes as columns; point (3,), m; all in global axes."""
+        """Return the rigid arm from a particle to a point, from global coordinates. particle:
+        index; position (3,) m and frame (3, 3), axes as columns: of the particle now; point (3,)
+        m."""
         return VirtualBeam(particle, np.asarray(frame).T @ (np.asarray(point) - position))

@@ -26,8 +26,9 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class Viscosity(ElementType):
-    """Bulk viscosity of all beam elements of a scene: a damper along each. share: fraction of
-    critical damping in an element's highest axial vibration, >= 0; several viscosities add up."""
+    """Bulk viscosity of all beam elements of a scene: a damper along each element, which damps
+    waves of the size of the mesh. share: fraction of critical damping in an element's highest axial
+    vibration, at least 0; several viscosities add up."""
 
     share: float
 
@@ -41,18 +42,19 @@ class Viscosity(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """The bulk viscosities of a scene, a list; empty where the scene has no beams."""
+        """Return the bulk viscosities of a scene; [] where it has no beams."""
         return scene.kinds.get(cls, []) if scene.beams else []
 
     @classmethod
     def names(cls, scene):
-        """Names of all beam elements of a scene, in their order (Beams.names)."""
+        """Return the names of all beam elements of a scene, each of which has a damper, in their
+        order."""
         return Beams.names(scene)
 
     @classmethod
     def dampings(cls, scene):
-        """Stretches of all beam elements of a scene with their damping (N s/m), as Deformations
-        whose field `stiffness` holds the damping; the stable time step follows from it."""
+        """Return how motions of particles stretch all beam elements of a scene, with the damping (N
+        s/m) of each in the field `stiffness`; the stable time step follows from it."""
         frame = scene.frame if scene.unstrained is None else scene.unstrained
         stretches = [beams.modes(frame)[0] for beams in Beams.of(scene)]
         counts = np.cumsum([0, *(len(beams.length) for beams in Beams.of(scene))])

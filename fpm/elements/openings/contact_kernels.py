@@ -32,9 +32,9 @@ class Contacts(NamedTuple):
 
 @hook(Contacts)
 def forces(part, world, timing):
-    """Add moments (N m) that open the hinges whose faces overlap, stiffness times overlap, to the
-    forces on their particles. part: arrays of all contacts (Contacts); world: solver state (World),
-    whose forces change; timing: times of this step (s), not used."""
+    """Add the moments (N m) of contacts whose faces overlap, stiffness times overlap, which open
+    their hinges, to the forces on particles. part: arrays of all contacts (Contacts); world: solver
+    state, whose forces change; timing: not used."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         psi = load(part.openings.angles, h, NEW)
@@ -44,8 +44,9 @@ def forces(part, world, timing):
 
 @hook(Contacts)
 def note_events(part, world, timing):
-    """Note in part.log which contacts closed (event 1) or opened (0) in the step that ends now.
-    part: all contacts (Contacts); world: solver state, not used; timing: step times (s)."""
+    """Write to part.log which contacts closed (event 1) or opened (0) in the step that ends now,
+    with the time. part: arrays of all contacts (Contacts); world: not used; timing: step times
+    (s)."""
     angles = part.openings.angles
     for c in range(part.on.shape[0]):
         h = part.on[c]

@@ -14,8 +14,9 @@ from fpm.errors import SceneError
 
 
 class AnyRelease(OnHinge):
-    """Base class of releases, rigid ones too: each lets go at its `time` (s), or where the opening
-    of the hinge `watch` (-1: none) passes its `level`, at the first of both."""
+    """Base class of releases, rigid ones too, which hold a hinge and then let go: at their `time`
+    (s), or where the opening of another hinge, of index `watch` (-1: none), passes `level` (rad),
+    whichever is first."""
 
     takes = JOINT_LOSS
     events = ("releases",)
@@ -39,8 +40,9 @@ class AnyRelease(OnHinge):
 
 @dataclass(frozen=True)
 class Release(AnyRelease):
-    """A release that holds a hinge at the opening `hold`, by a spring and a damper, until its time
-    or level."""
+    """Release that holds a hinge at an opening by a spring and a damper, and then lets go. watch:
+    index of a hinge (-1: none) that frees it where its opening passes `level` (rad), if that is
+    before `time`."""
 
     hinge: int = on_hinge()
     stiffness: float = stiffness(text="with which it holds")

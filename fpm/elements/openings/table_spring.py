@@ -16,8 +16,9 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class TableSpring(OnHinge):
-    """A nonlinear spring on a hinge, by a table: moments (N m) at two or more increasing angles
-    (rad)."""
+    """Nonlinear spring on a hinge or slide: moments (N m) at two or more increasing openings
+    `angles` (rad), linear between; positive ones open the hinge. On a slide forces (N) at lengths
+    (m)."""
 
     hinge: int = on_hinge("hinge of spring by a table")
     angles: tuple[float, ...]
@@ -35,7 +36,8 @@ class TableSpring(OnHinge):
         check_table(self.angles, self.moments, "moments", "spring by a table")
 
     def topology(self):
-        """What must be equal in scenes run side by side: hinge and number of table points."""
+        """Return what must be equal in scenes simulated side by side: hinge and number of table
+        points."""
         return self.hinge, len(self.angles)
 
     @property
@@ -45,7 +47,8 @@ class TableSpring(OnHinge):
 
     @property
     def lift(self) -> float:
-        """Energy (J) stored at the table's first point, if the least within the table is 0."""
+        """Energy (J) that the spring stores at its table's first point, counted from the opening
+        within the table where it is least."""
         angles, moments = np.array(self.angles), np.array(self.moments)
         works = np.concatenate([[0.0], np.cumsum(np.diff(angles) * (moments[1:] + moments[:-1]))])
         least = [-works / 2]
@@ -55,18 +58,20 @@ class TableSpring(OnHinge):
         return -float(np.concatenate(least).min())
 
     def stiffness_in(self, scene):
-        """Stiffness (N m/rad, >= 0) that limits the stable step: steepest fall of the moment."""
+        """Return the stiffness (N m/rad, at least 0) by which the spring limits the stable time
+        step: the steepest fall of its moment."""
         return max(0.0, -float(self.slopes.min()))
 
     @property
     def first(self) -> float:
-        """Moment (N m) at openings below the table's first point."""
+        """Moment (N m) of the table's first point, which also acts at all openings below it."""
         return self.moments[0]
 
     @classmethod
     def array(cls, name, batch):
-        """Array for the field `name` of the kernels' tuple TableSprings: "points": those of all
-        tables; "start": index of each spring's first point. batch: the scenes being packed."""
+        """Return the array for a field `name` of the kernels' tuple TableSprings: "points": points
+        of all tables; "start": index of each spring's first; others as in OnHinge.array. batch: the
+        scenes that are simulated side by side."""
         if name not in ("start", "points"):
             return super().array(name, batch)
         return table_array(name, batch, cls, lambda s: bends(s.angles, s.moments))
@@ -74,8 +79,8 @@ class TableSpring(OnHinge):
 
 def check_table(angles, values, noun: str, owner: str) -> None:
     """Check that a table has a finite value for each of two or more increasing angles; raises
-    SceneError if not. angles, values: the columns; noun: what the values are called in messages
-    ("moments"); owner: what the element is called."""
+    SceneError if not. angles, values: its columns; noun: what messages call the values ("moments");
+    owner: what they call the element."""
     is_whole = len(angles) == len(values) >= 2
     if not (is_whole and np.isfinite([angles, values]).all()):
         allowed = f"as many {noun} as angles, two or more, all finite"
@@ -85,16 +90,16 @@ def check_table(angles, values, noun: str, owner: str) -> None:
 
 
 def bends(angles, values) -> np.ndarray:
-    """Change of the slope (n,) at each point of a table of straight pieces, which is flat beyond
-    its ends. angles (n,): increasing; values (n,): at these."""
+    """Return the changes of slope (n,) at the points of a piecewise linear table that is flat
+    beyond its ends. angles (n,): increasing; values (n,): at the angles."""
     return np.diff(np.diff(values) / np.diff(angles), prepend=0.0, append=0.0)
 
 
 def table_array(name: str, batch, kind, bends_of) -> np.ndarray:
-    """Array of the tables of all elements of a type, one after the other: for name "points" (p, 2,
-    lanes) angle and change of slope of each point; for "start" (elements + 1,) the index of each
-    element's first point, and p. batch: scenes being packed; kind: the element type;
-    bends_of(element): changes of slope (n,) at its points."""
+    """Return an array of the tables of all elements of a type, one after the other. name: "points":
+    (p, 2, lanes), angle and change of slope of each point; "start": (elements + 1,), index of each
+    element's first point, then p. batch: the scenes that are simulated side by side; kind: the
+    element type; bends_of(element): returns the changes of slope (n,) at its points."""
     ends = np.cumsum([0, *(len(element.angles) for element in kind.of(batch.scene))])
     if name == "start":
         return batch.integers(ends)

@@ -21,6 +21,7 @@ class TorsionSpring(OnHinge):
     resists_as = "S"
 
     def title(self, scene):
-        """Name in messages; springs on slides are no torsion springs."""
+        """Return what messages call the spring: "torsion spring" (on slides "spring") and its
+        hinge's name."""
         hinge = scene.hinges[self.hinge]
         return f"{'spring' if hinge.slides else self.called} {hinge.name}"

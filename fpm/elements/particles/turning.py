@@ -16,9 +16,10 @@ ALIKE = 1e-12
 
 
 class Turning(NamedTuple):
-    """How n particles can turn. inertia (n, 3): about their own axes (kg m²), the one about n where
-    a particle turns about one axis n alone; no_turn (n, 3): whether it never turns about an own
-    axis; about_two: indices of particles of unlike inertias that turn about two axes."""
+    """How the n particles of a scene can turn. inertia (n, 3): kg m², about their own axes; where a
+    particle turns about one axis only, three times that about it; no_turn (n, 3): whether it never
+    turns about an own axis; about_two: indices of particles that turn about two axes and have
+    unequal inertias."""
 
     inertia: np.ndarray
     no_turn: np.ndarray
@@ -26,8 +27,9 @@ class Turning(NamedTuple):
 
 
 def turns_of(scene) -> Turning:
-    """How the particles of a scene can turn with its supports (Turning). SceneError where one that
-    turns about two axes, with unlike inertias, is in a joint: joints' impulses do not know that."""
+    """Return how the particles of a scene can turn with its supports (Turning). SceneError where a
+    particle that turns about two axes, with unequal inertias, is in a joint, which cannot be
+    simulated."""
     fixed = scene.fixed[:, 3:]
     count, inertia = fixed.sum(axis=1), scene.inertia.copy()
     no_turn = np.repeat(count[:, None] == 3, 3, axis=1)

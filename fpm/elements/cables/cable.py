@@ -64,11 +64,12 @@ class Cable(ElementType):
 
     @staticmethod
     def create(scene, name, points, stiffness, rest, preload, reel, curve, friction) -> "Cable":
-        """A cable through points of a scene, as placed now; it is not added to the scene. points:
-        pairs of a particle's index and a position (3,) m; stiffness: EA (N); rest: unstrained
-        length before reeling (m), or preload: tension at the start (N), the other one None; reel
-        (m), curve: length that a winch takes in, times the curve of that index (-1: none);
-        friction: coefficient or None. SceneError if points or numbers do not fit."""
+        """Return a cable through points of a scene, as placed now; the caller adds it to the scene.
+        name: no other cable's; points: pairs of a particle's index and a position (3,) m;
+        stiffness: EA (N); rest: unstrained length before reeling (m), or preload: tension at the
+        start (N), the other one None; reel: length (m) that a winch takes in, times the curve of
+        index `curve` (-1: none); friction: coefficient or None. SceneError if points or numbers do
+        not fit."""
         count = len(scene.position)
         particles = [particle for particle, _ in points]
         if len(points) < 2 or not all(0 <= p < count for p in particles):
@@ -121,13 +122,15 @@ class Cable(ElementType):
         return self.friction is not None and len(self.beams) > 2
 
     def lengths(self, scene) -> np.ndarray:
-        """Distances (n - 1,), m, from each of the cable's n points to the next, as placed now."""
+        """Return the distances (n - 1,), m, from each of the cable's n points to the next, as
+        placed in the scene."""
         places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in self.beams]
         return np.linalg.norm(np.diff(places, axis=0), axis=1)
 
     def pieces(self, scene) -> Iterator[Piece]:
-        """Parts of the cable that have one tension each, as pairs (virtual beams, stiffness in
-        N/m): the whole cable, or with friction each stretch from point to point."""
+        """Yield the parts of the cable that have one tension each, as pairs (virtual beams to its
+        points, stiffness in N/m at the shortest): the whole cable, or with friction each
+        stretch."""
         shortest = self.shortest(scene)
         if not self.rubs:
             yield self.beams, self.stiffness / shortest
@@ -137,8 +140,8 @@ class Cable(ElementType):
             yield self.beams[i : i + 2], self.stiffness * lengths.sum() / (shortest * length)
 
     def topology(self):
-        """What must be equal in scenes that run side by side: name, particles, curve, and whether
-        it has friction."""
+        """Return what must be equal in scenes simulated side by side: name, particles, curve, and
+        whether it has friction."""
         return self.name, tuple(beam.particle for beam in self.beams), self.curve, self.rubs
 
     @classmethod
@@ -152,8 +155,8 @@ class Cable(ElementType):
 
     @classmethod
     def led(cls, scene):
-        """Copies of a scene's cables without friction, a list, for the slow travel of an opening
-        through equilibria (fpm/travel), which counts friction by itself."""
+        """Return copies of a scene's cables without friction, for moving an opening slowly through
+        static equilibria (fpm/travel), which counts friction by itself."""
         return [replace(cable, friction=None) for cable in cls.of(scene)]
 
     @classmethod
@@ -186,9 +189,9 @@ class Cable(ElementType):
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """Recorded tension (N) and strained length (m) of all cables of one sample, two Series
-        (instants, cables) by variable name. part: kernel arrays (Cables) after the run; scene: for
-        names; lane: index of the sample in its batch."""
+        """Return tension (N) and strained length (m) of all cables of one sample after a run, two
+        Series (t, cables) by variable name. part: kernel arrays (Cables); scene: the sample's;
+        lane: index of the sample among those simulated side by side."""
         names = cls.names_of(scene)
         tension, length = part.track[:, :, lane].T.reshape(2, -1, len(names))
         return {
@@ -225,6 +228,7 @@ def _with_friction(part, batch):
 
 
 def length_through(scene, beams: Sequence[VirtualBeam]) -> float:
-    """Length (m) of the line through the virtual beams' free ends in their order, as placed now."""
+    """Return the length (m) of the line through the free ends of virtual beams, in their order, as
+    placed in the scene."""
     places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
     return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())

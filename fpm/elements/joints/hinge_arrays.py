@@ -89,7 +89,7 @@ MOST_GAP = 1e-6
 single precision. It gapes when its particles turn too far in a step for its rounds."""
 
 MOST_TILT = 1e-5
-"""The same for the angle between its axes (rad)."""
+"""Angle (rad) between the axes of a hinge from which it counts as open."""
 
 ROUNDS = 4
 """Most rounds in a step; smooth motion takes one, a fast impact two."""
@@ -99,4 +99,4 @@ COARSE_GAP = 5e-9
 of a metre at most: more than that on light bodies grows from step to step."""
 
 COARSE_TILT = 5e-8
-"""The same for the angle between the axes (rad)."""
+"""Angle (rad) between the axes of a hinge above which a sample gets another round."""

@@ -58,9 +58,9 @@ from fpm.kernels.vectors import (
 
 @kernel
 def solve(w, h, g, ep, eq):
-    """Impulse (3, N s) and moment impulses about p and q (N m s; p, q: the directions normal to the
-    axis) that change the gap rate of hinge h by g (3, m/s) and the tilt rates by ep, eq (rad/s). w:
-    working memory of the hinges, with the factorised matrices."""
+    """Return an impulse (3, N s) and two moment impulses about p and q (N m s; the directions
+    normal to the axis) that change the gap rate of hinge h by g (3, m/s) and its tilt rates by ep,
+    eq (rad/s). w: working memory of the hinges (hinge_scratch), with the factorised matrices."""
     cpp, cqq, cpq = load(w, h, C), load(w, h, C + 1), load(w, h, C + 2)
     rp, rq = get3(w, h, E), get3(w, h, E + 3)
     yp, yq = cpp * ep + cpq * eq, cpq * ep + cqq * eq

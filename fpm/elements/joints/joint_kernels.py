@@ -89,9 +89,9 @@ def prepare(part, world, timing):
 
 @kernel
 def kick_bodies(part, state, kick):
-    """Save the state of all bodies, update the momenta of those that no drive moves by their forces
-    over the time `kick` (s), and store their inverse inertias in part.body_scratch. part: arrays of
-    all joints; state: of the particles, changed."""
+    """Save positions and axes of all bodies, update the momenta of those that no drive moves by
+    their forces over the time `kick` (s), and store their inverse inertias in part.body_scratch.
+    part: arrays of all joints; state: of the particles (World.state), changed."""
     bodies, b = part.bodies, part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]
@@ -206,8 +206,8 @@ def push_where_far(part, state, s, condition):
 @kernel
 def move_bodies(part, state, repeat, step):
     """Move all bodies that no drive moves by a `step` (s) at their momenta. part: arrays of all
-    joints; state: of the particles, changed; repeat: whether to go back to the step's start
-    before."""
+    joints; state: of the particles, changed; repeat: whether to return to the step's start
+    first."""
     b = part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]

@@ -36,8 +36,8 @@ CONTRACT = ("contract",)
 
 
 def width(dtype: np.dtype) -> int:
-    """Number of samples side by side (lanes) in a register for `dtype`: 8 of float64, 16 of
-    float32."""
+    """Return the number of samples simulated side by side in a register (lanes) for the number type
+    `dtype`: 8 of float64, 16 of float32."""
     return WIDTH * 8 // np.dtype(dtype).itemsize
 
 
@@ -223,8 +223,8 @@ absolute = _unary("fabs")
 
 @intrinsic
 def where_negative(typingctx, condition, x, y):
-    """Return, lane by lane, x where condition < 0, else y, without a branch; x, y: lanes or
-    numbers."""
+    """Return, sample by sample (lanes), x where condition < 0, else y. condition: lanes; x, y:
+    lanes or numbers."""
     if not isinstance(condition, Lane):
         return None
 
@@ -241,7 +241,7 @@ def where_negative(typingctx, condition, x, y):
 
 @intrinsic
 def any_negative(typingctx, x):
-    """Return whether any lane of x is below zero (one that is not a number is not)."""
+    """Return whether x (lanes) is below zero in any sample; one that is not a number is not."""
     if not isinstance(x, Lane):
         return None
 

@@ -12,8 +12,8 @@ from numba.extending import intrinsic, lower_getattr_generic, models, register_m
 
 
 class Reference(types.Type):
-    """Numba type of a reference to a named tuple of type tuple_type, whose fields are read as its
-    own."""
+    """Numba type of a reference to a named tuple; its fields are read as the tuple's own.
+    tuple_type: numba's type of the tuple."""
 
     def __init__(self, tuple_type: types.BaseNamedTuple):
         self.tuple_type = tuple_type
@@ -21,7 +21,8 @@ class Reference(types.Type):
         super().__init__(name=f"Reference({tuple_type})")
 
     def field(self, name: str) -> types.Type:
-        """Numba type of the field `name`; of a named tuple, that of a reference to it."""
+        """Return the numba type of the field `name`; of a field that is a named tuple, that of a
+        reference to it."""
         field_type = self.tuple_type[self.tuple_type.fields.index(name)]
         return Reference(field_type) if isinstance(field_type, types.BaseNamedTuple) else field_type
 

@@ -20,9 +20,9 @@ tenths of a radian in a step, the ends of the series; the third as a product add
 
 @kernel
 def time_particles(particles, timing):
-    """Store, as constants of every particle, its velocity by a unit force (KICK) and its half turn
-    by a unit angular momentum (HALF) in this step. particles (n, PARTICLE, lanes): constants of all
-    particles, changed; timing: times of this step (s)."""
+    """Store, for every particle, its velocity by a unit force (field KICK) and half its turn by a
+    unit angular momentum (HALF) in this step. particles (n, PARTICLE, lanes): World.particles,
+    constants of all, changed; timing: times of this step (s)."""
     for i in range(particles.shape[0]):
         store(particles, i, KICK, timing.kick * load(particles, i, IM))
         put3(particles, i, HALF, (0.5 * timing.step) * get3(particles, i, IJ))
@@ -62,10 +62,11 @@ def turn(state, particles, i, p):
 
 @kernel
 def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
-    """Integrate `steps` steps of `step` s; returns the number of steps done, fewer where all lanes
-    have failed. parts: arrays of each type; world: solver state, changed; record: arrays of the run
-    (Record), written; per_instant, per_check: steps between two recorded instants, and between two
-    checks that the energy balance is off by at most `tolerance` times the largest energy so far."""
+    """Integrate `steps` steps of `step` s; returns the number of steps done, fewer where all
+    samples have failed. parts: arrays of each element type; world: solver state (World), changed;
+    record: arrays of the run (Record), written; per_instant: steps between two recorded instants;
+    per_check: steps between two checks that the energy balance is off by at most `tolerance` times
+    the largest energy so far."""
     parts, world, record = by_reference(parts), by_reference(world), by_reference(record)
     state, free = world.state, world.free
     spare = record.energies.shape[0] - 1

@@ -19,7 +19,7 @@ CLASSES = {
 
 
 class Standard(NamedTuple):
-    """Factors of a standard for torque margins. title; edition that the factors are of; drives:
+    """A standard for torque margins. title: its name; edition: that its factors are of; drives:
     factor of the moments that drive, by class (as "S" for springs), 0 where a class must not count;
     resists: factor of those that resist, by evidence ("theory", "measurement", ...) and class."""
 

@@ -14,8 +14,7 @@ from fpm.elements.openings.opening import OnHinge, on_hinge
 
 @dataclass(frozen=True)
 class Contact(OnHinge):
-    """Contact of the end faces of two links on a revolute hinge, which touch where its opening is
-    below 0. hinge: its index; stiffness: moment for each radian of overlap (N m/rad)."""
+    """Faces that touch where the opening of a revolute joint is below zero."""
 
     hinge: int = on_hinge(types=("revolute",))
     stiffness: float = stiffness(text="moment for each radian below zero")

@@ -12,8 +12,7 @@ from fpm.elements.openings.opening import JOINT_LOSS, OnHinge, on_hinge
 
 @dataclass(frozen=True)
 class Damper(OnHinge):
-    """Viscous damper on a hinge or slide: a moment (force) against its motion. hinge: index;
-    damping: moment for each rad/s (N m s/rad), on a slide force for each m/s (N s/m)."""
+    """Resists the motion of a joint, in proportion to its rate."""
 
     hinge: int = on_hinge()
     damping: float = damping(text="moment for each radian a second")

@@ -15,7 +15,8 @@ from fpm.elements.openings.opening import on_hinge
 
 @dataclass(frozen=True)
 class TorqueMotor(AnyMotor):
-    """Motor on a hinge or slide by a torque (force) that falls linearly with the speed, to 0.
+    """Moves a joint by a torque, or force, that falls with the speed, evenly down to none.
+
     hinge: index; torque: at rest (N m); curve: index in Scene.curves of the curve of time that
     multiplies it, -1: 1; no_load: speed at which it is 0 (rad/s), infinite: it does not fall."""
 

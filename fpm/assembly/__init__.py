@@ -71,9 +71,10 @@ class MisfitError(SceneError):
 
 
 class Assembly(NamedTuple):
-    """Result of forcing parts together. energy: strain energy (J) after it; joint, gap, tilt: the
-    joint that was open most before, by how much (m; sine of the angle between directions that
-    should agree); rounds: of Newton's method; openings: of hinges before (rad, m)."""
+    """Result of forcing parts together. energy: strain energy (J) after it; joint, gap, tilt: name
+    of the joint that was open most before, and by how much (m; sine of the angle between directions
+    that should agree); rounds: number of those of Newton's method; openings: of hinges before (rad,
+    m)."""
 
     energy: float
     joint: str
@@ -260,15 +261,16 @@ def _negative(apply, count: int) -> np.ndarray:
 def linearised(
     scene, poses, conditions, elastic, impulses, scales, free, weight, ease=None, share=MASS_SHARE
 ):
-    """Set up the linear equations of a Newton step: returns a function solve, and the gradient
-    (6n,) of the strain energy and of conditions times impulses.
+    """Set up the linear equations of a Newton step; returns a function solve(forces, lacks) and the
+    gradient (6n,) of the strain energy and of conditions times impulses.
 
-    solve(forces (6n,) N, N m; lacks (c,): residuals times `weight`) returns the motion (6n,),
-    lengths as fractions of the size, and the change (c,) of the impulses. scene: for masses; poses:
-    of all particles; conditions: c of them (Conditions); elastic: Elastic or Unstressed; impulses
-    (c,): of the conditions; scales (6n,): size (m), 1 for turns; free: indices of dofs that are not
-    held; weight (c,): factors on the conditions; ease: how much masses hold motions back, times the
-    largest mass (N m); None: `share` of the largest stiffness."""
+    solve: takes forces (6n,), N and N m, and lacks (c,), residuals times `weight`; returns the
+    motion (6n,), lengths as fractions of the size, and the change (c,) of the impulses. scene: for
+    masses; poses: of all particles; conditions: c of them (Conditions); elastic: Elastic or
+    Unstressed; impulses (c,): of the conditions; scales (6n,): size (m), 1 for turns; free: indices
+    of degrees of freedom that are not held; weight (c,): factors on the conditions; ease: how much
+    masses hold motions back, times the largest mass (N m), None: `share` of the largest
+    stiffness."""
     from scipy.sparse import bmat, identity
     from scipy.sparse.linalg import splu
 
@@ -301,8 +303,8 @@ def linearised(
 
 
 def masses(scene, poses: ParticlePoses):
-    """Sparse (6n, 6n) masses (kg), inertias (kg m²) of all particles of a scene, at poses, in
-    global axes."""
+    """Return a sparse matrix (6n, 6n) of masses (kg) and inertias (kg m²) of all particles of a
+    scene at `poses`, in global axes."""
     from scipy.sparse import coo_array
 
     blocks = np.zeros((len(scene.mass), 2, 3, 3))

@@ -18,7 +18,7 @@ BROKEN = (OSError, ValueError, TypeError, KeyError, IndexError, AssertionError, 
 
 class NetcdfVariable(NamedTuple):
     """A netCDF variable. dims: names of its dimensions; values: array of numbers or text;
-    attributes: by name, such as units."""
+    attributes: by name, such as "units"."""
 
     dims: tuple[str, ...]
     values: np.ndarray
@@ -28,9 +28,9 @@ class NetcdfVariable(NamedTuple):
 def write(
     path: str | os.PathLike, attributes: Mapping[str, Any], variables: Mapping[str, NetcdfVariable]
 ) -> None:
-    """Write a netCDF file in the classic format. attributes: global ones, text or numbers, by name;
-    variables: by name. Text takes one more dimension, `<name>_width`, as characters; variables
-    without values are left out, as the format has no empty dimensions."""
+    """Write a netCDF file in the classic format. path: of the file; attributes: global ones, text
+    or numbers, by name; variables: by name. Text takes one more dimension, `<name>_width`, as
+    characters; variables without values are left out, as the format has no empty dimensions."""
     from scipy.io import netcdf_file
 
     with netcdf_file(path, "w", version=2) as file:
@@ -50,7 +50,7 @@ def write(
 def read(
     path: str | os.PathLike, content: bytes | None = None
 ) -> tuple[dict[str, Any], dict[str, NetcdfVariable]]:
-    """Read a classic netCDF file; returns its global attributes and its variables, by name, text as
+    """Return the global attributes and the variables of a classic netCDF file, by name, text as
     characters. content: the file's bytes, if read before. Raises OSError if the file is not in this
     format, or not whole."""
     from scipy.io import netcdf_file

@@ -28,8 +28,8 @@ _TEMPORARY = re.compile(r"^\..*\.(?P<host>[^.]+)-(?P<process>\d+)\.part(\.\w+)?$
 
 
 class DamagedError(OSError):
-    """Raised for a file that exists, but is not as it was written, or not the expected one; `path`:
-    the file's, `reason`: in words."""
+    """Raised for a file that exists, but is not as it was written, or not the expected one. path:
+    of the file; reason: why, in words."""
 
     def __init__(self, path: str | os.PathLike, reason: str):
         self.path, self.reason = Path(path), reason
@@ -41,8 +41,8 @@ class DamagedError(OSError):
 
 def seal(path: str | os.PathLike, facts: Mapping[str, str]) -> None:
     """Append a seal to the complete file at `path`: a line of JSON with the file's digest and
-    `facts`, text by key: `name` (what the file is) and whatever else its readers need. A JSON file
-    must be an object over several lines."""
+    facts. facts: text by key: `name` (what the file is) and whatever else its readers need. A JSON
+    file must be an object over several lines."""
     path = Path(path)
     if path.suffix == ".json":
         content = read_bytes(path)
@@ -61,9 +61,9 @@ def _json(data: Mapping) -> str:
 
 
 def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
-    """Verify that a sealed file is as it was written and, if `name` is given, what it is; returns
-    the facts in its seal. Raises DamagedError if either does not hold, FileNotFoundError if there
-    is no file."""
+    """Check that a sealed file is as it was written; returns the facts in its seal, text by key.
+    path: of the file; name: what it must be (the fact `name`), None: anything. Raises DamagedError
+    if either does not hold, FileNotFoundError if there is no file."""
     path = Path(path)
     if path.suffix == ".json":
         return check_content(path, read_bytes(path), name)
@@ -79,8 +79,8 @@ def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
 
 
 def read_bytes(path: str | os.PathLike, most: int = _MOST) -> bytes:
-    """Read the content of a plain file of at most `most` bytes; raises DamagedError if it is none
-    or longer. A device, or a pipe, is refused without waiting, and so are files below /proc and
+    """Return the content of a plain file; raises DamagedError if it is none, or longer than `most`
+    bytes. A device, or a pipe, is refused without waiting, and so are files below /proc and
     /sys."""
     if os.path.realpath(path).startswith(("/proc/", "/sys/")):
         raise DamagedError(path, "the system makes it up; allowed: a plain file, such as a copy")
@@ -101,7 +101,7 @@ _AT_ONCE = getattr(os, "O_NONBLOCK", 0)
 
 
 def unsealed(path: str | os.PathLike) -> bytes:
-    """Read the content of a sealed file, without its seal; raises DamagedError if the file is not
+    """Return the content of a sealed file, without its seal; raises DamagedError if the file is not
     as it was written."""
     content = read_bytes(path)
     check_content(path, content)
@@ -109,8 +109,9 @@ def unsealed(path: str | os.PathLike) -> bytes:
 
 
 def check_content(path: str | os.PathLike, content: bytes, name: str | None = None) -> dict:
-    """Verify a sealed file by all its bytes, `content`; returns the facts in its seal. path: its
-    ending tells the format; name: what it must be, None: anything. DamagedError if either fails."""
+    """Check a sealed file by all its bytes, `content`; returns the facts in its seal, text by key.
+    path: its ending tells the format; name: what it must be, None: anything. Raises DamagedError if
+    either fails."""
     facts, rest = _split(path, content)
     _compare(path, facts, hashlib.sha256(rest), name)
     return facts
@@ -174,9 +175,9 @@ def _hash(path: Path, size: int):
 
 @contextmanager
 def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) -> Iterator[Path]:
-    """Context manager to write a file that appears whole or not at all: gives a temporary path
-    beside `path`, which is renamed to that when the block ends, and removed on an error. facts: if
-    given, the file is sealed with them (text by key, with `name`) before."""
+    """Return a context manager to write a file that appears whole or not at all: it gives a
+    temporary path, which is renamed to `path` when the block ends, and removed on an error. facts:
+    with which the file is sealed before (text by key, with `name`), None: it is not."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     # Some writers look at the ending; but who lists netCDF files shall not meet half a one.
@@ -192,8 +193,8 @@ def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) 
 
 
 def sweep(folder: str | os.PathLike) -> list[Path]:
-    """Remove temporary files of `whole_file` in a folder whose process, one of this machine, has
-    ended; returns their paths."""
+    """Remove the temporary files of `whole_file` in a folder whose process, one of this machine,
+    has ended; returns their paths."""
     paths = []
     with suppress(FileNotFoundError, NotADirectoryError):
         for entry in os.scandir(folder):

@@ -78,8 +78,7 @@ class Scene:
     ----------
     name: its name in messages.
     gravity: acceleration of gravity (3,), m/s², in global axes.
-    damping: mass-proportional rate (1/s): force -damping mass velocity on particles; rotations alike.
-    """
+    damping: rate (1/s) of mass-proportional damping: force -rate mass velocity; rotations alike."""
 
     def __init__(self, name: str = "scene", gravity=(0.0, 0.0, 0.0), damping: float = 0.0):
         self.name = name
@@ -152,7 +151,7 @@ class Scene:
         ----------
         position: positions (m), (n, 3), or (3,) for one.
         mass: masses (kg), (n,) or one for all, above 0.
-        inertia: principal moments of inertia (kg m²) about own axes, (n, 3) or one for all, above 0.
+        inertia: principal moments of inertia (kg m²), own axes, (n, 3) or one for all, above 0.
         frame: own axes as columns, (n, 3, 3) or (3, 3) for all; None: the global axes.
         velocity, spin: at the start (m/s, rad/s), global, (n, 3) or one for all.
 
@@ -243,8 +242,8 @@ class Scene:
         particles: indices of the first and the second particle.
         point: position of the hinge (3,), m, global.
         axis: direction of the axis (3,), global.
-        references: two directions (3,) at the start, normal to the axis, fixed to the first and to the
-            second particle; the opening is the angle between them. None: the opening is `opening`.
+        references: two directions (3,) at the start, normal to the axis, fixed to the two particles;
+            the opening is the angle from the first to the second. None: the opening is `opening`.
         opening: opening (rad) at the start; with references, which of those 2 pi apart is meant.
         support: global axes along which the hinge point is held: "", "z", "xyz"."""
         return self.add(
@@ -336,7 +335,7 @@ class Scene:
         Parameters
         ----------
         name: its name, which no other cable has.
-        points: pairs of a particle's index and a position (3,), m, on it; None: the particle itself.
+        points: pairs of a particle's index and a position (3,), m, on it, None: the particle's.
         EA: axial stiffness (N), above 0.
         rest: unstrained length (m); this or `preload`.
         preload: tension (N) at the start; this or `rest`.

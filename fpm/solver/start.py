@@ -31,7 +31,7 @@ AGREES = 1e-12
 """Share of the fastest condition's rate by which a motion may be off and is left as it is."""
 
 CONTINUES = 1e-3
-"""The same of a motion that nothing prescribes. That with which a run ended agrees to the second
+"""AGREES for a motion that nothing prescribes. That with which a run ended agrees to the second
 order in its step only; to change it would be another motion, which does not lead back."""
 
 EASE, ROUNDS = 1e-13, 30
@@ -47,9 +47,9 @@ the correction after it to 1e-4; below the second they are those of conditions t
 
 
 def consistent_scene(scene: Scene) -> Scene:
-    """The scene itself, or a copy with velocities and spins that its joints, motors and drives
-    allow, for the start of a run. Where none are allowed, as where motors contradict each other,
-    those with the least error are taken: joints gape then, by which the run fails. Raises
+    """Return the scene itself, or a copy with velocities and spins that its joints, motors and
+    drives allow, for the start of a run. Where none are allowed, as where motors contradict each
+    other, those with the least error are taken: joints gape then, by which the run fails. Raises
     SceneError as `check_masses` does."""
     check_masses(scene)
     # One for each that has any: of a motor and a latch on one hinge, the motor alone.

@@ -41,8 +41,7 @@ class InstabilityError(RuntimeError):
     step of the scene at its start; `balance` (J), the error of the energy balance; `scale` (J),
     largest energy held; `cause`, name of the watched quantity that is too large (None: the balance
     broke); `largest`, values of all watched quantities by name; `words`, cause and remedy in words,
-    by the cause; `remedy` of the element where its type knows one and no watched quantity is too
-    large."""
+    by the cause; `remedy` of the element where its type knows one."""
 
     def __init__(
         self, time, element, step, limit, balance, scale, cause=None, largest=None, words=None,
@@ -84,8 +83,7 @@ class InstabilityError(RuntimeError):
 
 def did_you_mean(name: str, names: Iterable[str]) -> str:
     """Return a hint to end the message about an unknown name: " (did you mean x?)" with the closest
-    of `names`, those allowed, or what punctuation is missing, as a colon; "" if there is no
-    guess."""
+    of `names`, those allowed, or what punctuation is missing, as a colon; "" without a guess."""
     names = list(names)
     head, sign, value = re.match(r"(\w*)([ :]?)(.*)", name, re.DOTALL).groups()
     if name[:1].isdigit():

@@ -73,8 +73,7 @@ class MisfitError(SceneError):
 class Assembly(NamedTuple):
     """Result of forcing parts together. energy: strain energy (J) after it; joint, gap, tilt: name
     of the joint that was open most before, and by how much (m; sine of the angle between directions
-    that should agree); rounds: number of those of Newton's method; openings: of hinges before (rad,
-    m)."""
+    that should agree); rounds: of Newton's method; openings: of hinges before (rad, m)."""
 
     energy: float
     joint: str
@@ -237,8 +236,7 @@ def _settle(scene, start: ParticlePoses, conditions: Conditions, elastic: Elasti
 
 def _negative(apply, count: int) -> np.ndarray:
     """Directions (count, k) in which a symmetric matrix, `apply`, seems to be negative. Lanczos'
-    method from a fixed start, each vector made normal to all before; it has the extremes of a
-    spectrum first."""
+    method from a fixed start, each vector made normal to all before."""
     basis = [np.random.default_rng(1).standard_normal(count)]
     basis[0] /= np.linalg.norm(basis[0])
     images: list[np.ndarray] = []
@@ -269,8 +267,7 @@ def linearised(
     masses; poses: of all particles; conditions: c of them (Conditions); elastic: Elastic or
     Unstressed; impulses (c,): of the conditions; scales (6n,): size (m), 1 for turns; free: indices
     of degrees of freedom that are not held; weight (c,): factors on the conditions; ease: how much
-    masses hold motions back, times the largest mass (N m), None: `share` of the largest
-    stiffness."""
+    masses hold motions back, times the largest (N m), None: `share` of the largest stiffness."""
     from scipy.sparse import bmat, identity
     from scipy.sparse.linalg import splu
 
@@ -326,8 +323,7 @@ def _reopened(scene, hinge):
 def _check_strains(
     elastic: Elastic, poses: ParticlePoses, start_gaps: tuple[str, float, float]
 ) -> None:
-    """Check strains against the limits of a run; raises MisfitError where beams are strained
-    more."""
+    """Check strains against the limits of a run; raises MisfitError beyond them."""
     bend, strain = elastic.largest(poses)
     name, gap, tilt = start_gaps
     for watch, value, condition in ((BEND, bend, "bent or twisted"), (STRAIN, strain, "strained")):

@@ -39,8 +39,7 @@ class ParticlePoses(NamedTuple):
 
     def nudged(self, first: int) -> "ParticlePoses":
         """Return complex poses (12, n, ...), for derivatives (`slopes`): copies first to first + 5
-        after an imaginary shift along, then turn about, each global axis; the others as these
-        poses."""
+        after an imaginary shift along, then turn about, each global axis; others as these."""
         position = np.tile(self.position.astype(complex), (12, 1, 1))
         frame = np.tile(self.frame.astype(complex), (12, 1, 1, 1))
         position[first : first + 3] += 1j * STEP * np.eye(3)[:, None]
@@ -61,8 +60,7 @@ def slopes(function, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
 
 def sparse_matrix(blocks: np.ndarray, pairs: np.ndarray, count: int):
     """Return a sparse matrix (6 count, 6 count) by the motions of all particles, summed from blocks
-    (e, 12, 12), each by the motions of a pair. pairs (e, 2): indices of particles; count: number of
-    all."""
+    (e, 12, 12), each by the motions of a pair. pairs (e, 2): particles; count: number of all."""
     from scipy.sparse import coo_array
 
     dofs = dofs_of(pairs)
@@ -82,8 +80,7 @@ SMALLEST = 1e-9
 
 def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
     """Find which of c conditions with derivatives rows (c, f) depend on others. Returns their rank,
-    and the share (c,) of each in combinations of conditions whose derivatives vanish, 0:
-    independent."""
+    and the share (c,) of each in combinations whose derivatives vanish, 0: independent."""
     if not rows.size:
         return 0, np.zeros(len(rows))
     vectors, sizes, _ = np.linalg.svd(rows)
@@ -132,8 +129,7 @@ class Conditions(NamedTuple):
 
     def worst(self, gaps: np.ndarray) -> tuple[str, float, float]:
         """Return the name of the joint with the largest residual, its gap (m), and its tilt: the
-        root of its summed squares of cosines (rad if small). gaps (c,): residuals
-        (Conditions.gaps)."""
+        root of its summed squares of cosines (rad if small). gaps (c,): of Conditions.gaps."""
         gap: dict[str, float] = {}
         tilt: dict[str, float] = {}
         for name, axis_type, residual in zip(self.joint, self.axis_types, gaps, strict=True):
@@ -164,8 +160,8 @@ class Conditions(NamedTuple):
         return poses.select(self.pairs[:, 0]), poses.select(self.pairs[:, 1])
 
     def _parts(self, first: ParticlePoses, second: ParticlePoses):
-        """In global axes: directions of both particles, arms of both, and offset of the points
-        (..., c, 3)."""
+        """In global axes: directions of both particles, arms of both, offset of the points (..., c,
+        3)."""
         body_axis = np.einsum("...cij,cj->...ci", first.frame, self.axis1)
         axis1 = np.where((self.axis_types == GLOBAL)[:, None], self.axis1, body_axis)
         axis2 = np.einsum("...cij,cj->...ci", second.frame, self.axis2)
@@ -204,8 +200,7 @@ class Conditions(NamedTuple):
 
 def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
     """Return the conditions that close all joints of a scene. hold: names of hinges whose opening
-    is to stay as stated, a condition each, at the end. Raises SceneError for a name that no hinge
-    has."""
+    is to stay as stated, a condition each, at the end. Raises SceneError for other names."""
     rows: list[tuple] = []
     for joint in (*(j for hinge in scene.hinges for j in as_joints(hinge)), *_joints_of(scene)):
         rows += _rows_of(scene, joint)

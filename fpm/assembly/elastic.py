@@ -31,8 +31,7 @@ class Elastic(NamedTuple):
     half: np.ndarray
 
     def energy(self, poses: ParticlePoses) -> float:
-        """Return the strain energy (J) of all elements together, at poses of all particles of the
-        scene."""
+        """Return the strain energy (J) of all elements together, at poses of all particles."""
         shape = self._shape(*self._ends(poses))
         rest, axial, *bending, torsion = self.stiffness.T
         turns = shape.sines + shape.sines**3 / 6
@@ -123,8 +122,8 @@ class Unstressed(NamedTuple):
 
     def derivatives(self, poses: ParticlePoses):
         """Return the gradient (6n,), N and N m, and the sparse Hessian (6n, 6n) of the strain
-        energy by the motions (m, rad) of all n particles at poses; the Hessian lacks what stress
-        adds to it."""
+        energy by the motions (m, rad) of all n particles at poses, without what stress adds to
+        it."""
         ends = self.bars._ends(poses)
         gradient, _ = self.bars.derivatives(poses)
         rows = slopes(self.bars._modes, *ends)

@@ -24,9 +24,8 @@ driven body, which the drive takes back, is off by ten, of which the balance all
 
 
 def blank(*shape_and_dtype) -> np.ndarray:
-    """Return zeros of a given shape whose memory begins at a multiple of 64 bytes, which makes
-    kernels faster. shape_and_dtype: lengths of the axes, then the number type: blank(3, 2, 8,
-    float)."""
+    """Return zeros of a given shape whose memory begins at a multiple of 64 bytes, for fast
+    kernels. shape_and_dtype: lengths of the axes, then the number type: blank(3, 2, 8, float)."""
     *shape, dtype = shape_and_dtype
     size = math.prod(shape) * np.dtype(dtype).itemsize
     buffer = np.zeros(size + 64, np.uint8)
@@ -113,14 +112,13 @@ class Batch:
     # -- arrays of numbers that differ from scene to scene ----------------------------------------
 
     def blank(self, rows: int, columns: int) -> np.ndarray:
-        """Return zeros (rows, columns, lanes), the last axis for the samples simulated side by
-        side."""
+        """Return zeros (rows, columns, lanes), the last axis for samples side by side."""
         return blank(rows, columns, self.width, self.dtype)
 
     def stack(self, rows: int, columns: int, function: Callable[[SceneData], object]) -> np.ndarray:
         """Return an array (rows, columns, lanes) of numbers that differ from scene to scene.
-        function(scene): returns those of one scene, (rows, columns); lanes left over repeat the
-        last scene."""
+        function(scene): returns those of one scene, (rows, columns); further lanes repeat the
+        last."""
         array = self.blank(rows, columns)
         if rows:
             for s in range(self.width):
@@ -132,8 +130,7 @@ class Batch:
 
     def table(self, kind: type, columns: int, row: Callable) -> np.ndarray:
         """Return an array (elements, columns, lanes) with some numbers of every element of a type.
-        kind: the element type; columns: how many for each; row(element): returns those of one
-        (columns,)."""
+        kind: the element type; columns: how many of each; row(element): returns those of one."""
         count = len(kind.of(self.scene))
         return self.stack(count, columns, lambda scene: [row(e) for e in kind.of(scene)])
 
@@ -172,7 +169,7 @@ class Batch:
 
     def watched_by(self, kind: type) -> np.ndarray:
         """Return a view (1, criteria, lanes) of World.watched: largest values so far of the
-        quantities by which runs with the element type `kind` may fail (its `watches`). Its kernels
+        quantities by which runs with the element type `kind` may fail (its `watches`). Kernels
         write to it."""
         return self._watched[:, self.watches.of[kind]]
 
@@ -205,9 +202,8 @@ class Batch:
         return tuple(self.part(kind) for kind in self.kinds)
 
     def world(self) -> World:
-        """Return the state that the time loop starts with (World): arrays of the particles, curves
-        of time, named points, and what element types share (accounts of energy, watched
-        quantities)."""
+        """Return the state that the time loop starts with: arrays of the particles, curves of time,
+        named points, and what element types share (accounts of energy, watched quantities)."""
         scene, n, points = self.scene, len(self.scene.position), self.scene.points
         lengths = [len(times) for times, _ in scene.curves]
         watches = [(kind, watch) for kind in self.kinds for watch in kind.watches]
@@ -238,8 +234,7 @@ class Batch:
 
     def record(self, step: float, steps: int) -> Record:
         """Return the empty arrays (Record) into which the time loop records. step: time step (s);
-        steps: number of steps of the run; both serve to estimate the energy that rounding errors
-        make."""
+        steps: number of steps of the run, both to estimate the energy that rounding makes."""
         rows, width, dtype = self.instants + 1, self.width, self.dtype
         energies = layout.ACCOUNTS + len(self.accounts) + sum(bool(k.stores) for k in self.kinds)
         failed_step = np.full(width, -1, np.int64)

@@ -46,8 +46,8 @@ class Number(FieldSpec):
     zero: bool = True
 
     def allows(self, value: float) -> bool:
-        """Return whether one number is within the bounds of this field, and finite if that is
-        asked."""
+        """Return whether one number is within the bounds of this field, and finite if it must
+        be."""
         low = self.least is not None and not value >= self.least
         low = low or (self.above is not None and not value > self.above)
         return not low and not math.isnan(value) and (math.isfinite(value) or not self.finite)
@@ -119,8 +119,7 @@ def word(values: Mapping[Any, float], *, default=MISSING, **keys) -> Any:
 def index(group: str, least: int = 0, *, default=MISSING, **keys) -> Any:
     """Declare a dataclass field of an element that holds an index into a list of the scene. group:
     name of the list, as "hinges"; least: -1 where that is allowed and means none, else 0; default:
-    MISSING where one must be given; keys: further attributes of its spec `Index` (types, words,
-    text)."""
+    MISSING where one must be given; keys: further ones of its spec `Index` (types, words, text)."""
     return _field(Index(of=group, least=least, same=True, **keys), default)
 
 

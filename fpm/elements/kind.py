@@ -171,8 +171,7 @@ class ElementType:
 
     def title(self, scene: SceneData) -> str:
         """Return what a message calls this element: by default its type's word (`called`);
-        overridden where elements have names, as "latch A". scene: holds what it acts on, whose name
-        may be used."""
+        overridden where elements have names, as "latch A". scene: with what it acts on."""
         return self.called
 
     def unit_in(self, scene: SceneData, unit: str) -> str:
@@ -212,8 +211,8 @@ class ElementType:
     @classmethod
     def names(cls, scene: SceneData) -> list[str]:
         """Return the names of the type's elements in a scene, for messages: one for each row in
-        which kernels note who fails; by default the type's word and a number. A group has one for
-        each of its parts."""
+        which kernels note who fails; by default the type's word and a number. A group has
+        several."""
         return [f"{cls.called or cls.__name__} {i}" for i in range(len(cls.of(scene)))]
 
     @classmethod
@@ -238,8 +237,7 @@ class ElementType:
     def dampings(cls, scene: SceneData) -> Deformations | None:
         """Return how small motions of particles move the type's dampers: Deformations whose field
         `stiffness` holds the damping (N s/m or N m s/rad), for the scene's stable time step; None:
-        it has none. Valid for dampers whose rate is extrapolated from the last two steps
-        (losses_kernels.py)."""
+        it has none. For dampers whose rate is extrapolated from the last two steps."""
         return None
 
     @classmethod
@@ -254,8 +252,7 @@ class ElementType:
     @classmethod
     def kernels(cls) -> ModuleType:
         """Return the module with the type's kernels: that named as the module of the type, or of a
-        class it derives from, followed by `_kernels`. Raises NotImplementedError where there is
-        none."""
+        class it derives from, followed by `_kernels`. Else NotImplementedError."""
         for kind in cls.__mro__[:-1]:
             if find_spec(name := f"{kind.__module__}_kernels"):
                 return import_module(name)

@@ -22,8 +22,7 @@ BALANCE = Energy("balance", "energy_balance", "energy that came from nowhere sin
 
 class Motion(NamedTuple):
     """Positions and velocities of a scene's n particles at one time, in global axes. position (n,
-    3): m; frame (n, 3, 3): own axes as columns; velocity (n, 3): m/s; spin (n, 3): angular
-    velocity, rad/s."""
+    3): m; frame (n, 3, 3): own axes as columns; velocity (n, 3): m/s; spin (n, 3): rad/s."""
 
     position: np.ndarray
     frame: np.ndarray

@@ -80,8 +80,7 @@ def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
 
 def read_bytes(path: str | os.PathLike, most: int = _MOST) -> bytes:
     """Return the content of a plain file; raises DamagedError if it is none, or longer than `most`
-    bytes. A device, or a pipe, is refused without waiting, and so are files below /proc and
-    /sys."""
+    bytes. Devices, pipes, and files below /proc and /sys are refused at once."""
     if os.path.realpath(path).startswith(("/proc/", "/sys/")):
         raise DamagedError(path, "the system makes it up; allowed: a plain file, such as a copy")
     with open(path, "rb", opener=lambda name, flags: os.open(name, flags | _AT_ONCE)) as file:
@@ -101,8 +100,8 @@ _AT_ONCE = getattr(os, "O_NONBLOCK", 0)
 
 
 def unsealed(path: str | os.PathLike) -> bytes:
-    """Return the content of a sealed file, without its seal; raises DamagedError if the file is not
-    as it was written."""
+    """Return the content of a sealed file without its seal; raises DamagedError if it was
+    changed."""
     content = read_bytes(path)
     check_content(path, content)
     return _split(path, content)[1]
@@ -110,8 +109,8 @@ def unsealed(path: str | os.PathLike) -> bytes:
 
 def check_content(path: str | os.PathLike, content: bytes, name: str | None = None) -> dict:
     """Check a sealed file by all its bytes, `content`; returns the facts in its seal, text by key.
-    path: its ending tells the format; name: what it must be, None: anything. Raises DamagedError if
-    either fails."""
+    path: its ending tells the format; name: what it must be, None: anything. Raises
+    DamagedError."""
     facts, rest = _split(path, content)
     _compare(path, facts, hashlib.sha256(rest), name)
     return facts

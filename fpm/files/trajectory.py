@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     import xarray
 
 CONVENTIONS = "CF-1.8"
-"""Conventions that files follow as far as they fit: simulated time begins at no date
-(docs/data.md)."""
+"""Conventions that files follow as far as they fit: simulated time begins at no date."""
 
 _PARAMETER = "parameter_"
 
@@ -92,8 +91,7 @@ class Curves:
 
     def impacts(self, pairs: Mapping[str, str] = IMPACTS) -> Impacts:
         """Return the impacts of the run, at whose times responses bend or jump. pairs: by name of
-        the event that begins an impact, that of the event that ends it; a latch's impact ends as it
-        begins."""
+        the event that begins an impact, that of the event that ends it; a latch's ends at once."""
         start_events = [next((e for e in own.events if e in pairs), None) for own in self.eventful]
         has_impact = [event is not None for event in start_events]
         index, element = np.cumsum(has_impact) - 1, self.events[:, 1].astype(int)
@@ -252,8 +250,7 @@ def check_finite(variables: Mapping[str, classic.NetcdfVariable]) -> None:
 def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike) -> None:
     """Write a trajectory (Contents or xarray.Dataset) to a sealed netCDF file at `path`, which
     appears when it is complete. Its attribute `run_id`, if it has one, is its name in the seal.
-    Raises ValueError if a value is not finite; then, and when the write breaks off, no file is
-    left."""
+    Raises ValueError if a value is not finite; then no file is left."""
     if not isinstance(trajectory, Contents):
         variables = {
             name: classic.NetcdfVariable(v.dims, v.values, v.attrs)

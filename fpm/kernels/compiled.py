@@ -118,8 +118,7 @@ def loop_for(arguments: tuple, entry: str = "loop") -> Callable:
     the time loop `run.run` (entry "loop") or the sum of forces `run.act` ("act"); the caller calls
     it with them. arguments: all of its arguments, of which the first two are the element types'
     arrays and the World. numba's cache can break when several processes write it at once, so the
-    first that arrives compiles and the others wait for its lock; so do threads, which share numba's
-    setting as well."""
+    first that arrives compiles and the others wait for its lock; so do threads."""
     parts, world = arguments[:2]
     kinds = tuple(map(type, parts))
     ready = entry, kinds, _optional(parts), world.state.dtype

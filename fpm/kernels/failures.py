@@ -49,8 +49,8 @@ def worst_row(parts, world, cause, s):
     """Return the row in World.rows of the element to blame for the failure of sample s (its lane):
     the first whose measure is not finite, else the one with the largest; -1: none. cause:
     UNBALANCED, where the measure is the energy, of elements of all types; or the index of a watched
-    quantity, the measure then. parts: arrays of each element type; world: solver state, whose rows
-    are overwritten."""
+    quantity, the measure then. parts: arrays of each element type; world: solver state, rows
+    changed."""
     rows = world.rows
     for e in range(rows.shape[0]):
         store(rows, e, 0, -1.0)

@@ -78,8 +78,8 @@ def _list(energy_of: Callable) -> Callable:
 
 def _unrolled(line: str | None = None) -> Callable:
     """Make a hook of an empty function of (parts, ...). line: what is done for each kind, if not
-    just the call of its `kernel` with its `part` in place of the parts; {j} counts the kinds that
-    have a kernel."""
+    just the call of its `kernel` with its `part` in place of the parts; {j} counts those with a
+    kernel."""
 
     def declare(stub):
         name, (_, *arguments) = stub.__name__, inspect.signature(stub).parameters
@@ -117,15 +117,13 @@ def _unrolled(line: str | None = None) -> Callable:
 @_unrolled()
 def forces(parts, world, timing):
     """Add the forces (N) and moments (N m) of all element types at timing.time to those of
-    particles. parts: arrays of each element type; world: solver state (World); timing: step times
-    (s)."""
+    particles. parts: arrays of each element type; world: solver state; timing: step times (s)."""
 
 
 @_unrolled()
 def note_events(parts, world, timing):
     """Write the events of the step that ends now into logs, by `events.note`; not called at the
-    start. parts: arrays of each element type; world: solver state (World); timing: times of this
-    step (s)."""
+    start. parts: arrays of each element type; world: solver state; timing: step times (s)."""
 
 
 @_unrolled()
@@ -160,8 +158,7 @@ def decide(parts, world, timing):
 @_unrolled()
 def solve(parts, world, timing):
     """Find the impulses of joints and other constraints in this step; called while World.undecided
-    is set. parts: arrays of each element type; world: solver state (World); timing: step times
-    (s)."""
+    is set. parts: arrays of each element type; world: solver state; timing: step times (s)."""
 
 
 @_unrolled()
@@ -197,7 +194,7 @@ def stored(parts, world, energies, row):
 
 @_unrolled()
 def work_of_place(parts, world, energies, row):
-    """Add work (J) that depends on positions only, as that of weight, to recorded energies. parts:
+    """Add work (J) that depends on positions only, as of weight, to recorded energies. parts:
     arrays of each type; world: solver state; energies: Record.energies; row: index of the
     instant."""
 

@@ -223,8 +223,7 @@ absolute = _unary("fabs")
 
 @intrinsic
 def where_negative(typingctx, condition, x, y):
-    """Return, sample by sample (lanes), x where condition < 0, else y. condition: lanes; x, y:
-    lanes or numbers."""
+    """Return, sample by sample, x where condition (lanes) < 0, else y; x, y: lanes or numbers."""
     if not isinstance(condition, Lane):
         return None
 

@@ -17,8 +17,7 @@ from fpm.kernels.vectors import cross, dot, get3, kernel, put3, vector
 @kernel
 def frame(state, i):
     """Return the three axes, unit vectors in global components, of particle i, or of two particles
-    (i, j) at once. state (n, STATE, lanes): positions, axes, momenta and forces of all
-    particles."""
+    (i, j) at once. state (n, STATE, lanes): of all particles."""
     second, third = get3(state, i, D2), get3(state, i, D3)
     return cross(second, third), second, third
 

@@ -43,8 +43,7 @@ State = tuple[int, ...]
 
 
 def state_of(stat: os.stat_result) -> State:
-    """Return what tells a changed file by the result of os.stat: inode, size, and two times in
-    ns."""
+    """Return what tells a changed file by the result of os.stat: inode, size, times in ns."""
     return stat.st_ino, stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns
 
 
@@ -73,8 +72,7 @@ class Imported:
     def digest(self, include: tuple[str, ...] = (), exclude: tuple[str, ...] = ()) -> str:
         """Return the first 16 hex digits of the SHA-256 of some of the package's files, without
         comments, formatting and docstrings of Python files. include: files and folders, (): all;
-        exclude: those left out of them. Raises ChangedError where a file changed since this object
-        was made (`check`)."""
+        exclude: those left out of them. Raises ChangedError as `check` does."""
         self.check()
         if (include, exclude) not in self._digests_of:
             names = (n for n in self._states if (not include or _is_within(n, include)))
@@ -154,8 +152,7 @@ def mechanics() -> str:
 
 
 def reading() -> str:
-    """Return a digest of the files of the package fpm that read further quantities off a run
-    (READ)."""
+    """Return a digest of the files of the package fpm that read numbers off a run (READ)."""
     return MECHANICS.digest(include=READ)
 
 

@@ -45,8 +45,7 @@ def kernel(function: Callable) -> Callable:
 
 
 class Vector(types.Type):
-    """Numba type of a vector: components x, y, z, each of the type `lane` (samples side by
-    side)."""
+    """Numba type of a vector: components x, y, z, each of the type `lane`."""
 
     def __init__(self, lane: Lane):
         self.lane = lane

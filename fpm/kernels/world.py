@@ -10,8 +10,8 @@ import numpy as np
 
 class StepTime(NamedTuple):
     """Times of one step (s). time: of the positions at its start; step: its length; kick: time over
-    which its forces act on momenta, the step but in the first half of it, as momenta stand half a
-    step behind."""
+    which its forces act on momenta, `step`, but step / 2 in the first, as momenta stand half a step
+    behind."""
 
     time: float
     step: float

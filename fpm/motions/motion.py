@@ -95,12 +95,11 @@ def chosen_instants(duration: float, instants: int, frames: int, times=()) -> np
 def element_strains(
     scene: Scene, position: np.ndarray, frame: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the strains of a scene's m beam elements at t instants: axial (t, m), above 0 in
-    tension, and the largest of bending at the surface (t, m), at least 0. position (t, n, 3) m and
-    frame (t, n, 3, 3), axes as columns: of its n particles. The moments at an element's ends are
-    the gradient of its energy (elements/bars/beam.py), 2 EI/l0 (2 th_a + th_b) and its mirror
-    image; the larger end counts, at the corner of a rectangle with the section's area and second
-    moments."""
+    """Return strains of a scene's m beam elements at t instants: axial (t, m), above 0 in tension,
+    and the largest of bending at the surface (t, m), at least 0. position (t, n, 3) m and frame (t,
+    n, 3, 3), axes as columns: of its n particles. The moments at an element's ends are the gradient
+    of its energy (elements/bars/beam.py), 2 EI/l0 (2 th_a + th_b) and its mirror image; the larger
+    end counts, at the corner of a rectangle with the section's area and second moments."""
     if not scene.beams:
         return np.zeros((len(position), 0)), np.zeros((len(position), 0))
     _, length, half = elements_of(scene.beams)

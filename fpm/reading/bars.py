@@ -32,8 +32,7 @@ class Bar(NamedTuple):
 
     @property
     def ends(self) -> np.ndarray:
-        """Distances (m,), in metres, of the far ends of its m elements from its start,
-        undeformed."""
+        """Distances (m,), metres, of its m elements' far ends from its start, undeformed."""
         return np.cumsum(np.concatenate([beams.length for beams in self.groups]))
 
 
@@ -98,8 +97,8 @@ def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
 
 
 def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
-    """Return the forces and moments in the sections of `beams`, a group of beam elements of a
-    scene; place(particle), axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle
+    """Return forces and moments in the sections of `beams`, a group of elements of a scene;
+    place(particle), axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle
     (index)."""
     _, axial, bend_z, bend_y, twist = beams.stiffness().T
     length, chord, sines, angles, own = bends_of(scene, beams, place, axes)
@@ -125,9 +124,8 @@ def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
 
 
 def sections_of(scene: Scene, bar: Bar, place, axes) -> Sections:
-    """Return the forces and moments in the sections of all elements of a bar of a scene;
-    place(particle), axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle (index)
-    at t instants."""
+    """Return forces and moments in the sections of all elements of a bar; place(particle),
+    axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle (index) at t instants."""
     groups = [sections(scene, beams, place, axes) for beams in bar.groups]
     return Sections(*(np.concatenate(arrays, axis=1) for arrays in zip(*groups, strict=True)))
 
@@ -135,8 +133,7 @@ def sections_of(scene: Scene, bar: Bar, place, axes) -> Sections:
 def at_share(bar: Bar, sections: Sections, share: float) -> tuple[np.ndarray, np.ndarray]:
     """Return force (t, 3) N and moment (t, 3) N m in a section of a bar, linear between the ends of
     an element; where two elements meet, the mean of both. sections: the bar's, from `sections_of`;
-    share: distance of the section from the start of the bar, as a fraction of its length (0 to
-    1)."""
+    share: distance of the section from the bar's start, as a fraction of its length."""
     ends = bar.ends
     lengths = np.diff(ends, prepend=0.0)
     position = share * ends[-1]

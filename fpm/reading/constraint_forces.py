@@ -81,8 +81,7 @@ class Reaction(NamedTuple):
 
 def reactions_of(scene: Scene) -> dict[str, Reaction]:
     """Return the points of a scene that have a reaction force, by name: supports and drives, named
-    points on particles that are fixed or driven, and hinges with a support; of equal names the
-    first one."""
+    points on particles that are fixed or driven, and hinges with a support."""
     holding = {joint.name: joint for joint in Joint.of(scene) if len(joint.beams) == 1}
     is_fixed = scene.fixed.any(axis=1)
     reactions = {}
@@ -155,10 +154,9 @@ def undetermined_forces(scene: Scene, responses: Iterable[Any]) -> dict[str, str
 
 
 def undetermined(scene: Scene) -> set[str]:
-    """Return the names of joints and supports of a scene whose forces the motion does not
-    determine, at the start: their conditions depend on those of others, with no elastic part
-    between, as in a planar loop of rigid bodies on hinges. Sums of such forces are determined, each
-    one is not."""
+    """Return names of joints and supports of a scene whose forces the motion does not determine, at
+    the start: their conditions depend on those of others, with no elastic part between, as in a
+    planar loop of rigid bodies on hinges. Sums of such forces are determined, each one is not."""
     from scipy.sparse.csgraph import connected_components
 
     conditions = conditions_of(scene)

@@ -22,8 +22,7 @@ MOST = 99.0
 """Largest margin that is given: where next to nothing resists, margins have no end."""
 
 TINY = 1e-300
-"""Least requirement (N m), so that where nothing acts nothing is divided by zero: the margin is
--1."""
+"""Least requirement (N m), for division: where nothing acts the margin is -1."""
 
 ROUNDING = 1e-12
 """Margins below this value are rounding: what acts is known to 1e-6 of itself."""
@@ -45,8 +44,7 @@ UNITS = {"rad": 1.0, "deg": np.pi / 180, "m": 1.0, "mm": 1e-3}
 
 class Abscissa(NamedTuple):
     """What the values of a response are a function of, if not of time. words: its name, as "opening
-    of A"; unit: of its values; first, last: its values at the first and the last point, in this
-    unit."""
+    of A"; unit: of its values; first, last: its values at the first and the last point."""
 
     words: str
     unit: str
@@ -128,8 +126,7 @@ def led_curves(scene, responses: Iterable[Any]) -> Any:
 
 def read(spec: Any) -> Any:
     """Return the response for the definition of a torque or force margin in a config. spec: the
-    definition (`responses.Definition`); raises SceneError for a key or value that is not
-    allowed."""
+    definition (`responses.Definition`); raises SceneError for wrong keys and values."""
     openings = (spec.data[spec.kind], *_names(spec, "with"))
     hinges = {hinge.name: hinge for hinge in spec.scene.hinges}
     for name in openings:
@@ -253,8 +250,8 @@ class _WeightedTravel:
 
 def values(response: Any, run: Any) -> np.ndarray:
     """Return the margin (t,), without unit, at t positions evenly spaced over its travel, as many
-    as the run has instants. response: a margin, made by `read`; run: `Curves`, or what `led_curves`
-    returns."""
+    as the run has instants. response: a margin, made by `read`; run: `Curves`, or from
+    `led_curves`."""
     time = run.time
     return _WeightedTravel(response, run).margin((time - time[0]) / (time[-1] - time[0]))
 

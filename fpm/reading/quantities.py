@@ -60,8 +60,8 @@ class Quantity:
     @property
     def decider(self) -> "Quantity | None":
         """The quantity whose `margin` tells by how much this one exists in a run or not: itself (a
-        crossing, settling to a target), or of a value that which gives its time; None: a run only
-        tells whether."""
+        crossing, settling to a target), or of a value that which gives its time; None: runs only
+        tell whether it exists."""
         if isinstance(self.at, Quantity):
             return self.at.decider
         settles = self.kind == "settling" and self.about is not None
@@ -101,8 +101,7 @@ def crossing(
 ) -> float:
     """Return the time (s) at which values (t,) at instants `time` (t,) s cross a level (same unit)
     for the nth time; NaN if they do not. direction: "rising", "falling" or "either"; number: n,
-    from 1. By the cubic through the four instants around it. A value on the level counts as below
-    it."""
+    from 1. By the cubic through the four instants around it. Values on the level are below it."""
     is_above = values > level
     places = np.flatnonzero(is_above[1:] != is_above[:-1])
     if direction != "either":

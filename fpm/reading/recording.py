@@ -31,7 +31,7 @@ class Recording:
     as forces and motions at t instants. batch: the scenes that were simulated side by side
     (elements/batch.py); parts: arrays of their element types, one for each of batch.kinds; lane:
     index of the run among them; time: instants (t,) s; step: time step (s). Particles are named by
-    their index."""
+    index."""
 
     def __init__(self, batch, parts, lane: int, time: np.ndarray, step: float):
         self.scene: Scene = batch.scenes[lane]
@@ -155,8 +155,7 @@ class Recording:
         return own[..., 0], own[..., 1]
 
     def sections(self, bar: str) -> tuple[Bar, Sections]:
-        """Return a bar by its name, and its sections' forces and moments at all instants, found
-        once."""
+        """Return a bar by its name, and its sections' forces and moments at all instants."""
 
         def read() -> tuple[Bar, Sections]:
             bar_data = bars_of(self.scene)[bar]
@@ -165,15 +164,15 @@ class Recording:
         return self.memoize(bar, read)
 
     def memoize(self, key: Hashable, find: Callable[[], Any]) -> Any:
-        """Return the result of find(), which is called without arguments for the first `key` alone
-        and stored."""
+        """Return the result of find(), called without arguments at the first use of `key` and
+        stored."""
         if key not in self._memo:
             self._memo[key] = find()
         return self._memo[key]
 
     @cached_property
     def joints(self) -> list[tuple[Hinge | Joint, Sides]]:
-        """All joints of the scene, hinges first, each with its forces and moments on both
+        """All joints of the scene, hinges first, with their forces and moments on both
         particles."""
         pairs = []
         for kind in (Hinge, Joint):

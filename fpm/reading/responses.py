@@ -51,8 +51,7 @@ class Response:
 
     @property
     def needs(self) -> tuple[Column, ...]:
-        """Columns (variable, label) that the response is computed from and that runs record only on
-        request."""
+        """Columns (variable, label) of the response that runs record only on request."""
         return tuple(column for column in self.columns if column[0] in VARIABLES)
 
     @property
@@ -71,26 +70,17 @@ class Response:
 
 
 def parse(name: str, definition: Mapping[str, Any], scene: Scene) -> Response:
-    """Make a response from its definition in a config.
+    """Return the response that a definition in a config states, with its unit and long name.
 
     Parameters
     ----------
-    name : str
-        Name of the response.
-    definition : mapping
-        One key that is a type (KINDS), and the further keys of this type (docs/responses.md).
-    scene : Scene
-        The scene whose points, hinges and bars the definition names.
-
-    Returns
-    -------
-    Response
-        With unit and long name.
+    name: its name.
+    definition: mapping with one key that is a type (KINDS), and further ones (docs/responses.md).
+    scene: the Scene whose points, hinges and bars the definition names.
 
     Raises
     ------
-    SceneError
-        For keys and values that are not allowed; it names them and what is."""
+    SceneError: for keys and values that are not allowed; it names them and what is."""
     if not isinstance(definition, Mapping) or len(set(definition) & set(KINDS)) != 1:
         raise SceneError(f"responses.{name}", definition, f"exactly one of {', '.join(KINDS)}")
     kind = next(k for k in KINDS if k in definition)
@@ -140,8 +130,8 @@ class Definition(NamedTuple):
 
     @property
     def variable(self) -> Variable:
-        """The variable of `fpm.reading.variables` with the name of the definition's type; KeyError
-        if none has it."""
+        """The variable of `fpm.reading.variables` with the name of the definition's type; else
+        KeyError."""
         return VARIABLES[self.kind]
 
     def response(self, subjects: tuple[str, ...], component: str, *fields: Any) -> Response:

@@ -59,7 +59,7 @@ def equivalent(section: Section, force: np.ndarray, moment: np.ndarray) -> np.nd
 
 
 def von_mises(normal: np.ndarray, shear: np.ndarray) -> np.ndarray:
-    """Return the equivalent stress (Pa) by von Mises of normal and shear stresses (Pa), arrays
+    """Return the equivalent stress (Pa) by von Mises of normal and shear stress (Pa), both
     (...)."""
     return np.sqrt(normal**2 + 3.0 * shear**2)
 

@@ -69,8 +69,7 @@ class Variable(NamedTuple):
 
     def split(self, label: str) -> tuple[str, str]:
         """Split the label of a recorded column, such as "hinge1 spring", into the item's name and
-        its component, one of `parts`, by the last space; the component is "" if the variable has
-        none."""
+        its component, one of `parts`, by the last space; "" if the variable has none."""
         return label.rpartition(" ")[::2] if self.parts else (label, "")
 
     def column(self, recording: Recording, label: str) -> np.ndarray:
@@ -294,8 +293,8 @@ VARIABLES = {
 
 def prepared(scene: Scene, columns: Iterable[Column]) -> Scene:
     """Return a copy of a scene with the probe, the element that makes the time loop record
-    `columns`, pairs (variable, label); the scene itself if there are none. SceneError for a column
-    it does not have."""
+    `columns`, pairs (variable, label); the scene itself if there are none. SceneError for unknown
+    ones."""
     columns = list(columns)
     if not columns:
         return scene
@@ -336,8 +335,7 @@ def numbers(scene: Scene, columns: Iterable[Column]) -> int:
 
 def recorded(recording: Recording, columns: Iterable[Column]) -> dict[str, Series]:
     """Return what was recorded of a run in the form of trajectory files: a Series by variable,
-    values (t, labels). recording: what the time loop recorded; columns: wanted pairs (variable,
-    label)."""
+    values (t, labels). recording: what the time loop recorded; columns: pairs (variable, label)."""
     series = {}
     for name, labels in _by_variable(columns).items():
         variable = VARIABLES[name]

@@ -32,8 +32,7 @@ KIND_COSTS: dict[str, float] = {
     "Drive": 100.0, "Support": 60.0, "Turn": 200.0, "RigidLatch": 100.0, "RigidRelease": 100.0,
     "RigidMotor": 100.0, "RigidFriction": 100.0,
 }  # fmt: skip
-"""Cost (ns) of an element by its type: hinges solved alone, and what acts on an opening, as a
-rule."""
+"""Cost (ns) of an element by its type: hinges solved alone, what acts on an opening."""
 
 DEFAULT_COST = 100.0
 """Cost (ns) of an element of a type that is not among them."""

@@ -242,7 +242,7 @@ class Scene:
         particles: indices of the first and the second particle.
         point: position of the hinge (3,), m, global.
         axis: direction of the axis (3,), global.
-        references: two directions (3,) at the start, normal to the axis, fixed to the two particles;
+        references: two directions (3,) at the start, normal to the axis, fixed to one particle each;
             the opening is the angle from the first to the second. None: the opening is `opening`.
         opening: opening (rad) at the start; with references, which of those 2 pi apart is meant.
         support: global axes along which the hinge point is held: "", "z", "xyz"."""
@@ -323,7 +323,7 @@ class Scene:
         self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
 
     def add_contact(self, hinge: int, stiffness: float) -> None:
-        """Add a contact to a hinge (its index): faces that resist openings below 0. stiffness: N
+        """Add a contact to a hinge (index): faces that resist openings below 0. stiffness: N
         m/rad."""
         self.add(Contact(int(hinge), float(stiffness)))
 
@@ -362,7 +362,7 @@ class Scene:
     def add_curve(self, times: Sequence[float], values: Sequence[float]) -> int:
         """Add a piecewise linear curve of time; returns its index. times: of its points (s),
         increasing; values: at them, in the unit of what refers to the curve, constant before the
-        first and after the last. SceneError for times that do not increase, or another number of
+        first and after the last. SceneError for times that do not increase, or not as many
         values."""
         times, values = np.asarray(times, float), np.asarray(values, float)
         if times.shape != values.shape or times.ndim != 1 or np.any(np.diff(times) <= 0):

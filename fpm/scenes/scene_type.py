@@ -114,8 +114,7 @@ class SceneType:
 
     def build(self, **parameters) -> Scene:
         """Return the scene at values of parameters, by keyword in their units; others take their
-        defaults. Raises SceneError for unknown names, values that are not allowed, and parts that
-        do not fit."""
+        defaults. Raises SceneError for wrong names and values, and parts that do not fit."""
         for name, value in parameters.items():
             if name not in self.parameters:
                 raise SceneError(

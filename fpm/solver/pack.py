@@ -8,8 +8,7 @@ from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
 
 MOST_EVENTS = 512
-"""Number of events of a sample for which there is room; where there are more, the run is
-repeated."""
+"""Number of events of a sample for which there is room; with more, the run is repeated."""
 
 MOST_ROOM = 1 << 16
 """Number of events of a sample that are kept, at most; more are only counted."""
@@ -29,8 +28,7 @@ def topology(scene: Scene) -> tuple:
 
 
 def check_topology(scenes: Sequence[Scene]) -> None:
-    """Check that scenes can be simulated side by side (differ in numbers only); raises SceneError
-    if not."""
+    """Check that scenes can run side by side (differ in numbers only); raises SceneError if not."""
     first = topology(scenes[0])
     for i, scene in enumerate(scenes[1:], start=1):
         if topology(scene) != first:
@@ -44,9 +42,8 @@ def check_topology(scenes: Sequence[Scene]) -> None:
 def pack(
     scenes: Sequence[Scene], width: int, dtype, instants: int, room: int = MOST_EVENTS
 ) -> Batch:
-    """Return the scenes that are simulated side by side as a Batch, which makes the arrays of the
-    kernels. scenes: must pass `check_topology`; width: number of lanes (samples in an array);
-    dtype: of the arrays; instants: number of recorded instants; room: for how many events of each
-    scene."""
+    """Return the scenes simulated side by side as a Batch, which makes the arrays of the kernels.
+    scenes: must pass `check_topology`; width: number of lanes (samples in an array); dtype: of the
+    arrays; instants: number of recorded instants; room: for how many events of each scene."""
     kinds = kinds_of(scenes)
     return Batch(scenes, kinds, energies_of(kinds), width, dtype, instants, room)

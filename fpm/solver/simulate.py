@@ -136,8 +136,8 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
 
 
 def is_compiled(scene: Scene) -> bool:
-    """Return whether the compiled time loop (float64) for the types of a scene's elements is cached
-    on disk."""
+    """Return whether the compiled time loop (float64) for a scene's element types is cached on
+    disk."""
     from fpm.kernels.compiled import DIGESTS, cache_folder
     from fpm.kernels.lanes import width as lanes_of
 
@@ -148,7 +148,6 @@ def is_compiled(scene: Scene) -> bool:
 
 def warm_up(scene: Scene, record=()) -> None:
     """Compile the time loop for the element types of a scene, or load it from the cache on disk, so
-    that a later run starts at once. record: columns (variable, label) that this run is to
-    record."""
+    that a later run starts at once. record: columns (variable, label) of that run."""
     # One step; a stable one takes a while.
     simulate(scene, duration=1e-9, instants=2, step=1e-9, record=record)

@@ -44,8 +44,7 @@ class Balance:
 
     def derivatives(self, poses: ParticlePoses):
         """Return the gradient (6n,) of the potential energy (N, N m) by the motions (m, rad) of n
-        particles at `poses` (positions and frames), and the stiffness, its derivatives, sparse (6n,
-        6n)."""
+        particles at `poses`, and the stiffness, its derivatives, sparse (6n, 6n)."""
         gradient, stiffness = self._of_bars(poses)
         for acting in self.acting:
             forces, slopes = acting.linearise(poses)

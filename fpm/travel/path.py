@@ -54,10 +54,9 @@ def _rotations_of(first: np.ndarray, last: np.ndarray) -> np.ndarray:
 
 class Path:
     """Moves an opening of a scene slowly, through static equilibria, and holds the state reached:
-    `poses` (positions and frames) of n particles, the `opening` (rad, m), and `tangent`, the motion
-    (6n,), m, rad, of all particles per unit of it. openings: names of hinges or slides that move
-    together, of which the first has the `opening`; stand: names of hinges locked at their opening
-    at the start."""
+    `poses` of n particles, the `opening` (rad, m), and `tangent`, the motion (6n,), m, rad, of all
+    particles per unit of it. openings: names of hinges or slides that move together, of which the
+    first has the `opening`; stand: names of hinges locked at their opening at the start."""
 
     def __init__(self, scene, openings: Sequence[str], stand: Sequence[str]):
         self.scene, self.name = scene, openings[0]
@@ -187,8 +186,7 @@ class Path:
         return openings
 
     def rates(self, hinges: Sequence[int]) -> list[float]:
-        """Return the derivatives of the openings of `hinges` (indices) by the opening that is
-        moved."""
+        """Return derivatives of the openings of `hinges` (indices) by the opening that is moved."""
         shift, turn = self.tangent.reshape(-1, 2, 3).transpose(1, 0, 2)
         motion = SimpleNamespace(velocity=shift, spin=turn)
         return [float(rate_at(self.poses, self.scene.hinges[h], motion)) for h in hinges]

@@ -99,8 +99,7 @@ class Section:
 
     @staticmethod
     def tube(outer: float, inner: float) -> "Section":
-        """Return the section of a round tube; outer, inner: its radii (m), inner 0 for a solid
-        circle."""
+        """Return the section of a round tube; outer, inner: radii (m), 0 for a solid circle."""
         inertia = np.pi / 4 * (outer**4 - inner**4)
         area = np.pi * (outer**2 - inner**2)
         return Section(area, inertia, inertia, 2 * inertia, "round", 2 * outer, 2 * outer)
@@ -154,8 +153,7 @@ class Beams(ElementType):
 
     def end_axes(self) -> np.ndarray:
         """Return the local axes 2 and 3 at both ends of these elements without stress, (2, m, 3,
-        2): end, element, global component, axis. They are normal to the chord, or off by the angle
-        `bow`."""
+        2): end, element, global component, axis. Normal to the chord, or off by `bow`."""
         axes = np.stack([self.triad[:, :, 1:]] * 2)
         if self.bow:
             turn = np.array([self.bow, -self.bow])[:, None, None]
@@ -180,8 +178,7 @@ class Beams(ElementType):
 
     @classmethod
     def names(cls, scene):
-        """Return the names of all beam elements of a scene: the group's name and a number, as
-        "link[0]"."""
+        """Return the names of a scene's beam elements: the group's and a number, as "link[0]"."""
         return [f"{b.name}[{i}]" for b in cls.of(scene) for i in range(len(b.length))]
 
     @classmethod
@@ -198,8 +195,8 @@ class Beams(ElementType):
     def modes(self, frame: np.ndarray) -> list[Deformations]:
         """Return the independent deformations of these m elements, a list of six Deformations with
         m springs each: stretch, twist, and sum and difference of the end rotations in both bending
-        planes, by which the stiffness is diagonal. frame (n, 3, 3): axes of all particles without
-        strain, as columns."""
+        planes, by which the stiffness is diagonal. frame (n, 3, 3): all particles' strain-free
+        axes, as columns."""
         table, (a, b) = self.stiffness(), self.nodes.T
         six = np.arange(6)
         dofs = np.concatenate([6 * a[:, None] + six, 6 * b[:, None] + six], axis=1)
@@ -285,7 +282,7 @@ def triad(direction: np.ndarray, normal: np.ndarray) -> np.ndarray:
 
 def elements_of(groups: Sequence[Beams]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Join groups of beam elements. Returns nodes (m, 2), particle indices; undeformed lengths
-    (m,), m; and half widths and heights (m, 2), m, of rectangles with the same area and second
+    (m,), m; and half widths and heights (m, 2), m, of rectangles of equal area and second
     moments."""
     nodes, length, half = [np.zeros((0, 2), int)], [np.zeros(0)], [np.zeros((0, 2))]
     for beams in groups:

@@ -35,8 +35,8 @@ class StraightElements(NamedTuple):
     """Arrays of m beam elements whose local axes are their particles' axes, as on straight bars.
     nodes (m, 2): indices of the particles at ends a, b; beams (m, 5, lanes): constants, undeformed
     length l0 (m), EA/l0 (N/m), EIz/(6 l0), EIy/(6 l0), GJ/(4 l0) (N m); watched (1, 2, lanes):
-    largest bend (sine) and strain so far; rows (m, 1, lanes): energy of each (J), to name the worst
-    in a message."""
+    largest bend (sine) and strain so far; rows (m, 1, lanes): energy of each (J), to name the
+    worst."""
 
     nodes: np.ndarray  # (m, 2) particles
     beams: np.ndarray  # (m, BEAM, lanes)
@@ -46,8 +46,8 @@ class StraightElements(NamedTuple):
 
 class FramedElements(NamedTuple):
     """Arrays of m beam elements with axes of their own. nodes, beams, watched, rows: as of
-    StraightElements; axes (m, 12, lanes): local axes 2 and 3 at end a, then at b, in the axes of
-    the particles there."""
+    StraightElements; axes (m, 12, lanes): local axes 2 and 3 at ends a and b, in the axes of the
+    particles there."""
 
     nodes: np.ndarray
     beams: np.ndarray
@@ -92,8 +92,7 @@ def _framed_axes(part, state, e):
 
 def end_axes(part, state, e):
     """Return four unit vectors in global components: local axes 2 and 3 of element e at its end a,
-    and at its end b. part: StraightElements or FramedElements; state: of the particles
-    (World.state)."""
+    and at its end b. part: StraightElements or FramedElements; state: World.state."""
     return _axes_for(type(part))(part, state, e)
 
 
@@ -110,7 +109,7 @@ def _end_axes(part, state, e):
 @kernel
 def chord_of(part, state, e):
     """Return direction of the chord of element e (unit vector from end a to b), inverse of its
-    length (1/m), and axial force (N, tension above 0). part: arrays of the elements; state:
+    length (1/m), and axial force (N, tension above 0). part: the elements' arrays; state:
     World.state."""
     chord = get3(state, part.nodes[e, 1], X) - get3(state, part.nodes[e, 0], X)
     length = sqrt(dot(chord, chord))
@@ -158,8 +157,7 @@ def forces(part, world, timing):
 def shape_of(part, state, e):
     """Return the deformation of element e, a tuple: axial force (N); sines of the angles between
     the chord and the axes 2, 3 at end a and 2, 3 at end b (0 where straight), a tuple of four;
-    twice the sine of its twist. part: arrays of the elements; state: of the particles
-    (World.state)."""
+    twice the sine of its twist. part: arrays of the elements; state: World.state."""
     a2, a3, b2, b3 = end_axes(part, state, e)
     n, _, force = chord_of(part, state, e)
     return force, (dot(n, a2), dot(n, a3), dot(n, b2), dot(n, b3)), twist_of(a2, a3, b2, b3)
@@ -184,8 +182,7 @@ def strain_energy(part, e, shape):
 def larger_strains(part, e, shape, bend, strain):
     """Return two maxima, `bend` and `strain`, raised to the values of element e. bend: squared sine
     of the largest bend or twist; strain: at the surface of a rectangle with the section's area and
-    second moments. part: arrays of the elements; shape: deformation of e, as `shape_of` returns
-    it."""
+    second moments. part: arrays of the elements; shape: deformation of e, from `shape_of`."""
     beams = part.beams
     force, (sa2, sa3, sb2, sb3), twist = shape
     bend = larger(bend, sa2 * sa2 + sa3 * sa3)
@@ -203,8 +200,7 @@ def larger_strains(part, e, shape, bend, strain):
 @kernel
 def stored(part, world):
     """Return the strain energy (J, lanes) of all beam elements together, and raise part.watched to
-    their largest bend (sine) and surface strain. part: arrays of the elements; world: solver
-    state."""
+    their largest bend (sine) and strain. part: arrays of the elements; world: solver state."""
     total = 0.0 * load(world.state, 0, X)
     bend, strain = 0.0 * load(part.watched, 0, BEND), load(part.watched, 0, STRAIN)
     for e in range(part.nodes.shape[0]):

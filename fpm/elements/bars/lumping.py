@@ -57,8 +57,7 @@ def lump(length: float, elements: int, section, material, scale: float = 1.0):
     the same all along; scale: factor f >= 1 on the section's transverse rotational inertia, above 1
     to allow longer time steps. For n >= 2 the link's mass, centre and inertia tensor are exactly
     those of a uniform bar; for one element mass, centre and polar inertia. SceneError if `elements`
-    is no whole number above 0, or `scale` below 1 or so large that no positive end mass makes up
-    for it."""
+    is no whole number above 0, or `scale` below 1 or too large for positive end masses."""
     if elements < 1 or int(elements) != elements:
         raise SceneError("elements", elements, "a whole number, at least 1")
     if not scale >= 1.0:

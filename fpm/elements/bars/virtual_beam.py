@@ -19,7 +19,6 @@ class VirtualBeam:
 
     @staticmethod
     def to_point(particle: int, position, frame, point) -> "VirtualBeam":
-        """Return the rigid arm from a particle to a point, from global coordinates. particle:
-        index; position (3,) m and frame (3, 3), axes as columns: of the particle now; point (3,)
-        m."""
+        """Return the rigid arm from a particle to a point, by global coordinates. particle: index;
+        position (3,) m and frame (3, 3), axes as columns: of the particle now; point (3,) m."""
         return VirtualBeam(particle, np.asarray(frame).T @ (np.asarray(point) - position))

@@ -47,8 +47,7 @@ class Viscosity(ElementType):
 
     @classmethod
     def names(cls, scene):
-        """Return the names of all beam elements of a scene, each of which has a damper, in their
-        order."""
+        """Return the names of all beam elements of a scene, each of which has a damper."""
         return Beams.names(scene)
 
     @classmethod

@@ -40,10 +40,10 @@ def _crowded(values: dict[str, float]) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class Cable(ElementType):
-    """A cable through the free ends of two or more virtual beams (rigid arms from particles).
-    stiffness: EA (N); rest: unstrained length R (m); reel: length (m) that a winch takes in, times
-    the curve of index `curve` (-1: none); friction: coefficient mu at the points between its ends,
-    None: none."""
+    """A cable through the free ends of two or more virtual beams (rigid arms from particles). name:
+    no other cable's; beams: arms to its points; stiffness: EA (N); rest: unstrained length (m);
+    reel: length (m) that a winch takes in, times the curve of index `curve` (-1: none); friction:
+    coefficient at points between its ends, None: none."""
 
     name: str = same()
     beams: tuple[VirtualBeam, ...]
@@ -68,8 +68,7 @@ class Cable(ElementType):
         name: no other cable's; points: pairs of a particle's index and a position (3,) m;
         stiffness: EA (N); rest: unstrained length before reeling (m), or preload: tension at the
         start (N), the other one None; reel: length (m) that a winch takes in, times the curve of
-        index `curve` (-1: none); friction: coefficient or None. SceneError if points or numbers do
-        not fit."""
+        index `curve` (-1: none); friction: coefficient or None. SceneError if they do not fit."""
         count = len(scene.position)
         particles = [particle for particle, _ in points]
         if len(points) < 2 or not all(0 <= p < count for p in particles):
@@ -123,7 +122,7 @@ class Cable(ElementType):
 
     def lengths(self, scene) -> np.ndarray:
         """Return the distances (n - 1,), m, from each of the cable's n points to the next, as
-        placed in the scene."""
+        placed."""
         places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in self.beams]
         return np.linalg.norm(np.diff(places, axis=0), axis=1)
 
@@ -228,7 +227,7 @@ def _with_friction(part, batch):
 
 
 def length_through(scene, beams: Sequence[VirtualBeam]) -> float:
-    """Return the length (m) of the line through the free ends of virtual beams, in their order, as
-    placed in the scene."""
+    """Return the length (m) of the line through the free ends of virtual beams, as placed in the
+    scene."""
     places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
     return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())

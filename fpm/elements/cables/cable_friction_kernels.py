@@ -207,8 +207,8 @@ def work_before(part, world, timing):
 
 @hook(RubbingCables)
 def energy_of(part, world, c):
-    """Return the strain energy (J) of cable c, over all its stretches. part: arrays of all cables;
-    world: not used."""
+    """Return the strain energy (J) of cable c, of all stretches. part: arrays of all cables; world:
+    not used."""
     total = energy_of_cable(part, c)
     if part.rubs[c]:
         total = 0.0 * total

@@ -86,8 +86,7 @@ def lay(part, state, c):
 @kernel
 def unstrained_now(part, world, timing, c):
     """Return the unstrained length (m) of cable c at timing.time, less what its winch has taken in.
-    part: arrays of all cables; world: solver state, with the curves; timing: times of this step
-    (s)."""
+    part: arrays of all cables; world: solver state, with the curves; timing: step times (s)."""
     rest = load(part.cables, c, REST)
     if part.curve[c] >= 0:
         rest = rest - curve_value(world, part.curve[c], timing.time) * load(part.cables, c, REEL)
@@ -153,8 +152,7 @@ def forces(part, world, timing):
 @hook(Cables)
 def note_events(part, world, timing):
     """Write to part.log which cables turned tight (event 0) or slack (1) in the step that ends now,
-    at the strain TAUT, and when. part: arrays of all cables; world: not used; timing: step times
-    (s)."""
+    and when. part: arrays of all cables; world: not used; timing: step times (s)."""
     for c in range(part.curve.shape[0]):
         new = load(part.state, c, LONGER) - TAUT * load(part.state, c, UNSTRAINED)
         old = load(part.state, c, LONGER_BEFORE) - TAUT * load(part.state, c, UNSTRAINED_BEFORE)
@@ -194,8 +192,7 @@ def strain_of(part, c):
 
 @kernel
 def energy_of_cable(part, c):
-    """Strain energy (J) of cable c, of one tension all along (no friction). part: arrays of all
-    cables."""
+    """Strain energy (J) of cable c, which has no friction. part: arrays of all cables."""
     strain = strain_of(part, c)
     return 0.5 * load(part.cables, c, EA) * load(part.state, c, UNSTRAINED) * strain * strain
 

@@ -40,7 +40,7 @@ def positive(x):
 @kernel
 def handed_on(part, first, j, strain):
     """Return the unstrained length (m) that slips from the stretches `first` to j over the point at
-    the end of j, if stretch j has this `strain`, and its derivative by it (m). part: arrays of all
+    the end of j, if stretch j has this `strain`, and its derivative (m). part: arrays of all
     cables."""
     flow, follows = 0.0 * strain, 0.0 * strain + 1.0
     slope, linked = flow, follows
@@ -96,8 +96,7 @@ def strain_alone(part, first, j, tight, slope, close):
 @kernel
 def strain_before(part, j, strain):
     """Return the strain of the stretch before point j by the law of friction, if that after it has
-    `strain`. part: arrays of all cables, with FREE_STRAIN (strain if nothing slips) of that
-    before."""
+    `strain`. part: arrays of all cables, with FREE_STRAIN (if nothing slips)."""
     least, most = load(part.rubbed, j, INVERSE) * strain, load(part.rubbed, j, RATIO) * strain
     free_strain = load(part.rubbed, j - 1, FREE_STRAIN)
     return larger(least, where_negative(most - free_strain, most, free_strain))

@@ -72,13 +72,11 @@ class JointBase(ElementType):
 
     @staticmethod
     def are_impulses_read(scene) -> bool:
-        """Return whether an element type in the scene (as a probe) needs joints' impulses summed
-        over steps."""
+        """Return whether an element type in the scene needs joints' impulses summed over steps."""
         return any(kind.reads_impulses(scene) for kind in scene.kinds)
 
     def check(self, scene):
-        """Check that no other hinge or joint of the scene has this name; raises SceneError if one
-        has."""
+        """Check that no other hinge or joint of the scene has this name; else raises SceneError."""
         if {self.name, self.joint} & names_taken(scene):
             raise SceneError(type(self).__name__.lower(), self.joint, "a name not yet used")
 
@@ -113,8 +111,7 @@ class Hinge(JointBase):
     the axis against the first; support: global axes along which the hinge point is held, as "xz".
     type: "revolute"; "prismatic": a slide, whose opening (m) is the distance along the axis from
     the first beam's end to the second's, plus `offset` (m); "universal" and "cross": the first and
-    the second angle of a universal joint; the axis of each is fixed in the first of its two
-    particles."""
+    the second angle of a universal joint; the axis of each is fixed in its first particle."""
 
     name: str
     beams: tuple[VirtualBeam, VirtualBeam]
@@ -191,7 +188,7 @@ class Hinge(JointBase):
         return [hinge for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True) if lone]
 
     def topology(self):
-        """Return what must be equal in scenes simulated side by side: name, type, particles, held
+        """Return what must be equal in scenes run side by side: name, type, particles, held
         axes."""
         return self.name, self.type, self.particles, self.support
 
@@ -264,8 +261,7 @@ def are_alone(scene) -> list[bool]:
     cheaper than as a coupled joint. It can if it is revolute; nothing holds its opening exactly
     (turn.py); its particles, unless held altogether, are in no other hinge or joint and not driven;
     and its own matrix is regular, whatever arms and axis are and become: no axis is held for both
-    particles, nor for a particle and the hinge point, one of the two may turn, and about all axes
-    or none."""
+    particles, nor for a particle and the hinge point, one may turn, and about all axes or none."""
     joining = [e for kind, elements in scene.kinds.items() if kind.joins for e in elements]
     uses = Counter(p for element in joining for p in element.particles)
     shared = {p for p, count in uses.items() if count > 1 and not scene.fixed[p].all()}
@@ -281,8 +277,8 @@ def are_alone(scene) -> list[bool]:
 
 
 def two_of(scene, particles, owner: str) -> tuple[int, int]:
-    """Check that `particles` are the indices of two different particles of a scene, and return them
-    as ints; raises SceneError if not. owner: what messages call the element that joins them ("hinge
+    """Check that `particles` are indices of two different particles of a scene; returns them as
+    ints; raises SceneError if not. owner: what messages call the element that joins them ("hinge
     A")."""
     first, second = (int(p) for p in particles)
     count = len(scene.position)

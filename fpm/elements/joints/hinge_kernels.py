@@ -112,8 +112,7 @@ def aim(part, state):
 @kernel
 def push(state, i, r, b):
     """Add the changes of velocity DV (m/s) and angular momentum DP (N m s) in rows r of `b`, the
-    bodies' working memory (body_scratch), to particles i in `state` (World.state). i, r: indices or
-    pairs."""
+    bodies' working memory (body_scratch), to particles i in `state`. i, r: indices or pairs."""
     add3(state, i, V, get3(b, r, DV))
     add3(state, i, P, get3(b, r, DP))
 
@@ -121,8 +120,8 @@ def push(state, i, r, b):
 @kernel
 def push_where_far(state, i, r, b, condition):
     """Add the changes of velocity DV (m/s) and angular momentum DP (N m s) in row r of `b`, the
-    bodies' working memory (body_scratch), to particle i in `state`, in samples where `condition`
-    (lanes) is below 0."""
+    bodies' working memory (body_scratch), to particle i in `state`, where `condition` (lanes) is
+    below 0."""
     for k, change in ((V, DV), (P, DP)):
         add_where(state, i, k, get3(b, r, change), condition)
 

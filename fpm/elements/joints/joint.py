@@ -179,7 +179,7 @@ class Joint(JointBase):
         return self.type in ("opening", "slid")
 
     def topology(self):
-        """Return what must be equal in scenes simulated side by side: name, type, particles, held
+        """Return what must be equal in scenes run side by side: name, type, particles, held
         axes."""
         return self.name, self.type, self.particles, self.support_axes
 

@@ -206,8 +206,7 @@ def push_where_far(part, state, s, condition):
 @kernel
 def move_bodies(part, state, repeat, step):
     """Move all bodies that no drive moves by a `step` (s) at their momenta. part: arrays of all
-    joints; state: of the particles, changed; repeat: whether to return to the step's start
-    first."""
+    joints; state: of the particles, changed; repeat: whether from the step's start."""
     b = part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]

@@ -29,8 +29,7 @@ def neighbours(slots: np.ndarray, movable: np.ndarray) -> list[set[int]]:
 
 def elimination(graph: Sequence[set[int]]) -> tuple[list[int], list[list[int]]]:
     """Order in which to eliminate joints from their equations (a list of indices), and for each
-    place in it the sorted later places that it is then coupled to. graph: each joint's
-    `neighbours`."""
+    place in it the sorted later places that it is then coupled to. graph: from `neighbours`."""
     active = {joint: set(members) for joint, members in enumerate(graph)}
     by_degree: dict[int, set[int]] = {}
     for joint, members in active.items():

@@ -84,8 +84,8 @@ class RigidMotor(AnyMotor, Rigid):
     by_rate: bool = same(False)
 
     def target(self, scene, time: float) -> float:
-        """Return the opening (rad; m on a slide) that the motor prescribes at a `time` (s). scene:
-        has its curve."""
+        """Return the opening (rad; m on a slide) prescribed at a `time` (s). scene: has the
+        curve."""
         times, values = scene.curves[self.curve] if self.curve >= 0 else CONSTANT
         if not self.by_rate:
             return float(self.start + self.turn * np.interp(time, times, values))
@@ -142,8 +142,8 @@ class RigidRelease(AnyRelease, Rigid):
 class RigidLatch(AnyLatch, Rigid):
     """A latch that stops the opening of a hinge (index) and holds it exactly where it caught it. It
     catches within capture_range (rad) of `angle` (rad), coming from `side` ("below", "above" or
-    "either"), at no more than max_capture_rate (rad/s); on a slide in m. name: in results, "": as
-    the hinge."""
+    "either"), at no more than max_capture_rate (rad/s); on a slide in m. name: its own in results,
+    "": the hinge's."""
 
     hinge: int = on_hinge()
     angle: float = number("rad")
@@ -192,8 +192,7 @@ class RigidFriction(Rigid):
     @classmethod
     def held_round(cls, scene):
         """Return the sum (N m) of the friction moments of a scene, the most that friction which
-        sticks in closed loops may bear at rest; the tolerance of the energy balance follows from
-        it."""
+        sticks in closed loops may bear at rest, for the tolerance of the energy balance."""
         return float(sum(friction.moment for friction in cls.of(scene)))
 
     @classmethod

@@ -35,7 +35,7 @@ class Turn(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return what must be equal in scenes simulated side by side: type and hinge of each such
+        """Return what must be equal in scenes run side by side: type and hinge of each such
         element."""
         return tuple((type(holder), holder.hinge) for holder in cls.of(scene))
 

@@ -45,8 +45,7 @@ def forces(part, world, timing):
 @hook(Contacts)
 def note_events(part, world, timing):
     """Write to part.log which contacts closed (event 1) or opened (0) in the step that ends now,
-    with the time. part: arrays of all contacts (Contacts); world: not used; timing: step times
-    (s)."""
+    with the time. part: arrays of all contacts; world: not used; timing: step times (s)."""
     angles = part.openings.angles
     for c in range(part.on.shape[0]):
         h = part.on[c]

@@ -30,8 +30,7 @@ SLIDE_DEFLECTION = 1e-4
 """Way (m) by which a bristle on a slide is bent before it slips, if nothing else is said."""
 
 AT_ONCE = 1e-9
-"""Deflection (rad, m) of bristles where openings are moved slowly (fpm/travel): too small to
-see."""
+"""Deflection (rad, m) of bristles where openings are moved slowly (fpm/travel)."""
 
 LOCKS = 20.0
 """By how many times its `bristle_deflection` a bearing's bristle may be bent on while the moment at
@@ -99,8 +98,7 @@ class Friction(OnHinge):
     def led(cls, scene):
         """Return copies of the scene's friction elements for moving an opening slowly through
         static equilibria (fpm/travel), whose bristles slip at once. One with a `load`, whose moment
-        depends on the joint's force, gets the moment 0: there that friction follows from
-        Scene.bearings."""
+        depends on the joint's force, gets the moment 0: that follows from Scene.bearings."""
         frictions = [
             replace(friction, bristle_deflection=AT_ONCE, damping=0.0) for friction in cls.of(scene)
         ]
@@ -120,8 +118,7 @@ class Friction(OnHinge):
 
     def check(self, scene):
         """Check the element's fields, its table (angles, shares; no share below 0) and its `load`
-        (above 0, and no table beside it), before it is added to a scene; raises SceneError if one
-        does not fit."""
+        (above 0, and no table beside it), before it is added to a scene; else raises SceneError."""
         super().check(scene)
         if self.load is not None and not (self.load > 0 and not self.angles):
             raise SceneError(f"load of {self.title(scene)}", self.load, "above 0, without a table")

@@ -57,8 +57,7 @@ class Frictions(NamedTuple):
 def bend_at(points, start, i, most, psi):
     """Return the bristle deflection (rad, lanes) at which friction element i slips at opening psi
     (rad), by its table. points, start: tables of all elements, as in Frictions, None: there are
-    none; most: deflection at slip (rad) at openings below the table, which is returned where there
-    is none."""
+    none; most: deflection at slip (rad) at openings below the table, and the result without one."""
     if points is not None:
         for j in range(start[i], start[i + 1]):
             ramp = psi - load(points, j, ANGLE)

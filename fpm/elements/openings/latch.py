@@ -38,8 +38,7 @@ slides names and units are others (opening.by_unit)."""
 
 
 class AnyLatch(OnHinge):
-    """Base class of latches, rigid ones too: what they are called, their events and recorded
-    series."""
+    """Base class of latches, rigid ones too: their names, events and recorded series."""
 
     takes = JOINT_LOSS
     events = ("latches", "misses")

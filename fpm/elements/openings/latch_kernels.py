@@ -71,8 +71,7 @@ def watch(part, i, h, timing):
 @kernel
 def reach_of(part, i, start, end):
     """Return by how far (rad, lanes) the openings from `start` to `end` (rad) stay clear of the
-    range in which latch i catches; below 0: they may enter it. part: arrays of all latches
-    (Latches)."""
+    range in which latch i catches; below 0: they may enter it. part: arrays of all latches."""
     distance = absolute(0.5 * (end + start) - load(part.numbers, i, ANGLE))
     return distance - 0.5 * absolute(end - start) - load(part.numbers, i, CAPTURE_RANGE) - ANGLE_TOL
 
@@ -162,9 +161,9 @@ def forces(part, world, timing):
 
 @hook(Latches)
 def note_events(part, world, timing):
-    """Write to part.log which latches caught (event 0) or missed (1) in the step that ends now,
-    with the time, and clear that news in part.state. part: arrays of all latches; world, timing:
-    not used."""
+    """Write to part.log which latches caught (event 0) or missed (1) in the step that ends now, and
+    when, and clear that news in part.state. part: arrays of all latches; world, timing: not
+    used."""
     for i in range(part.on.shape[0]):
         if any_negative(0.5 - load(part.state, i, NEWS)):
             for s in range(part.state.shape[2]):
@@ -188,8 +187,7 @@ def energy_of(part, world, i):
 @hook(Latches)
 def record(part, world, row):
     """Record the moment (N m), impulse so far (N m s) and rate at the catch (rad/s) of each latch
-    in part.track. part: arrays of all latches; world: not used; row: index of the recorded
-    instant."""
+    in part.track. part: arrays of all latches; world: not used; row: of the instant."""
     count = part.on.shape[0]
     for i in range(count):
         for k, field in enumerate((MOMENT, IMPULSE, RATE_THERE)):

@@ -22,8 +22,7 @@ class JointForce(NamedTuple):
     where it is constant; lone (f,): row of each one's hinge in `hinges`, or -1; hinges (h, SUMS,
     lanes): impulses (N s, N m s) of hinges that are solved alone; first, count (f,): first of its
     joint's equations, and their number, in `rows` and `impulses`; rows (r, ROW, lanes): equations
-    of joints that are solved together, with their directions; impulses (r, 1, lanes): of these (N
-    s)."""
+    of joints that are solved together, with their directions; impulses (r, 1, lanes): N s."""
 
     share: np.ndarray  # (f, 1, lanes) what counts of each N; 0: not this one
     lone: np.ndarray  # (f,)
@@ -65,8 +64,7 @@ def lose(world, account, openings, history, i, h, moment):
     in World.accounts; openings: arrays of all openings (Openings); history (elements, 2, lanes):
     `past` of the element's type, with the moment a step ago, changed; moment: on the second
     particle, now (N m). The energy is the mean of both moments times the change of the opening,
-    just what kinetic energy of the half steps changes by (record.py): so the balance has no
-    error."""
+    just what kinetic energy of the half steps changes by (record.py)."""
     angles = openings.angles
     angle = load(angles, h, NEW) - load(angles, h, OLD)
     loss = -0.5 * (moment + load(history, i, LOSS)) * angle

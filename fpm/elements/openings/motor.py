@@ -18,8 +18,7 @@ MOTOR_WORK = Energy("motor_work", "motor_work", "work of the motors")
 
 
 class AnyMotor(OnHinge):
-    """Base class of all motors on hinges: those through a drive train, rigid ones, and torque
-    motors."""
+    """Base class of all motors on hinges: with a drive train, rigid ones, and torque motors."""
 
     gives = MOTOR_WORK
     acts_as = "motor"
@@ -34,8 +33,8 @@ class AnyMotor(OnHinge):
     @classmethod
     def recorded(cls, part, scene, lane):
         """Return the recorded moments (N m, on slides N) of one sample's motors after a run, (t,
-        motors), by variable name. part: arrays of the motors' kernels; scene: the sample's; lane:
-        its index."""
+        motors), by variable name. part: arrays of the motors' kernels; scene, lane: the
+        sample's."""
         hinges = [scene.hinges[motor.hinge] for motor in cls.of(scene)]
         values = part.track[:, 0, lane].reshape(-1, len(hinges))
         text, dimension = f"moment of the {cls.called}s on their hinges", cls.called

@@ -46,8 +46,7 @@ TURNING = ("revolute", "universal", "cross")
 @dataclass(frozen=True)
 class Opening(ElementType):
     """The opening of a hinge (its angle, rad) or slide (its length, m), as an element type. Every
-    hinge of a scene has one, of the hinge's index; none is stated: `of` returns the scene's
-    hinges."""
+    hinge of a scene has one, of the hinge's index; `of` returns the scene's hinges."""
 
     resists_as = ""
 
@@ -57,7 +56,7 @@ class Opening(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return what must be equal in scenes simulated side by side: names and particles of all
+        """Return what must be equal in scenes run side by side: names and particles of all
         hinges."""
         return tuple((hinge.name, hinge.particles) for hinge in scene.hinges)
 
@@ -139,8 +138,7 @@ class OnHinge(OnHinges):
         return (self.hinge,)
 
     def label(self, scene) -> str:
-        """Return the name of the element in messages and files: by default that of its hinge in the
-        scene."""
+        """Return the name of the element in messages and files: by default its hinge's."""
         return scene.hinges[self.hinge].name
 
     def title(self, scene):
@@ -177,14 +175,14 @@ class OnHinge(OnHinges):
     @classmethod
     def deformations(cls, scene):
         """Return how motions of particles strain the openings on which the type's springs act, with
-        their stiffness, for the scene's stable time step, as if all acted at once; None: it has no
+        their stiffness, for the scene's stable time step, as if all acted at once; None: no
         springs."""
         return cls._turns(scene, [e.stiffness_in(scene) for e in cls.of(scene)])
 
     @classmethod
     def dampings(cls, scene):
         """Return how motions of particles move the openings on which the type's dampers act, with
-        their damping in the field `stiffness`, for the scene's stable time step; None: it has no
+        their damping in the field `stiffness`, for the scene's stable time step; None: no
         dampers."""
         return cls._turns(scene, [e.damping_in(scene) for e in cls.of(scene)])
 
@@ -245,8 +243,7 @@ def _sides(scene) -> np.ndarray:
 
 def relative_turn(scene, hinges, stiffness) -> Deformations:
     """Return how motions of particles strain springs on openings of hinges, for the stable time
-    step. hinges: index of each spring's hinge; stiffness: of each spring (N m/rad, on slides
-    N/m)."""
+    step. hinges: index of each spring's hinge; stiffness: of each (N m/rad, on slides N/m)."""
     dofs, values, factors, element = [], [], [], []
     for number, h in enumerate(hinges):
         hinge = scene.hinges[h]
@@ -296,8 +293,8 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
 
 def softness(scene, hinge: int) -> float:
     """Return the acceleration of the opening of a hinge by a unit moment (on a slide, force) on it,
-    if its two particles were alone: 1/(kg m²), on a slide 1/kg; 0 where both are held. hinge: its
-    index in the scene."""
+    if its two particles were alone: 1/(kg m²), on a slide 1/kg; 0 where both are held. hinge:
+    index."""
     joint, no_turn = scene.hinges[hinge], turns_of(scene).no_turn
     if joint.slides:
         rows = relative_turn(scene, [hinge], [1.0])

@@ -153,8 +153,7 @@ def tell(moments, openings, h, moment):
 @hook(Openings)
 def work_before(part, world, timing):
     """Add to part.moments the work (J) of each component (springs, dampers, ...) in the step that
-    ends now, if they are recorded. part: arrays of all openings (Openings); world, timing: not
-    used."""
+    ends now, if they are recorded. part: arrays of all openings; world, timing: not used."""
     work_parts(part.moments, part)
 
 

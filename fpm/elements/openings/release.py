@@ -16,7 +16,7 @@ from fpm.errors import SceneError
 class AnyRelease(OnHinge):
     """Base class of releases, rigid ones too, which hold a hinge and then let go: at their `time`
     (s), or where the opening of another hinge, of index `watch` (-1: none), passes `level` (rad),
-    whichever is first."""
+    if before."""
 
     takes = JOINT_LOSS
     events = ("releases",)
@@ -41,8 +41,8 @@ class AnyRelease(OnHinge):
 @dataclass(frozen=True)
 class Release(AnyRelease):
     """Release that holds a hinge at an opening by a spring and a damper, and then lets go. watch:
-    index of a hinge (-1: none) that frees it where its opening passes `level` (rad), if that is
-    before `time`."""
+    index of a hinge (-1: none) that frees it where its opening passes `level` (rad), if before
+    `time`."""
 
     hinge: int = on_hinge()
     stiffness: float = stiffness(text="with which it holds")

@@ -98,8 +98,7 @@ class SyncLoop(OnHinges):
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field `name` of the kernels' tuple Loops: "on": both hinges of
-        each loop; others as in OnHinges.array. batch: the scenes that are simulated side by
-        side."""
+        each loop; others as in OnHinges.array. batch: the scenes simulated side by side."""
         if name == "on":
             return batch.integers((loop.hinges for loop in cls.of(batch.scene)), 2)
         return super().array(name, batch)

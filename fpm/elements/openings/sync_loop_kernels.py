@@ -83,8 +83,7 @@ def forces(part, world, timing):
 @hook(Loops)
 def note_events(part, world, timing):
     """Write to part.log in which loops one strand turned slack (event 1) or both are tight again
-    (0), with the time. part: arrays of all loops (Loops); world: not used; timing: times of this
-    step (s)."""
+    (0), with the time. part: arrays of all loops; world: not used; timing: step times (s)."""
     for i in range(part.on.shape[0]):
         new = where_negative(load(part.state, i, SLACK), -1.0, 1.0)
         old = where_negative(load(part.state, i, SLACK_BEFORE), -1.0, 1.0)

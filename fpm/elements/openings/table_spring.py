@@ -16,9 +16,9 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class TableSpring(OnHinge):
-    """Nonlinear spring on a hinge or slide: moments (N m) at two or more increasing openings
-    `angles` (rad), linear between; positive ones open the hinge. On a slide forces (N) at lengths
-    (m)."""
+    """Nonlinear spring on a hinge or slide, by a table. hinge: index; angles: two or more
+    increasing openings (rad; m on slides); moments: there (N m; N on slides), linear between,
+    constant beyond; positive ones open the hinge."""
 
     hinge: int = on_hinge("hinge of spring by a table")
     angles: tuple[float, ...]
@@ -30,13 +30,12 @@ class TableSpring(OnHinge):
     resists_as = "HA"  # unless its `class` says that it is a spring
 
     def check(self, scene):
-        """Check the hinge and the table (two or more points); raises SceneError if one does not
-        fit."""
+        """Check the hinge and the table (two or more points); else raises SceneError."""
         super().check(scene)
         check_table(self.angles, self.moments, "moments", "spring by a table")
 
     def topology(self):
-        """Return what must be equal in scenes simulated side by side: hinge and number of table
+        """Return what must be equal in scenes run side by side: hinge and number of table
         points."""
         return self.hinge, len(self.angles)
 

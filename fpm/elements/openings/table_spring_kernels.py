@@ -19,8 +19,7 @@ class TableSprings(NamedTuple):
     """Arrays of all s springs by tables, for their kernels. on (s,): index of each one's hinge;
     start (s + 1,): index of each one's first point; points (p, 2, lanes): angle (rad) and change of
     slope (N m/rad) of all points; numbers (s, 2, lanes): moment (N m) and energy (J) at the first
-    point; openings: of all hinges; rows (s, 1, lanes): energy of each, to name the worst in a
-    message."""
+    point; openings: of all hinges; rows (s, 1, lanes): energy of each, to name the worst."""
 
     on: np.ndarray
     start: np.ndarray

@@ -21,7 +21,7 @@ class TorsionSpring(OnHinge):
     resists_as = "S"
 
     def title(self, scene):
-        """Return what messages call the spring: "torsion spring" (on slides "spring") and its
-        hinge's name."""
+        """Return what messages call the spring: "torsion spring" (on slides "spring") and the
+        hinge."""
         hinge = scene.hinges[self.hinge]
         return f"{'spring' if hinge.slides else self.called} {hinge.name}"

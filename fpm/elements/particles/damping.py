@@ -21,8 +21,7 @@ class Damping(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """Return the dampings of a scene; [] where their rates add up to 0, as then nothing is
-        damped."""
+        """Return the dampings of a scene; [] where their rates add up to 0."""
         return scene.kinds.get(cls, []) if scene.damping > 0 else []
 
     @classmethod

@@ -19,8 +19,7 @@ from fpm.kernels.vectors import dot, get3, kernel, put3, times, to_local, vector
 class Damped(NamedTuple):
     """Arrays of mass-proportional damping, for its kernels. rate (1, 1, lanes): 1/s; free (f,):
     indices of particles that no other element type moves; jointed (j,): indices of those that
-    another one moves (as in joints); account: index in World.accounts of the energy that it takes
-    out (J)."""
+    another one moves (as in joints); account: index in World.accounts of the energy lost."""
 
     rate: np.ndarray
     free: np.ndarray

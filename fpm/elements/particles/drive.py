@@ -26,8 +26,7 @@ class Drive(ElementType):
 
     def add_to(self, scene):
         """Check the drive, mark its particle as held (Scene.fixed), and add the drive to the scene.
-        Raises SceneError if another element type moves the particle already, or a field does not
-        fit."""
+        Raises SceneError if another element type moves the particle, or a field does not fit."""
         self.check(scene)
         for kind in scene.kinds:
             if kind is not Drive and not kind.joins and self.particle in kind.moved(scene):
@@ -37,15 +36,13 @@ class Drive(ElementType):
 
     @classmethod
     def moved(cls, scene):
-        """Return the indices of the driven particles of a scene, one for each drive, so possibly
-        repeated."""
+        """Return the indices of the driven particles of a scene, one for each drive."""
         return [drive.particle for drive in cls.of(scene)]
 
     @classmethod
     def motion(cls, scene, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the motion of a scene's driven particles at a time (s): indices (d,), each once
-        and sorted, velocities (d, 3) m/s and spins (d, 3) rad/s in global axes, summed over
-        drives."""
+        """Return the motion of a scene's driven particles at a time (s): indices (d,), each once,
+        velocities (d, 3) m/s and spins (d, 3) rad/s in global axes, summed over drives."""
         particles = np.array(sorted(set(cls.moved(scene))), int)
         motion = np.zeros((2, len(particles), 3))
         for drive in cls.of(scene):

@@ -21,8 +21,7 @@ class Gravity(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """Return the gravities of a scene; [] where they add up to 0, so that nothing has
-        weight."""
+        """Return gravities of a scene; [] where they add up to 0, so that nothing has weight."""
         return scene.kinds.get(cls, []) if np.any(scene.gravity != 0) else []
 
     @classmethod
@@ -38,8 +37,7 @@ class Gravity(ElementType):
 
     @classmethod
     def weight(cls, scene, particle, time):
-        """Return the weight (3,) N of one particle, in global axes. particle: index; time: not
-        used."""
+        """Return the weight (3,), N, global, of a particle (index); time: not used."""
         return scene.mass[particle] * scene.gravity
 
     @classmethod

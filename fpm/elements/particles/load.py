@@ -33,13 +33,11 @@ class Load(ElementType):
 
     @property
     def arm(self) -> np.ndarray:
-        """Vector (3,) m, in the particle's own axes, from the particle to the point where the force
-        acts."""
+        """Vector (3,) m, in the particle's own axes, from the particle to where the force acts."""
         return self.beam.arm
 
     def topology(self):
-        """Return what must be equal in scenes simulated side by side: indices of particle and
-        curve."""
+        """Return what must be equal in scenes run side by side: indices of particle and curve."""
         return self.on, self.curve
 
     @classmethod

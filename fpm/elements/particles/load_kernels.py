@@ -37,8 +37,7 @@ class Loads(NamedTuple):
 def forces(part, world, timing):
     """Add the forces (N), at the ends of arms, and moments (N m) of loads to the forces on
     particles; keep these ends and the particles' axes in part.state, for `work_after`. part: arrays
-    of all loads (Loads); world: solver state, whose forces change; timing: times of this step
-    (s)."""
+    of all loads (Loads); world: solver state, whose forces change; timing: step times (s)."""
     state = world.state
     for n in range(part.on.shape[0]):
         i = part.on[n]

@@ -71,8 +71,8 @@ class Batch:
 
     scenes: one for each sample simulated side by side (lane); scene: the first, for what is equal
     in all; kinds: their element types, in order; energies: of their balance (Energy); width: number
-    of lanes, at least that of scenes; dtype: of arrays; instants: recorded instants, without the
-    start; room: number of events of each scene for which there is room; moved, free: indices of the
+    of lanes, at least that of scenes; dtype: of arrays; instants: number of recorded instants;
+    room: number of events of each scene for which there is room; moved, free: indices of the
     particles that some element type moves itself, and of the others."""
 
     def __init__(

@@ -46,8 +46,8 @@ class Number(FieldSpec):
     zero: bool = True
 
     def allows(self, value: float) -> bool:
-        """Return whether one number is within the bounds of this field, and finite if it must
-        be."""
+        """Return whether one number, `value`, is within the bounds of this field, and finite if it
+        must be."""
         low = self.least is not None and not value >= self.least
         low = low or (self.above is not None and not value > self.above)
         return not low and not math.isnan(value) and (math.isfinite(value) or not self.finite)

@@ -33,12 +33,12 @@ class Energy(NamedTuple):
 
 class Watch(NamedTuple):
     """A failure criterion: a quantity whose largest value over a run is watched; above a limit the
-    run counts as failed. name: its key; most: the limit, in the quantity's unit, or with
-    of_size=True as a fraction of the scene's size (m); unconditional: whether it fails a run even
-    where the energy balance, too, is wrong (else that is reported instead); failure(values):
-    returns cause and remedy, two texts; values: largest value of each criterion of the element
-    type, by name; unbalanced(element): returns the remedy where the energy does not balance and the
-    element of that name is the worst, "": none."""
+    run fails. name: its key; most: the limit, in the quantity's unit, or with of_size=True as a
+    fraction of the scene's size (m); unconditional: whether it is named as the cause even where the
+    energy balance is wrong, too (else that is the cause); failure(values): returns cause and
+    remedy, two texts; values: largest value of each criterion of the element type, by name;
+    unbalanced(element): returns the remedy where the energy does not balance and the element of
+    that name is the worst; None: there is none."""
 
     name: str
     most: float
@@ -204,8 +204,8 @@ class ElementType:
 
     @classmethod
     def topology_of(cls, scene: SceneData) -> Hashable:
-        """Return, as a hashable value, what of this type's elements must be equal in scenes whose
-        runs are computed together, side by side; None: nothing, not even their number."""
+        """Return, as a hashable value, what of this type's elements in a scene must be equal in
+        scenes simulated side by side, in one batch; None: nothing, not even their number."""
         return tuple(element.topology() for element in cls.of(scene))
 
     @classmethod
@@ -223,8 +223,8 @@ class ElementType:
 
     @classmethod
     def moved(cls, scene: SceneData) -> list[int]:
-        """Return the indices of particles that this type's kernels move themselves, so that the
-        time loop must not; by default none."""
+        """Return the indices of the particles of a scene that this type's kernels move themselves,
+        so that the time loop must not; by default none."""
         return []
 
     @classmethod
@@ -242,11 +242,11 @@ class ElementType:
 
     @classmethod
     def shut(cls, scene: SceneData, inverse: np.ndarray) -> Any:
-        """Return the motions that this type rules out in the one position in which its stiffness
-        acts (as of a contact: closed), for the stable time step: orthonormal columns (dofs, c), a
-        sparse matrix, in coordinates multiplied by the roots of masses; None: it acts in all
-        positions. inverse (dofs,): inverse masses (1/kg) and inertias (1/kg m²), 6 of each
-        particle."""
+        """Return the motions that this type's elements in a scene rule out in the one position in
+        which its stiffness acts (as of a contact: closed), for the stable time step: orthonormal
+        columns (dofs, c), a sparse matrix, in coordinates multiplied by the roots of masses; None:
+        it acts in all positions. inverse (dofs,): inverse masses (1/kg) and inertias (1/kg m²), 6
+        of each particle."""
         return None
 
     @classmethod
@@ -314,8 +314,8 @@ class ElementType:
     @classmethod
     def weight(cls, scene: SceneData, particle: int, time: np.ndarray) -> np.ndarray:
         """Return the force (N), (3,) or (t, 3) in global axes, by which this type acts on a
-        particle in proportion to its mass; by default 0. It is left out of reactions of held
-        particles, whose mass means nothing. particle: index; time (t,): instants (s)."""
+        particle of a scene in proportion to its mass; by default 0. It is left out of reactions of
+        held particles, whose mass means nothing. particle: index; time (t,): instants (s)."""
         return np.zeros(3)
 
     @classmethod
@@ -327,9 +327,9 @@ class ElementType:
 
     @classmethod
     def prescribe(cls, scene: SceneData, time: float, motion: Any) -> None:
-        """Write the velocities (m/s) and spins (rad/s) that elements of this type prescribe at a
-        time (s) over those in `motion`, an object with arrays `velocity` and `spin`, (n, 3), of all
-        particles; by default none."""
+        """Write the velocities (m/s) and spins (rad/s) that this type's elements in a scene
+        prescribe at a time (s) over those in `motion`, an object with arrays `velocity` and `spin`,
+        (n, 3), of all particles; by default none."""
 
 
 def _row(element: ElementType, columns: list) -> list[float]:

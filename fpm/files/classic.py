@@ -50,9 +50,9 @@ def write(
 def read(
     path: str | os.PathLike, content: bytes | None = None
 ) -> tuple[dict[str, Any], dict[str, NetcdfVariable]]:
-    """Return the global attributes and the variables of a classic netCDF file, by name, text as
-    characters. content: the file's bytes, if read before. Raises OSError if the file is not in this
-    format, or not whole."""
+    """Return the global attributes and the variables of the classic netCDF file at `path`, by name,
+    text as characters. content: the file's bytes, if read before. Raises OSError if the file is not
+    in this format, or not whole."""
     from scipy.io import netcdf_file
 
     try:

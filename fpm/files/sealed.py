@@ -79,8 +79,8 @@ def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
 
 
 def read_bytes(path: str | os.PathLike, most: int = _MOST) -> bytes:
-    """Return the content of a plain file; raises DamagedError if it is none, or longer than `most`
-    bytes. Devices, pipes, and files below /proc and /sys are refused at once."""
+    """Return the content of the plain file at `path`; raises DamagedError if it is none, or longer
+    than `most` bytes. Devices, pipes, and files below /proc and /sys are refused at once."""
     if os.path.realpath(path).startswith(("/proc/", "/sys/")):
         raise DamagedError(path, "the system makes it up; allowed: a plain file, such as a copy")
     with open(path, "rb", opener=lambda name, flags: os.open(name, flags | _AT_ONCE)) as file:
@@ -100,8 +100,8 @@ _AT_ONCE = getattr(os, "O_NONBLOCK", 0)
 
 
 def unsealed(path: str | os.PathLike) -> bytes:
-    """Return the content of a sealed file without its seal; raises DamagedError if it was
-    changed."""
+    """Return the content of the sealed file at `path`, without its seal; raises DamagedError if the
+    file is not as it was written."""
     content = read_bytes(path)
     check_content(path, content)
     return _split(path, content)[1]

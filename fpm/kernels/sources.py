@@ -191,7 +191,8 @@ def digests(path: Path) -> dict[Path, str]:
 
 
 def file_of(definition: Callable) -> Path:
-    """Return the file in which a function or class was written; SceneError if it was typed in."""
+    """Return the file in which a function or class, `definition`, was written; SceneError if it was
+    typed in."""
     try:
         return Path(inspect.getfile(inspect.unwrap(definition))).resolve()
     except (OSError, TypeError):
@@ -218,8 +219,8 @@ def _imported(path: Path, roots: Iterable[Path] = ()) -> Iterator[Path]:
 
 
 def packages_imported(path: Path) -> set[str]:
-    """Return the first parts of the names that a Python file imports ("numpy" of numpy.linalg),
-    without relative imports; and `__import__`, if it uses that."""
+    """Return the first parts of the names that the Python file at `path` imports ("numpy" of
+    numpy.linalg), without relative imports; and `__import__`, if it uses that."""
     names = _names_imported(path.read_bytes(), str(path))
     return {name.partition(".")[0] for name, level in names if not level}
 
@@ -261,9 +262,9 @@ def syntax_digest(paths: Iterable[Path]) -> str:
 
 
 def tree_digest(path: Path) -> str:
-    """Return a SHA-256 (hex) of a Python file's syntax tree without docstrings, so that comments do
-    not count, or of another file's bytes. It is kept on disk, as to parse takes a hundred times
-    longer than to read; a cache that can not be written is done without."""
+    """Return a SHA-256 (hex) of the syntax tree without docstrings of the Python file at `path`, so
+    that comments do not count, or of another file's bytes. It is kept on disk, as to parse takes a
+    hundred times longer than to read; a cache that can not be written is done without."""
     return content_digest(path.read_bytes(), path)
 
 

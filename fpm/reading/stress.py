@@ -40,9 +40,8 @@ def torsion_stresses(width: float, height: float, J: float) -> tuple[float, floa
 
 
 def equivalent(section: Section, force: np.ndarray, moment: np.ndarray) -> np.ndarray:
-    """Return the largest equivalent stress (...), Pa (von Mises), over the contour of a section
-    under forces (..., 3) N and moments (..., 3) N m, along and about its own axes: x along the bar,
-    y, z."""
+    """Return the largest equivalent stress (...), Pa (von Mises), over the contour of a section.
+    force, moment (..., 3): N and N m, along and about its own axes: x along the bar, y, z."""
     normal = np.abs(force[..., 0]) / section.A
     torque, about_y, about_z = np.abs(np.moveaxis(moment, -1, 0))
     y, z = half_sizes(section)

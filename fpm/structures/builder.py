@@ -35,8 +35,8 @@ class Body:
         self.particles: np.ndarray = np.zeros(0, int)
 
     def particle(self, point: str) -> int:
-        """Return the index of the particle that carries one of this part's points (its full name);
-        SceneError if the part does not have it."""
+        """Return the index of the particle that carries one of this part's points; SceneError if
+        the part does not have it. point: its full name."""
         if point not in self.points:
             raise SceneError(
                 "at", point, f"a point of {self.name}: {', '.join(self.points)} (or let it carry "

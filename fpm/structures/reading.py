@@ -47,8 +47,8 @@ class StructureError(SceneError):
 
 
 def read_text(path: str | Path) -> str:
-    """Return the text of a plain UTF-8 file of at most 1 MiB; raises StructureError if it is
-    none."""
+    """Return the text of the plain UTF-8 file at `path`, of at most 1 MiB; else raises
+    StructureError."""
     try:
         text = read_bytes(path, LARGEST).decode("utf-8")
         return text.replace("\r\n", "\n").replace("\r", "\n")
@@ -155,8 +155,8 @@ def commas(names: Iterable[str], most: int = 12, rest: str = ", and {} more") ->
 
 
 def dotted(*parts: str) -> str:
-    """Return keys joined by dots as the path of a key in a file, as "joints.knee.axis"; empty ones
-    are left out."""
+    """Return the keys `parts` joined by dots, as the path of a key in a file: "joints.knee.axis";
+    empty ones are left out."""
     return ".".join(part for part in parts if part)
 
 

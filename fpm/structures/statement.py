@@ -156,8 +156,8 @@ def acting(
 
 
 def whole(kind: type[ElementType]) -> Statement:
-    """Register and return the Statement of an element type that acts on a joint, by its fields
-    alone."""
+    """Register and return the Statement of an element type `kind` that acts on a joint, by its
+    fields alone, which are its keys."""
     text = (kind.__doc__ or "").split("\n")[0]
     return acting(kind, text)(lambda build, args: build.scene.add(element(kind, args)))
 

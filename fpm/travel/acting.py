@@ -125,7 +125,7 @@ def lanes_of_register() -> int:
 
 
 def acts(kind: type) -> bool:
-    """Return whether an element type (class) has a kernel that adds forces to particles."""
+    """Return whether an element type `kind` has a kernel that adds forces to particles."""
     from fpm.kernels.hooks import KERNELS
 
     own = kind.kernels()

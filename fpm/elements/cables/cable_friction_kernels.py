@@ -50,10 +50,11 @@ from fpm.kernels.world import Log
 
 
 class RubbingCables(NamedTuple):
-    """Arrays of all cables where some have friction. start to track: as in Cables; rubs (c,):
-    whether each has friction; friction (c, 1, lanes): its coefficient; rubbed (p, 9, lanes): of
-    each point and the stretch that begins there, fields START to SLIPPED (cable_slip_kernels.py);
-    loss: index of friction's loss in World.accounts."""
+    """Arrays of all cables where some have friction. start, on, curve, arms, cables, stretches,
+    state, account, watched, rows, log, track: as in Cables; rubs (c,): whether each has friction;
+    friction (c, 1, lanes): its coefficient; rubbed (p, 8, lanes): of each point and the stretch
+    that begins there, fields START to SLIPPED (cable_slip_kernels.py); loss: index of friction's
+    loss in World.accounts."""
 
     start: np.ndarray
     on: np.ndarray

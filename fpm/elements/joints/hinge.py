@@ -50,7 +50,8 @@ def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Wat
 class JointBase(ElementType):
     """Base class of hinges and joints. Each has a `name`, a `type` (as "revolute"), and `beams`:
     one or two rigid arms (VirtualBeam) from particles to the joint, whose free ends are kept
-    together, or held in place if there is one."""
+    together, or held in place if there is one. gaps: names and words of its recorded gap and
+    tilt."""
 
     joins = True
     gaps: ClassVar[dict[str, str]]  # recorded: the largest of points and of directions, in words

@@ -64,11 +64,12 @@ EASE = {8: 1e-10, 4: 1e-5}
 
 @dataclass(frozen=True)
 class Joint(JointBase):
-    """A joint between the free ends of two virtual beams (rigid arms from particles). type: a key
-    of TYPES, as "fixed"; axes (2, 3): the axis in each particle's own frame, one and the same but
-    for universal joints, where they are normal to each other; references (2, 3): a direction normal
-    to the axis in each frame, one and the same at the start. A type of "held" has one virtual beam,
-    whose end is held along the global axes `support_axes`, as "xz"."""
+    """A joint between the free ends of two virtual beams (rigid arms from particles). name: no
+    other joint's; type: a key of TYPES, as "fixed"; beams: the arms; axes (2, 3): the axis in each
+    particle's own frame, one and the same but for universal joints, where they are normal to each
+    other; references (2, 3): a direction normal to the axis in each frame, one and the same at the
+    start. A type of "held" has one virtual beam, whose end is held along the global axes
+    `support_axes`, as "xz"."""
 
     name: str
     type: str

@@ -366,7 +366,8 @@ report_gaps(Joints, find_gaps)
 @hook(Joints)
 def record_step(part, world, row, timing):
     """Record the forces (N) and moments (N m) that hold each joint together in this step, if
-    summed. part: arrays of all joints; row: index of the recorded instant; timing: times (s)."""
+    impulses are summed. part: arrays of all joints; world: not used; row: index of the recorded
+    instant; timing: times of this step (s)."""
     record_sums(part.sums, part, row, timing)
 
 

@@ -18,7 +18,8 @@ MOTOR_WORK = Energy("motor_work", "motor_work", "work of the motors")
 
 
 class AnyMotor(OnHinge):
-    """Base class of all motors on hinges: with a drive train, rigid ones, and torque motors."""
+    """Base class of all motors on hinges: with a drive train, rigid ones, and torque motors.
+    variable: name of their recorded moment in trajectory files."""
 
     gives = MOTOR_WORK
     acts_as = "motor"

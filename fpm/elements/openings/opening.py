@@ -243,7 +243,8 @@ def _sides(scene) -> np.ndarray:
 
 def relative_turn(scene, hinges, stiffness) -> Deformations:
     """Return how motions of particles strain springs on openings of hinges, for the stable time
-    step. hinges: index of each spring's hinge; stiffness: of each (N m/rad, on slides N/m)."""
+    step. scene: has the hinges; hinges: index of each spring's; stiffness: of each spring (N m/rad,
+    on slides N/m)."""
     dofs, values, factors, element = [], [], [], []
     for number, h in enumerate(hinges):
         hinge = scene.hinges[h]
@@ -293,8 +294,8 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
 
 def softness(scene, hinge: int) -> float:
     """Return the acceleration of the opening of a hinge by a unit moment (on a slide, force) on it,
-    if its two particles were alone: 1/(kg m²), on a slide 1/kg; 0 where both are held. hinge:
-    index."""
+    if its two particles were alone: 1/(kg m²), on a slide 1/kg; 0 where both are held. scene: has
+    the hinge; hinge: its index."""
     joint, no_turn = scene.hinges[hinge], turns_of(scene).no_turn
     if joint.slides:
         rows = relative_turn(scene, [hinge], [1.0])

@@ -40,9 +40,10 @@ class AnyRelease(OnHinge):
 
 @dataclass(frozen=True)
 class Release(AnyRelease):
-    """Release that holds a hinge at an opening by a spring and a damper, and then lets go. watch:
-    index of a hinge (-1: none) that frees it where its opening passes `level` (rad), if before
-    `time`."""
+    """Release that holds a hinge or slide by a spring and a damper, and then lets go. hinge: index;
+    stiffness (N m/rad), damping (N m s/rad), hold: opening (rad) at which it holds; time: when it
+    lets go (s); watch: index of a hinge (-1: none) whose opening frees it where it passes `level`
+    (rad), if that is earlier."""
 
     hinge: int = on_hinge()
     stiffness: float = stiffness(text="with which it holds")

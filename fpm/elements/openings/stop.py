@@ -15,8 +15,9 @@ from fpm.elements.openings.opening import JOINT_LOSS, ONSET, OnHinge, on_hinge
 
 @dataclass(frozen=True)
 class Stop(OnHinge):
-    """Stop of a hinge or slide: a spring and a damper that act where the opening is beyond `angle`
-    (rad). side: "above" or "below": the side of the angle on which it acts."""
+    """Stop of a hinge or slide: a spring and a damper that act beyond an opening. hinge: index;
+    angle: that opening (rad; m on slides); side: "above" or "below" it, where they act; stiffness
+    (N m/rad; N/m), damping (N m s/rad; N s/m): of both."""
 
     hinge: int = on_hinge()
     angle: float = number("rad")

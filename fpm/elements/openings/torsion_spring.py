@@ -9,7 +9,8 @@ from fpm.elements.openings.opening import OnHinge, on_hinge
 
 @dataclass(frozen=True)
 class TorsionSpring(OnHinge):
-    """A linear spring on the opening of a hinge or slide."""
+    """Linear spring on the opening of a hinge or slide. hinge: index; stiffness: N m/rad (N/m on
+    slides); rest: opening without moment (rad; m on slides)."""
 
     hinge: int = on_hinge()
     stiffness: float = stiffness(text="moment for each radian")

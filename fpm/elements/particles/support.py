@@ -42,14 +42,14 @@ class Support(ElementType):
 
     @classmethod
     def moved(cls, scene):
-        """Return the indices of the scene's particles that can turn about two axes only; the
-        kernels of supports move them."""
+        """Return the indices of the scene's particles of unequal inertias that can turn about two
+        axes only; the kernels of supports move them."""
         return turns_of(scene).about_two
 
     @classmethod
     def topology_of(cls, scene):
         """Return what must be equal in scenes simulated side by side, besides the held axes:
-        indices of the particles that can turn about two axes only."""
+        indices of the particles that the kernels of supports move (`moved`)."""
         return tuple(cls.moved(scene))
 
     @classmethod

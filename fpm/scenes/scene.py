@@ -242,7 +242,7 @@ class Scene:
         particles: indices of the first and the second particle.
         point: position of the hinge (3,), m, global.
         axis: direction of the axis (3,), global.
-        references: two directions (3,) at the start, normal to the axis, fixed to one each;
+        references: two directions (3,) at the start, normal to the axis, fixed to the particles;
             the opening is the angle from the first to the second. None: the opening is `opening`.
         opening: opening (rad) at the start; with references, which of those 2 pi apart is meant.
         support: global axes along which the hinge point is held: "", "z", "xyz"."""

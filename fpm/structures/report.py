@@ -68,9 +68,9 @@ def centre(scene: Scene) -> np.ndarray:
 
 
 def mobility(scene: Scene) -> Mobility:
-    """Return the degrees of freedom of a scene's parts at the start, by the rank of its
-    constraints, with elastic bars as rigid. In a singular position, such as a mechanism that is
-    folded flat, more ways are open than in the motion that follows."""
+    """Return the numbers of a scene's rigid parts, constraints and degrees of freedom at the start,
+    by the rank of its constraints, with elastic bars as rigid. In a singular position, as of a
+    mechanism folded flat, there are more freedoms than in the motion that follows."""
     rows, _ = jacobian(scene)
     rank, count = dependence(rows)[0], rows.shape[1]
     return Mobility(count // 6, len(rows), len(rows) - rank, count - rank)

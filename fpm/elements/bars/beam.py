@@ -250,8 +250,8 @@ ALIGNED = np.array([0.0, 1, 0, 0, 0, 1] * 2)
 
 def framed(scene) -> bool:
     """Return whether some beam element of a scene has local axes other than those of its particles
-    (to rounding), or may have, as with a bow; kernels then compute more. Decided by each scene
-    alone, not by those simulated with it, on which its last digits must not depend."""
+    (to rounding), or may have, as with a bow; kernels then compute more. Decided for each scene
+    alone, so that its last digits do not depend on those simulated with it."""
     bowed = any(beams.bow is not None for beams in Beams.of(scene))
     return bowed or bool(Beams.of(scene) and np.abs(end_axes(scene) - ALIGNED).max() >= 1e-12)
 

@@ -96,7 +96,7 @@ def strain_alone(part, first, j, tight, slope, close):
 @kernel
 def strain_before(part, j, strain):
     """Return the strain of the stretch before point j by the law of friction, if that after it has
-    `strain`. part: arrays of all cables, with FREE_STRAIN (if nothing slips)."""
+    `strain`. part: arrays of all cables, in which FREE_STRAIN is known."""
     least, most = load(part.rubbed, j, INVERSE) * strain, load(part.rubbed, j, RATIO) * strain
     free_strain = load(part.rubbed, j - 1, FREE_STRAIN)
     return larger(least, where_negative(most - free_strain, most, free_strain))

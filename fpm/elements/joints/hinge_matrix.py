@@ -185,8 +185,9 @@ def spins(j, r):
 
 @kernel
 def point_response(inverse_mass, spins, r):
-    """Velocity of a body's point by unit impulses there, a symmetric matrix (xx, yy, zz, xy, xz,
-    yz). inverse_mass: along the global axes (3); spins: by the function `spins`; r (m, 3): arm."""
+    """Velocity of a body's point by unit impulses there (1/kg), a symmetric matrix (xx, yy, zz, xy,
+    xz, yz). inverse_mass: along the global axes (3); spins: by the function `spins`; r (m, 3):
+    arm."""
     ux, uy, uz = spins
     return (
         inverse_mass.x + (r.z * ux.y - r.y * ux.z),

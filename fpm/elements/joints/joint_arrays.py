@@ -79,8 +79,8 @@ class Pattern(NamedTuple):
 
 class Turns(NamedTuple):
     """Openings held exactly, t of them: shared by the joints' solver and the elements that hold.
-    state (t, TURN, lanes): held or free, target, rate, impulses (fields HOLDS to SOLVED_IMPULSE);
-    blow (1, 1, lanes): when an impact comes in this step, as a share of it."""
+    state (t, TURN, lanes): -1 held or 1 free, target (rad; m), rate (rad/s; m/s), impulses (N m s;
+    N s); blow (1, 1, lanes): when an impact comes in this step, as a share of it."""
 
     state: np.ndarray  # (t, TURN, lanes)
     blow: np.ndarray  # (1, 1, lanes) when a blow comes, in steps from the start of this one

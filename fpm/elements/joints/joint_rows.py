@@ -242,8 +242,8 @@ def opening_gap(turns, part, state, j):
 
 @kernel
 def put_held_row(part, state, j):
-    """Store the constraint equation of joint j if it holds an opening, all zero in lanes where that
-    is free; returns whether it does. part: arrays of all joints; state: of the particles."""
+    """Store the constraint equation of joint j if it holds an opening, all zero in samples where
+    that is free; returns whether it does. part: arrays of all joints; state: of the particles."""
     t = part.turn_of[j]
     if t < 0:
         return False

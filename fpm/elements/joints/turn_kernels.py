@@ -96,10 +96,10 @@ def tell_late(moments, openings, h, moment):
 
 
 def account(arrays, first, sign):
-    """Register the hooks `work_before` and `work_due` of an element type that holds openings
-    exactly; called once, where its kernels are defined. arrays: its named tuple; first: index of
-    the field HELD_BY in part.state; sign: 1 if its account counts work given, -1 for losses. The
-    type's own hook `work_after` calls `end_work` besides."""
+    """Register the hooks `work_before` and `work_due`, which add up the work of an element type
+    that holds openings exactly; called once, where its kernels are defined. arrays: its named
+    tuple; first: index of the field HELD_BY in part.state; sign: 1 if its account counts work
+    given, -1 for losses. The type's own hook `work_after` calls `end_work` besides."""
 
     @hook(arrays)
     def work_before(part, world, timing):

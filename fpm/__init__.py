@@ -5,8 +5,7 @@
     scene = structures.load("config/structures/bennett.yaml").build(a=0.0352)
     outcome = fpm.simulate(scene, duration=1.0, instants=2001)[0]
 
-Importing is cheap: numba and xarray are loaded when first needed.
-"""
+Importing is cheap: numba and xarray are loaded when first needed."""
 
 # Before all others: it notes what they are imported from.
 import fpm.kernels.sources  # noqa: F401

@@ -8,7 +8,7 @@ from math import inf, isfinite
 
 class SceneError(ValueError):
     """Raised for a scene, parameter, response or argument that is not allowed. key: name of what is
-    wrong; value: as given; allowed: values that are, in words."""
+    wrong; value: as given; allowed: what would be allowed, in words."""
 
     def __init__(self, key: str, value: object, allowed: str):
         self.key, self.value, self.allowed = key, value, allowed
@@ -19,8 +19,8 @@ class SceneError(ValueError):
 
 
 class ChangedError(SceneError):
-    """Raised for a file (path, `key`) that changed since this process read it, so that its digest
-    no longer identifies the code behind the results."""
+    """Raised for a file that changed since this process read it, so that its digest no longer
+    identifies the code behind the results. file: its path."""
 
     def __init__(self, file: str):
         self.key, self.value = file, "changed since it was imported"
@@ -41,9 +41,7 @@ class InstabilityError(RuntimeError):
     step of the scene at its start; `balance` (J), the error of the energy balance; `scale` (J),
     largest energy held; `cause`, name of the watched quantity that is too large (None: the balance
     broke); `largest`, values of all watched quantities by name; `words`, cause and remedy in words,
-    by the cause; `remedy` of the element where its type knows one and no watched quantity is too
-    large.
-    """
+    by the cause; `remedy` of the element where its type knows one."""
 
     def __init__(
         self, time, element, step, limit, balance, scale, cause=None, largest=None, words=None,
@@ -84,8 +82,8 @@ class InstabilityError(RuntimeError):
 
 
 def did_you_mean(name: str, names: Iterable[str]) -> str:
-    """Hint at the end of a message about an unknown `name`: " (did you mean x?)" with the closest
-    of `names` (allowed), or what punctuation is missing, as a colon; "" if there is no guess."""
+    """Return a hint to end the message about an unknown name: " (did you mean x?)" with the closest
+    of `names`, those allowed, or what punctuation is missing, as a colon; "" without a guess."""
     names = list(names)
     head, sign, value = re.match(r"(\w*)([ :]?)(.*)", name, re.DOTALL).groups()
     if name[:1].isdigit():
@@ -98,14 +96,14 @@ def did_you_mean(name: str, names: Iterable[str]) -> str:
 
 
 def renamed(name: object, names: Iterable[str]) -> str:
-    """Hint for a message: " (it is now x)" if `name` is a former name (RENAMED) of x, one of
-    `names` (allowed); else ""."""
+    """Return a hint for a message: " (it is now x)" if `name` is a former name (RENAMED) of x, one
+    of `names`, those allowed; else ""."""
     name = RENAMED.get(name) if isinstance(name, str) else None
     return f" (it is now {name})" if name in names else ""
 
 
 def likely(name: str, names: Iterable[str]) -> str:
-    """The one of `names` (allowed) that an unknown `name` most likely means: its new name, a
+    """Return which of `names`, those allowed, an unknown name most likely means: its new name, a
     synonym, or one of like spelling; "" if there is none."""
     names = list(names)
     close = [RENAMED[name]] if RENAMED.get(name) in names else []
@@ -151,9 +149,9 @@ _FOREIGN = {
 
 
 def number_hint(text: str, with_unit: bool = True) -> str:
-    """Hint for a message about a text that is no number, but a percentage, a decimal comma, a power
-    with `^` or a foreign unit: " (did you mean x?)"; else "". with_unit: whether it may have a
-    unit."""
+    """Return a hint for the message about a text that is no number, but a percentage, a decimal
+    comma, a power with `^` or a foreign unit: " (did you mean x?)"; else "". with_unit: whether the
+    number may have a unit."""
     comma = re.sub(r"^([-+]?\d+),(\d+)", r"\1.\2", text.strip())
     match = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", comma)
     number, unit = (float(match[1]), (match[2] or "").replace("^", "")) if match else (0.0, "")

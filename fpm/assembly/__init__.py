@@ -23,8 +23,7 @@ stress adds to H (Gauss and Newton's method) until the last rounds.
 Where U falls from the position that was come to, along a motion that keeps the joints closed, this
 snaps: both sides are followed downhill, and the lower end is taken if they differ.
 
-Springs, cables, gravity and loads act from the start of a run, not before.
-"""
+Springs, cables, gravity and loads act from the start of a run, not before."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -72,9 +71,9 @@ class MisfitError(SceneError):
 
 
 class Assembly(NamedTuple):
-    """Result of forcing parts together. energy: strain energy (J) after it; joint, gap, tilt: the
-    joint that was open most before, by how much (m; sine of the angle between directions that
-    should agree); rounds: of Newton's method; openings: of hinges before (rad, m)."""
+    """Result of forcing parts together. energy: strain energy (J) after it; joint, gap, tilt: name
+    of the joint that was open most before, and by how much (m; sine of the angle between directions
+    that should agree); rounds: of Newton's method; openings: of hinges before (rad, m)."""
 
     energy: float
     joint: str
@@ -91,8 +90,7 @@ def assemble(scene, hold: Sequence[str] = ()) -> None:
     Positions and frames become those of the assembled structure, scene.assembly the result
     (Assembly). Beams keep the lengths and axes that they had; positions stated later refer to the
     scene before. hold: names of hinges that keep the opening that the scene states. Raises
-    MisfitError where no such position is found.
-    """
+    MisfitError where no such position is found."""
     if not len(scene.position):
         return
     start = ParticlePoses(scene.position.copy(), scene.frame.copy())
@@ -238,8 +236,7 @@ def _settle(scene, start: ParticlePoses, conditions: Conditions, elastic: Elasti
 
 def _negative(apply, count: int) -> np.ndarray:
     """Directions (count, k) in which a symmetric matrix, `apply`, seems to be negative. Lanczos'
-    method from a fixed start, each vector made normal to all before; it has the extremes of a
-    spectrum first."""
+    method from a fixed start, each vector made normal to all before."""
     basis = [np.random.default_rng(1).standard_normal(count)]
     basis[0] /= np.linalg.norm(basis[0])
     images: list[np.ndarray] = []
@@ -262,16 +259,15 @@ def _negative(apply, count: int) -> np.ndarray:
 def linearised(
     scene, poses, conditions, elastic, impulses, scales, free, weight, ease=None, share=MASS_SHARE
 ):
-    """Set up the linear equations of a Newton step: returns a function solve, and the gradient
-    (6n,) of the strain energy and of conditions times impulses.
+    """Set up the linear equations of a Newton step; returns a function solve(forces, lacks) and the
+    gradient (6n,) of the strain energy and of conditions times impulses.
 
-    solve(forces (6n,) N, N m; lacks (c,): residuals times `weight`) returns the motion (6n,),
-    lengths as fractions of the size, and the change (c,) of the impulses. scene: for masses; poses:
-    of all particles; conditions: c of them (Conditions); elastic: Elastic or Unstressed; impulses
-    (c,): of the conditions; scales (6n,): size (m), 1 for turns; free: indices of dofs that are not
-    held; weight (c,): factors on the conditions; ease: how much masses hold motions back, times the
-    largest mass (N m); None: `share` of the largest stiffness.
-    """
+    solve: takes forces (6n,), N and N m, and lacks (c,), residuals times `weight`; returns the
+    motion (6n,), lengths as fractions of the size, and the change (c,) of the impulses. scene: for
+    masses; poses: of all particles; conditions: c of them (Conditions); elastic: Elastic or
+    Unstressed; impulses (c,): of the conditions; scales (6n,): size (m), 1 for turns; free: indices
+    of degrees of freedom that are not held; weight (c,): factors on the conditions; ease: how much
+    masses hold motions back, times the largest (N m), None: `share` of the largest stiffness."""
     from scipy.sparse import bmat, identity
     from scipy.sparse.linalg import splu
 
@@ -304,8 +300,8 @@ def linearised(
 
 
 def masses(scene, poses: ParticlePoses):
-    """Sparse (6n, 6n) masses (kg), inertias (kg m²) of all particles of a scene, at poses, in
-    global axes."""
+    """Return a sparse matrix (6n, 6n) of masses (kg) and inertias (kg m²) of all particles of a
+    scene at `poses`, in global axes."""
     from scipy.sparse import coo_array
 
     blocks = np.zeros((len(scene.mass), 2, 3, 3))
@@ -327,8 +323,7 @@ def _reopened(scene, hinge):
 def _check_strains(
     elastic: Elastic, poses: ParticlePoses, start_gaps: tuple[str, float, float]
 ) -> None:
-    """Check strains against the limits of a run; raises MisfitError where beams are strained
-    more."""
+    """Check strains against the limits of a run; raises MisfitError beyond them."""
     bend, strain = elastic.largest(poses)
     name, gap, tilt = start_gaps
     for watch, value, condition in ((BEND, bend, "bent or twisted"), (STRAIN, strain, "strained")):

@@ -2,8 +2,7 @@
 
 Each is one of three: two points agree along a direction, global or carried by the first particle
 (joints of points, supports, sliders), or a direction of the first is normal to one of the second
-(axes, and openings that are held).
-"""
+(axes, and openings that are held)."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -15,18 +14,18 @@ from fpm.elements.kind import AXES
 from fpm.errors import SceneError
 
 STEP = 1e-30
-"""Of derivatives by complex numbers (Squire, Trapp, SIAM Review 40 (1998) 110): they are exact."""
+"""Imaginary step of derivatives by complex numbers (Squire, Trapp, SIAM Review 40 (1998) 110)."""
 
 
 class ParticlePoses(NamedTuple):
-    """Places of n particles: position (n, 3) m, and frame (n, 3, 3), with its axes as columns."""
+    """Places of n particles. position (n, 3): m; frame (n, 3, 3): own axes as columns."""
 
     position: np.ndarray
     frame: np.ndarray
 
     def displace(self, step: np.ndarray) -> "ParticlePoses":
-        """Poses moved by step (6n,): of each particle a shift (m), then a rotation vector (rad),
-        both in global axes."""
+        """Return these poses moved by step (6n,): of each particle a shift (m), then a rotation
+        vector (rad), both in global axes."""
         from scipy.spatial.transform import Rotation
 
         shift, turn = step.reshape(-1, 2, 3).transpose(1, 0, 2)
@@ -35,12 +34,12 @@ class ParticlePoses(NamedTuple):
         )
 
     def select(self, particles: np.ndarray) -> "ParticlePoses":
-        """Poses of some particles, in the order of their indices `particles` (k,)."""
+        """Return the poses of some particles, in the order of their indices `particles` (k,)."""
         return ParticlePoses(self.position[particles], self.frame[particles])
 
     def nudged(self, first: int) -> "ParticlePoses":
-        """Complex poses (12, n, ...), for derivatives (`slopes`): copies first to first + 5 after
-        an imaginary shift along, then turn about, each global axis; the others as these poses."""
+        """Return complex poses (12, n, ...), for derivatives (`slopes`): copies first to first + 5
+        after an imaginary shift along, then turn about, each global axis; others as these."""
         position = np.tile(self.position.astype(complex), (12, 1, 1))
         frame = np.tile(self.frame.astype(complex), (12, 1, 1, 1))
         position[first : first + 3] += 1j * STEP * np.eye(3)[:, None]
@@ -50,18 +49,18 @@ class ParticlePoses(NamedTuple):
 
 
 def slopes(function, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
-    """Exact derivatives (e, k, 12) of `function` by the motions of e pairs of particles, by complex
-    steps. Columns: shift (m) and rotation vector (rad) of the first, then of the second, in global
-    axes. function(first, second): values (..., e, k); it takes complex poses and must be analytic:
-    no abs (whose derivative would come out as 0), conj or casts to real numbers. first, second:
-    poses (e,)."""
+    """Return exact derivatives (e, k, 12) of a function by the motions of e pairs of particles, by
+    complex steps. Columns: shift (m) and rotation vector (rad) of the first, then of the second, in
+    global axes. function(first, second): returns values (..., e, k); it takes complex poses and
+    must be analytic: no abs (whose derivative would come out as 0), conj or casts to real numbers.
+    first, second: poses of the e first and second particles."""
     values = function(first.nudged(0), second.nudged(6))
     return np.moveaxis(values.imag / STEP, 0, -1)
 
 
 def sparse_matrix(blocks: np.ndarray, pairs: np.ndarray, count: int):
-    """Sparse matrix (6 count, 6 count) by the motions of all particles, summed from blocks (e, 12,
-    12), each by the motions of a pair. pairs (e, 2): indices of particles; count: number of all."""
+    """Return a sparse matrix (6 count, 6 count) by the motions of all particles, summed from blocks
+    (e, 12, 12), each by the motions of a pair. pairs (e, 2): particles; count: number of all."""
     from scipy.sparse import coo_array
 
     dofs = dofs_of(pairs)
@@ -70,7 +69,8 @@ def sparse_matrix(blocks: np.ndarray, pairs: np.ndarray, count: int):
 
 
 def dofs_of(pairs: np.ndarray) -> np.ndarray:
-    """Indices (e, 12), in a motion (6n,) of all particles, of the 6 + 6 entries of pairs (e, 2)."""
+    """Return the indices (e, 12), in a motion (6n,) of all particles, of the entries of pairs (e,
+    2) of particles, 6 of each."""
     return (6 * pairs[:, :, None] + np.arange(6)).reshape(len(pairs), 12)
 
 
@@ -79,8 +79,8 @@ SMALLEST = 1e-9
 
 
 def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
-    """Find which of c conditions with derivatives rows (c, f) depend on others: their rank, and for
-    each its size (c,) in the combinations whose derivatives vanish, 0: independent."""
+    """Find which of c conditions with derivatives rows (c, f) depend on others. Returns their rank,
+    and the share (c,) of each in combinations whose derivatives vanish, 0: independent."""
     if not rows.size:
         return 0, np.zeros(len(rows))
     vectors, sizes, _ = np.linalg.svd(rows)
@@ -89,8 +89,8 @@ def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
 
 
 def scaled(matrix, rows: np.ndarray, columns: np.ndarray):
-    """Copy of a sparse matrix (r, c), each row times its factor in rows (r,), and columns likewise
-    (c,)."""
+    """Return a copy of a sparse matrix (r, c), with each row times its factor in `rows` (r,), and
+    each column times that in `columns` (c,)."""
     matrix = matrix.tocsc(copy=True)
     matrix.data = matrix.data * rows[matrix.indices] * np.repeat(columns, np.diff(matrix.indptr))
     return matrix
@@ -107,8 +107,7 @@ class Conditions(NamedTuple):
     BODY_FIXED, gap along a direction that is global or fixed to the first particle, or NORMAL, two
     directions at right angles; axis1 (c, 3): the direction; axis2 (c, 3): for NORMAL that on the
     second; arms (c, 2, 3) m: from the particles to the points, in their frames; second (c,): 1, or
-    0 where the point is held at `place` (c, 3) m.
-    """
+    0 where the point is held at `place` (c, 3) m."""
 
     joint: list[str]
     pairs: np.ndarray
@@ -120,17 +119,17 @@ class Conditions(NamedTuple):
     place: np.ndarray
 
     def weight(self, size: float) -> np.ndarray:
-        """Factors (c,) that make all residuals dimensionless; size: of the structure (m)."""
+        """Return factors (c,) that make all residuals dimensionless. size: of the structure (m)."""
         return np.where(self.axis_types == NORMAL, 1.0, 1.0 / size)
 
     def gaps(self, poses: ParticlePoses) -> np.ndarray:
-        """Residuals (c,) of all conditions at poses of all particles: gaps of points (m), and
-        cosines of angles that should be right; all 0 where the joints are closed."""
+        """Return the residuals (c,) of all conditions at poses of all particles: gaps of points
+        (m), and cosines of angles that should be right; all 0 where the joints are closed."""
         return self._residuals(*self._ends(poses))[:, 0]
 
     def worst(self, gaps: np.ndarray) -> tuple[str, float, float]:
-        """Name of the joint with the largest residual, its gap (m), and its tilt: the root of its
-        summed squares of cosines (rad if small). gaps (c,): residuals (Conditions.gaps)."""
+        """Return the name of the joint with the largest residual, its gap (m), and its tilt: the
+        root of its summed squares of cosines (rad if small). gaps (c,): of Conditions.gaps."""
         gap: dict[str, float] = {}
         tilt: dict[str, float] = {}
         for name, axis_type, residual in zip(self.joint, self.axis_types, gaps, strict=True):
@@ -141,13 +140,14 @@ class Conditions(NamedTuple):
         return name, gap.get(name, 0.0), tilt.get(name, 0.0)
 
     def derivatives(self, poses: ParticlePoses, impulses: np.ndarray):
-        """Sparse derivatives (c, 6n) of all conditions by motions of the particles at poses; and
-        second derivatives (6n, 6n) of their sum with factors `impulses` (c,)."""
+        """Return sparse derivatives (c, 6n) of all conditions by motions of the particles at poses,
+        and second derivatives (6n, 6n) of their sum with factors `impulses` (c,)."""
         blocks = impulses[:, None, None] * slopes(self._rows, *self._ends(poses))
         return self.jacobian(poses), sparse_matrix(blocks, self.pairs, len(poses.position))
 
     def jacobian(self, poses: ParticlePoses):
-        """Sparse derivatives (c, 6n) of all conditions by motions (m, rad) of all particles."""
+        """Return sparse derivatives (c, 6n) of all conditions by motions (m, rad) of all particles
+        at poses."""
         from scipy.sparse import coo_array
 
         rows = self._rows(*self._ends(poses))
@@ -160,8 +160,8 @@ class Conditions(NamedTuple):
         return poses.select(self.pairs[:, 0]), poses.select(self.pairs[:, 1])
 
     def _parts(self, first: ParticlePoses, second: ParticlePoses):
-        """In global axes: directions of both particles, arms of both, and offset of the points
-        (..., c, 3)."""
+        """In global axes: directions of both particles, arms of both, offset of the points (..., c,
+        3)."""
         body_axis = np.einsum("...cij,cj->...ci", first.frame, self.axis1)
         axis1 = np.where((self.axis_types == GLOBAL)[:, None], self.axis1, body_axis)
         axis2 = np.einsum("...cij,cj->...ci", second.frame, self.axis2)
@@ -199,8 +199,8 @@ class Conditions(NamedTuple):
 
 
 def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
-    """Conditions that close all joints of a scene. hold: names of hinges whose opening is to stay
-    as stated, a condition each, at the end. Raises SceneError for a name that no hinge has."""
+    """Return the conditions that close all joints of a scene. hold: names of hinges whose opening
+    is to stay as stated, a condition each, at the end. Raises SceneError for other names."""
     rows: list[tuple] = []
     for joint in (*(j for hinge in scene.hinges for j in as_joints(hinge)), *_joints_of(scene)):
         rows += _rows_of(scene, joint)

@@ -31,7 +31,7 @@ class Elastic(NamedTuple):
     half: np.ndarray
 
     def energy(self, poses: ParticlePoses) -> float:
-        """Strain energy (J) of all elements together, at poses of all particles of the scene."""
+        """Return the strain energy (J) of all elements together, at poses of all particles."""
         shape = self._shape(*self._ends(poses))
         rest, axial, *bending, torsion = self.stiffness.T
         turns = shape.sines + shape.sines**3 / 6
@@ -42,8 +42,8 @@ class Elastic(NamedTuple):
         return float(np.sum(total))
 
     def largest(self, poses: ParticlePoses) -> tuple[float, float]:
-        """Two largest values over all elements at poses of all particles: of a bend (sine of an
-        end's angle) or twist (rad); and of the strain at a surface."""
+        """Return two largest values over all elements at poses of all particles: of a bend (sine of
+        an end's angle) or twist (rad), and of the strain at a surface."""
         shape = self._shape(*self._ends(poses))
         turns = shape.sines + shape.sines**3 / 6
         rest = self.stiffness[:, :1]
@@ -53,8 +53,8 @@ class Elastic(NamedTuple):
         return float(bend.max(initial=0.0)), float(strain.max(initial=0.0))
 
     def derivatives(self, poses: ParticlePoses):
-        """Gradient (6n,), N and N m, and sparse Hessian (6n, 6n) of the strain energy, by the
-        motions (m, rad) of all particles at poses."""
+        """Return the gradient (6n,), N and N m, and the sparse Hessian (6n, 6n) of the strain
+        energy, by the motions (m, rad) of all n particles at poses."""
         count, ends = len(poses.position), self._ends(poses)
         gradient = np.zeros(6 * count)
         np.add.at(gradient, dofs_of(self.nodes), self._gradient(*ends))
@@ -62,7 +62,7 @@ class Elastic(NamedTuple):
 
     @property
     def unstressed(self) -> "Unstressed":
-        """These elements with a Hessian without what stress adds, nowhere negative."""
+        """These elements with a Hessian that lacks what stress adds, and so is nowhere negative."""
         return Unstressed(self)
 
     def _ends(self, poses: ParticlePoses) -> tuple[ParticlePoses, ParticlePoses]:
@@ -115,13 +115,15 @@ class Elastic(NamedTuple):
 
 
 class Unstressed(NamedTuple):
-    """Beam elements, bars, with the Hessian of Gauss and Newton, nowhere negative."""
+    """Beam elements with the Hessian of Gauss and Newton's method, which is nowhere negative. bars:
+    the elements."""
 
     bars: Elastic
 
     def derivatives(self, poses: ParticlePoses):
-        """Gradient (6n,), N and N m, and sparse Hessian (6n, 6n) of the strain energy by the
-        motions (m, rad) of all particles, at poses; the Hessian without what stress adds to it."""
+        """Return the gradient (6n,), N and N m, and the sparse Hessian (6n, 6n) of the strain
+        energy by the motions (m, rad) of all n particles at poses, without what stress adds to
+        it."""
         ends = self.bars._ends(poses)
         gradient, _ = self.bars.derivatives(poses)
         rows = slopes(self.bars._modes, *ends)
@@ -130,8 +132,7 @@ class Unstressed(NamedTuple):
 
 
 def elastic_of(scene) -> Elastic:
-    """All beam elements of a scene, as its assembly needs them: for strain energy and
-    derivatives."""
+    """Return all beam elements of a scene in the form in which its assembly needs them."""
     nodes, _, half = elements_of(scene.beams)
     if not len(nodes):
         return Elastic(nodes, np.zeros((0, 5)), np.zeros((0, 4, 3)), half)

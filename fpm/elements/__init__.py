@@ -58,23 +58,22 @@ KINDS: tuple[type[ElementType], ...] = (
     Probe,
 )
 """The registry. The order is that of sums, hence of the last digits: add new kinds at the end,
-before Drive if they act with forces (drives feel them, supports take them out, damping scales
-them, joints and the probe come last).
-"""
+before Drive if they act with forces (drives feel them, supports take them out, damping scales them,
+joints and the probe come last)."""
 
 
 def kinds_of(scenes) -> list[type[ElementType]]:
-    """Element types (classes) of which some of the scenes have elements, in the order of KINDS (the
-    registry), then those not in it, by name."""
+    """Return the element types (subclasses of ElementType) of which at least one of the scenes has
+    elements: those in the registry KINDS in its order, then others by module and name."""
     types = {kind for scene in scenes for kind in scene.kinds}
     own = sorted(types.difference(KINDS), key=lambda kind: (kind.__module__, kind.__qualname__))
     return [kind for kind in (*KINDS, *own) if any(kind.of(scene) for scene in scenes)]
 
 
 def energies_of(kinds) -> list:
-    """Energies (Energy: name, variable) in the balance of a scene, in order of records: what
-    element types store, give, take; kinetic energy and the balance itself not. kinds: the scene's
-    element types; all registered ones count as well."""
+    """Return the distinct energies (Energy) in the balance of a run, as its outcome lists them
+    between kinetic energy and balance: what element types store, give as work and take out, in this
+    order. kinds: element types of a scene; all of the registry KINDS count as well."""
     kinds = [*KINDS, *(kind for kind in kinds if kind not in KINDS)]
     energies = [getattr(k, role) for role in ("stores", "gives", "takes") for k in kinds]
     return list(dict.fromkeys(energy for energy in energies if energy))

@@ -1,8 +1,7 @@
 """Scenes of one topology to kernel arrays: numbers of several scenes side by side in SIMD lanes.
 
 Only numbers of the scenes may differ (fpm/solver/pack.py). The last scene fills the lanes that are
-left over; their results are dropped.
-"""
+left over; their results are dropped."""
 
 import math
 from collections import Counter
@@ -25,9 +24,8 @@ driven body, which the drive takes back, is off by ten, of which the balance all
 
 
 def blank(*shape_and_dtype) -> np.ndarray:
-    """Zeros of the given shape, aligned to 64 bytes, as a register of lanes that straddles two
-    cache lines costs twice. shape_and_dtype: lengths of the axes, then the dtype: blank(3, 2, 8,
-    float)."""
+    """Return zeros of a given shape whose memory begins at a multiple of 64 bytes, for fast
+    kernels. shape_and_dtype: lengths of the axes, then the number type: blank(3, 2, 8, float)."""
     *shape, dtype = shape_and_dtype
     size = math.prod(shape) * np.dtype(dtype).itemsize
     buffer = np.zeros(size + 64, np.uint8)
@@ -36,8 +34,12 @@ def blank(*shape_and_dtype) -> np.ndarray:
 
 
 class SceneData(Protocol):
-    """What element types read of a scene (fpm.Scene), for type checkers: places, motion and masses
-    of particles, held axes, elements by type (kinds), hinges, curves, points."""
+    """What element types read of a scene (fpm.Scene), as a protocol for type checkers; n particles.
+    position (n, 3) m; frame (n, 3, 3): axes of each as columns; unstrained: frames without strain,
+    None: `frame`; velocity (n, 3) m/s; spin (n, 3) rad/s; mass (n,) kg; inertia (n, 3) kg m²; fixed
+    (n, 6): whether held along and about global axes; kinds: elements by type; hinges: all of them;
+    curves: (times, values) of time; points: named points (VirtualBeam); bearings: for each hinge
+    index, moment of friction for each N of the joint's force."""
 
     position: np.ndarray
     frame: np.ndarray
@@ -55,8 +57,8 @@ class SceneData(Protocol):
 
 
 class Slices:
-    """Where the rows of each key lie in one shared array, one key after the other. sizes: number of
-    rows by key; of: the slice of each key; count: number of all rows."""
+    """Where the rows of each key lie in one array that several share, one key after the other.
+    sizes (argument): number of rows by key; of: slice of each key; count: number of all rows."""
 
     def __init__(self, sizes: dict):
         ends = np.cumsum([0, *sizes.values()])
@@ -65,11 +67,13 @@ class Slices:
 
 
 class Batch:
-    """Scenes of one topology (that differ in numbers only) while they are packed for the kernels.
-    scenes: side by side, a sample each; scene: the first, for what all agree in; kinds: element
-    types in them, in order; energies: of the balance (Energy); width: number of lanes; dtype: of
-    arrays; instants: number of recorded ones; room: number of events of each scene that fit; moved,
-    free: indices of particles that some element type moves itself, and of the others."""
+    """Scenes that differ in numbers only, while they are packed into the arrays that kernels take.
+
+    scenes: one for each sample simulated side by side (lane); scene: the first, for what is equal
+    in all; kinds: their element types, in order; energies: of their balance (Energy); width: number
+    of lanes, at least that of scenes; dtype: of arrays; instants: number of recorded instants;
+    room: number of events of each scene for which there is room; moved, free: indices of the
+    particles that some element type moves itself, and of the others."""
 
     def __init__(
         self,
@@ -108,12 +112,13 @@ class Batch:
     # -- arrays of numbers that differ from scene to scene ----------------------------------------
 
     def blank(self, rows: int, columns: int) -> np.ndarray:
-        """Zeros (rows, columns, lanes), a lane for each sample side by side."""
+        """Return zeros (rows, columns, lanes), the last axis for samples side by side."""
         return blank(rows, columns, self.width, self.dtype)
 
     def stack(self, rows: int, columns: int, function: Callable[[SceneData], object]) -> np.ndarray:
-        """Array (rows, columns, lanes) of numbers that differ from scene to scene. function(scene):
-        those of one scene, (rows, columns); lanes left over repeat the last scene."""
+        """Return an array (rows, columns, lanes) of numbers that differ from scene to scene.
+        function(scene): returns those of one scene, (rows, columns); further lanes repeat the
+        last."""
         array = self.blank(rows, columns)
         if rows:
             for s in range(self.width):
@@ -124,8 +129,8 @@ class Batch:
         return array
 
     def table(self, kind: type, columns: int, row: Callable) -> np.ndarray:
-        """Array (elements, columns, lanes) of numbers of all elements of an element type. kind: the
-        type; columns: how many for each; row(element): the numbers (columns,) of one."""
+        """Return an array (elements, columns, lanes) with some numbers of every element of a type.
+        kind: the element type; columns: how many of each; row(element): returns those of one."""
         count = len(kind.of(self.scene))
         return self.stack(count, columns, lambda scene: [row(e) for e in kind.of(scene)])
 
@@ -133,55 +138,59 @@ class Batch:
 
     @staticmethod
     def integers(values: Iterable, columns: int | None = None) -> np.ndarray:
-        """Array (n,) or (n, columns) of the whole numbers `values`, the same for all lanes."""
+        """Return the whole numbers `values` as an array (n,), or (n, columns) if columns are given,
+        that is the same for all samples."""
         shape = (-1,) if columns is None else (-1, columns)
         return np.array(list(values), np.int64).reshape(shape)
 
     # -- what kinds share -------------------------------------------------------------------------
 
     def part(self, kind: type) -> NamedTuple:
-        """Arrays of an element type for its kernels, a named tuple; packed at the first call
-        (kind.pack), the same object afterwards. kind: the element type."""
+        """Return the arrays of an element type for its kernels, a named tuple. It is packed at the
+        first call (kind.pack); later calls return the same object. kind: the element type."""
         if kind not in self._parts:
             self._parts[kind] = kind.pack(self)
         return self._parts[kind]
 
     def is_read(self, kind: type) -> bool:
-        """Whether another element type of the batch reads the arrays of the type `kind` in every
-        step (lists it in its ElementType.reads)."""
+        """Return whether another element type of these scenes needs the arrays of the type `kind`
+        in every step (lists it in its class attribute `reads`)."""
         return any(kind in reader.reads for reader in self.kinds)
 
     def given_by(self, kind: type) -> int:
-        """Index in World.accounts of the work (J) that the element type `kind` gives."""
+        """Return the index, in the axis of accounts of World.accounts, of the work (J) that
+        elements of type `kind` give."""
         return self.accounts.index(kind.gives)
 
     def taken_by(self, kind: type) -> int:
-        """Index in World.accounts of the energy (J) that the element type `kind` takes out."""
+        """Return the index, in the axis of accounts of World.accounts, of the energy (J) that
+        elements of type `kind` take out."""
         return self.accounts.index(kind.takes)
 
     def watched_by(self, kind: type) -> np.ndarray:
-        """View (1, watches, lanes) into World.watched: the largest values so far of the quantities
-        by whose limits runs of the element type `kind` fail (Watch). Its kernels write to it."""
+        """Return a view (1, criteria, lanes) of World.watched: largest values so far of the
+        quantities by which runs with the element type `kind` may fail (its `watches`). Kernels
+        write to it."""
         return self._watched[:, self.watches.of[kind]]
 
     def rows_of(self, kind: type) -> np.ndarray:
-        """View (elements, 1, lanes) into World.rows: a number for each element of the type `kind`,
-        its energy or watched quantity, which its kernels write after a failure, to name the worst
-        element."""
+        """Return a view (elements, 1, lanes) of World.rows: one number for each element of the type
+        `kind`, its energy or watched quantity, which its kernels write once a run has failed, to
+        name the worst element."""
         return self._rows[self.rows.of[kind]]
 
     def log_of(self, kind: type) -> Log:
-        """Log into which the kernels of an element type write their events. Its arrays are those of
-        all types (events: time, element, which of its events); only `first`, the number of the
-        type's first element among all that have events, is the type's own."""
+        """Return the log into which kernels of an element type `kind` write events: the arrays that
+        all types share (time, element, number of the event), and `first`, the number of the type's
+        first element among all elements with events."""
         return Log(self.events, self.event_count, self.eventful.of[kind].start)
 
     # -- the whole --------------------------------------------------------------------------------
 
     def parts(self) -> tuple:
-        """Arrays of all element types of the batch, a named tuple for each, in order: what the time
-        loop takes as `parts`. Raises TypeError for a type that states an energy (`stores`) without
-        a kernel for it, or the reverse: the energies would stand in the wrong columns."""
+        """Return the arrays of all element types, a named tuple for each, in their order: what the
+        time loop takes as `parts`. Raises TypeError for a type with an energy `stores` but no
+        kernel for it, or the reverse, as the energies would stand in wrong columns."""
         from fpm.kernels.hooks import KERNELS
 
         for kind in self.kinds:
@@ -193,8 +202,8 @@ class Batch:
         return tuple(self.part(kind) for kind in self.kinds)
 
     def world(self) -> World:
-        """World of the time loop: arrays of the particles at their start, curves of time, named
-        points, and what element types share (accounts of energy, watched quantities)."""
+        """Return the state that the time loop starts with: arrays of the particles, curves of time,
+        named points, and what element types share (accounts of energy, watched quantities)."""
         scene, n, points = self.scene, len(self.scene.position), self.scene.points
         lengths = [len(times) for times, _ in scene.curves]
         watches = [(kind, watch) for kind in self.kinds for watch in kind.watches]
@@ -224,7 +233,8 @@ class Batch:
         )
 
     def record(self, step: float, steps: int) -> Record:
-        """Empty arrays (Record) for the time loop to record a run of `steps` steps of `step` s."""
+        """Return the empty arrays (Record) into which the time loop records. step: time step (s);
+        steps: number of steps of the run, both to estimate the energy that rounding makes."""
         rows, width, dtype = self.instants + 1, self.width, self.dtype
         energies = layout.ACCOUNTS + len(self.accounts) + sum(bool(k.stores) for k in self.kinds)
         failed_step = np.full(width, -1, np.int64)
@@ -272,8 +282,9 @@ def _state(scene: SceneData) -> np.ndarray:
 
 
 def size_of(scene: SceneData) -> float:
-    """Characteristic length (m) of a scene, for tolerances: the largest extent along an axis of
-    free particles and joints, at least the largest radius of gyration."""
+    """Return the characteristic length (m) of a scene, to which tolerances are relative: the
+    largest extent, along a global axis, of the points at joints and of particles that are not held,
+    or the largest radius of gyration if that is more; 1 if both are 0."""
     free = ~scene.fixed.all(axis=1)
     joining = (e for kind, elements in scene.kinds.items() if kind.joins for e in elements)
     beams = [beam for element in joining for beam in element.beams]

@@ -1,8 +1,7 @@
 """Fields of elements: units, limits and words of each.
 
 Checks, packing, descriptions of elements and the keys of a structure file follow from these
-(kind.py). A field of a dataclass without a spec is left to its element type.
-"""
+(kind.py). A field of a dataclass without a spec is left to its element type."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -19,9 +18,10 @@ _KEY = "fpm"
 
 @dataclass(frozen=True)
 class FieldSpec:
-    """What is stated of a dataclass field of an element. name: the field's; same: whether it must
-    be equal in scenes that run side by side; words: its name in messages, {called} or {title} the
-    element; text: its meaning, for docs; is_shown: whether descriptions say its value."""
+    """What is stated of one dataclass field of an element type. name: of the field; same: whether
+    its value must be equal in scenes simulated side by side; words: its name in messages, in which
+    {called} stands for the type's word and {title} for the element; "": the field's name; text: its
+    meaning, for docs; is_shown: whether descriptions of a structure say its value."""
 
     name: str = ""
     same: bool = False
@@ -32,9 +32,10 @@ class FieldSpec:
 
 @dataclass(frozen=True)
 class Number(FieldSpec):
-    """Spec of a field of one or more numbers. unit: as "N m"; least, above: lower bound, itself
-    allowed or not; finite: whether infinity is refused; optional: whether None is allowed; count:
-    how many numbers; zero: whether descriptions of elements say the value if it is 0."""
+    """Spec of a field that holds one or more numbers. unit: as "N m"; least, above: lower bound,
+    itself allowed (least) or not (above), None: none; finite: whether infinity is refused;
+    optional: whether None is allowed; count: how many numbers; zero: whether descriptions also say
+    a value of 0."""
 
     unit: str = ""
     least: float | None = None
@@ -45,14 +46,15 @@ class Number(FieldSpec):
     zero: bool = True
 
     def allows(self, value: float) -> bool:
-        """Whether one number, in the field's unit, is within the bounds, and finite if asked."""
+        """Return whether one number, `value`, is within the bounds of this field, and finite if it
+        must be."""
         low = self.least is not None and not value >= self.least
         low = low or (self.above is not None and not value > self.above)
         return not low and not math.isnan(value) and (math.isfinite(value) or not self.finite)
 
     def allowed(self, unit: str) -> str:
-        """Allowed values in words for a message, as "a finite number >= 0 (m)". unit: to say, or
-        ""."""
+        """Return which values are allowed, in words for a message, as "a finite number >= 0 (m)".
+        unit: unit to say, "": none."""
         plural = f"{self.count} {'finite ' * self.finite}numbers"
         singular = f"a {'finite ' * self.finite}number"
         end = f" >= {self.least:g}" if self.least is not None else ""
@@ -62,15 +64,17 @@ class Number(FieldSpec):
 
 @dataclass(frozen=True)
 class Word(FieldSpec):
-    """Spec of a field that takes one of some words. values: the number of each in kernels."""
+    """Spec of a field that takes one of some words (or False, True). values: allowed values, each
+    with the number that stands for it in kernels."""
 
     values: Mapping[Any, float] | None = None
 
 
 @dataclass(frozen=True)
 class Index(FieldSpec):
-    """Spec of a field with an index into a list of the scene. of: the list's attribute, as
-    "hinges"; least: -1 where that means none, else 0; types: allowed types of a hinge, (): all."""
+    """Spec of a field that holds an index into a list of the scene. of: name of the list, as
+    "hinges"; least: -1 where that is allowed and means none, else 0; types: allowed types of the
+    hinge ("revolute", ...), empty: all."""
 
     of: str = ""
     least: int = 0
@@ -84,57 +88,65 @@ def _field(spec: FieldSpec, default: Any) -> Any:
 def number(
     unit: str = "", least=None, above=None, *, default=MISSING, is_shown=True, **keys
 ) -> Any:
-    """Field of an element with one or more numbers. unit: as "N m"; least, above: lower bound,
-    itself allowed or not; default: MISSING where it must be given; is_shown: whether descriptions
-    say its value; keys: further fields of `Number` (count, finite, words, text, ...)."""
+    """Declare a dataclass field of an element that holds one or more numbers. unit: as "N m";
+    least, above: lower bound, itself allowed (least) or not (above); default: MISSING where a value
+    must be given; is_shown: whether descriptions say a single number; keys: further attributes of
+    its spec `Number` (count, finite, zero, same, words, text)."""
     keys |= {"is_shown": is_shown and keys.get("count", 1) == 1, "optional": default is None}
     return _field(Number(unit=unit, least=least, above=above, **keys), default)
 
 
 def stiffness(unit: str = "N m/rad", words: str = "{called} stiffness", **keys) -> Any:
-    """Dataclass field of an element with a stiffness, at least 0, in `unit`. words: its name in
-    messages, {called} being the element's word; keys: further arguments of `number`."""
+    """Declare a dataclass field of an element that holds a stiffness, at least 0. unit: as "N/m";
+    words: its name in messages, in which {called} stands for the type's word; keys: further
+    arguments of `number`."""
     return number(unit, 0.0, words=words, **keys)
 
 
 def damping(**keys) -> Any:
-    """Field of an element with a damping constant (N m s/rad), at least 0; keys: as in `number`."""
+    """Declare a dataclass field of an element that holds a damping constant (N m s/rad), at least
+    0. keys: further arguments of `number` (default, text, ...)."""
     return number("N m s/rad", 0.0, zero=False, **keys)
 
 
 def word(values: Mapping[Any, float], *, default=MISSING, **keys) -> Any:
-    """Field of an element that takes one of some words. values: the number by which kernels know
-    each; default: MISSING where it must be given; keys: fields of `Word` (same, words, text)."""
+    """Declare a dataclass field of an element that takes one of some words. values: allowed words,
+    each with the number that stands for it in kernels; default: MISSING where one must be given;
+    keys: further attributes of its spec `Word` (same, words, text)."""
     return _field(Word(values=values, **keys), default)
 
 
 def index(group: str, least: int = 0, *, default=MISSING, **keys) -> Any:
-    """Field of an element with the index of an entry in the scene's list `group`, as "hinges".
-    least: -1 where that means none; default: MISSING where it must be given; keys: of `Index`."""
+    """Declare a dataclass field of an element that holds an index into a list of the scene. group:
+    name of the list, as "hinges"; least: -1 where that is allowed and means none, else 0; default:
+    MISSING where one must be given; keys: further ones of its spec `Index` (types, words, text)."""
     return _field(Index(of=group, least=least, same=True, **keys), default)
 
 
 def same(default: Any = MISSING) -> Any:
-    """Dataclass field of an element, of any type, whose value must be equal in scenes that run side
-    by side; default: MISSING where it must be given."""
+    """Declare a dataclass field of an element, of any type, whose value must be equal in scenes
+    simulated side by side. default: MISSING where a value must be given."""
     return _field(FieldSpec(same=True), default)
 
 
 @cache
 def specs(kind: type) -> dict[str, FieldSpec]:
-    """Specs (Number, Word, Index) of the fields of an element type `kind`, by name."""
+    """Return the specs (FieldSpec: unit, limits, words) of the fields of an element type `kind`, by
+    field name; fields declared without one are left out."""
     keyed = [f for f in fields(kind) if _KEY in f.metadata]
     return {f.name: replace(f.metadata[_KEY], name=f.name) for f in keyed}
 
 
 def numbers_in(value: Any) -> Sequence[float]:
-    """Numbers (k,) of a field's value for kernels: of one number itself, of an array all, flat."""
+    """Return the numbers (k,) of a field's value, as kernels take them: one number as a tuple of
+    it, an array or nested tuple flattened."""
     return (value,) if isinstance(value, float | int) else np.ravel(value)
 
 
 def check_number(subject: str, value: Any, number: Number, unit: str) -> None:
-    """Check the value of a field of numbers; raises SceneError unless it is allowed. subject: what
-    it is called in messages; number: the field's spec; unit: said in the message."""
+    """Check the value of an element's field of numbers; raises SceneError unless it is allowed.
+    subject: what messages call the field; value: number, or array of number.count; number: the
+    field's spec; unit: unit that the message says."""
     if value is None and number.optional:
         return
     numbers = numbers_in(value)

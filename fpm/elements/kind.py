@@ -2,8 +2,7 @@
 
 An element type is a frozen dataclass by which a scene states its elements, one object each (for
 beams, one for a group of elements), and a kernel file (fpm/kernels/hooks.py). Everything has a
-neutral default. `docs/mechanics.md` shows how to add an element type.
-"""
+neutral default. `docs/mechanics.md` shows how to add an element type."""
 
 from collections.abc import Callable, Hashable
 from functools import cache
@@ -24,7 +23,8 @@ AXES = "xyz"
 
 
 class Energy(NamedTuple):
-    """An energy of the balance (J). name: key; variable: in a trajectory file; long_name: words."""
+    """An energy in the balance of a run (J). name: by which the program finds it; variable: its
+    name in a trajectory file (netCDF); long_name: what it is, in words."""
 
     name: str
     variable: str
@@ -32,12 +32,13 @@ class Energy(NamedTuple):
 
 
 class Watch(NamedTuple):
-    """A failure criterion: a quantity, watched during a run, whose largest value lets the run fail.
-    name: its key; most: the limit; of_size: whether that is a fraction of the scene's size (m);
-    unconditional: whether it counts even where the energy does not balance, as nothing else
-    explains it; failure(values): cause and remedy in words, from the largest values of the element
-    type's watches by name; unbalanced(element): remedy where the energy does not balance and the
-    element of that name is the worst, "": none."""
+    """A failure criterion: a quantity whose largest value over a run is watched; above a limit the
+    run fails. name: its key; most: the limit, in the quantity's unit, or with of_size=True as a
+    fraction of the scene's size (m); unconditional: whether it is named as the cause even where the
+    energy balance is wrong, too (else that is the cause); failure(values): returns cause and
+    remedy, two texts; values: largest value of each criterion of the element type, by name;
+    unbalanced(element): returns the remedy where the energy does not balance and the element of
+    that name is the worst; None: there is none."""
 
     name: str
     most: float
@@ -48,9 +49,11 @@ class Watch(NamedTuple):
 
 
 class Series(NamedTuple):
-    """A recorded series. values (t,), or (t, k) for k labelled elements; unit; long_name: in words;
-    dimension, labels: of the k columns; time_dim: name of the dimension of t; code: digest of the
-    code that read it off the run, where that does not count in the run's name."""
+    """A recorded series of one sample, for a trajectory file. values: (t,) over t instants, or (t,
+    k) for k labelled elements, in `unit` (as "N m"); long_name: what it is, in words; dimension,
+    labels: name of the dimension of the k columns, and the name of each; time_dim: name of the
+    dimension of t; code: digest of the code that computed it, kept with it where a change of that
+    code does not rename the run, "": none."""
 
     values: np.ndarray
     unit: str
@@ -61,14 +64,15 @@ class Series(NamedTuple):
     code: str = ""
 
     def merge(self, series: "Series") -> "Series":
-        """A series with the columns and labels of `series`, then those of this one."""
+        """Return a series with the columns and labels of `series`, another with the same t rows,
+        followed by those of this one."""
         values = np.concatenate([series.values, self.values], axis=1)
         return self._replace(values=values, labels=series.labels + self.labels)
 
 
 class Eventful(NamedTuple):
-    """An element that has events. name: the element's; events: names of its events, in the order of
-    the numbers that kernels note; joint: name of the joint that it is on, "": none."""
+    """An element that has events. name: the element's; events: names of its events, at the index by
+    which kernels note each (0, 1, ...); joint: name of the joint that it is on, "": none."""
 
     name: str
     events: tuple[str, ...]
@@ -76,11 +80,11 @@ class Eventful(NamedTuple):
 
 
 class Deformations(NamedTuple):
-    """How springs of elements are strained by small motions of particles from the start, for the
-    stable step, in the particles' own axes (timestep.py): r springs, one or more for each element.
-    dofs (r, 12): degrees of freedom of two particles, 6 p .. 6 p + 5 for particle p; values (r,
-    12): derivatives of the strain d (m, rad) by them; stiffness (r,): k, of energy 1/2 k d²;
-    element (r,): index of the element in its type."""
+    """Linear strains d (m or rad) of r springs by small motions of particles from the start, for
+    the stable time step (timestep.py). Rotations are about the particles' own axes. dofs (r, 12):
+    degrees of freedom that strain each spring, of two particles: 6 p to 6 p + 5 of particle p;
+    values (r, 12): derivatives of d by them; stiffness (r,): k (N/m or N m/rad), of energy k d²/2;
+    element (r,): index, in its type, of the element to which the spring belongs."""
 
     dofs: np.ndarray
     values: np.ndarray
@@ -95,18 +99,23 @@ SHARED = {
     "given": Batch.given_by,
     "taken": Batch.taken_by,
 }
-"""What stands under some names in the tuples of all kernels: shares of what is common."""
+"""Fields of kernels' arrays that are parts of arrays which all element types share: field name, and
+the method of Batch that returns the type's part."""
 
 
 class ElementType:
-    """Base class of an element type. A subclass overrides what it provides; every attribute has a
-    neutral default. stores, gives, takes: energies that its elements store, give as work, take out
-    (Energy; None: none; types with the same share an account); events: names of its events;
-    watches: failure criteria (Watch); reads: types whose arrays its kernels need in every step;
-    acts_as: component of the moments on openings, in recordings, that is its own; joins: whether
-    each element joins its `particles`; moves_free: whether it moves all particles that no other
-    type moves; resists_as: class of its part in what resists a slow motion (fpm/travel), "": none;
-    called: its word in messages."""
+    """Base class of an element type: a dataclass, of which a scene holds one object for each
+    element. A subclass overrides what it provides; every attribute has a neutral default.
+
+    Class attributes: stores, gives, takes: energies (Energy) that its elements store, give as work
+    and take out, None: none; types with the same one share an account. events: names of its events,
+    in the order of their numbers in kernels. watches: failure criteria; of several exceeded ones
+    the last counts. reads: types whose arrays its kernels need in every step. acts_as: the
+    component (of PARTS in opening.py, as "spring") under which its moments on joints are recorded.
+    joins: whether each element holds its `particles` together, by a `name`. moves_free: whether its
+    kernels move all particles that no other type moves. resists_as: class of standards ("FR"
+    friction, ...) of its part in what resists a slow motion (fpm/travel), "": none. called: the
+    type's word in messages, as "latch"."""
 
     stores: ClassVar[Energy | None] = None  # the energy it stores (hook `stored`)
     gives: ClassVar[Energy | None] = None  # the work it gives; kinds with the same share an account
@@ -132,8 +141,8 @@ class ElementType:
         scene.kinds.setdefault(type(self), []).append(self)
 
     def check(self, scene: SceneData) -> None:
-        """Check the element's fields against their limits, and indices against the scene, which is
-        not changed; raises SceneError if it does not fit."""
+        """Check the element's fields against their limits, and that indices exist in the scene,
+        before it is added; raises SceneError if one does not fit. The scene is not changed."""
         for name, field in specs(type(self)).items():
             value = getattr(self, name)
             if isinstance(field, Index):
@@ -146,34 +155,38 @@ class ElementType:
                 raise SceneError(self.subject(scene, field), value, ", ".join(field.values))
 
     def check_index(self, scene: SceneData, field: Index, value: int) -> None:
-        """Check that an index exists in the scene's list; raises SceneError if not. field: spec of
-        the field (the list's name, the least index); value: the index."""
+        """Check that an index in one of the element's fields exists in a list of the scene; raises
+        SceneError if not. field: spec of the field: `of`, the list's attribute, and `least`, the
+        lowest index allowed (-1: none); value: the index."""
         count = len(getattr(scene, field.of))
         if not (isinstance(value, Integral) and field.least <= value < count):
             raise SceneError(self.subject(scene, field), value, f"{field.least} to {count - 1}")
 
     def subject(self, scene: SceneData, field: FieldSpec) -> str:
-        """Name for messages of a field of this element, as "stiffness of latch A"; field: spec."""
+        """Return what messages call a field of this element, as "stiffness of latch A". scene: that
+        holds the element's hinge; field: the field's spec, with its name or words."""
         words = field.words or field.name.replace("_", " ") + " of {title}"
         title = self.title(scene) if "{title}" in words else ""
         return words.format(called=self.called, title=title)
 
     def title(self, scene: SceneData) -> str:
-        """What a message calls this element: here the word of its type, `called`; types override it
-        to add a name, as "latch A", from the scene that holds the element."""
+        """Return what a message calls this element: by default its type's word (`called`);
+        overridden where elements have names, as "latch A". scene: with what it acts on."""
         return self.called
 
     def unit_in(self, scene: SceneData, unit: str) -> str:
-        """Unit of one of the element's numbers in this scene: `unit`, which its field states,
-        unless the element is on a slide, where N stands for N m."""
+        """Return the unit of one of the element's fields in this scene: by default `unit`, which
+        the field states; types on joints turn "N m" into "N" where the joint is a slide."""
         return unit
 
     def topology(self) -> Hashable:
-        """What of this element (fields with `same`) must be equal in scenes run side by side."""
+        """Return, as a tuple, those of this element's fields (stated with same=True, or indices)
+        that must be equal in scenes whose runs are computed together, side by side."""
         return tuple(getattr(self, n) for n, field in specs(type(self)).items() if field.same)
 
     def acts_on(self) -> tuple[int, ...]:
-        """Indices of the hinges on whose openings (angles, lengths) the element acts."""
+        """Return the indices of the hinges of the scene on whose openings (angles, or lengths of
+        slides) the element acts; by default none."""
         return ()
 
     # -- of all elements of the kind in a scene -------------------------------------------------
@@ -185,57 +198,61 @@ class ElementType:
 
     @classmethod
     def led(cls, scene: SceneData) -> list["ElementType"]:
-        """Elements that stand for those of the type where an opening is moved slowly, always in
-        static balance, to find what resists it (fpm/travel); by default the elements themselves."""
+        """Return the elements that replace this type's where an opening is moved slowly through
+        static equilibria, to find what resists it (fpm/travel); by default the scene's own."""
         return cls.of(scene)
 
     @classmethod
     def topology_of(cls, scene: SceneData) -> Hashable:
-        """What of all elements of the type must be equal in scenes that run side by side, as a
-        hashable value; None: nothing, not even whether there are any."""
+        """Return, as a hashable value, what of this type's elements in a scene must be equal in
+        scenes simulated side by side, in one batch; None: nothing, not even their number."""
         return tuple(element.topology() for element in cls.of(scene))
 
     @classmethod
     def names(cls, scene: SceneData) -> list[str]:
-        """Names of the type's elements in a scene, for messages, one for each row of measures of
-        failure; elements of a group are named one by one."""
+        """Return the names of the type's elements in a scene, for messages: one for each row in
+        which kernels note who fails; by default the type's word and a number. A group has
+        several."""
         return [f"{cls.called or cls.__name__} {i}" for i in range(len(cls.of(scene)))]
 
     @classmethod
     def eventful(cls, scene: SceneData) -> list[Eventful]:
-        """Names of the type's elements in a scene, each with the names of its events, if any."""
+        """Return the type's elements in a scene that have events, each with the names of these
+        (Eventful); empty if the type has none."""
         return [Eventful(name, cls.events) for name in cls.names(scene) if cls.events]
 
     @classmethod
     def moved(cls, scene: SceneData) -> list[int]:
-        """Indices of particles that the type's own kernels move in place of the time loop."""
+        """Return the indices of the particles of a scene that this type's kernels move themselves,
+        so that the time loop must not; by default none."""
         return []
 
     @classmethod
     def deformations(cls, scene: SceneData) -> Deformations | None:
-        """How the type's springs are strained by motions of particles, with their stiffness, for
-        the stable step of the scene; None: it has no stiffness."""
+        """Return how small motions of particles strain the type's springs, with their stiffness,
+        from which the scene's stable time step is computed; None: the type has no stiffness."""
         return None
 
     @classmethod
     def dampings(cls, scene: SceneData) -> Deformations | None:
-        """How the type's dampers are moved by motions of particles, with damping (N m s/rad) in the
-        field for stiffness, for the stable step; None: it has none. For dampers whose rate is
-        extrapolated from the last two steps (losses_kernels.py)."""
+        """Return how small motions of particles move the type's dampers: Deformations whose field
+        `stiffness` holds the damping (N s/m or N m s/rad), for the scene's stable time step; None:
+        it has none. For dampers whose rate is extrapolated from the last two steps."""
         return None
 
     @classmethod
     def shut(cls, scene: SceneData, inverse: np.ndarray) -> Any:
-        """Motions that the type rules out in the only position in which it acts (a closed contact),
-        for the stable step: orthonormal sparse columns (dofs, c) in coordinates scaled with the
-        roots of masses; None: it acts in all positions. inverse (dofs,): inverse masses and
-        inertias."""
+        """Return the motions that this type's elements in a scene rule out in the one position in
+        which its stiffness acts (as of a contact: closed), for the stable time step: orthonormal
+        columns (dofs, c), a sparse matrix, in coordinates multiplied by the roots of masses; None:
+        it acts in all positions. inverse (dofs,): inverse masses (1/kg) and inertias (1/kg m²), 6
+        of each particle."""
         return None
 
     @classmethod
     def kernels(cls) -> ModuleType:
-        """The module with the type's kernels: named as the module of the type, or of one that it
-        derives from, with `_kernels` behind. Raises NotImplementedError where there is none."""
+        """Return the module with the type's kernels: that named as the module of the type, or of a
+        class it derives from, followed by `_kernels`. Else NotImplementedError."""
         for kind in cls.__mro__[:-1]:
             if find_spec(name := f"{kind.__module__}_kernels"):
                 return import_module(name)
@@ -245,19 +262,19 @@ class ElementType:
 
     @classmethod
     def pack(cls, batch: Batch) -> NamedTuple:
-        """Pack all elements of the type into the named tuple of arrays that its kernels take, each
-        field by `array`. batch: the scenes being packed, side by side."""
+        """Return the arrays of all elements of the type, a named tuple that its kernels take as
+        `part`; each field is made by `array`. batch: the scenes that are simulated side by side."""
         arrays = _arrays_in(cls.kernels())
         return arrays(**{name: cls.array(name, batch) for name in arrays._fields})
 
     @classmethod
     def array(cls, name: str, batch: Batch) -> Any:
-        """Array for the field `name` of the named tuple that the type's kernels take; by default
-        whole numbers, the elements' field of that name. batch: the scenes being packed. "numbers":
-        constants of each element, in the order of NUMBERS in the kernels' module; "state": zeros,
-        STATE for each; "track": zeros, TRACK for each at every instant; "account": index in
-        World.accounts of the work it gives, else of the energy it takes; SHARED has further
-        ones."""
+        """Return the array for a field of the named tuple that the type's kernels take. name: of
+        the field: "numbers": constants of each element, in the order of NUMBERS in the kernels'
+        module; "state": zeros, STATE for each element; "track": zeros, TRACK for each at every
+        instant; "account": index in World.accounts of the work that it gives, else of the energy
+        that it takes out; those in SHARED; any other: the elements' own field of that name, as
+        whole numbers. batch: the scenes that are simulated side by side."""
         elements = cls.of(batch.scene)
         match name:
             case "numbers":
@@ -276,38 +293,43 @@ class ElementType:
 
     @classmethod
     def held_up(cls, scene: SceneData) -> float:
-        """Force (N) that joints of the scene may bear at rest because of this type: its work on
-        ways by rounding sets the least energy by which the energy balance is judged."""
+        """Return a force (N) that joints of the scene may bear at rest because of this type's
+        elements. With it the program estimates how much work rounding errors do, and so how exactly
+        the energy can balance."""
         return 0.0
 
     @classmethod
     def held_round(cls, scene: SceneData) -> float:
-        """Moment (N m) that exact holds of openings may bear at rest because of this type: its work
-        on ways by rounding sets the least energy by which the energy balance is judged."""
+        """Return a moment (N m) that exactly held openings may bear at rest because of this type's
+        elements. With it the program estimates how much work rounding errors do, and so how exactly
+        the energy can balance."""
         return 0.0
 
     @classmethod
     def reads_impulses(cls, scene: SceneData) -> bool:
-        """Whether elements of the type in the scene need the impulses of joints in each step."""
+        """Return whether elements of this type in the scene need the impulses by which joints are
+        closed, summed over each step; they are summed only where some type does."""
         return False
 
     @classmethod
     def weight(cls, scene: SceneData, particle: int, time: np.ndarray) -> np.ndarray:
-        """Force (3,) or (t, 3) N, in global axes, that acts on a particle only because of its mass.
-        The ground's mass means nothing: its reaction leaves this force out. particle: index; time
-        (t,): s."""
+        """Return the force (N), (3,) or (t, 3) in global axes, by which this type acts on a
+        particle of a scene in proportion to its mass; by default 0. It is left out of reactions of
+        held particles, whose mass means nothing. particle: index; time (t,): instants (s)."""
         return np.zeros(3)
 
     @classmethod
     def recorded(cls, part: Any, scene: SceneData, lane: int) -> dict[str, Series]:
-        """Recorded series of one sample after a run, by names of variables in a trajectory file.
-        part: arrays of the type's kernels; scene: the sample's; lane: its index in the batch."""
+        """Return the recorded series of one sample after a run, by names of variables in its
+        trajectory file; by default none. part: arrays of the type's kernels; scene: the sample's;
+        lane: index of the sample among those simulated side by side."""
         return {}
 
     @classmethod
     def prescribe(cls, scene: SceneData, time: float, motion: Any) -> None:
-        """Write the velocities and spins that the type prescribes at a time (s) into `motion`
-        (Motion, fpm/files/outcome.py), which has those of all particles; by default none."""
+        """Write the velocities (m/s) and spins (rad/s) that this type's elements in a scene
+        prescribe at a time (s) over those in `motion`, an object with arrays `velocity` and `spin`,
+        (n, 3), of all particles; by default none."""
 
 
 def _row(element: ElementType, columns: list) -> list[float]:

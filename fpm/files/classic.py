@@ -3,8 +3,7 @@
 A trajectory has some thirty small variables. To create them through HDF5 takes half as long as to
 simulate the run, and netCDF's own library is no faster in this format; scipy's writer takes little
 longer than to copy the numbers, and its reader notices a file that was cut off. Any netCDF library
-reads these files.
-"""
+reads these files."""
 
 import os
 from collections.abc import Mapping
@@ -19,7 +18,7 @@ BROKEN = (OSError, ValueError, TypeError, KeyError, IndexError, AssertionError, 
 
 class NetcdfVariable(NamedTuple):
     """A netCDF variable. dims: names of its dimensions; values: array of numbers or text;
-    attributes: by name, such as units."""
+    attributes: by name, such as "units"."""
 
     dims: tuple[str, ...]
     values: np.ndarray
@@ -29,9 +28,9 @@ class NetcdfVariable(NamedTuple):
 def write(
     path: str | os.PathLike, attributes: Mapping[str, Any], variables: Mapping[str, NetcdfVariable]
 ) -> None:
-    """Write a netCDF file in the classic format. attributes: global ones, text or numbers, by name;
-    variables: by name. Text takes one more dimension, `<name>_width`, as characters; variables
-    without values are left out, as the format has no empty dimensions."""
+    """Write a netCDF file in the classic format. path: of the file; attributes: global ones, text
+    or numbers, by name; variables: by name. Text takes one more dimension, `<name>_width`, as
+    characters; variables without values are left out, as the format has no empty dimensions."""
     from scipy.io import netcdf_file
 
     with netcdf_file(path, "w", version=2) as file:
@@ -51,9 +50,9 @@ def write(
 def read(
     path: str | os.PathLike, content: bytes | None = None
 ) -> tuple[dict[str, Any], dict[str, NetcdfVariable]]:
-    """Read a classic netCDF file; returns its global attributes and its variables, by name, text as
-    characters. content: the file's bytes, if read before. Raises OSError if the file is not in this
-    format, or not whole."""
+    """Return the global attributes and the variables of the classic netCDF file at `path`, by name,
+    text as characters. content: the file's bytes, if read before. Raises OSError if the file is not
+    in this format, or not whole."""
     from scipy.io import netcdf_file
 
     try:

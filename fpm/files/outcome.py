@@ -21,8 +21,8 @@ BALANCE = Energy("balance", "energy_balance", "energy that came from nowhere sin
 
 
 class Motion(NamedTuple):
-    """Positions and velocities of a scene's n particles at one time. position (n, 3) m; frame (n,
-    3, 3), own axes as columns; velocity (n, 3) m/s; spin, the angular velocity, (n, 3) rad/s."""
+    """Positions and velocities of a scene's n particles at one time, in global axes. position (n,
+    3): m; frame (n, 3, 3): own axes as columns; velocity (n, 3): m/s; spin (n, 3): rad/s."""
 
     position: np.ndarray
     frame: np.ndarray
@@ -33,8 +33,8 @@ class Motion(NamedTuple):
 def eventful(
     scene: Scene, kinds: Iterable[type[ElementType]] | None = None
 ) -> tuple[Eventful, ...]:
-    """Elements of a scene that have events (latches, contacts, ...), in the order by which events
-    are numbered; kinds: element types to look at, None: all of the scene."""
+    """Return the elements of a scene that have events (latches, contacts, ...), in the order by
+    which events are numbered. kinds: element types to look at, None: all of the scene."""
     kinds = kinds_of([scene]) if kinds is None else kinds
     return tuple(element for kind in kinds for element in kind.eventful(scene))
 
@@ -45,26 +45,16 @@ class Outcome(Curves):
 
     Attributes
     ----------
-    scene
-        The simulated scene.
-    energy_kinds
-        Names and texts (Energy) of the `energies`, in their order.
-    recorded
-        Further series (Series) by name, of what element types record, as "cable_tension".
-    steps
-        Number of time steps.
-    limit
-        The scene's stable step (StableStep); None if the run was given its step.
-    failure
-        None, the InstabilityError of a run whose numbers mean nothing, or the SceneError of a
-        quasi-static opening (fpm/travel) that has no solution.
-    largest
-        Largest values of the failure criteria by name (`bend`, the largest sine of the angle
-        between an element's chord and its ends, or of its twist; `strain` at the surface of an
-        element; ...).
-    final
-        Motion of all particles at the end (Motion).
-    """
+    scene: the simulated scene.
+    energy_kinds: names and texts (Energy) of the `energies`, in their order.
+    recorded: further series (Series) by name, of what element types record, as "cable_tension".
+    steps: number of time steps.
+    limit: the scene's stable step (StableStep); None if the run was given its step.
+    failure: None, the InstabilityError of a run whose numbers mean nothing, or the SceneError of an
+        opening moved slowly (fpm/travel) that finds no balance.
+    largest: largest values of the failure criteria by name (`bend`, the largest sine of the angle
+        between an element's chord and its ends, or of its twist; `strain` at its surface; ...).
+    final: motion of all particles at the end (Motion)."""
 
     scene: Scene
     energy_kinds: tuple[Energy, ...]
@@ -96,23 +86,19 @@ class Outcome(Curves):
         return self.recorded[name].values if name in self.recorded else np.zeros(len(self.time))
 
     def dataset(self, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":
-        """The trajectory as an xarray.Dataset; raises the failure of a run that failed.
+        """Return the trajectory as an xarray.Dataset; raises the failure of a run that failed.
 
         Parameters
         ----------
-        responses : sequence of fpm.reading.responses.Response
-            Responses whose values are added.
-        attributes : dict, optional
-            Further global attributes by name.
-        parameters : dict, optional
-            Values and units, (value, unit), of parameters of the run by name.
-        """
+        responses: sequence of fpm.reading.responses.Response whose values are added.
+        attributes: further global attributes by name.
+        parameters: values and units, (value, unit), of parameters of the run by name."""
         return to_dataset(self, responses, attributes, parameters)
 
 
 def columns_of(records: Mapping[str, Series]) -> dict[Column, np.ndarray]:
-    """Columns (t,) by (variable, label) of recorded series (t, k), one for each of their k labels.
-    records: series by variable; those without labels are left out."""
+    """Return the columns (t,) of recorded series (t, k) by (variable, label), one for each of their
+    k labels. records: series by variable; those without labels are left out."""
     return {
         (name, label): record.values[:, i]
         for name, record in records.items()

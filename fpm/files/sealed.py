@@ -4,8 +4,7 @@ A sealed file ends with a line of facts as JSON: a digest of all the bytes befor
 facts, and what the file is (`name`, and what its writer adds). Readers of netCDF, PNG and PDF
 overlook that line; in Markdown, HTML and SVG it is a comment, in JSON it is the first key. Files
 appear whole or not at all: they are written under a temporary name, which says whose it is, and
-renamed.
-"""
+renamed."""
 
 import hashlib
 import json
@@ -29,8 +28,8 @@ _TEMPORARY = re.compile(r"^\..*\.(?P<host>[^.]+)-(?P<process>\d+)\.part(\.\w+)?$
 
 
 class DamagedError(OSError):
-    """Raised for a file that exists, but is not as it was written, or not the expected one; `path`:
-    the file's, `reason`: in words."""
+    """Raised for a file that exists, but is not as it was written, or not the expected one. path:
+    of the file; reason: why, in words."""
 
     def __init__(self, path: str | os.PathLike, reason: str):
         self.path, self.reason = Path(path), reason
@@ -42,8 +41,8 @@ class DamagedError(OSError):
 
 def seal(path: str | os.PathLike, facts: Mapping[str, str]) -> None:
     """Append a seal to the complete file at `path`: a line of JSON with the file's digest and
-    `facts`, text by key: `name` (what the file is) and whatever else its readers need. A JSON file
-    must be an object over several lines."""
+    facts. facts: text by key: `name` (what the file is) and whatever else its readers need. A JSON
+    file must be an object over several lines."""
     path = Path(path)
     if path.suffix == ".json":
         content = read_bytes(path)
@@ -62,9 +61,9 @@ def _json(data: Mapping) -> str:
 
 
 def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
-    """Verify that a sealed file is as it was written and, if `name` is given, what it is; returns
-    the facts in its seal. Raises DamagedError if either does not hold, FileNotFoundError if there
-    is no file."""
+    """Check that a sealed file is as it was written; returns the facts in its seal, text by key.
+    path: of the file; name: what it must be (the fact `name`), None: anything. Raises DamagedError
+    if either does not hold, FileNotFoundError if there is no file."""
     path = Path(path)
     if path.suffix == ".json":
         return check_content(path, read_bytes(path), name)
@@ -80,9 +79,8 @@ def check(path: str | os.PathLike, name: str | None = None) -> dict[str, str]:
 
 
 def read_bytes(path: str | os.PathLike, most: int = _MOST) -> bytes:
-    """Read the content of a plain file of at most `most` bytes; raises DamagedError if it is none
-    or longer. A device, or a pipe, is refused without waiting, and so are files below /proc and
-    /sys."""
+    """Return the content of the plain file at `path`; raises DamagedError if it is none, or longer
+    than `most` bytes. Devices, pipes, and files below /proc and /sys are refused at once."""
     if os.path.realpath(path).startswith(("/proc/", "/sys/")):
         raise DamagedError(path, "the system makes it up; allowed: a plain file, such as a copy")
     with open(path, "rb", opener=lambda name, flags: os.open(name, flags | _AT_ONCE)) as file:
@@ -102,16 +100,17 @@ _AT_ONCE = getattr(os, "O_NONBLOCK", 0)
 
 
 def unsealed(path: str | os.PathLike) -> bytes:
-    """Read the content of a sealed file, without its seal; raises DamagedError if the file is not
-    as it was written."""
+    """Return the content of the sealed file at `path`, without its seal; raises DamagedError if the
+    file is not as it was written."""
     content = read_bytes(path)
     check_content(path, content)
     return _split(path, content)[1]
 
 
 def check_content(path: str | os.PathLike, content: bytes, name: str | None = None) -> dict:
-    """Verify a sealed file by all its bytes, `content`; returns the facts in its seal. path: its
-    ending tells the format; name: what it must be, None: anything. DamagedError if either fails."""
+    """Check a sealed file by all its bytes, `content`; returns the facts in its seal, text by key.
+    path: its ending tells the format; name: what it must be, None: anything. Raises
+    DamagedError."""
     facts, rest = _split(path, content)
     _compare(path, facts, hashlib.sha256(rest), name)
     return facts
@@ -152,8 +151,7 @@ def _with_digest(content, facts: Mapping[str, str]) -> dict[str, str]:
 def _digest(path: Path, size: int):
     """Hash of the first `size` bytes of a file, which may be larger than memory.
 
-    A large one is read once for several checks by one process, as long as it is the same.
-    """
+    A large one is read once for several checks by one process, as long as it is the same."""
     if size < _LARGE:
         return _hash(path, size)
     st = path.stat()
@@ -176,9 +174,9 @@ def _hash(path: Path, size: int):
 
 @contextmanager
 def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) -> Iterator[Path]:
-    """Context manager to write a file that appears whole or not at all: gives a temporary path
-    beside `path`, which is renamed to that when the block ends, and removed on an error. facts: if
-    given, the file is sealed with them (text by key, with `name`) before."""
+    """Return a context manager to write a file that appears whole or not at all: it gives a
+    temporary path, which is renamed to `path` when the block ends, and removed on an error. facts:
+    with which the file is sealed before (text by key, with `name`), None: it is not."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     # Some writers look at the ending; but who lists netCDF files shall not meet half a one.
@@ -194,8 +192,8 @@ def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) 
 
 
 def sweep(folder: str | os.PathLike) -> list[Path]:
-    """Remove temporary files of `whole_file` in a folder whose process, one of this machine, has
-    ended; returns their paths."""
+    """Remove the temporary files of `whole_file` in a folder whose process, one of this machine,
+    has ended; returns their paths."""
     paths = []
     with suppress(FileNotFoundError, NotADirectoryError):
         for entry in os.scandir(folder):

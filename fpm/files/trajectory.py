@@ -3,8 +3,7 @@
 Written in the classic format, which is quick for files of this kind (`fpm.files.classic`); to be
 read by any netCDF library, and by `read_curves`. The format has no empty arrays: a run without
 events has no variables of events. Energies and what else the kinds in a scene record have the names
-that the kinds give them; all others are fixed.
-"""
+that the kinds give them; all others are fixed."""
 
 import os
 from collections.abc import Iterable, Mapping
@@ -21,34 +20,34 @@ if TYPE_CHECKING:
     import xarray
 
 CONVENTIONS = "CF-1.8"
-"""Those that files follow as far as they fit: simulated time begins at no date (docs/data.md)."""
+"""Conventions that files follow as far as they fit: simulated time begins at no date."""
 
 _PARAMETER = "parameter_"
 
 LED_OVER = "travel_position"
-"""The dimension of what is recorded of travels: positions of an opening that is led slowly."""
+"""Name of the dimension of what is recorded of openings moved slowly: their positions."""
 CODE = "code"
 """Attribute of a variable that was recorded on request: digest of the code that read it."""
 
 Column = tuple[str, str]
-"""Of what is recorded beside points and energies: a variable, and a label along its dimension."""
+"""Variable and label of a column of what is recorded beside points and energies."""
 
 IMPACTS = {"closes": "opens", "hits": "leaves", "latches": "latches"}
 """Events at which velocities change all at once, and those that end what they begin."""
 
 
 class Contents(NamedTuple):
-    """Contents of a trajectory file before it is written: global `attributes`, and `variables`,
-    both by name."""
+    """Contents of a trajectory file before it is written. attributes: global ones by name;
+    variables: by name."""
 
     attributes: dict[str, Any]
     variables: dict[str, classic.NetcdfVariable]
 
 
 class Impacts(NamedTuple):
-    """Impacts of a run, as closing contacts and latches. events (e, 3), one impact's begin or end a
-    row: time (s), index into `names`, 1 for its begin, 0 for its end; names: of all elements that
-    have impacts, contacts by their hinges'."""
+    """Impacts of a run, as closing contacts and latches. events (e, 3): a row for each impact's
+    begin or end: time (s), index into `names`, 1 for its begin, 0 for its end; names: of all
+    elements that have impacts, contacts by their hinges'."""
 
     events: np.ndarray
     names: list[str]
@@ -56,12 +55,12 @@ class Impacts(NamedTuple):
 
 @dataclass(frozen=True)
 class Curves:
-    """Curves and events of one run, off which responses and quantities are read. time (t,) s;
-    points: (position (t, 3) m, velocity (t, 3) m/s) by name; energies: (t,) J by name; columns:
-    further values (t,) by (variable, label); events (e, 3): time (s), index into `eventful`, number
-    of the event; eventful: elements that have events; events_dropped: number of events that were
-    not kept; step: of the time loop (s); codes: digest of the code that read a variable, by
-    variable that was recorded on request and read from a file."""
+    """Curves and events of one run, off which responses and quantities are read. time (t,):
+    instants (s); points: (position (t, 3) m, velocity (t, 3) m/s) by name; energies: (t,) J by
+    name; columns: further values (t,) by (variable, label); events (e, 3): time (s), index into
+    `eventful`, number of the event; eventful: elements that have events; events_dropped: number of
+    events that were not kept; step: time step (s); codes: of variables that were recorded on
+    request and read from a file, digest of the code that computed each."""
 
     time: np.ndarray
     points: dict[str, tuple[np.ndarray, np.ndarray]]
@@ -79,21 +78,20 @@ class Curves:
         return {**self.labelled("opening"), **self.labelled("slide_opening")}
 
     def labelled(self, variable: str) -> dict[str, np.ndarray]:
-        """Columns (t,) of a recorded variable by label: "cable_tension" by cable."""
+        """Return the columns (t,) of a recorded variable by label: "cable_tension" by cable."""
         return {label: x for (name, label), x in self.columns.items() if name == variable}
 
     def times(self, event: str, places: Iterable[str]) -> np.ndarray:
-        """Times (s), increasing, at which any of some elements had an event. event: its name, such
-        as "latches"; places: the elements' names."""
+        """Return the times (s), increasing, at which any of some elements had an event. event: its
+        name, such as "latches"; places: the elements' names."""
         numbers = [e.events.index(event) if e.name in places and event in e.events else -1
                    for e in self.eventful]  # fmt: skip
         rows = self.events[:, 2] == np.array(numbers)[self.events[:, 1].astype(int)]
         return np.sort(self.events[rows, 0])
 
     def impacts(self, pairs: Mapping[str, str] = IMPACTS) -> Impacts:
-        """Impacts of the run, at whose times responses bend or jump. pairs: by name of the event
-        that begins an impact, that of the event that ends it. A latch's impact ends as it
-        begins."""
+        """Return the impacts of the run, at whose times responses bend or jump. pairs: by name of
+        the event that begins an impact, that of the event that ends it; a latch's ends at once."""
         start_events = [next((e for e in own.events if e in pairs), None) for own in self.eventful]
         has_impact = [event is not None for event in start_events]
         index, element = np.cumsum(has_impact) - 1, self.events[:, 1].astype(int)
@@ -111,10 +109,10 @@ class Curves:
 
 
 def contents(outcome, responses=(), attributes=None, parameters=None) -> Contents:
-    """Contents of a trajectory file of one run, with names and units by the CF conventions.
-    outcome: the run's (fpm.Outcome), whose failure is raised if it has one; responses: sequence of
-    fpm.reading.responses.Response, whose values are added; attributes: further global ones of the
-    file; parameters: name -> (value, unit), each a scalar coordinate named `parameter_<name>`."""
+    """Return the contents of a trajectory file of one run, with names and units by the CF
+    conventions. outcome: the run's (fpm.Outcome), whose failure is raised if it has one; responses:
+    sequence of fpm.reading.responses.Response, whose values are added; attributes: further global
+    ones by name; parameters: (value, unit) by name, each a scalar coordinate `parameter_<name>`."""
     if outcome.failure is not None:
         raise outcome.failure
     variables = {
@@ -223,9 +221,9 @@ def _responses(outcome, responses) -> dict[str, classic.NetcdfVariable]:
 
 
 def to_dataset(outcome, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":
-    """Make an xarray.Dataset of one run's trajectory. outcome: the run's (fpm.Outcome), whose
-    failure is raised if it has one; responses: sequence of Response to add; attributes: further
-    global ones, by name; parameters: name -> (value, unit), of the run."""
+    """Return one run's trajectory as an xarray.Dataset. outcome: the run's (fpm.Outcome), whose
+    failure is raised if it has one; responses: sequence of Response whose values are added;
+    attributes: further global ones by name; parameters: (value, unit) by name, of the run."""
     import xarray
 
     attributes, variables = contents(outcome, responses, attributes, parameters)
@@ -242,8 +240,8 @@ def _is_coordinate(name: str, variable: classic.NetcdfVariable) -> bool:
 
 
 def check_finite(variables: Mapping[str, classic.NetcdfVariable]) -> None:
-    """Raise ValueError that names the first of `variables` (NetcdfVariable by name) with a value
-    that is not finite."""
+    """Check that all values of `variables` (NetcdfVariable by name) are finite; raises ValueError
+    that names the first with one that is not."""
     for name, variable in variables.items():
         if variable.values.dtype.kind == "f" and not np.isfinite(variable.values).all():
             raise ValueError(f"{name} has values that are not finite; nothing is written")
@@ -252,7 +250,7 @@ def check_finite(variables: Mapping[str, classic.NetcdfVariable]) -> None:
 def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike) -> None:
     """Write a trajectory (Contents or xarray.Dataset) to a sealed netCDF file at `path`, which
     appears when it is complete. Its attribute `run_id`, if it has one, is its name in the seal.
-    ValueError if a value is not finite; then, and when the write breaks off, no file is left."""
+    Raises ValueError if a value is not finite; then no file is left."""
     if not isinstance(trajectory, Contents):
         variables = {
             name: classic.NetcdfVariable(v.dims, v.values, v.attrs)
@@ -273,7 +271,7 @@ def _name(run: str | None) -> str:
 
 
 def read(path: str | os.PathLike) -> "xarray.Dataset":
-    """Read the trajectory file at `path` into memory, as an xarray.Dataset. Raises
+    """Return the trajectory in the file at `path`, in memory, as an xarray.Dataset. Raises
     sealed.DamagedError if the file is not as it was written."""
     import xarray
 
@@ -283,8 +281,8 @@ def read(path: str | os.PathLike) -> "xarray.Dataset":
 
 
 def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
-    """Read the curves and events of the trajectory file at `path`, a hundred times faster than as a
-    dataset. run: id of the run that it must be of, None: any. Raises OSError if there is no file,
+    """Return the curves and events in the trajectory file at `path`, a hundred times faster than as
+    a dataset. run: id of the run that it must be of, None: any. Raises OSError if there is no file,
     sealed.DamagedError (a subclass) if it is not as it was written, or of another run."""
     content = sealed.read_bytes(path)
     sealed.check_content(path, content, run and _name(run))

@@ -11,7 +11,7 @@ QUARTER_PI = math.pi / 4
 
 @kernel
 def arctan(x):
-    """Arc tangent of lanes in [0, 1], to 2e-16; rational form of Cephes (Moshier 1989)."""
+    """Return the arc tangent (rad) of lanes x in [0, 1], to 2e-16; rational form (Moshier 1989)."""
     high = where_negative(0.66 - x, 1.0, 0.0 * x)
     x = where_negative(0.66 - x, (x - 1.0) / (x + 1.0), x)
     z = x * x
@@ -29,7 +29,7 @@ def arctan(x):
 
 @kernel
 def arctan2(s, c):
-    """Return the angle (rad, lanes) in (-pi, pi] of sine and cosine in the ratio s : c."""
+    """Return the angle (rad, lanes) in (-pi, pi] of sine and cosine in the ratio s : c (lanes)."""
     a, b = absolute(s), absolute(c)
     steep = b - a  # negative beyond 45 degrees
     t = where_negative(steep, b, a) / where_negative(steep, a, b)

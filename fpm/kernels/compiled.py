@@ -5,8 +5,7 @@ cache folder is named after a digest of all kernel sources as they were imported
 of kinds from elsewhere with what they import from beside them: an edited kernel never meets old
 code, and what was imported before an edit is not kept under the name of what came after. Every set
 has a folder of its own, so that no kind is needed to load a loop without it, and so has every kind
-of processor, so that machines can share a cache.
-"""
+of processor, so that machines can share a cache."""
 
 import fcntl
 import functools
@@ -31,10 +30,10 @@ from fpm.kernels.vectors import OPTIONS
 
 
 def own_sources(parts: tuple[type, ...]) -> dict[Path, str]:
-    """Files outside of the package fpm on which the compiled code of some element types depends,
-    with digests by path: where their arrays and kernels are defined, and files beside that these
-    import. parts: the classes of the element types' named tuples of arrays. Raises ChangedError if
-    a file changed since its kernels were imported."""
+    """Return digests, by path, of the files outside of the package fpm on which the compiled code
+    of some element types depends: where their arrays and kernels are defined, and files beside
+    these that they import. parts: classes of the named tuples that their kernels take. Raises
+    ChangedError if a file changed since its kernels were imported."""
     kernels = [(part, k.py_func) for (part, _), k in KERNELS.items() if part in parts]
     digests = {}
     for part, definition in [*((part, part) for part in parts), *kernels]:
@@ -47,8 +46,9 @@ def own_sources(parts: tuple[type, ...]) -> dict[Path, str]:
 
 @functools.cache
 def source_digest(parts: tuple[type, ...] = ()) -> str:
-    """Hexadecimal digest (16 digits) of numba's version, the kernel sources of fpm, and the sources
-    of element types from elsewhere. parts: the classes of the types' named tuples of arrays."""
+    """Return a digest (16 hex digits) of numba's version, the kernel sources of fpm, and the
+    sources of element types from elsewhere, by which compiled code is named. parts: classes of the
+    named tuples that the types' kernels take."""
     own = [digest for _, digest in sorted(own_sources(parts).items())]
     text = repr([numba.__version__, sources.kernels(), own])
     return hashlib.sha256(text.encode()).hexdigest()[:16]
@@ -56,8 +56,8 @@ def source_digest(parts: tuple[type, ...] = ()) -> str:
 
 @functools.cache
 def processor() -> str:
-    """Hexadecimal digest of what numba compiles for: the processor's name and features. Machines
-    that share a file system may differ in it."""
+    """Return a digest (8 hex digits) of what numba compiles for: the processor's name and features,
+    in which machines that share a file system may differ."""
     from numba.core.registry import cpu_target
 
     target = repr(cpu_target.target_context.codegen().magic_tuple())
@@ -69,9 +69,9 @@ LONGEST = 200
 
 
 def cache_folder(parts: tuple[type, ...] = (), entry: str = "loop") -> Path:
-    """Folder for the compiled code of a loop (it may not exist): in NUMBA_CACHE_DIR, beside the
-    sources, or in the user's cache. parts: classes of its element types' named tuples of arrays;
-    entry: "loop" (the whole time loop) or "act" (forces alone)."""
+    """Return the folder for the compiled code of one set of element types (it may not exist): in
+    NUMBA_CACHE_DIR, beside the sources, or in the user's cache. parts: classes of the named tuples
+    that their kernels take; entry: "loop" (the whole time loop) or "act" (forces alone)."""
     loop_name = "-".join([entry, *(p.__name__ for p in parts)])
     if len(loop_name) > LONGEST:  # else nothing could be kept of a scene of nearly all kinds
         loop_name = f"{loop_name[:LONGEST]}-{hashlib.sha256(loop_name.encode()).hexdigest()[:16]}"
@@ -98,7 +98,7 @@ READY: set[tuple] = set()
 compiled or loaded."""
 
 THREADS = threading.Lock()
-"""Held by the thread that makes a loop ready."""
+"""Lock held by the thread that makes a loop ready."""
 
 
 def _loop(parts: tuple[type, ...], entry: str, is_cached: bool) -> Dispatcher:
@@ -114,11 +114,11 @@ def _loop(parts: tuple[type, ...], entry: str, is_cached: bool) -> Dispatcher:
 
 
 def loop_for(arguments: tuple, entry: str = "loop") -> Callable:
-    """The time loop (entry "loop": run.run) or the sum of forces ("act": run.act), compiled or
-    loaded from the cache on disk for some arguments; call it with these. arguments: all of them;
-    the first two are the element types' arrays and the World. numba's cache can break when several
-    processes write it at once, so the first that arrives compiles and the others wait for its lock;
-    so do threads, which share numba's setting as well."""
+    """Return a function compiled, or loaded from the cache on disk, for the types of its arguments:
+    the time loop `run.run` (entry "loop") or the sum of forces `run.act` ("act"); the caller calls
+    it with them. arguments: all of its arguments, of which the first two are the element types'
+    arrays and the World. numba's cache can break when several processes write it at once, so the
+    first that arrives compiles and the others wait for its lock; so do threads."""
     parts, world = arguments[:2]
     kinds = tuple(map(type, parts))
     ready = entry, kinds, _optional(parts), world.state.dtype

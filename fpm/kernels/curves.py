@@ -24,9 +24,9 @@ def curve_value(world, curve, t):
 
 @kernel
 def bend_after(world, curve, t):
-    """Return how long after time t (s) the next point of a curve follows (s); infinite where none
-    does, as the rate of what follows the curve jumps there. world: solver state with all curves
-    (World); curve: index, -1: the curve that is 1 at all times, which has no points."""
+    """Return the time (s) from t (s) to the next point of a curve after t, where its slope jumps;
+    infinite where none follows. world: solver state with all curves (World); curve: index, -1: the
+    curve that is always 1, which has no points."""
     if curve >= 0:
         for k in range(world.curve_start[curve], world.curve_start[curve + 1]):
             if world.curve_time[k] > t:
@@ -54,8 +54,9 @@ def curve_integral(world, curve, t):
 
 @kernel
 def travel(world, curve, by_rate, t):
-    """Return the value of a curve at time t (s), or, if by_rate, its integral from 0 to t. world:
-    solver state with all curves (World); curve: index, -1: the curve that is always 1."""
+    """Return how far a motor has turned at time t (s), as a factor: the value of its curve, or, if
+    by_rate, the curve's integral from 0 to t. world: solver state with all curves (World); curve:
+    index, -1: the curve that is always 1."""
     if by_rate:
         return curve_integral(world, curve, t)
     return curve_value(world, curve, t)

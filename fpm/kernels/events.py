@@ -5,9 +5,9 @@ from fpm.kernels.vectors import kernel
 
 @kernel
 def note(log, lane, time, element, event):
-    """Write an event into a log. log: that of the element's type (Log); lane: index of the sample;
-    time (s); element: index among the type's elements; event: index in the names
-    ElementType.events."""
+    """Write an event into a log; it counts even where the log is full. log: that of the element's
+    type (Log); lane: index of the sample; time (s); element: index among the type's elements;
+    event: index in ElementType.events, the names of the type's events."""
     n = log.count[lane]
     log.count[lane] = n + 1
     if n < log.events.shape[0]:
@@ -18,10 +18,10 @@ def note(log, lane, time, element, event):
 
 @kernel
 def note_crossing(log, lane, element, previous, value, timing):
-    """Note event 1 where a value has become negative in this step, event 0 where it no longer is,
-    at the time found by linear interpolation. log: of the element's type (Log); lane: index of the
-    sample; element: index in its type; previous, value: at the start and end of the step; timing:
-    times of this step (s)."""
+    """Write event 1 into a log where a value has become negative in this step, event 0 where it no
+    longer is, at the time found by linear interpolation. log: of the element's type (Log); lane:
+    index of the sample; element: index in its type; previous, value: at the start and end of the
+    step, of one sample; timing: times of this step (s)."""
     if (value < 0.0) != (previous < 0.0):
         time = timing.time - timing.step * value / (value - previous)
         note(log, lane, time, element, 1.0 if value < 0.0 else 0.0)

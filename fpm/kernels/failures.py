@@ -11,11 +11,11 @@ UNBALANCED = -1
 
 @kernel
 def find_failures(parts, world, record, row, n, tolerance):
-    """Mark in `record` the samples (lanes) that fail at step n; returns whether none is left
-    running. A sample fails when its energy balance is off by more than `tolerance` times the
-    largest energy it has held so far, when a number is not finite, or when a watched quantity is
-    above its limit. parts: arrays of each element type; world: solver state (World); record: of the
-    run (Record); row: index of this step's energies in it; n: number of steps done."""
+    """Mark in `record` the samples that fail at step n; returns whether none is left running. A
+    sample fails when its energy balance is off by more than `tolerance` times the largest energy it
+    has held so far, when a number is not finite, or when a watched quantity is above its limit.
+    parts: arrays of each element type; world: solver state (World); record: of the run (Record);
+    row: index of this step's energies in it; n: number of steps done."""
     running = 0
     for s in range(record.scale.shape[0]):
         if record.failed_step[s] >= 0:
@@ -49,8 +49,8 @@ def worst_row(parts, world, cause, s):
     """Return the row in World.rows of the element to blame for the failure of sample s (its lane):
     the first whose measure is not finite, else the one with the largest; -1: none. cause:
     UNBALANCED, where the measure is the energy, of elements of all types; or the index of a watched
-    quantity, the measure then. parts: arrays of each element type; world: solver state, whose rows
-    are overwritten."""
+    quantity, the measure then. parts: arrays of each element type; world: solver state, rows
+    changed."""
     rows = world.rows
     for e in range(rows.shape[0]):
         store(rows, e, 0, -1.0)

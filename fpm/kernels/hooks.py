@@ -4,8 +4,7 @@ A kind's kernel file has a named tuple of its arrays and, for what it does, kern
 `@hook(ItsTuple)` that are named as the hooks below. The loop calls a hook with the tuples of all
 kinds in the scene; when it is compiled, that becomes one call after the other of the kernels there
 are, in the order of the kinds. A kind that a scene lacks, or a hook that a kind lacks, leaves
-nothing behind.
-"""
+nothing behind."""
 
 import functools
 import inspect
@@ -33,10 +32,10 @@ NAMES: list[str] = []
 
 
 def hook(arrays: type, name: str | None = None) -> Callable:
-    """Decorator that compiles a kernel and registers it as what an element type does at one point
-    of the step (a hook, as "forces"). arrays: the NamedTuple of the type's arrays, the kernel's
-    first argument; name: of the hook, by default the function's. ValueError for unknown or taken
-    hooks."""
+    """Return a decorator that compiles a kernel and registers it as what an element type does at
+    one point of each step (a hook, as "forces"). arrays: the NamedTuple of the type's arrays, the
+    kernel's first argument; name: of the hook, by default the function's name. The decorator raises
+    ValueError for unknown or taken hooks."""
 
     def register(function):
         hook_name = name or function.__name__
@@ -79,8 +78,8 @@ def _list(energy_of: Callable) -> Callable:
 
 def _unrolled(line: str | None = None) -> Callable:
     """Make a hook of an empty function of (parts, ...). line: what is done for each kind, if not
-    just the call of its `kernel` with its `part` in place of the parts; {j} counts the kinds that
-    have a kernel."""
+    just the call of its `kernel` with its `part` in place of the parts; {j} counts those with a
+    kernel."""
 
     def declare(stub):
         name, (_, *arguments) = stub.__name__, inspect.signature(stub).parameters
@@ -117,40 +116,40 @@ def _unrolled(line: str | None = None) -> Callable:
 
 @_unrolled()
 def forces(parts, world, timing):
-    """Add forces (F) and moments (M) of all element types at timing.time to those of particles.
-    parts: arrays of each element type; world: solver state (World); timing: step times (s)."""
+    """Add the forces (N) and moments (N m) of all element types at timing.time to those of
+    particles. parts: arrays of each element type; world: solver state; timing: step times (s)."""
 
 
 @_unrolled()
 def note_events(parts, world, timing):
-    """Note events of the step that ends now, with `events.note`; not called at the start. parts:
-    arrays of each element type; world: solver state (World); timing: times of this step (s)."""
+    """Write the events of the step that ends now into logs, by `events.note`; not called at the
+    start. parts: arrays of each element type; world: solver state; timing: step times (s)."""
 
 
 @_unrolled()
 def work_before(parts, world, timing):
-    """Add to World.accounts the work (J) of the half step that ends now, with forces of now and
-    velocities of its middle; not called at the start. parts: arrays of each element type; world:
+    """Add to World.accounts the work (J) of the half step that ends now, by forces of now and
+    velocities in its middle; not called at the start. parts: arrays of each element type; world:
     solver state (World); timing: times of this step (s)."""
 
 
 @_unrolled()
 def restrain(parts, world, timing):
-    """Change summed forces and momenta of particles before the forces act, as supports and damping
-    do, and add work (J) of the half step that begins. parts: arrays of each element type; world:
-    solver state (World); timing: times of this step (s)."""
+    """Change summed forces and momenta of particles before they act, as supports and damping do,
+    and add to World.accounts the work (J) of the half step that begins. parts: arrays of each
+    element type; world: solver state (World); timing: times of this step (s)."""
 
 
 @_unrolled()
 def prepare(parts, world, timing):
-    """Add impulses of forces, over timing.kick (s), to momenta of the particles that an element
-    type moves itself (as those in joints). parts: arrays of each element type; world: solver
-    state."""
+    """Add impulses of the forces, over timing.kick (s), to momenta of particles that an element
+    type moves itself (as those in joints). parts: arrays of each element type; world: solver state
+    (World), changed; timing: times of this step (s)."""
 
 
 @_unrolled()
 def decide(parts, world, timing):
-    """Lock or free openings in this step (as rigid latches do), by the impulses that `solve` found.
+    """Hold or free openings in this step (as rigid latches do), by the impulses that `solve` found.
     Where anything changed, World.undecided is set, and `solve` and `decide` are repeated; an
     element may change only finitely often per step. parts: arrays of each element type; world:
     solver state (World); timing: times of this step (s)."""
@@ -158,28 +157,27 @@ def decide(parts, world, timing):
 
 @_unrolled()
 def solve(parts, world, timing):
-    """Find the impulses of joints and other constraints in this step; called again while
-    World.undecided is set. parts: arrays of each type; world: solver state; timing: step times
-    (s)."""
+    """Find the impulses of joints and other constraints in this step; called while World.undecided
+    is set. parts: arrays of each element type; world: solver state; timing: step times (s)."""
 
 
 @_unrolled()
 def move(parts, world, timing):
-    """Move the particles that an element type moves itself over timing.step (s); others may or may
-    not have moved. parts: arrays of each element type; world: solver state (World), changed."""
+    """Move the particles that an element type moves itself over timing.step (s). parts: arrays of
+    each element type; world: solver state (World), changed; timing: times of this step (s)."""
 
 
 @_unrolled()
 def look_back(parts, world, timing):
-    """In the first step, correct in World.start_state the momenta half a step before the start,
-    which mirror those after it, and impulses of that step. parts: arrays of each element type;
+    """In the first step, correct the momenta half a step before the start in World.start_state,
+    which mirror those after it, and the impulses of that step. parts: arrays of each element type;
     world: solver state (World); timing: times of this step (s)."""
 
 
 @_unrolled()
 def work_after(parts, world, timing):
     """Add to World.accounts the work (J) of the half step after timing.time, or of the whole step.
-    parts: arrays of each type; world: solver state (World); timing: step times (s)."""
+    parts: arrays of each element type; world: solver state (World); timing: step times (s)."""
 
 
 # At checks and instants, with the positions of timing.time.
@@ -196,15 +194,16 @@ def stored(parts, world, energies, row):
 
 @_unrolled()
 def work_of_place(parts, world, energies, row):
-    """Add work (J) that depends on positions only, as that of weight, to the account's column in
-    row `row` of `energies`, the recorded ones. parts: arrays of each type; world: solver state."""
+    """Add work (J) that depends on positions only, as of weight, to recorded energies. parts:
+    arrays of each type; world: solver state; energies: Record.energies; row: index of the
+    instant."""
 
 
 @_unrolled()
 def record(parts, world, row):
     """Write what each element type records at an instant into its arrays, and raise its watched
     quantities (World.watched), by which runs fail. parts: arrays of each element type; world:
-    solver state (World); row: index of the recorded instant."""
+    solver state (World); row: index of the recorded instant in them."""
 
 
 @_unrolled()
@@ -216,16 +215,16 @@ def record_points(parts, world, points, row, timing):
 
 @_unrolled()
 def work_due(parts, world, energies, row):
-    """Add to an account's column in row `row` of `energies` (recorded) the work (J), up to the
-    instant, of impulses found in the step after it. parts: arrays of each type; world: solver state
-    (World)."""
+    """Add to recorded energies the work (J), up to the instant, of impulses found in the step after
+    it. parts: arrays of each element type; world: solver state (World); energies: Record.energies;
+    row: index of the recorded instant."""
 
 
 @_unrolled()
 def record_step(parts, world, row, timing):
-    """Write what the step that begins at timing.time did, as recorded of each type at that instant,
-    into its arrays; World.start_state has the step's start. parts: arrays of each element type;
-    world: solver state (World); row: index of the recorded instant."""
+    """Write what each type records of the step that begins at an instant into its arrays. parts:
+    arrays of each element type; world: solver state, World.start_state that at the step's start;
+    row: index of the recorded instant; timing: times of this step (s)."""
 
 
 def energy_of(part, world, e):

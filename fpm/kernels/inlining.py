@@ -2,8 +2,7 @@
 
 numba makes machine code of every function that it compiles, and optimises each together with all
 that it calls. Kernels become part of one loop, which is optimised whole in the end: for them both
-are left out, which halves what compiling takes.
-"""
+are left out, which halves what compiling takes."""
 
 from numba import types
 from numba.core.codegen import JITCodeLibrary

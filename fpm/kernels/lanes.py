@@ -1,8 +1,8 @@
 """SIMD lanes as a numba type: one value holds the same quantity of several samples.
 
 A kernel written with lanes reads like scalar code, yet every operation is one LLVM vector
-instruction over all samples of the batch. This does not lean on the auto-vectoriser, which gives
-up silently (on index wrap-around, on alias checks, on large loop bodies).
+instruction over all samples of the batch. This does not lean on the auto-vectoriser, which gives up
+silently (on index wrap-around, on alias checks, on large loop bodies).
 
 A register holds eight ``float64`` or sixteen ``float32`` (512 bits; LLVM splits it on narrower
 machines). The lanes never mix, so a sample's numbers do not depend on which samples run beside it.
@@ -11,9 +11,8 @@ the same bits in every run.
 
 Arrays hold lanes along the last, contiguous axis: ``(rows, fields, WIDTH)``; ``load(a, i, k)``
 reads the lanes ``a[i, k, :]``. With a pair of rows ``(i, j)`` it reads both into a lane type of
-twice the width, and the same code then works on two particles or elements at once: their chains
-of operations interleave, which hides the latency of the arithmetic units.
-"""
+twice the width, and the same code then works on two particles or elements at once: their chains of
+operations interleave, which hides the latency of the arithmetic units."""
 
 import operator
 
@@ -37,8 +36,8 @@ CONTRACT = ("contract",)
 
 
 def width(dtype: np.dtype) -> int:
-    """Number of samples side by side (lanes) in a register for `dtype`: 8 of float64, 16 of
-    float32."""
+    """Return the number of samples simulated side by side in a register (lanes) for the number type
+    `dtype`: 8 of float64, 16 of float32."""
     return WIDTH * 8 // np.dtype(dtype).itemsize
 
 
@@ -224,8 +223,7 @@ absolute = _unary("fabs")
 
 @intrinsic
 def where_negative(typingctx, condition, x, y):
-    """Return, lane by lane, x where condition < 0, else y, without a branch; x, y: lanes or
-    numbers."""
+    """Return, sample by sample, x where condition (lanes) < 0, else y; x, y: lanes or numbers."""
     if not isinstance(condition, Lane):
         return None
 
@@ -242,7 +240,7 @@ def where_negative(typingctx, condition, x, y):
 
 @intrinsic
 def any_negative(typingctx, x):
-    """Return whether any lane of x is below zero (one that is not a number is not)."""
+    """Return whether x (lanes) is below zero in any sample; one that is not a number is not."""
     if not isinstance(x, Lane):
         return None
 

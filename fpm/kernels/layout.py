@@ -1,7 +1,6 @@
 """Where each quantity stands along the middle axis of the kernels' arrays (rows, fields, lanes).
 
-Fields of one kind's own arrays are named beside its kernels.
-"""
+Fields of one kind's own arrays are named beside its kernels."""
 
 # State of a particle.
 X = 0  # position (3)

@@ -37,9 +37,9 @@ def keep(world):
 
 @kernel
 def reflect(world):
-    """In the first step, set velocities and angular momenta half a step before the start in
-    World.start_state: as far from those at the start as those half a step after it (World.state),
-    on the other side. world: solver state (World)."""
+    """In the first step, set velocities and angular momenta half a step before the start, in
+    World.start_state, to those at the start less the change in the half step after it
+    (World.state). world: solver state (World)."""
     for i in range(world.state.shape[0]):
         for k in (V, P):
             momentum = 2.0 * get3(world.start_state, i, k) - get3(world.state, i, k)
@@ -48,11 +48,12 @@ def reflect(world):
 
 @kernel
 def kinetic_energies(world):
-    """Return the kinetic energy (J, lanes) at an instant, and that of half the change of momenta in
-    the step around it. world: solver state, with momenta half a step before the instant in
-    World.start_state, and half a step after it in World.state. The first is of the product of both
-    velocities, the form that leapfrog conserves exactly, together with the potential energy at the
-    instant, for linear systems. It is less by the second than the mean of the energies of both."""
+    """Return two energies (J, lanes): the kinetic energy at an instant, and that of half the change
+    of momenta in the step around it. world: solver state, with momenta half a step before the
+    instant in World.start_state, and half a step after it in World.state. The first is of the
+    product of both velocities, the form that leapfrog conserves exactly, together with the
+    potential energy at the instant, for linear systems. It is less by the second than the mean of
+    the energies of both."""
     state, start, particles = world.state, world.start_state, world.particles
     total = 0.0 * load(start, 0, X)
     kick = total
@@ -108,12 +109,12 @@ def record_after(parts, world, record, row, timing):
 
 @kernel
 def balance(world, energies, row, kick):
-    """Store in row `row` of `energies` the error of the energy balance (J) since the start: stored
-    energy less work given, plus losses; and in World.sums the sizes of all stored energies, with
-    which it is compared. world: solver state; energies: recorded ones (Record.energies); row: index
-    of the instant; kick: energy (J) of half the change of momenta in the step. Sizes, as where an
-    element type's energy is zero, and so its sign, is a matter of definition. What an impact starts
-    has no kinetic energy between its half steps yet, but for rounding, some 1e-12 of `kick`."""
+    """Store the error of the energy balance (J) since the start, stored energy less work given,
+    plus losses, in row `row` of `energies`, and in World.sums the sizes of all stored energies,
+    with which it is compared. world: solver state; energies: Record.energies; row: index of the
+    instant; kick: energy (J) of half the change of momenta in the step. Sizes, as where an element
+    type's energy is zero, and so its sign, is a matter of definition. What an impact starts has no
+    kinetic energy between its half steps yet, but for rounding, some 1e-12 of `kick`."""
     stored_energy = load(energies, row, KINETIC)
     size = stored_energy  # of either sign: where a step is not stable, velocities alternate
     accounts = ACCOUNTS + world.accounts.shape[1]

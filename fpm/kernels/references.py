@@ -3,8 +3,7 @@
 numba hands a named tuple on field by field, and an array as eleven numbers: a kernel that sees a
 World and a kind's arrays has some four hundred arguments, each named, packed and unpacked wherever
 it is called. By reference they are two. Everything is compiled into one loop in the end, where no
-reference is left.
-"""
+reference is left."""
 
 from numba import types
 from numba.core.cgutils import alloca_once_value, gep_inbounds, unpack_tuple
@@ -13,8 +12,8 @@ from numba.extending import intrinsic, lower_getattr_generic, models, register_m
 
 
 class Reference(types.Type):
-    """Numba type of a reference to a named tuple of type tuple_type, whose fields are read as its
-    own."""
+    """Numba type of a reference to a named tuple; its fields are read as the tuple's own.
+    tuple_type: numba's type of the tuple."""
 
     def __init__(self, tuple_type: types.BaseNamedTuple):
         self.tuple_type = tuple_type
@@ -22,7 +21,8 @@ class Reference(types.Type):
         super().__init__(name=f"Reference({tuple_type})")
 
     def field(self, name: str) -> types.Type:
-        """Numba type of the field `name`; of a named tuple, that of a reference to it."""
+        """Return the numba type of the field `name`; of a named tuple, that of a reference to
+        it."""
         field_type = self.tuple_type[self.tuple_type.fields.index(name)]
         return Reference(field_type) if isinstance(field_type, types.BaseNamedTuple) else field_type
 

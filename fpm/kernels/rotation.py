@@ -8,8 +8,7 @@ in the angle turned in a step, like the error of the step itself. Two of the par
 kept and turned by Rodrigues' formula with its sine and cosine series; the third is their product.
 Less than that would need roots, more (a quaternion, three axes) is more memory to move in every
 step. Sources: implicit midpoint rule for the free rigid body, e.g. Hairer, Lubich, Wanner,
-Geometric Numerical Integration, VII.5.
-"""
+Geometric Numerical Integration, VII.5."""
 
 from fpm.kernels.layout import D2, D3
 from fpm.kernels.vectors import cross, dot, get3, kernel, put3, vector
@@ -18,8 +17,7 @@ from fpm.kernels.vectors import cross, dot, get3, kernel, put3, vector
 @kernel
 def frame(state, i):
     """Return the three axes, unit vectors in global components, of particle i, or of two particles
-    (i, j) at once. state (n, STATE, lanes): positions, axes, momenta and forces of all
-    particles."""
+    (i, j) at once. state (n, STATE, lanes): of all particles."""
     second, third = get3(state, i, D2), get3(state, i, D3)
     return cross(second, third), second, third
 

@@ -1,8 +1,7 @@
 """The time loop: leapfrog steps, recording, and the watch over the energy balance.
 
 Positions stand at whole steps, momenta at half steps (central differences; Verlet 1967). The first
-kick is half a step long, so that the given velocities are those at t = 0.
-"""
+kick is half a step long, so that the given velocities are those at t = 0."""
 
 from fpm.kernels import hooks
 from fpm.kernels.failures import find_failures
@@ -16,15 +15,14 @@ from fpm.kernels.world import StepTime
 
 NORMALISE_EVERY = 16
 """Steps between two corrections of the directors. Rounding changes them, and, where they turn by
-tenths of a radian in a step, the ends of the series; the third as a product adds to that.
-"""
+tenths of a radian in a step, the ends of the series; the third as a product adds to that."""
 
 
 @kernel
 def time_particles(particles, timing):
-    """Store, as constants of every particle, its velocity by a unit force (KICK) and its half turn
-    by a unit angular momentum (HALF) in this step. particles (n, PARTICLE, lanes): constants of all
-    particles, changed; timing: times of this step (s)."""
+    """Store, for every particle, its velocity by a unit force (field KICK) and half its turn by a
+    unit angular momentum (HALF) in this step. particles (n, PARTICLE, lanes): World.particles,
+    constants of all, changed; timing: times of this step (s)."""
     for i in range(particles.shape[0]):
         store(particles, i, KICK, timing.kick * load(particles, i, IM))
         put3(particles, i, HALF, (0.5 * timing.step) * get3(particles, i, IJ))
@@ -64,10 +62,11 @@ def turn(state, particles, i, p):
 
 @kernel
 def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
-    """Integrate `steps` steps of `step` s; returns the number of steps done, fewer where all lanes
-    have failed. parts: arrays of each type; world: solver state, changed; record: arrays of the run
-    (Record), written; per_instant, per_check: steps between two recorded instants, and between two
-    checks that the energy balance is off by at most `tolerance` times the largest energy so far."""
+    """Integrate `steps` steps of `step` s; returns the number of steps done, fewer where all
+    samples have failed. parts: arrays of each element type; world: solver state (World), changed;
+    record: arrays of the run (Record), written; per_instant: steps between two recorded instants;
+    per_check: steps between two checks that the energy balance is off by at most `tolerance` times
+    the largest energy so far."""
     parts, world, record = by_reference(parts), by_reference(world), by_reference(record)
     state, free = world.state, world.free
     spare = record.energies.shape[0] - 1

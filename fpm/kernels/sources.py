@@ -1,8 +1,7 @@
 """A digest of source code that changes with what the code does, not with how it is written.
 
 Numbers come from code in memory, names from files: so the files of a package are noted before they
-are imported (`Imported`), and one that has changed since is refused where something is named.
-"""
+are imported (`Imported`), and one that has changed since is refused where something is named."""
 
 import ast
 import hashlib
@@ -19,9 +18,9 @@ from fpm.errors import ChangedError, SceneError
 PACKAGE = Path(__file__).parents[1]
 
 READ = ("reading", "travel")
-"""Rooms of the mechanics that read numbers off a run. What is recorded on request, and what is kept
-of runs in the place of their curves, has their digest beside the run's; curves that are kept do
-not depend on them."""
+"""Folders of the mechanics that read numbers off a run. What is recorded on request, and what is
+kept of runs in the place of their curves, has their digest beside the run's; curves that are kept
+do not depend on them."""
 
 DISPLAY = (
     "errors.py", "motions", "scenes/effort.py",
@@ -34,25 +33,26 @@ CODE = (".py", ".html", ".jinja", ".css", ".js", ".yaml", ".json")
 """Files of a package that decide about results, by how they end."""
 
 SHIPPED = "shipped/"
-"""In folders below that one lies what does not: workflow and campaigns that are shipped along."""
+"""Folders that end so hold what does not decide: workflow and campaigns that are shipped along."""
 
 VERSION = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:8]
-"""Of this file, so that digests kept on disk by another one are not met."""
+"""Digest of this file, so that digests kept on disk by another version of it are not met."""
 
 State = tuple[int, ...]
-"""By which a file that was changed is known without reading it."""
+"""What tells a file that was changed from before, without reading it."""
 
 
 def state_of(stat: os.stat_result) -> State:
-    """State of a file by the result of os.stat: inode, size, and times in ns."""
+    """Return what tells a changed file by the result of os.stat: inode, size, times in ns."""
     return stat.st_ino, stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns
 
 
 class Imported:
     """Files of a package as they are when this object is made, which has to be before they are
     imported: then a digest of the files is one of the code in memory, and a later change is found.
-    folder: of the package; files are named by their paths below it. files: given where this is made
-    after the import; by path, os.stat results of its Python files from before."""
+    folder: of the package; files in it are named by their paths below it. files: os.stat results by
+    path, from before the import, of its Python files; needed where the object is made after it,
+    else None."""
 
     def __init__(self, folder: Path, files: Mapping[Path, os.stat_result] | None = None):
         self.folder = folder
@@ -70,10 +70,9 @@ class Imported:
         self._specs: dict[str, object] = {}
 
     def digest(self, include: tuple[str, ...] = (), exclude: tuple[str, ...] = ()) -> str:
-        """First 16 hex digits of the SHA-256 of some files of the package, without comments,
-        formatting and docstrings of Python files. include: files and folders, (): all; exclude:
-        those left out of them. Raises ChangedError where a file changed since this object was made
-        (`check`)."""
+        """Return the first 16 hex digits of the SHA-256 of some of the package's files, without
+        comments, formatting and docstrings of Python files. include: files and folders, (): all;
+        exclude: those left out of them. Raises ChangedError as `check` does."""
         self.check()
         if (include, exclude) not in self._digests_of:
             names = (n for n in self._states if (not include or _is_within(n, include)))
@@ -82,11 +81,10 @@ class Imported:
         return self._digests_of[include, exclude]
 
     def check(self, reread: bool = False) -> None:
-        """Check that the package's code in memory is that of its files as they were when this
-        object was made; raises ChangedError if it may not be. The first call after the import of a
-        Python file compares the file. If it changes after this call, that is no error until it is
-        imported once more; but with `reread`, the call compares all that are imported. Files other
-        than Python are compared at every call."""
+        """Check that the package's code in memory is that of its files when this object was made;
+        raises ChangedError if it may not be. reread=False: a Python file is compared once after
+        each of its imports, so that later changes of it are no error; True: all that are imported
+        are compared. Other files are compared at every call."""
         start, package = f"{self.folder}{os.sep}", self.folder.name
         for module in sys.modules.keys() - self._foreign_modules:
             if module.partition(".")[0] != package:
@@ -145,29 +143,29 @@ def _short(data: object) -> str:
 
 
 MECHANICS = Imported(PACKAGE)
-"""Of this package, which imports this module before all others."""
+"""Files of the package fpm, which imports this module before all others, as they were then."""
 
 
 def mechanics() -> str:
-    """Digest of all files of the package fpm that can change what every run records."""
+    """Return a digest of all files of the package fpm that can change what every run records."""
     return MECHANICS.digest(exclude=READ + DISPLAY)
 
 
 def reading() -> str:
-    """Digest of the files of the package fpm that read further quantities off a run (READ)."""
+    """Return a digest of the files of the package fpm that read numbers off a run (READ)."""
     return MECHANICS.digest(include=READ)
 
 
 def kernels() -> str:
-    """Digest of the files of fpm that are compiled: its folders elements and kernels."""
+    """Return a digest of the files of fpm that are compiled: its folders elements and kernels."""
     return MECHANICS.digest(include=("elements", "kernels"))
 
 
 def own_sources(*starts: Path) -> set[Path]:
-    """The Python files `starts`, and all outside of fpm that they import from beside or below them,
-    directly or not; and for each the file beside it with `_kernels` behind its name, which has an
-    element type's kernels. Imports within branches count too. Raises SceneError for a start that is
-    no file."""
+    """Return the Python files `starts`, all files outside of fpm that they import from beside or
+    below them, directly or not, and for each the file beside it named with `_kernels` behind
+    (kernels of an element type). Imports within branches count too. Raises SceneError for a start
+    that is no file."""
     files: set[Path] = set()
     queue = [path.resolve() for path in starts]
     for path in queue:
@@ -185,7 +183,7 @@ def own_sources(*starts: Path) -> set[Path]:
 
 
 def digests(path: Path) -> dict[Path, str]:
-    """Digests, by path, of a file outside of fpm and of the files beside it that it imports
+    """Return digests, by path, of a file outside of fpm and of the files beside it that it imports
     (`own_sources`), as they are now; {} for a file of fpm, whose code has its own digest."""
     if PACKAGE in path.parents:
         return {}
@@ -193,7 +191,8 @@ def digests(path: Path) -> dict[Path, str]:
 
 
 def file_of(definition: Callable) -> Path:
-    """The file in which a function or class was written; SceneError if it was typed in."""
+    """Return the file in which a function or class, `definition`, was written; SceneError if it was
+    typed in."""
     try:
         return Path(inspect.getfile(inspect.unwrap(definition))).resolve()
     except (OSError, TypeError):
@@ -220,8 +219,8 @@ def _imported(path: Path, roots: Iterable[Path] = ()) -> Iterator[Path]:
 
 
 def packages_imported(path: Path) -> set[str]:
-    """First parts of the names that a Python file imports ("numpy" of numpy.linalg), without
-    relative imports; and `__import__`, if it uses that."""
+    """Return the first parts of the names that the Python file at `path` imports ("numpy" of
+    numpy.linalg), without relative imports; and `__import__`, if it uses that."""
     names = _names_imported(path.read_bytes(), str(path))
     return {name.partition(".")[0] for name, level in names if not level}
 
@@ -256,23 +255,22 @@ def _sibling_files(folder: Path, parts: list[str], level: int) -> Iterator[Path]
 
 
 def syntax_digest(paths: Iterable[Path]) -> str:
-    """First 16 hex digits of a SHA-256 of the syntax trees of Python files. Comments, formatting
-    and docstrings do not count, nor where the files lie or in which order they are given; their
-    names and everything that runs does, and every byte of other files. SyntaxError for a `.py` that
-    is no Python."""
+    """Return the first 16 hex digits of a SHA-256 of the syntax trees of Python files, and of every
+    byte of other files. Comments, formatting and docstrings do not count, nor folders and the order
+    of `paths`; file names do. SyntaxError for a `.py` that is no Python."""
     return _short(sorted((path.name, tree_digest(path)) for path in paths))
 
 
 def tree_digest(path: Path) -> str:
-    """Digest of a Python file's syntax tree without docstrings, so that comments do not count, or
-    of another file's bytes. It is kept on disk, as to parse takes a hundred times longer than to
-    read; a cache that can not be written is done without."""
+    """Return a SHA-256 (hex) of the syntax tree without docstrings of the Python file at `path`, so
+    that comments do not count, or of another file's bytes. It is kept on disk, as to parse takes a
+    hundred times longer than to read; a cache that can not be written is done without."""
     return content_digest(path.read_bytes(), path)
 
 
 def content_digest(content: bytes, path: Path) -> str:
-    """Digest of a file by its `content`: of Python that of the syntax tree without docstrings, else
-    of the bytes. path: whose suffix says which."""
+    """Return a SHA-256 (hex) of a file by its `content`: for Python that of its syntax tree without
+    docstrings, else of the bytes. path: its suffix says which."""
     if path.suffix != ".py":
         return hashlib.sha256(content).hexdigest()
     return _tree_digest(content, str(path))
@@ -296,7 +294,7 @@ def _tree_digest(content: bytes, path: str) -> str:
 
 
 def user_cache() -> Path:
-    """The user's folder for files that can be made again; it need not exist."""
+    """Return the user's folder for files that can be made again; it need not exist."""
     return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "deployable-intervals"
 
 

@@ -1,8 +1,7 @@
 """Three-vectors of lanes: kernels are written in them as formulas are, `c * a + cross(b, d)`.
 
 A vector has the components x, y, z; the sum, the difference and the product with a scalar or with
-lanes are operators, applied component by component.
-"""
+lanes are operators, applied component by component."""
 
 import operator
 from collections.abc import Callable
@@ -24,8 +23,7 @@ from fpm.kernels.lanes import ALL_LANES, Lane, load, store, where_negative
 OPTIONS = {"error_model": "numpy", "boundscheck": False, "nogil": True, "_nrt": False}
 """Compiler options of every kernel: no branches for division by zero, no GIL, no allocation.
 
-Without allocation nothing counts references: a look into a tuple of arrays costs nothing.
-"""
+Without allocation nothing counts references: a look into a tuple of arrays costs nothing."""
 
 INLINED = {
     **OPTIONS,
@@ -38,8 +36,8 @@ INLINED = {
 
 
 def kernel(function: Callable) -> Callable:
-    """Decorator that compiles a function as a kernel: only into its callers, on lanes and vectors.
-    A call would spill all vector registers; what stood alone as well could be rounded otherwise."""
+    """Decorator that compiles a function as a kernel, on lanes and vectors: as part of its callers
+    only. Called by itself it would be slower and might round otherwise."""
     if config.DISABLE_JIT:
         return function
     options = {"nopython": True, **INLINED}
@@ -47,7 +45,7 @@ def kernel(function: Callable) -> Callable:
 
 
 class Vector(types.Type):
-    """Numba type of a vector: components x, y, z, each a lane (numbers of samples side by side)."""
+    """Numba type of a vector: components x, y, z, each of the type `lane`."""
 
     def __init__(self, lane: Lane):
         self.lane = lane
@@ -148,7 +146,7 @@ def put3(a, i, k, v):
 
 @kernel
 def get6(a, i, k):
-    """Return the six lanes in fields k .. k+5 of row i of an array a (rows, fields, lanes), a
+    """Return the six lanes in fields k to k+5 of row i of an array a (rows, fields, lanes), as a
     tuple."""
     return (
         load(a, i, k),
@@ -162,7 +160,7 @@ def get6(a, i, k):
 
 @kernel
 def put6(a, i, k, s):
-    """Write six lanes s to fields k .. k+5 of row i of an array a (rows, fields, lanes)."""
+    """Write six lanes s to fields k to k+5 of row i of an array a (rows, fields, lanes)."""
     put3(a, i, k, vector(s[0], s[1], s[2]))
     put3(a, i, k + 3, vector(s[3], s[4], s[5]))
 
@@ -175,8 +173,8 @@ def add3(a, i, k, v):
 
 @kernel
 def add_where(a, i, k, v, condition):
-    """Add a vector v to fields k, k+1, k+2 of row i of an array a (rows, fields, lanes), in the
-    lanes where `condition` is negative."""
+    """Add a vector v to fields k, k+1, k+2 of row i of an array a (rows, fields, lanes), in samples
+    where `condition` (lanes) is below 0."""
     old = get3(a, i, k)
     new = old + v
     store(a, i, k, where_negative(condition, new.x, old.x))
@@ -210,15 +208,13 @@ def times(a, b):
 
 @kernel
 def to_global(frame, v):
-    """Return the global components of vector v, given along the three axes of a frame (three
-    vectors)."""
+    """Return vector v, given along the three axes of a frame (vectors), in global components."""
     return v.x * frame[0] + (v.y * frame[1] + v.z * frame[2])
 
 
 @kernel
 def to_local(frame, v):
-    """Return the components of vector v (global) along the three axes of a frame (three
-    vectors)."""
+    """Return the components of a global vector v along the three axes of a frame (vectors)."""
     return vector(dot(frame[0], v), dot(frame[1], v), dot(frame[2], v))
 
 

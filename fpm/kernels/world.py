@@ -1,8 +1,7 @@
 """Arrays of a run that all element types share, as named tuples.
 
 Integer arrays are the same for all lanes; the others are (rows, fields, lanes), fields as in
-layout.py.
-"""
+layout.py."""
 
 from typing import NamedTuple
 
@@ -10,8 +9,9 @@ import numpy as np
 
 
 class StepTime(NamedTuple):
-    """Times of a step (s). time: of the positions; step: its length; kick: for how long its forces
-    act on the momenta, step but for step / 2 in the first, as momenta stand half a step behind."""
+    """Times of one step (s). time: of the positions at its start; step: its length; kick: time over
+    which its forces act on momenta, `step`, but step / 2 in the first, as momenta stand half a step
+    behind."""
 
     time: float
     step: float
@@ -20,12 +20,17 @@ class StepTime(NamedTuple):
 
 class World(NamedTuple):
     """State of the solver: n particles (position, axes, momenta, forces), curves, and what element
-    types share. state: now; start_state: at the start of a recorded step; particles: constants;
-    free: particles that no type moves itself; curve_start, curve_time, curve_value: all curves;
-    point_on, point_arm: named points; accounts (1, a, lanes): energy given by the first `givers`,
-    taken by the others (J); sums: for the balance; watched, most, unconditional, watch_rows:
-    largest values so far, limits, of what types watch; size (m); rows (e, 1, lanes): measure of
-    each element after a failure; undecided: 1 where impulses have to be found again."""
+    types share.
+
+    state (n, STATE, lanes): particles now; start_state: at the start of a recorded step; particles
+    (n, PARTICLE, lanes): constants; free: indices of particles that no type moves itself;
+    curve_start: first point of each curve; curve_time (s), curve_value: of all curves' points;
+    point_on, point_arm: particles and arms (m) of named points; accounts (1, a, lanes): energy
+    given by the first `givers`, taken by the others (J); sums: for the balance. Of quantities that
+    types watch: watched: largest values so far; most: limits; unconditional: whether one is the
+    cause of a failure even where the energy does not balance; watch_rows: first and end of its
+    elements in `rows`. size: of the scene (m); rows (e, 1, lanes): how bad each element is, after a
+    failure; undecided: 1 where impulses have to be found again."""
 
     state: np.ndarray  # (n, STATE, lanes)
     start_state: np.ndarray  # (n, STATE, lanes) the state at the start of a step that is recorded
@@ -49,9 +54,9 @@ class World(NamedTuple):
 
 
 class Log(NamedTuple):
-    """Log of the events of all element types. events (room, 3, lanes): time (s), number of the
-    element, which of its events; count (lanes,): noted so far, also those without room; first:
-    number of the first element of the type that writes."""
+    """Log of events, as one element type writes to it. events (room, 3, lanes), of all types: time
+    (s), number of the element, which of its events; count (lanes,): noted so far, also those
+    without room; first: number of the type's first element among all that have events."""
 
     events: np.ndarray  # (most events, 3, lanes) time, element, which of its events
     count: np.ndarray  # (lanes,) noted so far, also those that find no place
@@ -61,8 +66,10 @@ class Log(NamedTuple):
 class Record(NamedTuple):
     """Recorded arrays of a run, with one row more than instants, for checks in between. points:
     positions (m), velocities (m/s) of named points; energies (J): kinetic, balance, accounts,
-    stored; failed_step, failed_cause, failed_row, failed_balance, failed_watched (lanes last): of
-    the first failed check, -1: none; scale (lanes,): largest energy so far (J)."""
+    stored by type. Of the first failed check, lanes last: failed_step: its step, -1: none;
+    failed_cause: index of the watched quantity, -1: the balance; failed_row: worst element, a row
+    of World.rows; failed_balance (J); failed_watched: World.watched then. scale (lanes,): largest
+    energy so far (J)."""
 
     points: np.ndarray  # ((instants + 1) p, POINT, lanes)
     energies: np.ndarray  # (instants + 1, ACCOUNTS + accounts + kinds that store, lanes)

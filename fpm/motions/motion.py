@@ -2,8 +2,7 @@
 
 A trajectory holds a few named points. Here the run is made again with a named point at every
 particle and at two arms of one metre along its axes; points do not influence the motion, so that it
-is the trajectory's bit for bit. Strains follow outside the time loop.
-"""
+is the trajectory's bit for bit. Strains follow outside the time loop."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
@@ -39,37 +38,25 @@ def whole_motion(
     attributes: Sequence[dict] | None = None,
     extra_variables: Callable[[int, Outcome], Mapping] = lambda number, outcome: {},
 ) -> list:
-    """Simulate scenes of one topology and return the motion of all particles, an xarray.Dataset for
-    each.
+    """Simulate scenes that differ in numbers only and return the motion of all particles, an
+    xarray.Dataset for each: positions (m), frames, velocities (m/s), strains and stresses.
 
     Parameters
     ----------
-    scenes : sequence of Scene
-        Scenes that differ in numbers only.
-    duration, instants, step, energy_tolerance, record
-        Duration (s), number of recorded instants, time step (s), error of the energy balance at
-        which a run fails (fraction), and columns (variable, label) to record, as `simulate` takes
-        them: the motion is, bit for bit, that of a run with these.
-    frames : int
-        Number of recorded instants that are returned, evenly spread.
-    times : sequence of float
-        Further times (s), of which the nearest instants are returned as well.
-    attributes : sequence of dict, optional
-        Further global attributes by name, for each scene's dataset.
-    extra_variables : callable
-        `extra_variables(number, outcome)` returns further variables by name for the dataset of
-        scene `number` (from 0), given its Outcome.
-
-    Returns
-    -------
-    list of xarray.Dataset
-        Positions (m), frames, velocities (m/s), strains and stresses by instant.
+    scenes: scenes that differ in numbers only.
+    duration, instants, step: of the run (s), number of recorded instants, time step (s).
+    frames: number of recorded instants that are returned, evenly spread.
+    times: further times (s), of which the nearest instants are returned as well.
+    energy_tolerance: error of the energy balance at which a run fails (fraction).
+    record: columns (variable, label) to record, as `simulate` takes them; the motion is, bit for
+        bit, that of a run with these arguments.
+    attributes: further global attributes by name, for each scene's dataset.
+    extra_variables: called with the number of a scene (from 0) and its Outcome, returns further
+        variables by name for its dataset.
 
     Raises
     ------
-    InstabilityError, SceneError
-        The failure of the first run that fails; arguments that are not allowed.
-    """
+    InstabilityError, SceneError: the failure of the first run that fails; wrong arguments."""
     arguments = {"duration": duration, "instants": instants, "step": step}
     arguments |= {"energy_tolerance": energy_tolerance, "record": tuple(record)}
     count = len(scenes[0].position)
@@ -97,9 +84,9 @@ def whole_motion(
 
 
 def chosen_instants(duration: float, instants: int, frames: int, times=()) -> np.ndarray:
-    """Indices (k,), increasing, of recorded instants to return: `frames` evenly spread ones, and
-    those nearest to `times` (s). duration: of the run (s); instants: number of recorded ones,
-    evenly spread from 0 to `duration`."""
+    """Return the indices (k,), increasing, of the recorded instants that are returned: `frames`
+    evenly spread ones, and those nearest to `times` (s). duration: of the run (s); instants: number
+    of recorded ones, evenly spread from 0 to `duration`."""
     even = np.linspace(0, instants - 1, min(frames, instants)).round().astype(int)
     nearest = np.round(np.asarray(times, float) / duration * (instants - 1)).astype(int)
     return np.unique(np.concatenate([even, nearest.clip(0, instants - 1)]))
@@ -108,13 +95,11 @@ def chosen_instants(duration: float, instants: int, frames: int, times=()) -> np
 def element_strains(
     scene: Scene, position: np.ndarray, frame: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Strains of a scene's m beam elements at t instants: axial (t, m), > 0 in tension, and largest
-    bending strain at the surface (t, m), >= 0. position (t, n, 3) m and frame (t, n, 3, 3), axes as
-    columns: of its n particles.
-
-    The moments at an element's ends are the gradient of its energy (elements/bars/beam.py), 2 EI/l0
-    (2 th_a + th_b) and its mirror image; the larger end counts, at the corner of a rectangle with
-    the section's area and second moments."""
+    """Return strains of a scene's m beam elements at t instants: axial (t, m), above 0 in tension,
+    and the largest of bending at the surface (t, m), at least 0. position (t, n, 3) m and frame (t,
+    n, 3, 3), axes as columns: of its n particles. The moments at an element's ends are the gradient
+    of its energy (elements/bars/beam.py), 2 EI/l0 (2 th_a + th_b) and its mirror image; the larger
+    end counts, at the corner of a rectangle with the section's area and second moments."""
     if not scene.beams:
         return np.zeros((len(position), 0)), np.zeros((len(position), 0))
     _, length, half = elements_of(scene.beams)
@@ -130,11 +115,10 @@ def element_strains(
 
 
 def section_corners(scene: Scene) -> np.ndarray:
-    """Corners (m, 2, 4, 3), m, of the sections at both ends of a scene's m beam elements, from the
-    end's particle in its own axes, to draw them.
-
-    The section is drawn as the rectangle with its area and second moments. Ends of bars whose hinge
-    has a contact are cut along the contact's face, as mitred bars are."""
+    """Return the corners (m, 2, 4, 3), m, of the sections at both ends of a scene's m beam
+    elements, from the end's particle in its own axes, to draw them: of the rectangle with the
+    section's area and second moments. Ends of bars whose hinge has a contact are cut along the
+    contact's face, as mitred bars are."""
     if not scene.beams:
         return np.zeros((0, 2, 4, 3))
     nodes, _, half = elements_of(scene.beams)

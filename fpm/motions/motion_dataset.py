@@ -22,10 +22,10 @@ BOX_CORNERS = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 
 
 class RecordedMotion(NamedTuple):
-    """Motion of a scene's n particles and m beam elements in one run: at all t recorded instants,
-    and at k of them. outcome: the run's, with its named points and events; rows (k,): indices of
-    the k instants; position (t, n, 3) m; frame (t, n, 3, 3), own axes as columns; velocity (k, n,
-    3) m/s; axial, bending (k, m): strains."""
+    """Motion of a scene's n particles and m beam elements in one run, at all t recorded instants or
+    at k of them. scene: the scene; outcome: the run's, with its named points and events; rows (k,):
+    indices of the k instants; position (t, n, 3): m; velocity (k, n, 3): m/s; frame (t, n, 3, 3):
+    own axes as columns; axial, bending (k, m): strains."""
 
     scene: Scene
     outcome: Outcome
@@ -38,10 +38,10 @@ class RecordedMotion(NamedTuple):
 
 
 class Shapes(NamedTuple):
-    """The s shapes to draw of a scene: its beam elements, then its rigid bodies as boxes. names
-    (s); nodes (s, 2): the particles at both ends, a body's own twice; length (s,) m; half (s, 2) m:
-    half widths and heights; corners (s, 2, 4, 3) m: at both ends, from the particle in its own
-    axes."""
+    """The s shapes to draw of a scene: its beam elements, then its rigid bodies as boxes. names: of
+    each; nodes (s, 2): indices of the particles at both ends, a body's own twice; length (s,): m;
+    half (s, 2): half widths and heights (m); corners (s, 2, 4, 3): at both ends, from the particle
+    in its own axes (m)."""
 
     names: list[str]
     nodes: np.ndarray
@@ -51,11 +51,10 @@ class Shapes(NamedTuple):
 
 
 def shapes_of(scene: Scene, corners: np.ndarray) -> Shapes:
-    """Shapes to draw of a scene. corners (m, 2, 4, 3) m: of the sections at both ends of its m beam
-    elements, from the end's particle in its own axes (`section_corners`).
-
-    A rigid body is a particle that is on no bar, and free to move in some way or named as a body.
-    It is drawn as the box of its mass and principal inertias: edges a, b, c with b² + c² = 12 I/m
+    """Return the shapes to draw of a scene. corners (m, 2, 4, 3): of the sections at both ends of
+    its m beam elements, from the end's particle in its own axes, m (`section_corners`). A rigid
+    body is a particle that is on no bar, and free to move in some way or named as a body. It is
+    drawn as the box of its mass and principal inertias: edges a, b, c with b² + c² = 12 I/m
     and so on."""
     nodes, length, half = elements_of(scene.beams)
     names = [f"{b.name}[{i}]" for b in scene.beams for i in range(len(b.length))]
@@ -77,8 +76,8 @@ def shapes_of(scene: Scene, corners: np.ndarray) -> Shapes:
 
 
 def to_dataset(motion: RecordedMotion, corners: np.ndarray, attributes: dict) -> "xarray.Dataset":
-    """Make an xarray.Dataset of a motion at its instants `rows`, rigid bodies among the elements.
-    corners (m, 2, 4, 3) m: `section_corners` of its scene; attributes: further global ones."""
+    """Return a motion at its instants `rows` as an xarray.Dataset, rigid bodies among the elements.
+    corners (m, 2, 4, 3): `section_corners` of its scene (m); attributes: further global ones."""
     import xarray
 
     scene, outcome, rows = motion.scene, motion.outcome, motion.rows

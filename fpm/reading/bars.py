@@ -4,8 +4,7 @@ Forces and moments in a section are those of the part beyond on the part before,
 the section: x along the bar, y across the section's width, z along its height. At the ends of an
 element they are its end force F_a and moments M_a, -M_b, which are the gradient of its energy
 (theory: elements/bars/beam.py), along the axes that the particles there carry; in between the
-components go straight.
-"""
+components go straight."""
 
 from typing import NamedTuple
 
@@ -20,8 +19,8 @@ MOMENTS = ("torsion", "bending_y", "bending_z")
 
 
 class Bar(NamedTuple):
-    """A bar (beam member) of a scene: its name, and groups of beam elements, of one section and
-    material each, in order from its start to its end."""
+    """A bar (beam member) of a scene. name: its name; groups: groups of beam elements, of one
+    section and material each, in order from the bar's start to its end."""
 
     name: str
     groups: tuple[Beams, ...]
@@ -33,7 +32,7 @@ class Bar(NamedTuple):
 
     @property
     def ends(self) -> np.ndarray:
-        """Distances (m,) in metres of its m elements' far ends from its start, undeformed."""
+        """Distances (m,), metres, of its m elements' far ends from its start, undeformed."""
         return np.cumsum(np.concatenate([beams.length for beams in self.groups]))
 
 
@@ -47,13 +46,13 @@ class Sections(NamedTuple):
 
 
 def bar_of(name: str) -> str:
-    """Name of the bar (whole beam) that the beam element or stretch called `name` belongs to:
-    `panel` of `panel from knee[3]`, `AB` of `AB[0]`."""
+    """Return the name of the bar that the beam element or stretch called `name` belongs to: "panel"
+    of "panel from knee[3]", "AB" of "AB[0]"."""
     return name.rsplit("[", 1)[0].partition(" from ")[0]
 
 
 def bars_of(scene: Scene) -> dict[str, Bar]:
-    """Bars of a scene (all elements of a beam), by name, with all stretches between points."""
+    """Return the bars of a scene by name, each with the groups of elements of all its stretches."""
     groups: dict[str, list[Beams]] = {}
     for beams in scene.beams:
         groups.setdefault(bar_of(beams.name), []).append(beams)
@@ -61,12 +60,10 @@ def bars_of(scene: Scene) -> dict[str, Bar]:
 
 
 def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Positions (t, m, 3) m of both ends of beam elements, and axes y and z (t, m, 3, 2) of their
-    sections as the particles there carry them; one pair (positions, axes) for each end.
-
-    beams: a group of m elements; place(particle): positions (t, 3) m of a particle, by its index;
-    axes(particle): its frames (t, 3, 3), axes as columns (`Recording.place`, `Recording.axes`).
-    """
+    """Return, for both ends of m beam elements, a pair: positions (t, m, 3) m, and axes y and z (t,
+    m, 3, 2) of the sections as the particles there carry them. scene: the elements'; beams: the
+    group of elements; place(particle): positions (t, 3) m of a particle (index) at t instants;
+    axes(particle): its frames (t, 3, 3), axes as columns (`Recording.place`, `Recording.axes`)."""
     start, ends = scene.frame if scene.unstrained is None else scene.unstrained, []
     for nodes, square in zip(beams.nodes.T, beams.end_axes(), strict=True):
         frames = np.stack([axes(int(p)) for p in nodes], axis=1)
@@ -76,9 +73,10 @@ def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, n
 
 
 class Bends(NamedTuple):
-    """Deformation of m beam elements at t instants: `length` (t, m) m and direction `chord` (t, m,
-    3) of the line between their ends; `sines` (t, m, 2), at both ends, of the small angles of chord
-    and section: chord times axes y and z; `angles` (rad) of these; `axes` y, z (t, m, 3, 2)."""
+    """Deformation of m beam elements at t instants. length (t, m) m and chord (t, m, 3): of the
+    line from end to end, and its direction; sines, angles: a list of two, for both ends, (t, m, 2):
+    sine and angle (rad) between chord and section, towards axes y and z; axes: y, z (t, m, 3, 2) at
+    both ends."""
 
     length: np.ndarray
     chord: np.ndarray
@@ -88,8 +86,8 @@ class Bends(NamedTuple):
 
 
 def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
-    """Deformation (`Bends`) of `beams`, a group of beam elements; place(particle), axes(particle):
-    positions (t, 3) m and frames (t, 3, 3) of a particle at t instants."""
+    """Return the deformation of `beams`, a group of beam elements of a scene; place(particle),
+    axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle (index) at t instants."""
     (first, *own), (second, *axes2) = ends_of(scene, beams, place, axes)
     chord, own = second - first, own + axes2
     length = np.linalg.norm(chord, axis=2)
@@ -99,8 +97,9 @@ def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
 
 
 def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
-    """Section forces (`Sections`) of `beams`, a group of beam elements; place(particle),
-    axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle at t instants."""
+    """Return forces and moments in the sections of `beams`, a group of elements of a scene;
+    place(particle), axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle
+    (index)."""
     _, axial, bend_z, bend_y, twist = beams.stiffness().T
     length, chord, sines, angles, own = bends_of(scene, beams, place, axes)
     stiffness = np.stack([bend_z, bend_y], axis=1)
@@ -125,19 +124,17 @@ def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
 
 
 def sections_of(scene: Scene, bar: Bar, place, axes) -> Sections:
-    """Section forces (`Sections`) of all elements of a bar; place(particle), axes(particle):
-    positions (t, 3) m and frames (t, 3, 3) of a particle at t instants."""
+    """Return forces and moments in the sections of all elements of a bar of a scene;
+    place(particle), axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle (index)
+    at t instants."""
     groups = [sections(scene, beams, place, axes) for beams in bar.groups]
     return Sections(*(np.concatenate(arrays, axis=1) for arrays in zip(*groups, strict=True)))
 
 
 def at_share(bar: Bar, sections: Sections, share: float) -> tuple[np.ndarray, np.ndarray]:
-    """Force (t, 3) N and moment (t, 3) N m in a section of a bar, linear between the ends of an
-    element; where two elements meet, the mean of both.
-
-    sections: the bar's section forces, from `sections_of`; share: distance of the section from the
-    start of the bar, as a fraction of its length (0 to 1).
-    """
+    """Return force (t, 3) N and moment (t, 3) N m in a section of a bar, linear between the ends of
+    an element; where two elements meet, the mean of both. sections: the bar's, from `sections_of`;
+    share: distance of the section from the bar's start, as a fraction of its length."""
     ends = bar.ends
     lengths = np.diff(ends, prepend=0.0)
     position = share * ends[-1]
@@ -150,7 +147,7 @@ def at_share(bar: Bar, sections: Sections, share: float) -> tuple[np.ndarray, np
 
 
 def half_sizes(section: Section) -> tuple[float, float]:
-    """Half width (along y) and half height (along z) in m of a bar's section; for an unknown
+    """Return half width (along y) and half height (along z), m, of a bar's section; for an unknown
     outline, of the rectangle with its area and second moments."""
     if section.outline:
         return section.width / 2, section.height / 2

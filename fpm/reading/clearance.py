@@ -3,8 +3,7 @@
 Along the line of the shortest distance of two axes, of direction d, a round section takes its
 radius and a rectangle |d·y| b/2 + |d·z| h/2, with its axes y, z and sides b, h. Bars are convex
 stretch by stretch, so they are at least so far apart, and just so where two sides or edges face
-each other. Below zero they overlap.
-"""
+each other. Below zero they overlap."""
 
 import numpy as np
 
@@ -12,12 +11,13 @@ from fpm.reading.bars import Bar, ends_of, half_sizes
 from fpm.scenes.scene import Scene
 
 MOST_PAIRS = 1 << 20
-"""Pairs of elements at instants that are looked at together."""
+"""Number of pairs of elements at instants that are looked at together, at most."""
 
 
 def clearance(scene: Scene, first: Bar, second: Bar, place, axes) -> np.ndarray:
-    """Shortest distance (t,) m between the surfaces of two bars, below 0 where they overlap;
-    place(particle), axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle."""
+    """Return the shortest distance (t,) m between the surfaces of two bars, `first` and `second`,
+    of a scene, below 0 where they overlap; place(particle), axes(particle): positions (t, 3) m and
+    frames (t, 3, 3) of a particle (index)."""
     lines1, lines2 = (_lines(scene, bar, place, axes) for bar in (first, second))
     count, pairs = len(lines1[0]), lines1[0].shape[1] * lines2[0].shape[1]
     size = max(1, MOST_PAIRS // pairs)
@@ -52,8 +52,8 @@ def _shortest(a, b, sides_one, radius_one, c, d, sides_two, radius_two) -> np.nd
 
 
 def nearest(a, b, c, d) -> np.ndarray:
-    """Shortest vector (..., 3) from the segment a b to the segment c d; a, b, c, d (..., 3): their
-    end points. It begins or ends at an end of a segment, or is normal to both."""
+    """Return the shortest vector (..., 3) from the line segment a b to the segment c d; a, b, c, d
+    (..., 3): their end points."""
     u, v, w = b - a, d - c, c - a
 
     def to_segment(point, start, chord):

@@ -4,8 +4,7 @@ A joint's are the impulses that its solver applied over the step around an insta
 length of that step; at the first instant, over the half step after it, without what closes gaps of
 the third order there (`look_back` of joint_kernels.py). With leapfrog they stand at the instant
 like all other forces, to the second order in the step. Conditions that others imply bear what the
-solver gives them: of all impulses that keep the joints closed the smallest.
-"""
+solver gives them: of all impulses that keep the joints closed the smallest."""
 
 from collections.abc import Iterable
 from typing import Any, NamedTuple
@@ -25,23 +24,24 @@ SUPPORT = " (its support)"  # what joints are called that hold the point of a hi
 
 
 def joints_of(scene: Scene) -> dict[str, Hinge | Joint]:
-    """All joints of a scene that connect two bodies (hinges, slides, balls, ...), by name; without
-    those that only fix an opening."""
+    """Return all joints of a scene that connect two bodies (hinges, slides, balls, ...), by name;
+    without those that only hold an opening."""
     joints = (*Hinge.of(scene), *Joint.of(scene))
     return {j.name: j for j in joints if len(j.beams) == 2 and not j.holds_opening}
 
 
 def point_of(run: Recording, joint: Hinge | Joint) -> np.ndarray:
-    """Position (t, 3) m, in global axes, at which a joint's forces act at the t instants of a
-    recorded `run`: its point on the first body, of a slide on the second."""
+    """Return the position (t, 3) m, in global axes, at which a joint's forces act at the t instants
+    of a recorded `run`: its point on the first body, of a slide on the second."""
     beam = joint.beams[1 if joint.slides else 0]
     return run.place(beam.particle) + run.arm(beam)
 
 
 def couple_on_two(run: Recording, joint: Hinge | Joint, sides: Sides) -> np.ndarray:
-    """Moment (t, 3) N m that a joint exerts on its second body about the joint's point, in global
-    axes, at the t instants of a recorded `run`; sides: its forces and moments on both particles,
-    from `run.joints`. About axes about which that body cannot rotate: minus that on the first."""
+    """Return the moment (t, 3) N m that a joint exerts on its second body about the joint's point,
+    in global axes, at the t instants of a recorded `run`; sides: its forces and moments on both
+    particles, from `run.joints`. About axes about which that body cannot rotate: minus that on the
+    first."""
     point = point_of(run, joint)
     place1, place2 = (run.place(beam.particle) for beam in joint.beams)
     opposite = sides.about_two - np.cross(point - place2, sides.on_two)
@@ -52,8 +52,8 @@ def couple_on_two(run: Recording, joint: Hinge | Joint, sides: Sides) -> np.ndar
 
 
 def on_particle(run: Recording, particle: int) -> tuple[np.ndarray, np.ndarray]:
-    """Force (t, 3) N of all joints on a particle (its index), and their moment (t, 3) N m about it,
-    in global axes, at the t instants of a recorded `run`."""
+    """Return the force (t, 3) N of all joints on a particle (its index), and their moment (t, 3) N
+    m about it, in global axes, at the t instants of a recorded `run`."""
     force, moment = np.zeros((2, len(run.time), 3))
     for joint, sides in run.joints:
         for k, beam in enumerate(joint.beams):
@@ -70,9 +70,9 @@ def on_particle(run: Recording, particle: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 class Reaction(NamedTuple):
-    """A supported or driven point, at which a reaction force is read: `beam`, the rigid offset from
-    its particle; `holders`, names of joints that connect the point itself to the ground;
-    `particle`, whether its particle is fixed or driven, so that there is a reaction moment too."""
+    """A supported or driven point, at which a reaction force is read. beam: rigid arm to it from
+    its particle; holders: names of joints that connect the point itself to the ground; particle:
+    whether its particle is fixed or driven, so that there is a reaction moment too."""
 
     beam: VirtualBeam
     holders: tuple[str, ...]
@@ -80,8 +80,8 @@ class Reaction(NamedTuple):
 
 
 def reactions_of(scene: Scene) -> dict[str, Reaction]:
-    """Points of a scene with a reaction force, by name: supports and drives, points on particles
-    that are fixed or driven, and hinges with a support; of equal names the first one."""
+    """Return the points of a scene that have a reaction force, by name: supports and drives, named
+    points on particles that are fixed or driven, and hinges with a support."""
     holding = {joint.name: joint for joint in Joint.of(scene) if len(joint.beams) == 1}
     is_fixed = scene.fixed.any(axis=1)
     reactions = {}
@@ -96,14 +96,11 @@ def reactions_of(scene: Scene) -> dict[str, Reaction]:
 
 
 def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Force (t, 3) N of a support or drive on the structure, and its moment (t, 3) N m about its
-    point, in global axes; run: what was recorded; name: a key of `reactions_of`.
-
-    Of a particle that is held: the rate of its momentum less all other forces and those of joints,
-    along and about the axes that are held. Several supports on one particle are one. A particle
-    that is held entirely and is neither on a bar nor a named body is the ground, which has no
-    weight (`ElementType.weight`).
-    """
+    """Return the force (t, 3) N of a support or drive on the structure, and its moment (t, 3) N m
+    about its point, in global axes. run: what was recorded; name: a key of `reactions_of`. Of a
+    held particle they are the rate of its momentum less all other forces and those of joints, along
+    and about the held axes. Several supports on one particle are one. A particle that is held
+    entirely and is neither on a bar nor a named body is the ground, which has no weight."""
     scene, support = run.scene, reactions_of(run.scene)[name]
     particle = support.beam.particle
     force, moment = np.zeros((2, len(run.time), 3))
@@ -137,9 +134,9 @@ SHARE = 3e-5
 
 
 def undetermined_forces(scene: Scene, responses: Iterable[Any]) -> dict[str, str]:
-    """Warnings, by name of the response, on responses of constraint or reaction forces that the
-    motion does not determine (statically indeterminate): a sentence with the reason and the remedy.
-    responses: those of a config (`fpm.reading.responses.Response`); others get no entry."""
+    """Return warnings, by name of the response, on those of constraint or reaction forces that the
+    motion does not determine (statically indeterminate): a sentence with reason and remedy.
+    responses: of a config (`fpm.reading.responses.Response`); others get none."""
     joints = []
     for response in responses:
         if response.kind.startswith("constraint_"):
@@ -157,11 +154,9 @@ def undetermined_forces(scene: Scene, responses: Iterable[Any]) -> dict[str, str
 
 
 def undetermined(scene: Scene) -> set[str]:
-    """Names of joints and supports whose forces the motion does not determine, at the start.
-
-    Their conditions depend on those of others, with no elastic part between them: as in a planar
-    loop of rigid bodies on hinges. Sums of such forces are determined, each one is not.
-    """
+    """Return names of joints and supports of a scene whose forces the motion does not determine, at
+    the start: their conditions depend on those of others, with no elastic part between, as in a
+    planar loop of rigid bodies on hinges. Sums of such forces are determined, each one is not."""
     from scipy.sparse.csgraph import connected_components
 
     conditions = conditions_of(scene)

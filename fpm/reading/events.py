@@ -24,13 +24,12 @@ touches: a step before the later one, SPREAD after the earlier one, and up to on
 
 
 def value_at(curves: Curves, response: Response, instant: float, event: bool) -> float:
-    """Value of a response of one run (`curves`: its recorded series) at the time `instant` (s);
-    event: whether something jumps then, as at an impact, of which the value just before counts.
-
-    By the cubic at most through the nearest instants with no other event in between, or by values
-    and rates (`_continued`). With fewer than two such instants nothing is extrapolated: just before
-    an event it is the value at the last instant that is a step before, else linear interpolation.
-    """
+    """Return the value of a response in one run at the time `instant` (s). curves: the run's
+    recorded series; event: whether something jumps then, as at an impact, of which the value just
+    before counts. By the cubic at most through the nearest instants with no other event in between,
+    or by values and rates (`_continued`). With fewer than two such instants nothing is
+    extrapolated: just before an event it is the value at the last instant that is a step before,
+    else linear interpolation."""
     time, step, values = curves.time, curves.step, response.evaluate(curves)
     times = np.sort(curves.events[:, 0])
     if event:  # those that a few steps cannot tell apart are one
@@ -52,8 +51,8 @@ def value_at(curves: Curves, response: Response, instant: float, event: bool) ->
 
 
 def cubic_through(time: np.ndarray, values: np.ndarray, last: int) -> np.polynomial.Polynomial:
-    """Polynomial in time (s), a cubic at most, through four of the values (t,) at instants `time`
-    (t,): those at indices last - 3 to last, moved into the range at its start or end."""
+    """Return the polynomial in time (s), a cubic at most, through four of the values (t,) at the
+    instants `time` (t,): those at indices last - 3 to last, or the nearest four that there are."""
     stop = min(max(last + 1, 4), len(time))
     window = slice(max(stop - 4, 0), stop)
     return np.polynomial.Polynomial.fit(time[window], values[window], len(time[window]) - 1)
@@ -64,8 +63,7 @@ def _continued(curves: Curves, response: Response, rows, t: float) -> float | No
     constituents and their rates.
 
     None where rates are not recorded, or would have predicted the last of five instants no better
-    than a cubic: a constituent that trembles between the instants, or jumps.
-    """
+    than a cubic: a constituent that trembles between the instants, or jumps."""
     values = {}
     for name in response.subjects:
         curve = _with_rates(curves, response.kind, name)

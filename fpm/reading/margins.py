@@ -2,8 +2,7 @@
 
 Runs record the virtual work of every part (`fpm.travel`) at positions of their own; factors are
 applied when a response is read, so that another standard takes no run. The curve of a margin is
-even over the travel; the least margin is sought between all positions.
-"""
+even over the travel; the least margin is sought between all positions."""
 
 from collections.abc import Iterable, Mapping
 from types import SimpleNamespace
@@ -23,7 +22,7 @@ MOST = 99.0
 """Largest margin that is given: where next to nothing resists, margins have no end."""
 
 TINY = 1e-300
-"""N m, so that where nothing acts nothing is divided by zero: the margin is -1 there."""
+"""Least requirement (N m), for division: where nothing acts the margin is -1."""
 
 ROUNDING = 1e-12
 """Margins below this value are rounding: what acts is known to 1e-6 of itself."""
@@ -44,8 +43,8 @@ UNITS = {"rad": 1.0, "deg": np.pi / 180, "m": 1.0, "mm": 1e-3}
 
 
 class Abscissa(NamedTuple):
-    """What the values of a response are a function of, if not of time: `words` that name it, as
-    "opening of A"; its `unit`; and its values at the `first` and the `last` point, in this unit."""
+    """What the values of a response are a function of, if not of time. words: its name, as "opening
+    of A"; unit: of its values; first, last: its values at the first and the last point."""
 
     words: str
     unit: str
@@ -54,8 +53,9 @@ class Abscissa(NamedTuple):
 
 
 class OpeningPath(NamedTuple):
-    """Path of a quasi-static sweep: `openings`, names of hinges or slides that are moved from
-    `first` to `last` (rad, m; None: each run's own opening at its start); `stand`, names of those
+    """Path along which openings are moved slowly, through static equilibria (a travel). openings:
+    names of the hinges or slides that are moved together; first, last: where the first of them
+    begins and ends (rad, m; None: each run's own opening at its start); stand: names of those
     locked at their start."""
 
     openings: tuple[str, ...]
@@ -64,8 +64,8 @@ class OpeningPath(NamedTuple):
     stand: tuple[str, ...] = ()
 
     def label(self, part: str = "") -> str:
-        """Label of a recorded column of a sweep along this path, such as "A led from 0.0 to 1.5 by
-        spring"; part: component of the virtual work, or "" for openings and inertia."""
+        """Return the label of a recorded column for a travel along this path, such as "A led from
+        0.0 to 1.5 by spring". part: component of the virtual work, "" for openings and inertia."""
         suffix = "".join(f" beside {name}" for name in self.stand) + (part and f" by {part}")
         first, last = (STOW if end is None else repr(end) for end in (self.first, self.last))
         names = "".join(f" with {name}" for name in self.openings[1:])
@@ -73,8 +73,8 @@ class OpeningPath(NamedTuple):
 
 
 def read_label(label: str) -> tuple[OpeningPath, str]:
-    """The path of the quasi-static sweep, and the component of the virtual work ("" if none), that
-    a column's label names, such as "A led from 0.0 to 1.5 by spring" (`OpeningPath.label`)."""
+    """Return the path (OpeningPath) that the label of a recorded column names, such as "A led from
+    0.0 to 1.5 by spring", and the component of the virtual work in it, "" if none."""
     rest, _, part = label.partition(" by ")
     rest, *stand = rest.split(" beside ")
     rest, *names = rest.split(" with ")
@@ -84,9 +84,10 @@ def read_label(label: str) -> tuple[OpeningPath, str]:
 
 
 def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
-    """Sweep a scene quasi-statically along a path; returns opening, virtual works and inertia at
-    its positions. positions: number of evenly spaced ones; None: as many as the tolerance takes.
-    Raises SceneError where the opening does not move or does not decide the motion."""
+    """Move an opening of a scene slowly along a path; returns openings, virtual works and inertia
+    at its positions (Travel). positions: number of evenly spaced ones; None: as many as the
+    tolerance takes. Raises SceneError where the opening does not move or does not decide the
+    motion."""
     (start,) = (hinge.opening for hinge in scene.hinges if hinge.name == path.openings[0])
     first, last = (float(start) if end is None else end for end in (path.first, path.last))
     if first == last:
@@ -96,24 +97,24 @@ def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
 
 
 def column_of(travel: Travel, variable: str, part: str) -> np.ndarray:
-    """Values (p,) of one variable at the p positions of a quasi-static sweep of an opening. travel:
-    result of the sweep; variable: "travel_work", virtual work of the component `part` per unit of
-    the opening (N m; N on slides); "travel_inertia" that the opening moves (kg m²; kg); or
-    "travel_opening" (rad; m); `part` counts for the first alone."""
+    """Return the values (p,) of one variable at the p positions of a travel. variable:
+    "travel_work": virtual work of the component `part` per unit of the opening (N m; N on slides);
+    "travel_inertia": that the opening moves (kg m²; kg); "travel_opening": opening (rad; m). part:
+    counts for the first alone."""
     return {WORK: travel.work.get(part), INERTIA: travel.inertia, OPENING: travel.opening}[variable]
 
 
 def driving(works: Mapping[str, np.ndarray]) -> list[str]:
-    """Names of components that drive somewhere on a travel, by more than rounding; works: virtual
-    work (p,) at its p positions by component name, above 0 where it drives."""
+    """Return the names of components that drive somewhere on a travel, by more than rounding.
+    works: virtual work (p,) at its p positions by component, above 0 where it drives."""
     largest = max((float(np.abs(work).max()) for work in works.values()), default=0.0)
     return [part for part, work in works.items() if work.max() > DRIVES * largest]
 
 
 def led_curves(scene, responses: Iterable[Any]) -> Any:
-    """Sweep a scene quasi-statically for responses that are margins, without a simulation. The
-    object returned stands for a run, as argument `run` of `values`, `least` and `torque_budget`:
-    `columns` are the sweeps' results by (variable, label), `time` is 201 values from 0 to 1."""
+    """Move openings of a scene slowly, as responses that are margins need it, without a simulation.
+    Returns an object that serves as argument `run` of `values`, `least` and `torque_budget`:
+    `columns`: results by (variable, label); `time`: 201 values from 0 to 1."""
     columns, travels = {}, {}
     for variable, label in dict.fromkeys(c for response in responses for c in response.columns):
         path, part = read_label(label)
@@ -124,8 +125,8 @@ def led_curves(scene, responses: Iterable[Any]) -> Any:
 
 
 def read(spec: Any) -> Any:
-    """Make the response of a torque or force margin from `spec`, its definition in a config
-    (`responses.Definition`); raises SceneError for a key or value that is not allowed."""
+    """Return the response for the definition of a torque or force margin in a config. spec: the
+    definition (`responses.Definition`); raises SceneError for wrong keys and values."""
     openings = (spec.data[spec.kind], *_names(spec, "with"))
     hinges = {hinge.name: hinge for hinge in spec.scene.hinges}
     for name in openings:
@@ -178,9 +179,9 @@ def read(spec: Any) -> Any:
 
 
 class BudgetRow(NamedTuple):
-    """Row of a component in a torque budget: its name (`part`) and class, as "FR" for friction;
-    factor of the standard; moment (N m, on slides N), the virtual work per unit of the opening,
-    below 0 where it resists; weighted: factor times moment."""
+    """Row of a component in a torque budget. part: its name; class_: as "FR" for friction; factor:
+    of the standard; moment: virtual work per unit of the opening (N m, on slides N), below 0 where
+    it resists; weighted: factor times moment."""
 
     part: str
     class_: str
@@ -190,7 +191,7 @@ class BudgetRow(NamedTuple):
 
 
 class Budget(NamedTuple):
-    """Torque budget at an `opening` (rad, m): margin = drives / requirement - 1; drives: sum of the
+    """Torque budget at an opening (rad, m). margin: drives / requirement - 1; drives: sum of the
     components' moments above 0 times their factors (N m, N); requirement: of those below 0, as a
     positive number; rows: one for each component."""
 
@@ -248,23 +249,24 @@ class _WeightedTravel:
 
 
 def values(response: Any, run: Any) -> np.ndarray:
-    """Margin (t,), without unit, at t positions evenly spaced over the travel, as many as the run
-    has instants. response: a margin, made by `read`; run: `Curves` of a run, or of `led_curves`."""
+    """Return the margin (t,), without unit, at t positions evenly spaced over its travel, as many
+    as the run has instants. response: a margin, made by `read`; run: `Curves`, or from
+    `led_curves`."""
     time = run.time
     return _WeightedTravel(response, run).margin((time - time[0]) / (time[-1] - time[0]))
 
 
 def least(response: Any, run: Any) -> tuple[float, float]:
-    """Least margin over the travel, and the opening (rad, m) there. response: a margin, made by
-    `read`; run: `Curves` of a run, or what `led_curves` returns."""
+    """Return the least margin over its travel, and the opening (rad, m) there. response: a margin,
+    made by `read`; run: recorded series (`Curves`) of a run, or what `led_curves` returns."""
     travel = _WeightedTravel(response, run)
     position, margin = travel.least()
     return margin, float(interpolate(travel.positions, travel.opening, np.array([position]))[0])
 
 
 def torque_budget(response: Any, run: Any) -> Budget:
-    """Torque budget, component by component, at the opening where the margin is least. response: a
-    margin, made by `read`; run: `Curves` of a run, or what `led_curves` returns."""
+    """Return the torque budget, component by component, at the opening where a margin is least.
+    response: the margin, made by `read`; run: `Curves` of a run, or what `led_curves` returns."""
     travel = _WeightedTravel(response, run)
     position, margin = travel.least()
     points = np.array([position])

@@ -1,7 +1,6 @@
 """Quantities: numbers that are read off a run, such as its peaks and the times of its events.
 
-A run in which what is asked for does not happen has no number: NaN.
-"""
+A run in which what is asked for does not happen has no number: NaN."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,15 +16,14 @@ from fpm.reading.responses import Response
 
 @dataclass(frozen=True)
 class Quantity:
-    """Definition of a named number of a run, such as a peak or the time of an event: its `kind`
-    (key of KINDS, as "largest") and the values of its other keys.
+    """Definition of a named number of a run, such as a peak or the time of an event.
 
-    unit (UDUNITS) and long_name are those of the number. response: the function of time that it is
-    read off, None for events; at: time (s), or the quantity that gives it, for a value; about:
-    target of settling or overshoot; within: its tolerance; level, way ("rising", "falling",
-    "either"), number (n, from 1): of a crossing; event, places: its name, and names of the elements
-    at which it counts, number its n.
-    """
+    name: its name; kind: how it is read, a key of KINDS, as "largest"; unit (UDUNITS) and
+    long_name: of the number; response: the function of time that it is read off, None for events;
+    at: of a value, its time (s) or the quantity that gives it; about: target of settling or
+    overshoot; within: tolerance of settling; level, way ("rising", "falling", "either"): of a
+    crossing; number: n, from 1, of the nth crossing or event; event: its name; places: names of the
+    elements at which it counts."""
 
     name: str
     kind: str
@@ -43,7 +41,7 @@ class Quantity:
 
     @property
     def is_instantaneous(self) -> bool:
-        """Whether the quantity has the size of the response at an instant (largest, smallest, rms,
+        """Whether the quantity is a size of the response at an instant (largest, smallest, rms,
         overshoot), so that a shock that mesh and step do not resolve can decide it."""
         return KINDS[self.kind].instantaneous
 
@@ -61,32 +59,34 @@ class Quantity:
 
     @property
     def decider(self) -> "Quantity | None":
-        """The quantity whose `margin` says by how much this one's event occurs or not: itself, or
-        of a value the one that gives its time; None if a run only tells whether it occurs."""
+        """The quantity whose `margin` tells by how much this one exists in a run or not: itself (a
+        crossing, settling to a target), or of a value that which gives its time; None: runs only
+        tell whether it exists."""
         if isinstance(self.at, Quantity):
             return self.at.decider
         settles = self.kind == "settling" and self.about is not None
         return self if self.kind == "crossing" or settles else None
 
     def margin(self, values: np.ndarray) -> np.ndarray:
-        """By how much (...) a crossing or settling occurs, from the response's values (..., t), in
-        their unit: above 0 if it does; continuous. Only if the quantity is its own `decider`."""
+        """Return by how much (...) a crossing or settling occurs, in the response's unit: above 0
+        if it does, below if not, continuous. values (..., t): of the response. Only for a quantity
+        that is its own `decider`."""
         if self.kind == "settling":
             return self.within - np.abs(values[..., -1] - self.about)
         return crossing_margin(values - self.level, self.way, self.number)
 
     def evaluate(self, curves: Curves) -> float:
-        """Value of the quantity in one run (`curves`: its recorded series); NaN if it does not
-        exist there, as where an event does not occur. Raises ValueError if the run had more events
-        than are kept, and the event may be one of the others."""
+        """Return the quantity's value in one run; NaN if it does not exist there, as where an event
+        does not occur. curves: the run's recorded series. Raises ValueError if the run had more
+        events than are kept, and the event may be one of the others."""
         value = KINDS[self.kind].read(self, curves)
         # Parabolas and cubics between instants go below what can be.
         return value if self.least is None else float(np.maximum(value, self.least))
 
 
 def peak(values: np.ndarray) -> float:
-    """Largest of values (t,) at equal time steps, by the parabola through the largest and its two
-    neighbours. It exceeds the largest value by at most an eighth of the drop to a neighbour."""
+    """Return the largest of values (t,) at equal time steps, by the parabola through the largest
+    and its two neighbours, at most an eighth of the drop to a neighbour above it."""
     i = int(values.argmax())
     top = float(values[i])
     if 0 < i < len(values) - 1:
@@ -99,9 +99,9 @@ def peak(values: np.ndarray) -> float:
 def crossing(
     time: np.ndarray, values: np.ndarray, level: float, direction: str = "either", number: int = 1
 ) -> float:
-    """Time (s) at which values (t,) at instants `time` (t,) s cross a level (same unit) for the nth
-    time; NaN if they do not. direction: "rising", "falling" or "either"; number: n, from 1. By the
-    cubic through the four instants around it. A value on the level counts as below it."""
+    """Return the time (s) at which values (t,) at instants `time` (t,) s cross a level (same unit)
+    for the nth time; NaN if they do not. direction: "rising", "falling" or "either"; number: n,
+    from 1. By the cubic through the four instants around it. Values on the level are below it."""
     is_above = values > level
     places = np.flatnonzero(is_above[1:] != is_above[:-1])
     if direction != "either":
@@ -112,10 +112,11 @@ def crossing(
 
 
 def crossing_margin(values: np.ndarray, direction: str = "either", number: int = 1) -> np.ndarray:
-    """By how much (...) values (..., t) over t instants cross zero for the nth time, in their unit:
-    above 0 if they do, below 0 by what is lacking. direction: "rising", "falling" or "either";
-    number: n, from 1. A rising crossing takes values below zero and later above, the next one below
-    and above again: of the largest distances from zero on these sides in turn, the least counts."""
+    """Return by how much (...) values (..., t) over t instants cross zero for the nth time, in
+    their unit: above 0 if they do, below 0 by what is lacking. direction: "rising", "falling" or
+    "either"; number: n, from 1. A rising crossing takes values below zero and later above, the next
+    one below and above again: of the largest distances from zero on these sides in turn, the least
+    counts."""
 
     def turns(side: float, count: int) -> np.ndarray:
         margin = np.inf
@@ -132,9 +133,9 @@ def crossing_margin(values: np.ndarray, direction: str = "either", number: int =
 def settling(
     time: np.ndarray, values: np.ndarray, tolerance: float, target: float | None = None
 ) -> float:
-    """Settling time (s): the instant from which on values (t,) at instants `time` (t,) stay within
-    `tolerance` (their unit) of `target`, or of the last value where that is None. NaN if they are
-    outside at the end; the first instant if they never are."""
+    """Return the settling time (s): from which on values (t,) at instants `time` (t,) stay within
+    `tolerance` (their unit) of `target`, None: of the last value. NaN if they are outside at the
+    end; the first instant if they never are."""
     deviation = values - (values[-1] if target is None else target)
     indices = np.flatnonzero(np.abs(deviation) > tolerance)
     if not len(indices):
@@ -218,11 +219,10 @@ def _event(quantity: Quantity, curves: Curves) -> float:
 
 
 class QuantityType(NamedTuple):
-    """A type of quantity, as its key in a definition selects it from KINDS. read(quantity, curves):
-    its number in a run; text: template of its long name, in which {about} is the response's;
-    mandatory, optional: further keys of its definition; unit: None for the response's; positive:
-    whether it is never below 0; instantaneous: whether it has the size of the response at an
-    instant."""
+    """A kind of quantity, in the table KINDS. read(quantity, curves): returns its number in a run;
+    text: template of its long name, in which {about} is the response's; mandatory, optional:
+    further keys of its definition; unit: of the number, None: the response's; positive: whether it
+    is never below 0; instantaneous: whether it is a size of the response at an instant."""
 
     read: Callable[[Quantity, Curves], float]
     text: str

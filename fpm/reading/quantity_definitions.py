@@ -16,13 +16,11 @@ DIRECTIONS = ("rising", "falling", "either")
 def parse(
     definitions: Mapping[str, object], responses: Iterable[Response], elements: Iterable[Eventful]
 ) -> tuple[list[Quantity], list[SceneError]]:
-    """Parse the definitions of quantities in a config: the valid quantities, in the order of the
-    definitions, and one SceneError for each definition that is wrong.
-
-    definitions: by name, each a mapping with one key of `quantities.KINDS`, as "largest", and its
-    further keys (docs/quantities.md); responses: all of the config; elements: those of the scene
-    that have events, as latches (`fpm.files.outcome.eventful`).
-    """
+    """Return the quantities that a config defines, in its order, and one SceneError for each
+    definition that is wrong. definitions: by name, each a mapping with one key of
+    `quantities.KINDS`, as "largest", and its further keys (docs/quantities.md); responses: all of
+    the config; elements: those of the scene that have events, as latches
+    (`fpm.files.outcome.eventful`)."""
     by_name, elements = {response.name: response for response in responses}, list(elements)
     quantities: dict[str, Quantity] = {}
     problems = []

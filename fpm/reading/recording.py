@@ -17,8 +17,8 @@ from fpm.scenes.scene import Scene
 
 
 class Sides(NamedTuple):
-    """Forces (N) and moments (N m), (t, 3) each in global axes, of a joint on the particles of its
-    two sides: `on_one` and `on_two`; `about_one` and `about_two`, about the particle."""
+    """Forces and moments of a joint on the particles of its two sides, (t, 3) each in global axes.
+    on_one, on_two: forces (N); about_one, about_two: moments about the particle (N m)."""
 
     on_one: np.ndarray
     about_one: np.ndarray
@@ -28,12 +28,10 @@ class Sides(NamedTuple):
 
 class Recording:
     """What the time loop recorded of one run for its scene's probe (elements/particles/probe.py),
-    as forces and motions in SI units.
-
-    batch: the runs integrated together (elements/batch.py); parts: their element arrays, one entry
-    for each of batch.kinds; lane: index of the run in the batch; time: instants (t,) s; step: time
-    step (s). Particles are named by their index in the scene.
-    """
+    as forces and motions at t instants. batch: the scenes that were simulated side by side
+    (elements/batch.py); parts: arrays of their element types, one for each of batch.kinds; lane:
+    index of the run among them; time: instants (t,) s; step: time step (s). Particles are named by
+    index."""
 
     def __init__(self, batch, parts, lane: int, time: np.ndarray, step: float):
         self.scene: Scene = batch.scenes[lane]
@@ -80,7 +78,7 @@ class Recording:
         return np.stack([np.cross(second, third), second, third], axis=2)
 
     def arm(self, beam) -> np.ndarray:
-        """Vector (t, 3) m, in global axes, from a particle to the free end of the rigid offset
+        """Return the vector (t, 3) m, in global axes, from a particle to the end of the rigid arm
         `beam` that it carries (a VirtualBeam)."""
         return self.axes(beam.particle) @ beam.arm
 
@@ -91,8 +89,8 @@ class Recording:
         return self._forces[particle][:, column : column + 3]
 
     def force(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
-        """Force (t, 3) N on a particle (its index) and moment (t, 3) N m about it, in global axes,
-        by all that acts but joints, supports and drives."""
+        """Return force (t, 3) N on a particle (its index) and moment (t, 3) N m about it, in global
+        axes, by all that acts but joints, supports, drives and damping."""
         return self._column(particle, "FORCE"), self._column(particle, "MOMENT")
 
     def spin(self, particle: int) -> np.ndarray:
@@ -112,7 +110,7 @@ class Recording:
         return velocity
 
     def acceleration(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
-        """Acceleration (t, 3) m/s² and angular acceleration (t, 3) rad/s² of a particle (its
+        """Return acceleration (t, 3) m/s² and angular acceleration (t, 3) rad/s² of a particle (its
         index), in global axes: changes over the step around each instant; of driven particles at
         the first instant, over the half step after it."""
         if particle in self._driven_rates:
@@ -139,8 +137,8 @@ class Recording:
         return rotation * ~self.scene.fixed[particle, 3:]
 
     def inertia(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
-        """Rates of change of momentum (t, 3) N and angular momentum (t, 3) N m of a particle (its
-        index), in global axes, driven or not."""
+        """Return rates of change of momentum (t, 3) N and angular momentum (t, 3) N m of a particle
+        (its index), in global axes, driven or not."""
         (change, turning), spin = self.acceleration(particle), self.spin(particle)
         own = self.scene.inertia[particle]
         momentum, moment = (
@@ -149,15 +147,15 @@ class Recording:
         return self.scene.mass[particle] * change, moment + np.cross(spin, momentum)
 
     def moments(self, hinge: int) -> tuple[np.ndarray, np.ndarray]:
-        """Moments (t, a) N m on a hinge (its index), on a slide forces N, one column for each of
-        the `a` kinds of what acts on it ("spring", "damper", "friction", ...: PARTS), and the work
-        (t, a) J that each did since the start."""
+        """Return the moments on a hinge (its index) at t instants, (t, a) N m, on a slide forces N,
+        one column for each of the `a` components ("spring", "damper", ...: PARTS), and the work (t,
+        a) J of each since the start."""
         rows = self._rows(self._parts[Opening].told_track, len(self.scene.hinges) * len(PARTS))
         own = rows[:, hinge * len(PARTS) : (hinge + 1) * len(PARTS)]
         return own[..., 0], own[..., 1]
 
     def sections(self, bar: str) -> tuple[Bar, Sections]:
-        """A bar by its name, and its elements' section forces at all instants; memoized."""
+        """Return a bar by its name, and its sections' forces and moments at all instants."""
 
         def read() -> tuple[Bar, Sections]:
             bar_data = bars_of(self.scene)[bar]
@@ -166,14 +164,16 @@ class Recording:
         return self.memoize(bar, read)
 
     def memoize(self, key: Hashable, find: Callable[[], Any]) -> Any:
-        """Value of find(), without arguments, stored under `key` at the first call and reused."""
+        """Return the result of find(), called without arguments at the first use of `key` and
+        stored."""
         if key not in self._memo:
             self._memo[key] = find()
         return self._memo[key]
 
     @cached_property
     def joints(self) -> list[tuple[Hinge | Joint, Sides]]:
-        """All joints of the scene, hinges first, and their forces and moments on both particles."""
+        """All joints of the scene, hinges first, with their forces and moments on both
+        particles."""
         pairs = []
         for kind in (Hinge, Joint):
             if elements := kind.of(self.scene):

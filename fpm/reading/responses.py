@@ -2,8 +2,7 @@
 
 KINDS is the table of all: those that every run records, those that are a variable of
 `fpm.reading.variables` as it is (its entry there is all there is to such a one), and those that are
-made of several.
-"""
+made of several."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -26,20 +25,19 @@ AXES = ("x", "y", "z")
 ALL = {"all": "all bars"}
 
 Names = Callable[[Scene], Iterable[str]]
-"""Of a scene: what something may be of."""
+"""Function of a scene: names of what something may be of."""
 
 
 @dataclass(frozen=True)
 class Response:
-    """A scalar function of time that is read off a run, by its name and definition.
+    """A scalar function of time that is read off a run, by its definition.
 
-    kind: type of response (key of KINDS); subjects: names of its points, hinge, ...; component: x,
-    y, z, norm, ... of a vector, or "" of a scalar; unit (UDUNITS) and long_name of the values that
-    `evaluate` returns; columns: recorded series, as (variable, label), that it is computed from,
-    besides points and energies; along: the abscissa, if not time (margins: the opening of a hinge);
-    factors: of margins, (output torque, its factor), then (actuation factor, resistance factor,
-    class) by component.
-    """
+    name: its name; kind: type of response (key of KINDS); subjects: names of its points, hinge,
+    ...; component: x, y, z, norm, ... of a vector, "" of a scalar; unit (UDUNITS), long_name: of
+    the values that `evaluate` returns; columns: recorded series, as (variable, label), that it is
+    computed from, besides points and energies; along: the abscissa, if not time (margins: the
+    opening of a hinge); factors: of margins: (moment to deliver, its factor), then (actuation
+    factor, resistance factor, class) of each component; else ()."""
 
     name: str
     kind: str
@@ -53,7 +51,7 @@ class Response:
 
     @property
     def needs(self) -> tuple[Column, ...]:
-        """Columns, (variable, label), of the response that runs record on request alone."""
+        """Columns (variable, label) of the response that runs record only on request."""
         return tuple(column for column in self.columns if column[0] in VARIABLES)
 
     @property
@@ -66,33 +64,23 @@ class Response:
         return 0.0 if self.component == "norm" or positive is True or is_positive else None
 
     def evaluate(self, run: Curves) -> np.ndarray:
-        """Values (t,) of the response in one run (`run`: its recorded series), in `unit`; raises
+        """Return the response's values (t,), in `unit`, in one run (its recorded series); raises
         KeyError if the run did not record the columns in `needs`."""
         return KINDS[self.kind].values(self, run)
 
 
 def parse(name: str, definition: Mapping[str, Any], scene: Scene) -> Response:
-    """Make a response from its definition in a config.
+    """Return the response that a definition in a config states, with its unit and long name.
 
     Parameters
     ----------
-    name : str
-        Name of the response.
-    definition : mapping
-        One key that is a type (KINDS), and the further keys of this type (docs/responses.md).
-    scene : Scene
-        The scene whose points, hinges and bars the definition names.
-
-    Returns
-    -------
-    Response
-        With unit and long name.
+    name: its name.
+    definition: mapping with one key that is a type (KINDS), and further ones (docs/responses.md).
+    scene: the Scene whose points, hinges and bars the definition names.
 
     Raises
     ------
-    SceneError
-        For keys and values that are not allowed; it names them and what is.
-    """
+    SceneError: for keys and values that are not allowed; it names them and what is."""
     if not isinstance(definition, Mapping) or len(set(definition) & set(KINDS)) != 1:
         raise SceneError(f"responses.{name}", definition, f"exactly one of {', '.join(KINDS)}")
     kind = next(k for k in KINDS if k in definition)
@@ -112,8 +100,8 @@ def parse(name: str, definition: Mapping[str, Any], scene: Scene) -> Response:
 
 
 class Definition(NamedTuple):
-    """Definition of a response in a config: its name; its kind, the one key that is a type of
-    response (KINDS); `data`, all keys with their values; and the scene that it refers to."""
+    """Definition of a response in a config. name: its name; kind: its one key that is a type of
+    response (KINDS); data: all its keys with their values; scene: the scene that it refers to."""
 
     name: str
     kind: str
@@ -121,9 +109,9 @@ class Definition(NamedTuple):
     scene: Scene
 
     def one_of(self, choices: Iterable[str], key: str = "", value: object = None) -> str:
-        """Check that a value of the definition is among `choices`, and return it. key: of the
-        value, by default that of the type (`kind`); value: used in the place of the definition's,
-        if given. Raises SceneError with the choices if it is none of them."""
+        """Check that a value of the definition is among `choices`, and return it; raises SceneError
+        with the choices if it is not. key: of the value in the definition, "": its type's (`kind`);
+        value: the one to check, None: that of the key."""
         key, names = key or self.kind, list(choices)
         value = self.data[key] if value is None else value
         if not isinstance(value, str) or value not in names:
@@ -142,13 +130,13 @@ class Definition(NamedTuple):
 
     @property
     def variable(self) -> Variable:
-        """The variable of `fpm.reading.variables` (unit, words, columns) that has the name of the
-        definition's type; KeyError if none has."""
+        """The variable of `fpm.reading.variables` with the name of the definition's type; else
+        KeyError."""
         return VARIABLES[self.kind]
 
     def response(self, subjects: tuple[str, ...], component: str, *fields: Any) -> Response:
-        """Make the Response of this definition, with its name and kind. subjects: names of what it
-        is of; component: as "x", or ""; fields: the further fields of Response, in order."""
+        """Return the Response of this definition, with its name and kind. subjects: names of what
+        it is of; component: as "x", or ""; fields: the further fields of Response, in order."""
         return Response(self.name, self.kind, subjects, component, *fields)
 
 
@@ -226,8 +214,8 @@ def _latch(spec: Definition) -> Response:
 
 
 def parts_on(scene: Scene, hinge: str) -> list[str]:
-    """Kinds of what acts on a hinge in a scene, each once ("spring", "friction", ...: those that
-    its moment is divided into); hinge: its name."""
+    """Return the components of the moment on a hinge in a scene ("spring", "friction", ...), by the
+    elements that act on it, each once. hinge: its name."""
     index = [h.name for h in scene.hinges].index(hinge)
     acting = (kind for kind in kinds_of([scene]) if kind.acts_as)
     parts = (k.acts_as for k in acting for e in k.of(scene) if index in e.acts_on())
@@ -323,10 +311,10 @@ def _lost_energy(response: Response, run: Curves) -> np.ndarray:
 
 
 class ResponseType(NamedTuple):
-    """A type of response, as its key in a definition selects it from KINDS. read(definition): makes
-    the Response; values(response, run): its values (t,) in a run; mandatory, optional: further keys
-    of its definition; positive: whether values are never below 0 (a tuple: of which subjects);
-    shock: whether an impact makes values jump, so that mesh and step decide its peak."""
+    """A type of response, in the table KINDS. read(definition): returns the Response;
+    values(response, run): returns its values (t,) in a run; mandatory, optional: further keys of
+    its definition; positive: whether values are never below 0 (a tuple: of which subjects); shock:
+    whether an impact makes values jump, so that mesh and step decide its peak."""
 
     read: Callable[[Definition], Response]
     values: Callable[[Response, Curves], np.ndarray] = _of_columns

@@ -1,8 +1,7 @@
 """Which responses tell of forces that mesh and step alone decide, since nothing softens a shock.
 
 Two cases: a latch that holds exactly stops its joint within one step, and what is applied at once
-runs through elastic bars as a wave whose front is a few elements long, whatever their length.
-"""
+runs through elastic bars as a wave whose front is a few elements long, whatever their length."""
 
 import numpy as np
 
@@ -18,8 +17,8 @@ others follow from openings and their rates."""
 
 
 def doubt(scene: Scene, response: Response) -> str:
-    """Warning, as a sentence with the remedy, that peaks of a response do not converge with mesh
-    and step in a scene, since a latch or a sudden load gives a shock; "" where they do."""
+    """Return a warning, a sentence with the remedy, that peaks of a response do not converge with
+    mesh and step in a scene, since a latch or a sudden load gives a shock; "" where they do."""
     jumps = KINDS[response.kind].shock
     if response.kind in ("joint_moment", "joint_power"):
         jumps = response.subjects[1] in _HOLDING

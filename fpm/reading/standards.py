@@ -6,8 +6,7 @@ AIAA S-114 (2005) at second hand. All three are the same sum,
     margin = sum of d w+ / sum of r w- - 1 >= 0,
 
 w being virtual work per unit of travel, of what drives (w+) and what resists (w-), with factors d
-and r by its class and by the evidence for it. Kinetic energy is not counted in any.
-"""
+and r by its class and by the evidence for it. Kinetic energy is not counted in any."""
 
 from typing import NamedTuple
 
@@ -20,7 +19,7 @@ CLASSES = {
 
 
 class Standard(NamedTuple):
-    """Factors of a standard for torque margins. title; edition that the factors are of; drives:
+    """A standard for torque margins. title: its name; edition: that its factors are of; drives:
     factor of the moments that drive, by class (as "S" for springs), 0 where a class must not count;
     resists: factor of those that resist, by evidence ("theory", "measurement", ...) and class."""
 

@@ -25,8 +25,9 @@ from fpm.scenes.scene import Scene
 
 
 def torsion_stresses(width: float, height: float, J: float) -> tuple[float, float]:
-    """Largest shear stresses per torque (1/m³) of a solid rectangle (width, height in m) with
-    torsion constant J (m4): in the middles of the sides at y = ±width/2, and at z = ±height/2."""
+    """Return the largest shear stresses per torque (1/m³) of a solid rectangle: in the middles of
+    the sides at y = ±width/2, and at z = ±height/2. width, height: its sides (m); J: torsion
+    constant (m⁴)."""
     a, b = sorted((width / 2, height / 2))
     n = np.arange(1, 60, 2)
     argument = np.minimum(n * np.pi * b / (2 * a), 500.0)  # beyond, cosh overflows
@@ -39,8 +40,8 @@ def torsion_stresses(width: float, height: float, J: float) -> tuple[float, floa
 
 
 def equivalent(section: Section, force: np.ndarray, moment: np.ndarray) -> np.ndarray:
-    """Largest equivalent stress (...,) Pa (von Mises) over the contour of a section under forces
-    (..., 3) N and moments (..., 3) N m, along and about its own axes: x along the bar, y, z."""
+    """Return the largest equivalent stress (...), Pa (von Mises), over the contour of a section.
+    force, moment (..., 3): N and N m, along and about its own axes: x along the bar, y, z."""
     normal = np.abs(force[..., 0]) / section.A
     torque, about_y, about_z = np.abs(np.moveaxis(moment, -1, 0))
     y, z = half_sizes(section)
@@ -57,13 +58,15 @@ def equivalent(section: Section, force: np.ndarray, moment: np.ndarray) -> np.nd
 
 
 def von_mises(normal: np.ndarray, shear: np.ndarray) -> np.ndarray:
-    """Equivalent stress (Pa) by von Mises of a normal and a shear stress (Pa), arrays (...)."""
+    """Return the equivalent stress (Pa) by von Mises of normal and shear stress (Pa), both
+    (...)."""
     return np.sqrt(normal**2 + 3.0 * shear**2)
 
 
 def element_stress(scene: Scene, groups: Iterable[Beams], place, axes) -> np.ndarray:
-    """Largest equivalent stress (t, m) Pa (von Mises) in each of the m beam elements of all groups,
-    at either end; place(particle), axes(particle): its positions (t, 3) m, frames (t, 3, 3)."""
+    """Return the largest equivalent stress (t, m) Pa (von Mises) in each of the m beam elements of
+    all groups, at either end; place(particle), axes(particle): its positions (t, 3) m, frames (t,
+    3, 3)."""
     stresses = []
     for beams in groups:
         force, moment = sections(scene, beams, place, axes)

@@ -2,8 +2,7 @@
 
 Each variable has columns along a dimension of its own in a trajectory file; a column's label says
 of what it is: a name, and the part of it (an axis, a component, who acts) where there are several.
-A request names columns, as (variable, label).
-"""
+A request names columns, as (variable, label)."""
 
 from collections.abc import Callable, Iterable, Sequence
 from copy import copy
@@ -36,16 +35,14 @@ LED_FROM = " led "  # between an opening and its travel
 
 
 class Variable(NamedTuple):
-    """A variable that runs record on request: unit (UDUNITS), words, and the source of its values.
-
-    names(scene): names of items that it may be recorded of; parts: components of each, as "x";
-    probe(scene, name): what the time loop has to record for it; values(recording, name): (t,), or
-    (t, parts). form: how a definition of a response names a column (key of
-    `fpm.reading.responses.FORMS`), "" if there is no response of that name. shock: whether an
-    impact makes it jump (`fpm.reading.shocks`); positive: whether it is never below 0; along: end
-    of the name of its dimension of labels in files; separator: text in a label after which the
-    item's name ends; time_dim: the dimension of its values.
-    """
+    """A variable that runs record on request. unit (UDUNITS), long_name: of its values;
+    names(scene): returns names of items that it may be recorded of; probe(scene, name): returns
+    what the time loop has to record for an item; values(recording, name): returns (t,), or (t,
+    parts); parts: components of each item, as "x". form: how a definition of a response names a
+    column (key of `fpm.reading.responses.FORMS`), "": there is no response of that name; shock:
+    whether an impact makes it jump (`fpm.reading.shocks`); positive: whether it is never below 0;
+    along: end of the name of its dimension of labels in files; separator: text in a label after
+    which the item's name ends, "": none; time_dim: name of the dimension of its values."""
 
     unit: str
     long_name: str
@@ -61,9 +58,9 @@ class Variable(NamedTuple):
     time_dim: str = "time"
 
     def labels(self, scene: Scene) -> list[str]:
-        """Labels of the columns that a scene has of this variable, such as "tip x": item and
-        component. Of sections of bars only those in the middle, as there is one at any distance; of
-        sweeps of openings none, for the same reason."""
+        """Return the labels of the columns that a scene has of this variable, such as "tip x": item
+        and component. Of sections of bars only those in the middle, as there is one at any
+        distance; of travels of openings none, for the same reason."""
         if self.separator == LED_FROM:
             return []
         place = f"{PLACE}0.5" if self.form == "section" else ""
@@ -71,13 +68,13 @@ class Variable(NamedTuple):
         return [f"{name} {part}" for name in names for part in self.parts] if self.parts else names
 
     def split(self, label: str) -> tuple[str, str]:
-        """Split the label of a recorded column, such as `hinge1 spring`, at its last space into the
-        item's name and the component, one of `parts`. A variable without components has the name
-        alone as label; then the component is ""."""
+        """Split the label of a recorded column, such as "hinge1 spring", into the item's name and
+        its component, one of `parts`, by the last space; "" if the variable has none."""
         return label.rpartition(" ")[::2] if self.parts else (label, "")
 
     def column(self, recording: Recording, label: str) -> np.ndarray:
-        """Values (t,), in `unit`, of a column of a run; label: item and component, as "tip x"."""
+        """Return the values (t,), in `unit`, of a column of a run. recording: what the time loop
+        recorded of it; label: item and component, as "tip x"."""
         name, part = self.split(label)
         values = self.values(recording, name)
         return values[:, self.parts.index(part)] if self.parts else values
@@ -295,8 +292,9 @@ VARIABLES = {
 
 
 def prepared(scene: Scene, columns: Iterable[Column]) -> Scene:
-    """Copy of a scene with the probe, the element that makes the time loop store `columns`, pairs
-    (variable, label); the scene if there are none. SceneError for a column it does not have."""
+    """Return a copy of a scene with the probe, the element that makes the time loop record
+    `columns`, pairs (variable, label); the scene itself if there are none. SceneError for unknown
+    ones."""
     columns = list(columns)
     if not columns:
         return scene
@@ -324,8 +322,8 @@ def prepared(scene: Scene, columns: Iterable[Column]) -> Scene:
 
 
 def numbers(scene: Scene, columns: Iterable[Column]) -> int:
-    """Number of floating-point values that the time loop stores per run and instant of a scene to
-    record `columns`, pairs (variable, label)."""
+    """Return how many floating-point values the time loop stores at each instant of a run of a
+    scene to record `columns`, pairs (variable, label)."""
     from fpm.elements.particles import probe_kernels
 
     probe = Probe.of_scene(prepared(scene, columns))
@@ -336,8 +334,8 @@ def numbers(scene: Scene, columns: Iterable[Column]) -> int:
 
 
 def recorded(recording: Recording, columns: Iterable[Column]) -> dict[str, Series]:
-    """Read `columns`, pairs (variable, label), off what the time loop recorded of a run: by
-    variable a Series, whose values (t, labels) can be written to the trajectory file."""
+    """Return what was recorded of a run in the form of trajectory files: a Series by variable,
+    values (t, labels). recording: what the time loop recorded; columns: pairs (variable, label)."""
     series = {}
     for name, labels in _by_variable(columns).items():
         variable = VARIABLES[name]
@@ -353,7 +351,7 @@ def recorded(recording: Recording, columns: Iterable[Column]) -> dict[str, Serie
 
 
 def words(columns: Iterable[Column]) -> str:
-    """Write `columns`, pairs (variable, label), in words, for messages: "velocity of a, b; ..."."""
+    """Return `columns`, pairs (variable, label), in words for messages: "velocity of a, b; ..."."""
     return "; ".join(
         f"{name.replace('_', ' ')} of {', '.join(labels)}"
         for name, labels in _by_variable(columns).items()

@@ -3,8 +3,7 @@
 Costs are those of eight runs side by side, in nanoseconds, as measured where a register holds 256
 bits (an AMD EPYC without 512), and right to a factor of two or so; `machine` is what they have to
 be multiplied with here. Joints that are solved together are counted out, as it depends on how they
-are coupled: twenty joints on one body cost far more than twenty in a chain.
-"""
+are coupled: twenty joints on one body cost far more than twenty in a chain."""
 
 from __future__ import annotations
 
@@ -17,10 +16,10 @@ from fpm.elements.kind import ElementType
 from fpm.scenes.scene import Scene
 
 STEP = 400.0
-"""Of a step, whatever is in it."""
+"""Cost (ns) of a step, whatever is in it."""
 
 INSTANT = 4000.0
-"""Of an instant that is recorded, with the check of the balance."""
+"""Cost (ns) of an instant that is recorded, with the check of the balance."""
 
 PARTICLE, ELEMENT, DAMPED, VISCOUS = 25.0, 105.0, 6.0, 20.0
 """Of a particle, as a rigid body; of a beam element with one of its particles; of the damping of a
@@ -33,10 +32,10 @@ KIND_COSTS: dict[str, float] = {
     "Drive": 100.0, "Support": 60.0, "Turn": 200.0, "RigidLatch": 100.0, "RigidRelease": 100.0,
     "RigidMotor": 100.0, "RigidFriction": 100.0,
 }  # fmt: skip
-"""Of an element by its kind: hinges solved alone, and what acts on an opening, as a rule."""
+"""Cost (ns) of an element by its type: hinges solved alone, what acts on an opening."""
 
 DEFAULT_COST = 100.0
-"""Of an element of a kind that is not among them."""
+"""Cost (ns) of an element of a type that is not among them."""
 
 STRETCH, RUBBING = 60.0, 300.0
 """Of a cable's stretch between two points; the same with friction at its points."""
@@ -56,14 +55,14 @@ COMPILE, COMPILE_KIND, COMPILE_JOINTS = 4.0, 1.0, 4.0
 
 
 def compile_seconds(scene: Scene) -> float:
-    """Estimate the seconds to compile a scene's time loop, once for its element types on a
-    machine."""
+    """Return an estimate of the time (s) to compile a scene's time loop, once on a machine for its
+    set of element types."""
     return COMPILE + sum(COMPILE_JOINTS if k is Joint else COMPILE_KIND for k in kinds_of([scene]))
 
 
 def step_seconds(scene: Scene) -> float:
-    """Estimate the core time (s) of one time step of eight runs of a scene side by side, on a
-    machine with 256-bit vector units; times `machine()` on this one."""
+    """Return an estimate of the core time (s) of one time step of eight runs of a scene side by
+    side, on a machine with 256-bit vector units; times `machine()` on this one."""
     cost = STEP
     elements = sum(len(beams.length) for beams in scene.beams)
     on_beams = {int(p) for beams in scene.beams for p in np.unique(beams.nodes)}
@@ -74,9 +73,9 @@ def step_seconds(scene: Scene) -> float:
 
 
 def run_seconds(scene: Scene, steps: int, instants: int) -> float:
-    """Estimate the core time (s) of one run of a scene, an eighth of eight computed side by side,
-    on a machine with 256-bit vector units. steps, instants: numbers of time steps and recorded
-    instants."""
+    """Return an estimate of the core time (s) of one run of a scene, an eighth of eight computed
+    side by side, on a machine with 256-bit vector units; times `machine()` on this one. steps,
+    instants: numbers of time steps and of recorded instants."""
     packing = PACKING + PER_STATEMENT * sum(map(len, scene.kinds.values()))
     return (steps * step_seconds(scene) + instants * 1e-9 * INSTANT) / 8 + packing
 
@@ -102,11 +101,10 @@ def _of_kind(kind: type[ElementType], scene: Scene) -> float:
 
 
 def elimination_of(scene: Scene) -> tuple[int, float]:
-    """Size of the equations of all joints of a scene that are solved together: number of their
-    scalar constraints, and of multiply-adds to eliminate them in one time step.
-
-    A joint of c constraints takes c³/6 for its own block, c² d/2 for those below it and c d²/2 for
-    those of the d constraints of joints that it is coupled to when its turn comes."""
+    """Return the number of scalar constraints of all joints of a scene that are solved together,
+    and of multiply-adds to eliminate them in one time step. A joint of c constraints takes c³/6 for
+    its own block, c² d/2 for those below it and c d²/2 for those of the d constraints of joints
+    that it is coupled to when its turn comes."""
     from fpm.elements.joints.joint_pattern import elimination, neighbours
 
     joints = Joint.of(scene)
@@ -122,8 +120,8 @@ def elimination_of(scene: Scene) -> tuple[int, float]:
 
 @cache
 def machine() -> float:
-    """Factor from core times on a machine with 256-bit vector units to those on this one: 1/2.9
-    (measured) with 512 bits, 2 below 256."""
+    """Return the factor from core times on a machine with 256-bit vector units to those on this
+    one: 1/2.9 (measured) with 512 bits, 2 below 256."""
     from llvmlite.binding import get_host_cpu_features
 
     has = get_host_cpu_features()

@@ -1,8 +1,7 @@
 """A scene: particles and the elements between them, at their starting state.
 
 A scene describes one sample. Scenes that differ only in numbers can run side by side (simulate.py).
-Everything is in SI units; positions, directions and loads are given in global axes at the start.
-"""
+Everything is in SI units; positions, directions and loads are given in global axes at the start."""
 
 import math
 from collections import Counter
@@ -36,8 +35,8 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class Link:
-    """A straight bar as it was added to a scene: `particles` (n,), their indices from start to end,
-    and its axes `triad` (3, 3), as columns."""
+    """A straight bar as it was added to a scene. particles (n,): their indices from start to end;
+    triad (3, 3): its axes as columns, global, the first along it."""
 
     particles: np.ndarray
     triad: np.ndarray
@@ -68,23 +67,18 @@ def _elements(kind: type[ElementType]) -> property:
 class Scene:
     """Particles of one sample at their start, and the elements between and on them.
 
-    Arrays of its n particles: position (n, 3) m; frame (n, 3, 3), own axes as columns; velocity
-    (n, 3) m/s; spin (n, 3) rad/s; mass (n,) kg; inertia (n, 3) kg m²; fixed (n, 6), held
-    translations and rotations. kinds: lists of elements by element type (fpm/elements); curves:
-    list of (times (s), values); points: named ones, for responses; supports: those held or driven;
-    bodies: particle of each named rigid body; unstrained, unstrained_position: frames and positions
-    before fpm.assembly strained the scene, None: as they are; assembly: what that did, or None.
+    Arrays of its n particles: position (n, 3) m; frame (n, 3, 3), own axes as columns; velocity (n,
+    3) m/s; spin (n, 3) rad/s; mass (n,) kg; inertia (n, 3) kg m²; fixed (n, 6), held translations
+    and rotations. kinds: lists of elements by element type (fpm/elements); curves: list of (times
+    (s), values); points: named ones, for responses; supports: those held or driven; bodies:
+    particle of each named rigid body; unstrained, unstrained_position: frames and positions before
+    fpm.assembly strained the scene, None: as they are; assembly: what that did, or None.
 
     Parameters
     ----------
-    name : str
-        Name in messages.
-    gravity : (3,) array
-        Acceleration of gravity (m/s²), in global axes.
-    damping : float
-        Mass-proportional damping rate (1/s): the force on a particle is
-        -damping * mass * velocity; rotations are damped alike.
-    """
+    name: its name in messages.
+    gravity: acceleration of gravity (3,), m/s², in global axes.
+    damping: rate (1/s) of mass-proportional damping: force -rate mass velocity; rotations alike."""
 
     def __init__(self, name: str = "scene", gravity=(0.0, 0.0, 0.0), damping: float = 0.0):
         self.name = name
@@ -155,22 +149,15 @@ class Scene:
 
         Parameters
         ----------
-        position : (n, 3) or (3,) array
-            Positions (m).
-        mass : (n,) array or float
-            Masses (kg), above 0.
-        inertia : (n, 3) array
-            Principal moments of inertia (kg m²) about the particles' own axes, above 0.
-        frame : (3, 3) or (n, 3, 3) array, optional
-            The particles' own axes as columns; by default the global axes.
-        velocity, spin : (n, 3) array or float
-            Velocities (m/s) and angular velocities (rad/s) at the start, in global axes.
+        position: positions (m), (n, 3), or (3,) for one.
+        mass: masses (kg), (n,) or one for all, above 0.
+        inertia: principal moments of inertia (kg m²), own axes, (n, 3) or one for all, above 0.
+        frame: own axes as columns, (n, 3, 3) or (3, 3) for all; None: the global axes.
+        velocity, spin: at the start (m/s, rad/s), global, (n, 3) or one for all.
 
         Raises
         ------
-        SceneError
-            For masses that are not positive, and frames that are no rotations.
-        """
+        SceneError: for masses that are not positive, and frames that are no rotations."""
         position = np.atleast_2d(np.asarray(position, float))
         first, n = len(self.position), len(position)
         mass, inertia = _rows(mass, n), _rows(inertia, n, 3)
@@ -196,17 +183,10 @@ class Scene:
 
         Parameters
         ----------
-        nodes : (m, 2) array
-            Indices of the particles at both ends.
-        section : Section
-            Cross-section of all elements.
-        material : Material
-            Material of all elements.
-        normal : (3,) or (m, 3) array
-            A vector in the plane of the chord and the section's local z axis.
-        name : str
-            Prefix of the elements' names.
-        """
+        nodes: indices of the particles at both ends, (m, 2).
+        section, material: of all elements (Section, Material).
+        normal: vector in the plane of the chord and the section's local z axis, (3,) or (m, 3).
+        name: prefix of the elements' names."""
         self.add(Beams.create(self, nodes, section, material, normal, name))
 
     def add_link(
@@ -227,21 +207,12 @@ class Scene:
 
         Parameters
         ----------
-        start, end : (3,) array
-            Ends of the bar (m).
-        normal : (3,) array
-            A vector in the plane of the bar and its section's local z axis.
-        section : Section
-            Cross-section.
-        material : Material
-            Material.
-        elements : int
-            Number of beam elements, at least 1.
-        name : str
-            Prefix of the elements' names.
-        inertia_scale : float
-            Factor, at least 1, on the section's rotational inertia.
-        """
+        start, end: ends of the bar (3,), m, global.
+        normal: vector (3,) in the plane of the bar and its section's local z axis.
+        section, material: of the bar (Section, Material).
+        elements: number of beam elements, at least 1.
+        name: prefix of the elements' names.
+        inertia_scale: factor, at least 1, on the section's rotational inertia."""
         start, end = np.asarray(start, float), np.asarray(end, float)
         chord = end - start
         length = size(chord)
@@ -267,48 +238,32 @@ class Scene:
 
         Parameters
         ----------
-        name : str
-            Name, which no other joint has.
-        particles : (int, int)
-            Indices of the first and the second particle.
-        point : (3,) array
-            Position of the hinge (m).
-        axis : (3,) array
-            Direction of the axis.
-        references : two (3,) arrays, optional
-            Vectors at the start, fixed to the first and the second particle and normal to the axis;
-            the opening is the angle from the first to the second. Without them the opening at
-            the start is `opening`.
-        opening : float
-            Opening (rad) at the start; with references, tells which of those 2 pi apart is meant.
-        support : str
-            Global axes along which the hinge point is held: "", "z", "xyz".
-        """
+        name: its name, which no other joint has.
+        particles: indices of the first and the second particle.
+        point: position of the hinge (3,), m, global.
+        axis: direction of the axis (3,), global.
+        references: two directions (3,) at the start, normal to the axis, fixed to the particles;
+            the opening is the angle from the first to the second. None: the opening is `opening`.
+        opening: opening (rad) at the start; with references, which of those 2 pi apart is meant.
+        support: global axes along which the hinge point is held: "", "z", "xyz"."""
         return self.add(
             Hinge.create(self, name, particles, point, axis, references, opening, support)
         )
 
     def add_joint(self, name, type, particles, point, axis=(1, 0, 0), axis2=None) -> int:
-        """Join two particles by a joint that is no hinge; returns its index.
+        """Join two particles by a joint that is no hinge; returns its index among the joints.
 
         `point` may be (2, 3), one for each particle, if `fpm.assembly` brings them together.
 
         Parameters
         ----------
-        name : str
-            Name, which no other joint has.
-        type : str
-            "spherical"; "fixed"; "universal", about `axis` of the first and `axis2` of the second
+        name: its name, which no other joint has.
+        type: "spherical"; "fixed"; "universal", about `axis` of the first and `axis2` of the second
             particle; "prismatic", where the second slides on the first along `axis`.
-        particles : (int, int)
-            Indices of the first and the second particle.
-        point : (3,) array
-            Position of the joint (m).
-        axis : (3,) array
-            Direction of the axis.
-        axis2 : (3,) array, optional
-            Of a universal joint: the axis on the second particle, normal to `axis`.
-        """
+        particles: indices of the first and the second particle.
+        point: position of the joint (3,), m, global.
+        axis: direction of the axis (3,), global.
+        axis2: of a universal joint, the axis on the second particle (3,), normal to `axis`."""
         return self.add(Joint.create(self, name, type, particles, point, axis, axis2))
 
     def add_slide(self, name, particles, point, axis, opening: float = 0.0) -> int:
@@ -319,17 +274,11 @@ class Scene:
 
         Parameters
         ----------
-        name : str
-            Name, which no other joint has.
-        particles : (int, int)
-            Indices of the first and the second particle.
-        point : (3,) array
-            Position of the joint (m).
-        axis : (3,) array
-            Direction of the slide, in which the opening grows.
-        opening : float
-            Opening (m) at the start.
-        """
+        name: its name, which no other joint has.
+        particles: indices of the first and the second particle.
+        point: position of the joint (3,), m, global.
+        axis: direction of the slide (3,), global, in which the opening grows.
+        opening: opening (m) at the start."""
         return self.add(Joint.slide(self, name, particles, point, axis, opening))
 
     def add_universal(self, name, particles, point, axis, axis2, openings=(0.0, 0.0)) -> int:
@@ -342,17 +291,11 @@ class Scene:
 
         Parameters
         ----------
-        name : str
-            Name, which no other joint has.
-        particles : (int, int)
-            Indices of the first and the second particle.
-        point : (3,) array
-            Position of the joint (m).
-        axis, axis2 : (3,) array
-            Axes on the first and on the second particle, normal to each other.
-        openings : (float, float)
-            Both openings (rad) at the start.
-        """
+        name: its name, which no other joint has.
+        particles: indices of the first and the second particle.
+        point: position of the joint (3,), m, global.
+        axis, axis2: axes on the first and on the second particle (3,), normal to each other.
+        openings: both openings (rad) at the start."""
         hinges = Joint.universal(self, name, particles, point, axis, axis2, openings)
         return min(self.add(hinge) for hinge in hinges)
 
@@ -363,15 +306,10 @@ class Scene:
 
         Parameters
         ----------
-        name : str
-            Name, which no other joint has.
-        particle : int
-            Index of the particle.
-        point : (3,) array
-            Position of the point (m) at the start.
-        axes : str
-            Global axes along which it is held, as "z" or "xy".
-        """
+        name: its name, which no other joint has.
+        particle: index of the particle.
+        point: position of the point (3,), m, at the start.
+        axes: global axes along which it is held, as "z" or "xy"."""
         return self.add(Joint.holding(self, name, int(particle), point, axes))
 
     def add_torsion_spring(self, hinge: int, stiffness: float, rest: float = 0.0) -> None:
@@ -379,17 +317,13 @@ class Scene:
 
         Parameters
         ----------
-        hinge
-            Index of the hinge or slide.
-        stiffness
-            N m/rad, above 0; on a slide N/m.
-        rest
-            Opening (rad) without moment; on a slide m.
-        """
+        hinge: index of the hinge or slide.
+        stiffness: N m/rad, above 0; on a slide N/m.
+        rest: opening (rad) without moment; on a slide m."""
         self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
 
     def add_contact(self, hinge: int, stiffness: float) -> None:
-        """Add a contact to a hinge (index): faces that resist openings below 0, `stiffness` in N
+        """Add a contact to a hinge (index): faces that resist openings below 0. stiffness: N
         m/rad."""
         self.add(Contact(int(hinge), float(stiffness)))
 
@@ -400,23 +334,14 @@ class Scene:
 
         Parameters
         ----------
-        name : str
-            Name.
-        points : sequence of (int, (3,) array or None)
-            Particles (indices), and positions of the points on them (m); None: the particle itself.
-        EA : float
-            Axial stiffness (N), above 0.
-        rest : float, optional
-            Unstrained length (m); this or `preload`.
-        preload : float, optional
-            Tension (N) at the start; this or `rest`.
-        reel : float
-            Length (m) that a winch at the first point takes in where its curve is 1.
-        curve : int
-            Index of the winch's curve of time; -1: none.
-        friction : float, optional
-            Coefficient of friction at the points between the ends; None: they turn freely.
-        """
+        name: its name, which no other cable has.
+        points: pairs of a particle's index and a position (3,), m, on it, None: the particle's.
+        EA: axial stiffness (N), above 0.
+        rest: unstrained length (m); this or `preload`.
+        preload: tension (N) at the start; this or `rest`.
+        reel: length (m) that a winch at the first point takes in where its curve is 1.
+        curve: index of the winch's curve of time; -1: none.
+        friction: coefficient of friction at the points between the ends; None: they turn freely."""
         return self.add(Cable.create(self, name, points, EA, rest, preload, reel, curve, friction))
 
     # -- supports, loads, drives, points ------------------------------------------------------
@@ -429,17 +354,15 @@ class Scene:
 
         Parameters
         ----------
-        particles : int or sequence of int
-            Indices of the particles.
-        translations, rotations : str
-            Global axes along and about which they are held: letters of "xyz".
+        particles: index of one or indices of several.
+        translations, rotations: global axes along and about which they are held: letters of "xyz".
         """
         self.add(Support(tuple(np.atleast_1d(particles)), translations, rotations))
 
     def add_curve(self, times: Sequence[float], values: Sequence[float]) -> int:
         """Add a piecewise linear curve of time; returns its index. times: of its points (s),
         increasing; values: at them, in the unit of what refers to the curve, constant before the
-        first and after the last. SceneError for times that do not increase, or another number of
+        first and after the last. SceneError for times that do not increase, or not as many
         values."""
         times, values = np.asarray(times, float), np.asarray(values, float)
         if times.shape != values.shape or times.ndim != 1 or np.any(np.diff(times) <= 0):
@@ -452,16 +375,10 @@ class Scene:
 
         Parameters
         ----------
-        particle : int
-            Index of the particle.
-        force, moment : (3,) array
-            Force (N) and moment (N m), in global axes.
-        arm : (3,) array
-            Vector (m) from the particle to where the force acts, at the start; it is fixed to the
-            particle.
-        curve : int
-            Index of the curve of time that scales both; -1: constant.
-        """
+        particle: index of the particle.
+        force, moment: force (3,), N, and moment (3,), N m, in global axes.
+        arm: vector (3,), m, from the particle to where the force acts, at the start; fixed to it.
+        curve: index of the curve of time that scales both; -1: constant."""
         frame = self.frame if self.unstrained is None else self.unstrained
         beam = VirtualBeam(int(particle), frame[particle].T @ np.asarray(arm, float))
         self.add(Load(beam, np.asarray(force, float), np.asarray(moment, float), int(curve)))
@@ -473,13 +390,9 @@ class Scene:
 
         Parameters
         ----------
-        particle : int
-            Index of the particle.
-        velocity, spin : (3,) array
-            Velocity (m/s) and angular velocity (rad/s), in global axes.
-        curve : int
-            Index of the curve of time that scales both; -1: constant.
-        """
+        particle: index of the particle.
+        velocity, spin: velocity (3,), m/s, and angular velocity (3,), rad/s, in global axes.
+        curve: index of the curve of time that scales both; -1: constant."""
         velocity, spin = np.asarray(velocity, float), np.asarray(spin, float)
         self.add(Drive(int(particle), velocity, spin, int(curve)))
 
@@ -488,21 +401,17 @@ class Scene:
 
         Parameters
         ----------
-        name
-            Not yet in use, else SceneError is raised.
-        particle
-            Index of the particle, whose rotation the point follows.
-        position
-            Where the point is at the start, (3,) m; None: at the particle.
-        """
+        name: not yet in use, else SceneError is raised.
+        particle: index of the particle, whose rotation the point follows.
+        position: where the point is at the start (3,), m; None: at the particle."""
         if name in self.points:
             raise SceneError("point", name, f"a name not yet used ({', '.join(self.points)})")
         self.points[name] = self.arm_to(int(particle), position)
 
     def arm_to(self, particle: int, point=None) -> VirtualBeam:
-        """Rigid offset, a VirtualBeam, from a particle (index) to a point that moves with it.
-        point: its position (3,) at the start, m; None: the particle's. In a scene that was
-        assembled, both are positions before that."""
+        """Return the rigid arm (VirtualBeam) from a particle (its index) to a point that moves with
+        it. point: position (3,) at the start, m; None: the particle's. In a scene whose parts were
+        forced together (fpm.assembly), both are positions before that."""
         position, frame = (
             value if unstrained is None else unstrained
             for value, unstrained in (

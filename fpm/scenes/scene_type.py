@@ -13,7 +13,7 @@ from fpm.scenes.scene import Scene
 
 
 def one_line(text: str) -> str:
-    """Make one line without control characters of a text, as comments and tables need it."""
+    """Return a text as one line without control characters, as comments and tables need it."""
     return "".join(c for c in " ".join(text.split()) if c.isprintable())
 
 
@@ -23,17 +23,11 @@ class Parameter:
 
     Attributes
     ----------
-    default
-        Value in `unit`; None: it follows from other parameters.
-    unit
-        As UDUNITS spells it, "1" for pure numbers.
-    description
-        One line for people.
-    lower, upper
-        Least and largest allowed value, in `unit`.
-    kind
-        "real" or "integer"; only real ones may be intervals.
-    """
+    default: value in `unit`; None: it follows from other parameters.
+    unit: as UDUNITS spells it, "1" for pure numbers.
+    description: one line for people.
+    lower, upper: least and largest allowed value, in `unit`.
+    kind: "real" or "integer"; only real ones may be intervals."""
 
     default: float | int | None
     unit: str
@@ -58,7 +52,8 @@ class Parameter:
         return " ".join([noun, " and ".join(bounds)]).strip() + unit
 
     def check(self, name: str, value: object) -> None:
-        """Raise SceneError if a value, in `unit`, is not allowed; name: the parameter's."""
+        """Check a value of the parameter, in its `unit`; raises SceneError if it is not allowed.
+        name: the parameter's, for the message; value: None is allowed where the default is None."""
         if value is None and self.default is None:
             return
         right = isinstance(value, int | float) and not isinstance(value, bool)
@@ -74,21 +69,13 @@ class SceneType:
 
     Attributes
     ----------
-    name, description
-        Its name in configs, and one line for people.
-    parameters
-        Definitions (Parameter) by name.
-    points, hinges, cables
-        Names that responses may refer to.
-    function
-        Function that builds the Scene from all parameters, given by keyword.
-    values
-        Values of parameters, by name, at which `sample` is built.
-    mesh
-        Name of the parameter that sets the mesh, or None.
-    content
-        Digest of the structure's own files, hexadecimal.
-    """
+    name, description: its name in configs, and one line for people.
+    parameters: definitions (Parameter) by name.
+    points, hinges, cables: names that responses may refer to.
+    function: builds the Scene from all parameters, given by keyword.
+    values: values of parameters, by name, at which `sample` is built.
+    mesh: name of the parameter that sets the mesh, or None.
+    content: digest of the structure's own files, hexadecimal."""
 
     name: str
     description: str
@@ -103,7 +90,7 @@ class SceneType:
 
     @cached_property
     def sample(self) -> Scene:
-        """Scene built at `values` (once): its points, hinges and elements have the names of every
+        """Scene built at `values`, once: its points, hinges and elements have the names of every
         scene of the structure, as no parameter changes them."""
         return self.build(**self.values)
 
@@ -119,16 +106,15 @@ class SceneType:
 
     @property
     def digest(self) -> str:
-        """Digest of what decides the numbers of this structure's runs, 16 hexadecimal digits: the
-        mechanics' code and the structure's content. Raises ChangedError where the code is no longer
-        that which was imported."""
+        """Digest (16 hex digits) of what decides the numbers of this structure's runs: the
+        mechanics' code and the structure's content. Raises ChangedError where code files changed
+        since they were imported."""
         content = f"{sources.mechanics()} {self.content}"
         return hashlib.sha256(content.encode()).hexdigest()[:16]
 
     def build(self, **parameters) -> Scene:
-        """Build the scene at values of parameters by name, in their units; others take their
-        defaults. Raises SceneError for unknown names, values that are not allowed, and parts that
-        do not fit."""
+        """Return the scene at values of parameters, by keyword in their units; others take their
+        defaults. Raises SceneError for wrong names and values, and parts that do not fit."""
         for name, value in parameters.items():
             if name not in self.parameters:
                 raise SceneError(

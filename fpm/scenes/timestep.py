@@ -19,8 +19,7 @@ count as springs of 4 C/h. A mode z^n u, with a = h u*Cu and b = h² u*Ku for u*
 
 On the unit circle, z = exp(i q), the imaginary part is a sin q (2 - cos q), which leaves z = -1,
 where b + 4 a = 4. Below that all modes decay (they do for small a, and roots move with a and b),
-and that is so if the largest eigenvalue of K + 4 C/h is below 4/h².
-"""
+and that is so if the largest eigenvalue of K + 4 C/h is below 4/h²."""
 
 from typing import NamedTuple
 
@@ -32,15 +31,15 @@ from fpm.elements.particles.turning import turns_of
 from fpm.scenes.scene import Scene
 
 SAFETY = 0.9
-"""Share of the stable step that is taken where no step is given."""
+"""Share of the stable step that is taken as time step where none is given."""
 
 DENSE = 100
 """Up to this many degrees of freedom the eigenvalue problem is solved as a full matrix."""
 
 
 class StableStep(NamedTuple):
-    """Stability limit of a scene. step: largest stable time step (s), inf: no limit; frequency:
-    highest angular frequency (rad/s); element: name of the one with most energy in its mode."""
+    """Stability limit of a scene. step: largest stable time step (s), inf: no limit; frequency: its
+    highest angular frequency (rad/s); element: name of the one with most energy in that mode."""
 
     step: float
     frequency: float
@@ -50,9 +49,9 @@ class StableStep(NamedTuple):
 def deformation_modes(
     scene: Scene, step: float = np.inf
 ) -> tuple[Deformations, np.ndarray, list[str]]:
-    """Deformations of all elements of a scene at the start: r rows (Deformations), index (r,) of
-    each row's element type among those of the scene, and all elements' names. step (s): if finite,
-    dampers C count too, as springs of stiffness 4 C/step."""
+    """Return how all elements of a scene are strained at the start: r springs (Deformations), index
+    (r,) of each spring's element type among those of the scene, and all elements' names. step (s):
+    if finite, dampers C count too, as springs of stiffness 4 C/step."""
     blocks, kind_of, names = [], [], []
     for number, kind in enumerate(kinds_of([scene])):
         parts = [kind.deformations(scene)]
@@ -72,10 +71,10 @@ def deformation_modes(
 
 
 def scaled_modes(scene: Scene):
-    """Scaled deformation matrix K^1/2 D M^-1/2 (r, dofs), sparse, of a scene with its hinges cut,
-    for its frequencies: its singular values are the angular frequencies (rad/s). Rows: deformations
-    D of elements, of stiffnesses K; columns: six degrees of freedom of each particle. Returns also
-    the index (r,) of each row's element, and inverse masses and inertias (dofs,), 0 where held."""
+    """Return three arrays for the frequencies of a scene with its hinges cut: a sparse matrix K^1/2
+    D M^-1/2 (r, dofs), whose singular values are the angular frequencies (rad/s); index (r,) of
+    each row's element; inverse masses and inertias (dofs,), 0 where held. Rows: deformations D of
+    elements, of stiffnesses K; columns: six degrees of freedom of each particle, of masses M."""
     deformations = deformation_modes(scene)[0]
     return _scaled(scene, deformations)
 
@@ -96,9 +95,9 @@ def _scaled(scene: Scene, deformations: Deformations):
 
 
 def fastest(modes) -> tuple[float, np.ndarray]:
-    """Highest frequency of a scaled deformation matrix `modes` (r, dofs), sparse, as `scaled_modes`
-    makes it: square of the angular frequency (rad²/s²), and the part of it that each row
-    contributes (r,), in proportion to its strain energy in that mode."""
+    """Return the square of the highest angular frequency (rad²/s²) of a scaled deformation matrix,
+    and the part of it (r,) that each row contributes, in proportion to its strain energy in that
+    mode. modes (r, dofs): sparse matrix, as `scaled_modes` returns it."""
     if modes.shape[0] == 0 or modes.nnz == 0:
         return 0.0, np.zeros(modes.shape[0])
     matrix = modes.T @ modes
@@ -113,11 +112,10 @@ def fastest(modes) -> tuple[float, np.ndarray]:
 
 
 def stable_step(scene: Scene) -> StableStep:
-    """Largest stable time step of a scene at its start, before any safety factor: 2/ω of its
-    highest angular frequency ω.
-
-    Returns a StableStep. A scene without stiffness (free bodies) has no limit: infinity, frequency
-    0, element "none". With dampers the limit is approached from below, to 1 %."""
+    """Return the largest stable time step of a scene at its start (StableStep), before any safety
+    factor: 2/ω of its highest angular frequency ω. A scene without stiffness (free bodies) has no
+    limit: infinity, frequency 0, element "none". With dampers the limit is found to 1 %, from
+    below."""
     limit = _limit(scene)
     if all(kind.dampings(scene) is None for kind in kinds_of([scene])):
         return limit

@@ -8,15 +8,15 @@ from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
 
 MOST_EVENTS = 512
-"""Room for events of a sample; where there are more, the run is repeated with room for them."""
+"""Number of events of a sample for which there is room; with more, the run is repeated."""
 
 MOST_ROOM = 1 << 16
-"""Events kept per sample at most; more are counted but not kept."""
+"""Number of events of a sample that are kept, at most; more are only counted."""
 
 
 def topology(scene: Scene) -> tuple:
-    """What must be equal in all scenes that run side by side, as a hashable tuple: particles, what
-    element types ask for, points, held axes, curves."""
+    """Return what must be equal in all scenes that are simulated side by side, as a hashable tuple:
+    particles, what element types ask for, points, held axes, curves."""
     of_kinds = {kind: kind.topology_of(scene) for kind in kinds_of([scene])}
     return (
         len(scene.position),
@@ -42,8 +42,8 @@ def check_topology(scenes: Sequence[Scene]) -> None:
 def pack(
     scenes: Sequence[Scene], width: int, dtype, instants: int, room: int = MOST_EVENTS
 ) -> Batch:
-    """Batch of scenes that run side by side: packs their numbers into the arrays of the kernels.
-    The scenes must pass `check_topology`. width: number of lanes (samples in an array); dtype: of
-    the arrays; instants: number of recorded instants; room: for how many events of each scene."""
+    """Return the scenes simulated side by side as a Batch, which makes the arrays of the kernels.
+    scenes: must pass `check_topology`; width: number of lanes (samples in an array); dtype: of the
+    arrays; instants: number of recorded instants; room: for how many events of each scene."""
     kinds = kinds_of(scenes)
     return Batch(scenes, kinds, energies_of(kinds), width, dtype, instants, room)

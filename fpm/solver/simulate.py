@@ -17,7 +17,7 @@ from fpm.solver.start import consistent_scene
 from fpm.solver.unpack import outcome_of
 
 CHECK_EVERY = 50
-"""The energy balance is checked at least every this many steps."""
+"""Number of steps from one check of the energy balance to the next, at most."""
 
 
 class Division(NamedTuple):
@@ -30,23 +30,14 @@ class Division(NamedTuple):
 
 
 def divide_time(duration: float, instants: int, max_step: float) -> Division:
-    """Divide the time between two instants into equal steps of at most `max_step`, as `simulate`
-    does.
+    """Divide the time between two recorded instants of a run into equal steps; returns the
+    Division.
 
     Parameters
     ----------
-    duration : float
-        Duration of the run (s), above 0.
-    instants : int
-        Number of recorded instants, with both ends; at least 2.
-    max_step : float
-        Largest allowed step (s), above 0.
-
-    Returns
-    -------
-    Division
-        `step` (s), steps `per_instant`, and steps `per_check` of the energy balance.
-    """
+    duration: of the run (s), above 0.
+    instants: number of recorded instants, with both ends; at least 2.
+    max_step: largest allowed step (s), above 0."""
     interval = duration / (instants - 1)
     # The tiny allowance keeps a step that was given as an exact share of the interval.
     steps = max(1, math.ceil(interval / max_step * (1 - 1e-12)))
@@ -66,43 +57,29 @@ def simulate(
     dtype=np.float64,
     record: Iterable[Column] = (),
 ) -> list[Outcome]:
-    """Integrate scenes of one topology over a duration, side by side.
+    """Integrate scenes that differ in numbers only, side by side; returns an Outcome for each, in
+    order.
 
     A sample's numbers depend on its scene and the step only, bit for bit, not on the scenes beside
-    it.
+    it. A run that failed has its `failure`.
 
     Parameters
     ----------
-    scenes : Scene or sequence of Scene
-        Scenes that differ in numbers only.
-    duration : float
-        Duration (s), above 0.
-    instants : int
-        Number of recorded instants, evenly spaced from 0 to `duration`; at least 2.
-    step : float, optional
-        Time step (s), shortened so that whole steps make up the time between two instants;
-        by default `safety` times the smallest stable step of the scenes.
-    safety : float
-        Factor on the stable step, where no step is given.
-    energy_tolerance : float
-        A sample fails where its energy balance is off by more than this fraction of the
-        largest energy that it held.
-    dtype : numpy dtype
-        Precision of the run, float64 or float32.
-    record : iterable of (variable, label)
-        Columns that are recorded as well (`fpm.reading.variables`). The motion, and what is
-        always recorded, do not depend on them.
-
-    Returns
-    -------
-    list of Outcome
-        One for each scene, in order; a run that failed has its `failure`.
+    scenes: one scene, or several that differ in numbers only.
+    duration: simulated time (s), above 0.
+    instants: number of recorded instants, evenly spaced from 0 to `duration`; at least 2.
+    step: time step (s), shortened so that whole steps make up the time between two instants;
+        None: `safety` times the smallest stable step of the scenes.
+    safety: factor on the stable step, where no step is given.
+    energy_tolerance: a sample fails where its energy balance is off by more than this fraction of
+        the largest energy that it held.
+    dtype: number type of the run, float64 or float32.
+    record: columns, (variable, label), that are recorded as well (`fpm.reading.variables`). The
+        motion, and what is always recorded, do not depend on them.
 
     Raises
     ------
-    SceneError
-        For arguments that are not allowed, and for topologies that differ.
-    """
+    SceneError: for arguments that are not allowed, and scenes that differ in more than numbers."""
     from fpm.kernels.lanes import width as lanes_of
 
     scenes = [scenes] if isinstance(scenes, Scene) else list(scenes)
@@ -159,7 +136,7 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
 
 
 def is_compiled(scene: Scene) -> bool:
-    """Whether the compiled time loop (float64) for the types of a scene's elements is cached on
+    """Return whether the compiled time loop (float64) for a scene's element types is cached on
     disk."""
     from fpm.kernels.compiled import DIGESTS, cache_folder
     from fpm.kernels.lanes import width as lanes_of
@@ -171,6 +148,6 @@ def is_compiled(scene: Scene) -> bool:
 
 def warm_up(scene: Scene, record=()) -> None:
     """Compile the time loop for the element types of a scene, or load it from the cache on disk, so
-    that a later run starts at once. record: columns (variable, label) that this is to record."""
+    that a later run starts at once. record: columns (variable, label) of that run."""
     # One step; a stable one takes a while.
     simulate(scene, duration=1e-9, instants=2, step=1e-9, record=record)

@@ -9,8 +9,7 @@ that do fit, those are taken at which that blow changes the motion least, with m
 G being the conditions of joints, supports and what holds openings, b what these prescribe, p the
 impulses. That is the motion after an inelastic blow (Gauss's principle; Moreau 1988). Friction
 bears no more than a finite moment, and nothing in a blow, so it is no condition. Conditions may
-imply each other: see assembly, which solves in the same way.
-"""
+imply each other: see assembly, which solves in the same way."""
 
 from __future__ import annotations
 
@@ -32,9 +31,8 @@ AGREES = 1e-12
 """Share of the fastest condition's rate by which a motion may be off and is left as it is."""
 
 CONTINUES = 1e-3
-"""The same of a motion that nothing prescribes. That with which a run ended agrees to the second
-order in its step only; to change it would be another motion, which does not lead back.
-"""
+"""AGREES for a motion that nothing prescribes. That with which a run ended agrees to the second
+order in its step only; to change it would be another motion, which does not lead back."""
 
 EASE, ROUNDS = 1e-13, 30
 """By which redundant conditions are eased, and how often at most the equations are solved."""
@@ -44,16 +42,14 @@ MASS_RATIO = 1e6
 
 RESOLVED, REDUNDANT = 1e-8, 1e-24
 """Eigenvalues of the matrix of all conditions, its diagonal being one: above the first they are a
-hundred times what eases the joints (EASE in joint.py), so that a first solution is right to
-1 % and the correction after it to 1e-4; below the second they are those of conditions that others
-imply.
-"""
+hundred times what eases the joints (EASE in joint.py), so that a first solution is right to 1 % and
+the correction after it to 1e-4; below the second they are those of conditions that others imply."""
 
 
 def consistent_scene(scene: Scene) -> Scene:
-    """The scene itself, or a copy with velocities and spins that its joints, motors and drives
-    allow, for the start of a run. Where none are allowed, as where motors contradict each other,
-    those with the least error are taken: joints gape then, by which the run fails. Raises
+    """Return the scene itself, or a copy with velocities and spins that its joints, motors and
+    drives allow, for the start of a run. Where none are allowed, as where motors contradict each
+    other, those with the least error are taken: joints gape then, by which the run fails. Raises
     SceneError as `check_masses` does."""
     check_masses(scene)
     # One for each that has any: of a motor and a latch on one hinge, the motor alone.

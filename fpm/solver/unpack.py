@@ -17,10 +17,10 @@ from fpm.scenes.timestep import StableStep, stable_step
 def outcome_of(
     run, lane: int, times: np.ndarray, division, limit: StableStep | None, extra=()
 ) -> Outcome:
-    """Outcome of one sample of a run. run: (Batch, arrays of its element types, World, Record)
-    after the time loop; lane: index of the sample among those side by side; times (t,): recorded
-    instants (s); division: steps of the run (Division); limit: stable step, None where a step was
-    given; extra: columns (variable, label) that were recorded on request."""
+    """Return the Outcome of one sample of a run. run: (Batch, arrays of its element types, World,
+    Record) after the time loop; lane: index of the sample among those side by side; times (t,):
+    recorded instants (s); division: steps of the run (Division); limit: stable step (StableStep),
+    None where a step was given; extra: columns (variable, label) that were recorded on request."""
     batch, parts, world, record = run
     scene, instants = batch.scenes[lane], len(times)
     steps = division.per_instant * (instants - 1)

@@ -1,8 +1,7 @@
 """Structures from text files: `load(path)` gives the `SceneType` of a file.
 
 A YAML file is data, in the language of docs/structures.md: it is checked before anything runs, and
-runs no code. A Python file has a function `build` and its `PARAMETERS`; loading it runs it.
-"""
+runs no code. A Python file has a function `build` and its `PARAMETERS`; loading it runs it."""
 
 from pathlib import Path
 
@@ -15,9 +14,7 @@ __all__ = ["StructureError", "load", "loads"]
 
 
 def load(path: str | Path) -> SceneType:
-    """Load a structure from the file at `path`, `.yaml` or `.py`; returns its SceneType.
-
-    Raises StructureError, which lists all that is wrong with the file. A `.py` file is run.
-    """
+    """Return the structure (SceneType) in the file at `path`, `.yaml` or `.py`. Raises
+    StructureError, which lists all that is wrong with the file. A `.py` file is run."""
     path = Path(path)
     return load_python(path) if path.suffix == ".py" else load_text(path)

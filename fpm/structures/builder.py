@@ -18,23 +18,25 @@ POINT_TOL = 1e-9
 
 @dataclass(frozen=True)
 class Point:
-    """A named point of a sample. name: full name; position: at the start, (3,) m."""
+    """A named point of a sample. name: its full name in the file; position: at the start, (3,) m,
+    global."""
 
     name: str
     position: np.ndarray
 
 
 class Body:
-    """A bar or rigid body of a sample. name: full; points: index of the particle that carries each
-    of its named points; `particles` (k,): indices of all its particles, set after it is built."""
+    """A bar or rigid body of a sample. name: its full name in the file; points: index of the
+    particle that carries each of its named points; particles (k,): indices of all its particles,
+    set once it is built."""
 
     def __init__(self, name: str, points: Mapping[str, int]):
         self.name, self.points = name, dict(points)
         self.particles: np.ndarray = np.zeros(0, int)
 
     def particle(self, point: str) -> int:
-        """Index of the particle that carries one of this part's points; point: full name,
-        SceneError if the part does not have it."""
+        """Return the index of the particle that carries one of this part's points; SceneError if
+        the part does not have it. point: its full name."""
         if point not in self.points:
             raise SceneError(
                 "at", point, f"a point of {self.name}: {', '.join(self.points)} (or let it carry "
@@ -51,11 +53,12 @@ class Ground(Body):
 
 
 class Builder:
-    """One sample's scene in the making; `sample.build_sample` adds to it statement by statement.
-    problems: of the file, where errors are noted; scene: complete when there are none; numbers: all
-    named numbers by full name (SI units); size: largest extent of the structure (m); joints_of:
-    names of the joints at each particle, by index; hold: None or, if parts are forced together, a
-    function of this Builder that gives the hinges (indices) whose openings are kept then."""
+    """One sample's scene in the making, to which `sample.build_sample` adds one statement of a
+    structure file after the other. problems: of the file, where errors are noted; scene: complete
+    when there are none; numbers: all named numbers by full name (SI units); size: largest extent of
+    the structure (m); joints_of: names of the joints at each particle, by index; hold: None or, if
+    parts are forced together, a function of this Builder that returns the hinges (indices) whose
+    openings are kept then."""
 
     hold: Callable[["Builder"], list[int]] | None = None
     scene: Scene
@@ -68,9 +71,9 @@ class Builder:
         self._values: dict[tuple[str, str], Any] = {}
 
     def number(self, bound: Bound, key: str) -> float:
-        """Evaluate an expression in SI units. bound: the expression with its names found; key:
-        names it in errors. SkippedError if a number that it refers to has no value, SceneError if
-        it has none itself."""
+        """Return the value of an expression in SI units. bound: the expression with its names
+        found; key: dotted path of its key in the file, for errors. SkippedError if a number that it
+        refers to has no value, SceneError if it has none itself."""
         try:
             return bound.value(self.numbers)
         except KeyError:
@@ -81,24 +84,26 @@ class Builder:
             ) from None
 
     def point(self, name: str) -> np.ndarray:
-        """Position at the start (3,), m, of a point (full name); SkippedError if not built."""
+        """Return the position at the start (3,), m, of a point (full name); SkippedError if it is
+        not built."""
         return self.get("points", name).position
 
     def keep(self, group: str, name: str, value: Any) -> None:
-        """Store what was built for an entry of the file. group: its group, such as "bars"; name:
-        full name; value: what `get` returns for it."""
+        """Store what was built for an entry of the file, for `get`. group: its group, such as
+        "bars"; name: its full name; value: what was built."""
         self._values[group, name] = value
 
     def get(self, group: str, name: str) -> Any:
-        """What `keep` stored for an entry (group, full name); SkippedError if nothing was."""
+        """Return what `keep` stored for an entry of the file (its group, full name); SkippedError
+        if nothing."""
         try:
             return self._values[group, name]
         except KeyError:
             raise SkippedError(name) from None
 
     def only_part_with(self, point: str, key: str) -> Body:
-        """The only bar or body that has a point (full name); SceneError that names `key` if none or
-        several have it."""
+        """Return the only bar or body that has a point (its full name); SceneError if none or
+        several have it. key: dotted path of the key that names the point, for the error."""
         parts = [value for (group, _), value in self._values.items() if group == "parts"]
         matches = [part for part in parts if point in part.points]
         if len(matches) != 1:
@@ -109,5 +114,5 @@ class Builder:
         return matches[0]
 
     def refuse(self, key: str, value: object, allowed: str) -> None:
-        """Raise SceneError: `value` of `key` is not allowed; allowed: what is, in words."""
+        """Raise SceneError: `value` of `key` is not allowed; allowed: what would be, in words."""
         raise SceneError(key, value, allowed)

@@ -21,8 +21,8 @@ from fpm.structures.statement import ON_SLIDES
 
 
 def describe(structure: SceneType, duration: float = 1.0) -> str:
-    """Describe a structure at its default values in a text of several lines: parameters, points,
-    joints, mass, mobility, stable step, and cost of a run of `duration` (s)."""
+    """Return a text of several lines on a structure at its default values: parameters, points,
+    joints, mass, mobility, stable step, and what a run of `duration` (s) costs."""
     scene = structure.build()
     cost, mobility = report.cost(scene, duration), report.mobility(scene)
     rows = [[name, *_row(p, name == structure.mesh)] for name, p in structure.parameters.items()]
@@ -103,8 +103,8 @@ ON_JOINTS = ("torsion spring ", "spring ", "latch ", "stop ", "friction ", "damp
 
 
 def acting(scene: Scene) -> list[str]:
-    """Texts on the elements that act on a scene's joints (springs, latches, ...), one each in the
-    order of the joints: its name, joints and nonzero numbers with units."""
+    """Return texts on the elements that act on a scene's joints (springs, latches, ...), one each
+    in the order of the joints: name, joints and nonzero numbers with units."""
     texts = []
     for kind in kinds_of([scene]):
         pairs = zip(kind.names(scene), kind.of(scene), strict=True) if kind.acts_as else ()

@@ -5,8 +5,7 @@ turned into two chains of functions, for the value and for its dimension: nothin
 `eval`. Values are single numbers; a batch is evaluated sample by sample, so that a sample's last
 digits do not depend on its neighbours (the vector units of a processor round a sine differently
 from its scalar ones), and since it takes less than a hundredth of the time that building the
-sample's particles does.
-"""
+sample's particles does."""
 
 import ast
 import math
@@ -21,7 +20,7 @@ from fpm.errors import number_hint
 from fpm.structures.units import BARE, CHAIN, NUMBER, Dimension, power, product, unit
 
 LONGEST = 500
-"""Characters of an expression."""
+"""Number of characters that an expression may have."""
 
 _SUFFIXED = re.compile(
     rf"(?P<before>(?:\*\*|/)\s*[-+]?\s*)?(?<![\w.])"
@@ -71,10 +70,10 @@ class ExpressionError(ValueError):
 
 
 class Expression:
-    """An arithmetic expression with units of a structure file, such as `2 * P.x + 5 mm`, parsed
-    once. `names`: those in it (`P.x`: a coordinate of point P); `dimension(names)`: its physical
-    dimension, given theirs, ExpressionError where they clash. ExpressionError for text that is not
-    arithmetic."""
+    """An arithmetic expression with units of a structure file, parsed once. text: as written, such
+    as `2 * P.x + 5 mm`. names: those in it (`P.x`: a coordinate of point P); dimension(names):
+    returns its physical dimension from theirs, ExpressionError where they clash. ExpressionError
+    for text that is not arithmetic."""
 
     def __init__(self, text: str):
         self.text = text
@@ -100,8 +99,8 @@ class Expression:
         return not self.names and self.dimension({}).bare
 
     def value(self, names: Mapping[str, float]) -> float:
-        """Value of the expression in SI units; names: value in SI units of each name in it.
-        ExpressionError if the result is not finite."""
+        """Return the value of the expression in SI units. names: value in SI units of each name in
+        it. ExpressionError if the result is not finite."""
         try:
             number = float(self._value(names))
         except ExpressionError:
@@ -252,6 +251,6 @@ def _dotted(node: ast.AST) -> str:
 
 @lru_cache(maxsize=10_000)
 def parse(text: str) -> Expression:
-    """Parse the text of an expression, from a cache where it occurred before; ExpressionError if it
+    """Return the expression of a text, from a cache where it occurred before; ExpressionError if it
     is not arithmetic."""
     return Expression(text)

@@ -2,8 +2,7 @@
 
 `read` is called once for a file and notes what is wrong with the text; it returns a function of the
 Builder of every sample, which returns the value there or raises SceneError for numbers that are not
-allowed. A further type of value goes here.
-"""
+allowed. A further type of value goes here."""
 
 from collections.abc import Callable, Container, Iterator
 from dataclasses import dataclass, replace
@@ -23,16 +22,17 @@ AXES = "xyz"
 NO_VALUE = object()
 COMMA = " (an expression with a comma stands in quotes)"
 MOST = 1000
-"""Largest count, or number of elements between two points."""
+"""Largest count of units, or number of elements between two points."""
 
 Value = Callable[[Builder], Any]
-"""The value of a key in a sample, in SI units; SceneError if that is not allowed."""
+"""Function of a sample's Builder: a key's value in SI units; raises SceneError if it is not
+allowed."""
 
 
 @dataclass(frozen=True)
 class Key:
-    """One key that a statement takes (base class). default: its value when it is left out, NO_VALUE
-    if it must not be; text: what it means, for the documentation."""
+    """One key that a statement of a structure file takes (base class). default: its value when it
+    is left out, NO_VALUE if it must not be; text: what it means, for the documentation."""
 
     default: Any = NO_VALUE
     text: str = ""
@@ -43,22 +43,22 @@ class Key:
         raise NotImplementedError
 
     def sliding(self, joints: Container[str]) -> "Key":
-        """This key for an entry on slides, with m for rad; unchanged if it is about none. joints:
-        keys of the entry, such as "joint", that name slides."""
+        """Return this key as an entry about slides takes it, with m for rad; by default unchanged.
+        joints: keys of the entry, such as "joint", that name slides."""
         return self
 
     def read(self, node: Node, place: Place) -> Value:
-        """Read this key's value, a YAML `node` at a `place`; returns a function of the Builder that
-        gives it in a sample (SI units). What is wrong is noted in `place.problems`, and
-        SkippedError raised."""
+        """Read this key's value in a file; returns a function of the Builder, which returns it in a
+        sample (SI units). node: the value in YAML; place: where it stands. What is wrong is noted
+        in place.problems, and SkippedError raised."""
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
 class NumberKey(Key):
-    """Key whose value is a number. unit: of the dimension that it must have, as "N m"; least: lower
-    limit; above: limit that it must exceed (SI units, None: none); joint: key that names the joint
-    whose opening it may be about, so that on slides rad becomes m."""
+    """Key whose value is a number. unit: as "N m", whose dimension it must have; least: lower
+    limit; above: limit that it must exceed (SI units, None: none); joint: key of the entry that
+    names the joint whose opening the number may be about, so that on slides rad becomes m."""
 
     unit: str = ""
     least: float | None = None
@@ -86,8 +86,8 @@ class NumberKey(Key):
 
 @dataclass(frozen=True)
 class WholeKey(Key):
-    """Key whose value is a whole number, 1 to MOST (1000), known before samples: counts of units
-    and elements need it."""
+    """Key whose value is a whole number, 1 to 1000, made of whole-number parameters, as it decides
+    what there is: counts of units and elements."""
 
     allowed = f"a whole number from 1 to {MOST}, of parameters with `whole: true`"
 
@@ -113,8 +113,8 @@ def _checked(bound: Bound, place: Place, allowed: str, right: Callable[[float], 
 
 @dataclass(frozen=True)
 class VectorKey(Key):
-    """Key whose value is three numbers along x, y and z, (3,) in SI units; unit: of the dimension
-    that they must have."""
+    """Key whose value is three numbers along x, y and z, (3,) in SI units; unit: as "m/s2", whose
+    dimension they must have."""
 
     unit: str = ""
 
@@ -132,7 +132,7 @@ class VectorKey(Key):
 
 @dataclass(frozen=True)
 class DirectionKey(Key):
-    """Key whose value is a unit vector (3,): given by a letter (x, -x, ...), three numbers of one
+    """Key whose value is a unit vector (3,), given by a letter (x, -x, ...), three numbers of one
     dimension, or from point to point."""
 
     allowed = "x, y, z, -x, -y, -z, [x, y, z], or {from: P, to: Q} with two points"
@@ -163,9 +163,9 @@ class DirectionKey(Key):
 
 
 class GroupMember(NamedTuple):
-    """Reference to the member of a group, such as "bars", with a full name; called with a Builder,
-    it returns what was built for it. number: added to that, an index; 1 for a universal joint's
-    second hinge."""
+    """Reference to an entry of a structure file; called with a Builder, it returns what was built
+    for it. group: as "bars"; name: full name; number: added to that, if it is an index (1 for a
+    universal joint's second hinge), None: nothing."""
 
     group: str
     name: str
@@ -200,7 +200,7 @@ class ReferenceKey(Key):
 @dataclass(frozen=True)
 class OpeningKey(Key):
     """Key whose value is the index of a hinge, given by the name of a joint with an opening. types:
-    of joints that are allowed; hint: words added to `allowed`."""
+    of joints that are allowed; hint: words added to those on what is allowed."""
 
     types: tuple[str, ...] = ("revolute", "prismatic", "universal")
     hint: str = ""
@@ -231,7 +231,7 @@ class OpeningKey(Key):
 
 @dataclass(frozen=True)
 class PointKey(Key):
-    """Key whose value is (Body, Point), a point of a part or the ground: given by both names, or
+    """Key whose value is (Body, Point), a point of a part or the ground, given by both names, or by
     the point's where only one part has it."""
 
     part = ReferenceKey(group="parts", ground=True)
@@ -250,10 +250,8 @@ class PointKey(Key):
 
 @dataclass(frozen=True)
 class ListKey(Key):
-    """Key whose value is a list of `least` to `most` values of the Key `kind`, each once.
-
-    units: whether {each: REPEAT, through: [...]} may stand for the values of all units of a
-    repeat."""
+    """Key whose value is a list of `least` to `most` values of the Key `kind`, each once. units:
+    whether {each: REPEAT, through: [...]} may stand for the values of all units of a repeat."""
 
     kind: Key | None = None
     least: int = 1
@@ -300,7 +298,7 @@ class ListKey(Key):
 @dataclass(frozen=True)
 class MapKey(Key):
     """Key whose value is a dict from full names of entries in `group` to values of the Key `kind`.
-    single: whether one such value may be given for all, and is the value then."""
+    single: whether one such value may be given for all; it is the key's value then."""
 
     group: str = "parts"
     kind: Key | None = None
@@ -327,8 +325,8 @@ class MapKey(Key):
 
 @dataclass(frozen=True)
 class AssemblyKey(Key):
-    """Key that says whether parts are forced together: its value is None, or a function of the
-    Builder that returns indices of the hinges whose openings are kept then."""
+    """Key whose value tells whether parts are forced together: None, or a function of the Builder
+    that returns the indices of hinges whose openings are kept then."""
 
     allowed = "true, false, or {hold: [joints]}"
 

@@ -23,7 +23,7 @@ from fpm.structures.units import NUMBER, unit
 TEXTS = ("name", "description", "mesh")
 UNIT_KEYS = ("count", "arrangement", "index", "let", "points", *GROUPS)
 MOST_STATEMENTS = 20_000
-"""Most statements that all units of a repeat may have together."""
+"""Number of statements that all units of a repeat may have together."""
 
 
 @statement(
@@ -66,11 +66,11 @@ class Sheet(NamedTuple):
 
 
 class FileStatements:
-    """All statements (bars, joints, loads, ...) of a structure file, units of repeats written out.
-    table: the file's top Node; inputs: text_file.GivenParameter by name; counts: values of those
-    that are whole numbers; problems: where errors are noted, whose statements are left out. It
-    holds `entries` (in the order in which they are built), `overall` (Entry of gravity, damping),
-    `points` (full names) and `names` (all of the file)."""
+    """All statements (bars, joints, loads, ...) of a structure file, with a copy for each unit of a
+    repeat. table: the file's top Node; inputs: its parameters by name (text_file.GivenParameter);
+    counts: values of those that are whole numbers; problems: where errors are noted, whose
+    statements are left out. Attributes: entries: statements in the order in which they are built;
+    overall: Entry of gravity, damping, ...; points: full names; names: all of the file (Names)."""
 
     def __init__(self, table: Node, inputs: Mapping[str, Any], counts: Mapping, problems: Problems):
         self.problems, self.names = problems, Names(problems)

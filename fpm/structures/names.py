@@ -20,7 +20,7 @@ NEIGHBOURS = ("next", "previous")
 
 @dataclass(frozen=True)
 class Context:
-    """Where something is written in a file, the top or one unit of a repeat: decides which short
+    """Where something is written in a file, the top or one unit of a repeat, which decides which
     names it sees. ends: prefixes of the first and last units of all repeats, by "bay.first" and
     "bay.last"; prefix: of names in this unit, such as "bay3.", "" at the top; adjacent: prefixes of
     the neighbouring units by "next" and "previous", None beyond a row's end, empty where neighbours
@@ -31,8 +31,8 @@ class Context:
     adjacent: Mapping[str, str | None] = field(default_factory=dict)
 
     def find(self, name: str, names: Container[str]) -> str:
-        """Full name of what is written as `name` here. names: full names to choose from. KeyError
-        if it is none of them; SkippedError for the neighbour beyond a row's end."""
+        """Return the full name of what is written as `name` here. names: full names to choose from.
+        KeyError if it is none of them; SkippedError for the neighbour beyond a row's end."""
         head, _, rest = name.partition(".")
         if head in self.adjacent:
             neighbour = self.adjacent[head]
@@ -51,7 +51,7 @@ class Context:
         raise KeyError(name)
 
     def visible(self, names: Iterable[str]) -> list[str]:
-        """Those of `names` (full) that can be seen from here, shortened as they are written
+        """Return those of `names` (full) that can be written here, shortened as they are written
         here."""
         if not self.prefix:
             return list(names)
@@ -60,7 +60,7 @@ class Context:
         return own + [name for name in names if not name.startswith(units)]
 
     def units(self) -> dict[str, list[str]]:
-        """Prefixes ("bay1.", "bay2.", ...) of the units of each repeat, in order, by the repeat's
+        """Return the prefixes ("bay1.", "bay2.", ...) of the units of each repeat, in order, by its
         name."""
         lasts = {end.removesuffix(".last"): u for end, u in self.ends.items() if ".last" in end}
         counts = {name: int(unit.removeprefix(name)[:-1]) for name, unit in lasts.items()}
@@ -69,20 +69,20 @@ class Context:
 
 @dataclass(frozen=True)
 class Bound:
-    """An expression whose names are found: expression, and `full`, the full name by written
+    """An expression whose names are found. expression: as parsed; full: full name by written
     name."""
 
     expression: Expression
     full: dict[str, str]
 
     def value(self, numbers: Mapping[str, float]) -> float:
-        """Value of the expression in SI units; numbers: values (SI units) of all numbers by full
-        name."""
+        """Return the value of the expression in SI units. numbers: values (SI units) of all named
+        numbers of the sample, by full name."""
         return self.expression.value({name: numbers[full] for name, full in self.full.items()})
 
     def dimension(self, numbers: Mapping[str, "NamedNumber"]) -> Dimension:
-        """Dimension of the expression; numbers: NamedNumbers by full name. SkippedError if one that
-        it refers to has no dimension, being wrong itself."""
+        """Return the dimension of the expression. numbers: NamedNumbers of the file by full name.
+        SkippedError if one that it refers to has none, being wrong itself."""
         dimensions = {name: numbers[full].dimension for name, full in self.full.items()}
         if None in dimensions.values():
             raise SkippedError(self.expression.text)
@@ -92,9 +92,9 @@ class Bound:
 @dataclass
 class NamedNumber:
     """A number with a name in a file: a parameter, a repeat's index, or one derived from others.
-    key, line: where it is defined; dimension: None while it is unknown, or if it is wrong; whole:
-    whether it depends on whole numbers only, so that counts may depend on it; given: value of an
-    index; bound: expression of a derived one."""
+    key, line: dotted path and line where it is defined; dimension: None while it is unknown, or if
+    it is wrong; whole: whether it depends on whole numbers only, so that counts may depend on it;
+    given: value of an index, else None; bound: expression of a derived one, else None."""
 
     key: str
     line: int
@@ -122,8 +122,9 @@ class Names:
         self.order: list[str] = []
 
     def allows(self, name: str, key: str, line: int, number: bool = False) -> bool:
-        """Whether something may be called `name`; if not, a problem is noted. key, line: where it
-        is defined; number: whether it is a number, so that unit names are not allowed."""
+        """Return whether something may be called `name`; if not, a problem is noted. key, line:
+        dotted path and line where it is defined; number: whether it is a number, for which names of
+        units are not allowed."""
         reserved = name in (*NEIGHBOURS, "first", "last", "ground")
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or reserved:
             hint = "letters, digits and _ after a letter; not ground, next, previous, first, last"
@@ -137,8 +138,9 @@ class Names:
         return False
 
     def unknown(self, line: int, key: str, name: str, options: Iterable[str], noun: str) -> None:
-        """Note the problem that `name`, on a `line` and under a `key` (dotted path), is none of
-        `options`, with a hint at what may be meant. noun: what it should name, as "bar"."""
+        """Note the problem that a name in the file is none of those allowed, with a hint at what
+        may be meant. line: where it stands; key: dotted path of its key; name: as written; options:
+        those allowed; noun: what it should name, as "bar"."""
         unit_names = [full for full in options if full.endswith(f".{name}")]
         group = next((g for g, names in self.groups.items() if g != "parts" and name in names), "")
         hint = did_you_mean(name, options)
@@ -187,15 +189,14 @@ class Names:
         number.dimension = target or actual
 
     def is_whole(self, bound: Bound) -> bool:
-        """Whether all names in the expression `bound` stand for whole numbers."""
+        """Return whether all names in the expression `bound` stand for whole numbers."""
         return all(self.numbers[full].whole for full in bound.full.values())
 
 
 @dataclass(frozen=True)
 class Place:
     """Where a value is written in a structure's file, for messages and to find names. key: dotted
-    path; context: the repeat's unit, or top, by which short names are completed; names: of the
-    file."""
+    path; context: the top or unit of a repeat in which it stands; names: all names of the file."""
 
     key: str
     context: Context
@@ -207,18 +208,19 @@ class Place:
         return self.names.problems
 
     def child(self, *keys: str) -> "Place":
-        """The place of a key below this one; keys: that key, after those on the way to it."""
+        """Return the place of a key below this one. keys: that key, after those on the way to
+        it."""
         return replace(self, key=dotted(self.key, *keys))
 
     def refuse(self, node: Node, allowed: str) -> None:
-        """Note that the value of `node` is not allowed and raise SkippedError. allowed: what is, in
-        words, for the message."""
+        """Note that the value of `node` at this place is not allowed, and raise SkippedError.
+        allowed: what would be, in words, for the message."""
         self.problems.refuse(node.line, self.key, node.plain, allowed)
         raise SkippedError(self.key)
 
     def bind(self, node: Node, allowed: str) -> Bound:
-        """Parse the expression in `node` and find its names; returns it as Bound. If that fails,
-        the problem is noted and SkippedError raised. allowed: what the value may be, in words."""
+        """Return the expression in `node` with its names found. If that fails, the problem is noted
+        and SkippedError raised. allowed: what the value may be, in words, for the message."""
         if not node.text:
             self.refuse(node, allowed)
         try:
@@ -239,9 +241,9 @@ class Place:
         return Bound(expression, full)
 
     def number(self, node: Node, dimension: Dimension | None, allowed: str, angle=False) -> Bound:
-        """Parse the expression in `node` and check its dimension; returns it as Bound, else notes a
-        problem and raises SkippedError. dimension: required (None: any); allowed: what the value
-        may be, in words; angle: whether a number other than 0 needs a unit."""
+        """Return the expression in `node` with its names found and its dimension checked; what is
+        wrong is noted, and SkippedError raised. dimension: required (None: any); allowed: what the
+        value may be, in words; angle: whether a number other than 0 needs a unit."""
         bound = self.bind(node, allowed)
         try:
             actual = bound.dimension(self.names.numbers)
@@ -255,8 +257,8 @@ class Place:
         return bound
 
     def whole(self, node: Node, allowed: str) -> Bound:
-        """Parse an expression of whole numbers in `node`; returns it as Bound, else notes a problem
-        and raises SkippedError. allowed: what the value may be, in words."""
+        """Return the expression in `node`, made of whole numbers, with its names found; what is
+        wrong is noted, and SkippedError raised. allowed: what the value may be, in words."""
         bound = self.number(node, NUMBER, allowed)
         if not self.names.is_whole(bound):
             self.refuse(node, allowed)
@@ -268,8 +270,8 @@ class Place:
         raise SkippedError(self.key) from None
 
     def reference(self, node: Node, group: str) -> str:
-        """Full name of the member of a `group` (as "bars") that `node` names; else a problem is
-        noted, and SkippedError raised."""
+        """Return the full name of the entry of a `group` (as "bars") that `node` names; if there is
+        none, a problem is noted, and SkippedError raised."""
         noun = group.removesuffix("s")
         if not isinstance(node.value, str):
             self.refuse(node, f"the name of a {noun}")

@@ -2,8 +2,7 @@
 
 Python tells of every file that it opens itself, also of those that a helper opens while it is
 imported. Compiled code of other packages opens files unseen, and so do other programs: a structure
-that has such code is refused, unless it names its files itself (`DATA`).
-"""
+that has such code is refused, unless it names its files itself (`DATA`)."""
 
 import glob
 import hashlib
@@ -31,25 +30,25 @@ UNSEEN = {
     "__import__", "asyncio", "concurrent", "ctypes", "dbm", "importlib", "multiprocessing", "runpy",
     "shelve", "socket", "subprocess", "threading",
 }  # fmt: skip
-"""Of Python itself, by which a file is read, or code run, that cannot be seen."""
+"""Modules of Python itself by which files are read, or code run, unseen."""
 
 EVENTS = {
     "subprocess.Popen", "os.system", "os.exec", "os.fork", "os.forkpty", "os.posix_spawn",
     "os.spawn", "socket.connect",
 }  # fmt: skip
-"""The same, as Python tells of it while it happens."""
+"""Audit events of Python by which files are read, or code run, unseen."""
 
 DATA_HINT = 'with DATA = ["tables/*.csv"], patterns of all files that it reads, [] for none'
-"""What makes up for what is not seen."""
+"""What a structure can state instead, for messages."""
 
 _PROGRAM = tuple(str(sources.PACKAGE.parent / name) for name in ("fpm", "deployable"))
 
 
 class FileRecord:
-    """Record of all files that a Python structure opens, by digest of their content, the file
+    """Record of all files that a structure in Python opens, by digest of their content, the file
     `path` of the structure itself among them. It is sealed when the structure has been loaded and
-    built at its defaults; a SceneError tells of files that a build at other values opens beyond it,
-    since the structure's digest is fixed by then."""
+    built at its defaults, since its digest is fixed by then: files that a build at other values
+    opens beyond it are an error."""
 
     def __init__(self, path: Path):
         self.path, self.folder = path, path.parent
@@ -65,8 +64,8 @@ class FileRecord:
 
     @contextmanager
     def recording(self) -> Iterator[None]:
-        """Context manager in which files that this thread opens are noted in this record, and
-        modules that are not installed are imported for its structure alone, whatever others
+        """Return a context manager in which files that this thread opens are noted in this record,
+        and modules that are not installed are imported for its structure alone, whatever others
         have."""
         _hook()
         outer, _THREAD.record = current_record(), self
@@ -86,8 +85,8 @@ class FileRecord:
             _THREAD.record = outer
 
     def note(self, file: Any, flags: int) -> None:
-        """Note a file that is being opened, if it is read and not installed. file: its path (open
-        file numbers are passed over); flags: those of os.open."""
+        """Note a file that is being opened, if it is read and not installed. file: its path
+        (numbers of open files are passed over); flags: those of os.open."""
         if not isinstance(file, str | bytes | os.PathLike):
             return  # by its number: it was opened before
         name = os.path.realpath(os.fsdecode(file))
@@ -102,8 +101,8 @@ class FileRecord:
             self._states_now.setdefault(path, _state(path))
 
     def imported(self, path: Path, content: bytes) -> None:
-        """Note a code file at `path` that is imported, and its content; ChangedError if other
-        content was noted before."""
+        """Note a code file at `path` that is imported, and its content; raises ChangedError if
+        other content was noted before."""
         path = Path(os.path.realpath(path))
         self._states_now.pop(path, None)
         digest = sources.content_digest(content, path)
@@ -114,8 +113,8 @@ class FileRecord:
 
     def seal(self, data: Iterable[str] | None) -> str:
         """Fix the record, once the structure was loaded and built at its defaults; returns the
-        structure's digest, 16 hexadecimal digits. data: its DATA, glob patterns of the files that
-        it reads; None if it has none. ChangedError if a file changed since it was read."""
+        structure's digest, 16 hex digits. data: its DATA, glob patterns of the files that it reads;
+        None if it has none. Raises ChangedError if a file changed since it was read."""
         self.data = None if data is None else tuple(data)
         code = sources.own_sources(self.path, *(p for p in self.files if p.suffix == ".py"))
         for path in (*code, *self._states_now, *self._data_files()):
@@ -130,8 +129,8 @@ class FileRecord:
 
     def check(self, values: Mapping[str, Any]) -> None:
         """Check all files that a build has opened, when it is done. values: its parameters' by
-        name, for messages. SceneError for a file not in the sealed record, ChangedError if one
-        changed."""
+        name, for messages. Raises SceneError for a file not in the sealed record, ChangedError if
+        one changed."""
         paths, self._states_now = {*self._states_now, *self._data_files()}, {}
         if self.unseen and self.data is None:
             raise SceneError(f"{self.path.name} at {dict(values)}", self.unseen, DATA_HINT)
@@ -146,17 +145,17 @@ class FileRecord:
                 raise ChangedError(str(path))
 
     def is_same(self) -> bool:
-        """Whether all files in the record are as they were when it was sealed, and the patterns of
-        DATA match no further ones."""
+        """Return whether all files in the record are as they were when it was sealed, and the
+        patterns of DATA match no further ones."""
         return all(map(self._is_same, self.files)) and self._data_files() <= set(self.files)
 
     def _is_same(self, path: Path) -> bool:
         return _state(path) == self._states.get(path, ()) or _digest(path) == self.files[path]
 
     def follow(self, previous: "FileRecord") -> None:
-        """Check that this load did not take from memory what the `previous` one (its record) read
-        from a file: ChangedError if the same code opened a file then that has changed, and did not
-        open it now."""
+        """Check that this load of a structure did not take from memory what the previous load read
+        from a file: raises ChangedError if a file that the same code opened then has changed, and
+        was not opened now. previous: record of that load."""
         code = [path for path in previous.files if path.suffix == ".py"]
         if all(self.files.get(path) == previous.files[path] for path in code):
             for path in previous.files.keys() - self.files.keys():
@@ -164,7 +163,8 @@ class FileRecord:
                     raise ChangedError(str(path))
 
     def files_of(self, pattern: str) -> set[Path]:
-        """Absolute paths of files that a glob `pattern` of DATA matches in the folder."""
+        """Return the absolute paths of the files that a glob `pattern` of DATA matches in the
+        structure's folder."""
         names = glob.glob(str(self.folder / pattern), recursive=True, include_hidden=True)
         return {path.resolve() for path in map(Path, names) if path.is_file()}
 
@@ -172,12 +172,13 @@ class FileRecord:
         return set().union(*map(self.files_of, self.data or ()))
 
     def adopt(self, record: "FileRecord") -> None:
-        """Note the files of another structure's sealed `record` as opened by this one, too."""
+        """Note the files of another structure, which this one loads, as opened by this one. record:
+        its sealed record."""
         self._states_now |= {p: record._states[p] for p in record.files if p not in self.files}
 
     def hidden(self) -> list[str]:
-        """Means by which the structure's code may read files that cannot be noted, as texts such as
-        "import ctypes"; none if it states its files (DATA)."""
+        """Return by what the structure's code may read files that cannot be noted, as texts such as
+        "import ctypes"; [] if it states its files (DATA)."""
         if self.data is not None:
             return []
         readers = sorted(set(self.unseen))
@@ -190,7 +191,8 @@ class FileRecord:
 
 class Build:
     """Callable that builds a structure's scene and checks the files that are opened meanwhile.
-    function: makes a Scene of parameters by keyword; record: the structure's sealed FileRecord."""
+    function: returns a Scene for parameters by keyword; record: the structure's sealed
+    FileRecord."""
 
     def __init__(self, function: Callable, record: FileRecord):
         self.function, self.record = function, record
@@ -231,11 +233,12 @@ class Loader(SourceFileLoader):
         self.record = record
 
     def path_stats(self, path: str) -> Mapping[str, Any]:
-        """Raise OSError, so that importlib neither reads nor keeps bytecode of `path`."""
+        """Raise OSError, so that importlib neither reads nor keeps bytecode of the file at
+        `path`."""
         raise OSError
 
     def get_data(self, path: str) -> bytes:
-        """Read the bytes of the source at `path`, which are noted in the record."""
+        """Return the bytes of the source at `path`, which are noted in the record."""
         content = super().get_data(path)
         self.record.imported(Path(path), content)
         return content
@@ -246,7 +249,8 @@ _THREAD = threading.local()
 
 
 def current_record() -> FileRecord | None:
-    """FileRecord that notes the files which this thread opens now; None outside of `recording`."""
+    """Return the record in which files that this thread opens now are noted; None outside of
+    `recording`."""
     return getattr(_THREAD, "record", None)
 
 
@@ -278,8 +282,8 @@ def _places() -> tuple[str, ...]:
 
 @cache
 def is_installed(file: str) -> bool:
-    """Whether a file (absolute path) belongs to Python, an installed package or this program, so
-    that it is no file of a structure."""
+    """Return whether a file (absolute path) belongs to Python, an installed package or this
+    program, so that it is no file of a structure."""
     return file.startswith(_places()) or bool("-packages" in file and _PACKAGES.search(file))
 
 

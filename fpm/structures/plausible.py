@@ -1,8 +1,7 @@
 """What is allowed in a structure, but hardly meant: each told with its number.
 
 Limits are far from what deployable structures are made of, so that a slip of units (mm for m, g/cm³
-for kg/m³, Pa for GPa) shows, and no structure that is meant does.
-"""
+for kg/m³, Pa for GPa) shows, and no structure that is meant does."""
 
 from collections.abc import Iterator
 
@@ -16,10 +15,10 @@ from fpm.scenes.scene import Scene
 from fpm.structures import report
 
 MOST = 6
-"""Warnings of one structure; a repeat would have one for each unit."""
+"""Number of warnings of one structure, at most; a repeat would have one for each unit."""
 
 MAX_RATIO = 1000.0
-"""Lengths of one bar, or of all, that are so many times each other are hardly in one unit."""
+"""Ratio of lengths of one bar, or of all, above which they are hardly in one unit."""
 
 USUAL = {
     "mass": (1e-6, 1e5, "kg"), "largest extent": (1e-4, 1e3, "m"), "density": (20, 25_000, "kg/m3"),
@@ -29,8 +28,8 @@ USUAL = {
 
 
 def warnings(scene: Scene, duration: float | None = None) -> list[str]:
-    """Sentences on what a scene has that is allowed but hardly meant: odd masses or sizes, no
-    support, latches that cannot catch. At most MOST (6), and one with the count of the rest.
+    """Return sentences on what a scene has that is allowed but hardly meant: odd masses or sizes,
+    no support, latches that cannot catch; at most 6, and one with the number of the others.
     duration: of the run (s), to tell whether latches have the time to catch; None: unknown."""
     sentences = [*_sizes(scene), *_support(scene)]
     moving = {friction.hinge for friction in Friction.of(scene) if friction.load is not None}
@@ -144,7 +143,7 @@ def _inertia(scene: Scene, hinge: Hinge) -> float:
 
 
 def opening_text(hinge: Hinge, opening: float) -> str:
-    """Text of an opening for messages, as "90 deg" or, on a slide, "0.1 m". hinge: the one that has
-    the opening; opening: rad, on a slide m, rounded to 1e-9."""
+    """Return an opening as text for messages, as "90 deg" or, on a slide, "0.1 m". hinge: the one
+    that has the opening; opening: rad, on a slide m, rounded to 1e-9."""
     opening = round(opening, 9) + 0.0
     return f"{opening:.4g} m" if hinge.slides else f"{np.degrees(opening):.4g} deg"

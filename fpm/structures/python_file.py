@@ -15,14 +15,13 @@ from fpm.structures.reading import Problem, StructureError, read_text
 
 
 def load_python(path: Path) -> SceneType:
-    """Load the structure of the Python file at `path`, which is run; returns its SceneType.
+    """Return the structure (SceneType) in the Python file at `path`, which is run.
 
     The file has PARAMETERS (dict of fpm.scenes.scene_type.Parameter by name) and
     build(**parameters), which returns an fpm.Scene; perhaps MESH (name of the parameter that sets
     the mesh) and DATA (glob patterns, from its folder, of files that it reads at other values only
-    or unseen). Its docstring is the description. Raises StructureError for anything else.
-
-    The structure's digest covers all files that are opened while it is loaded and built at its
+    or unseen). Its docstring is the description. Raises StructureError for anything else. The
+    structure's digest covers all files that are opened while it is loaded and built at its
     defaults, code below its folder that it imports, and DATA. A process loads it once, and again
     when one of these has changed."""
     read_text(path)  # which tells what is no file, before Python waits for it

@@ -1,8 +1,7 @@
 """A YAML file as nodes that know their lines, and all that is wrong with it, told at once.
 
-Nothing is converted: whether `1e9` is a number, or `on` a name, is up to the key it belongs to.
-A key may be given once; anchors and tags are refused, because names and `let` do their work.
-"""
+Nothing is converted: whether `1e9` is a number, or `on` a name, is up to the key it belongs to. A
+key may be given once; anchors and tags are refused, because names and `let` do their work."""
 
 import re
 from collections.abc import Iterable
@@ -19,7 +18,7 @@ DEEPEST, MOST = 20, 20_000
 """Tables and lists of a file may be nested so deep, and hold so many values."""
 
 LARGEST = 1 << 20
-"""Bytes of a text file."""
+"""Size (bytes) that a text file may have."""
 
 
 class Problem(NamedTuple):
@@ -48,7 +47,8 @@ class StructureError(SceneError):
 
 
 def read_text(path: str | Path) -> str:
-    """Read the text of a plain UTF-8 file of at most LARGEST bytes (1 MiB); else StructureError."""
+    """Return the text of the plain UTF-8 file at `path`, of at most 1 MiB; else raises
+    StructureError."""
     try:
         text = read_bytes(path, LARGEST).decode("utf-8")
         return text.replace("\r\n", "\n").replace("\r", "\n")
@@ -71,7 +71,7 @@ class SkippedError(Exception):
 @dataclass(frozen=True)
 class Node:
     """Node of a YAML file. value: its text, list of Nodes, or table (dict of Nodes by key); line:
-    where it begins, from 1 (0: unknown); lines: where a table's keys stand."""
+    where it begins, from 1 (0: unknown); lines: of a table, line of each key."""
 
     value: "str | list[Node] | dict[str, Node]"
     line: int = 0
@@ -106,8 +106,8 @@ class Node:
 
 
 class Problems:
-    """Problems noted so far of one file, false if there are none; source: name of the file in
-    messages. Equal problems of the units of a repeat count once."""
+    """Problems noted so far of one file, false if there are none; equal ones of the units of a
+    repeat count once. source: name of the file in messages."""
 
     def __init__(self, source: str):
         self.source = source
@@ -117,19 +117,20 @@ class Problems:
         return bool(self._problems)
 
     def say(self, line: int, sentence: str) -> None:
-        """Note a problem on a line (0: none); sentence: what is wrong, beginning with its key."""
+        """Note a problem on a line (from 1; 0: none); sentence: what is wrong, beginning with its
+        key."""
         sentence = re.sub(r"\S{100,}", lambda word: f"{word[0][:97]}...", sentence)
         text = re.sub(r"\d[\d.e+-]*", "", sentence) if sentence.startswith("repeat.") else sentence
         self._problems.setdefault((line, text), Problem(line, sentence))
 
     def refuse(self, line: int, key: str, value: object, allowed: str) -> None:
-        """Note that a key (dotted path) on a `line` has a value which is not allowed; allowed: what
-        is, in words."""
+        """Note that a key (dotted path) on a line has a value that is not allowed. value: as given;
+        allowed: what would be, in words."""
         self.say(line, f"{key}: {show(value)} is not allowed; allowed: {allowed}")
 
     def no_key(self, line: int, key: str, keys: Iterable[str], hint: str) -> None:
-        """Note an unknown key (dotted path) on a line; keys: those allowed; hint: text on what may
-        be meant, as " (did you mean x?)", or ""."""
+        """Note an unknown key (dotted path) on a line. keys: those allowed; hint: what may be
+        meant, as " (did you mean x?)", or ""."""
         allowed = commas(keys, 6 if hint else 99)
         self.say(line, f"{key}: there is no such key{hint}; allowed: {allowed}")
 
@@ -140,27 +141,27 @@ class Problems:
 
 
 def show(value: object) -> str:
-    """Write a value as text for messages, cut to at most 60 characters."""
+    """Return a value as text for messages, cut to at most 60 characters."""
     text = f"{value:.9g}" if isinstance(value, float) else repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
 
 
 def commas(names: Iterable[str], most: int = 12, rest: str = ", and {} more") -> str:
-    """Join names by commas for a sentence, the first `most` of them; rest: text for the others, {}
-    their number."""
+    """Return names joined by commas for a sentence, the first `most` of them; rest: text in place
+    of the others, {} their number."""
     names = list(names)
     text = ", ".join(names[:most]) or "(there is none)"
     return text if len(names) <= most else text + rest.format(len(names) - most)
 
 
 def dotted(*parts: str) -> str:
-    """Join keys by dots to the path of a key in a file, as `joints.knee.axis`; empty ones are left
-    out."""
+    """Return the keys `parts` joined by dots, as the path of a key in a file: "joints.knee.axis";
+    empty ones are left out."""
     return ".".join(part for part in parts if part)
 
 
 def read(text: str, problems: Problems) -> Node:
-    """Parse a YAML text into the Node of its top table, values left as text. problems: of the file;
+    """Return the top table of a YAML text as a Node, values left as text. problems: of the file;
     where there are any, StructureError lists them."""
     try:
         root = yaml.compose(text, _TextLoader)
@@ -192,8 +193,8 @@ _NOT_YAML = (  # what PyYAML says, whether it is where that begins, and what to 
 
 
 def why_not_yaml(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
-    """Find where and why a text is not YAML. error: PyYAML's. Returns the position (None: unknown),
-    and what is wrong or to be done in words."""
+    """Return where a text is not YAML (None: unknown), and what is wrong or to be done in words.
+    error: PyYAML's."""
     problem = ", ".join(part for part in (error.context, error.problem) if part)
     for pattern, is_context, words in _NOT_YAML:
         if re.search(pattern, problem):
@@ -246,8 +247,8 @@ def _convert(node: yaml.Node, problems: Problems, depth: int) -> Node:
 
 
 def table_at(node: Node, name: str, key: str, problems: Problems) -> Node:
-    """Table under the key `name` of the table `node`; empty if there is none or, noted in
-    `problems`, it is no table. key: dotted path of `node`, for messages."""
+    """Return the table under the key `name` of the table `node`; empty if there is none or, which
+    is noted in `problems`, it is no table. key: dotted path of `node`, for messages."""
     table = node.entries.get(name, Node({}))
     if not table.is_table:
         problems.refuse(table.line, dotted(key, name), table.plain, "a mapping from names")
@@ -255,16 +256,16 @@ def table_at(node: Node, name: str, key: str, problems: Problems) -> Node:
 
 
 def check_keys(node: Node, key: str, keys: tuple[str, ...], problems: Problems) -> None:
-    """Note in `problems` each key of the table `node` that is not one of `keys`; key: dotted path
-    of `node`."""
+    """Note in `problems` each key of the table `node` that is not allowed. key: dotted path of
+    `node`, for messages; keys: those allowed."""
     for name in node.entries.keys() - set(keys):
         hint = did_you_mean(name, keys)
         problems.no_key(node.lines[name], dotted(key, name), keys, hint)
 
 
 def as_meant(node: Node, keys: tuple[str, ...], problems: Problems) -> Node:
-    """Return the table `node` with misspelt keys renamed to those of `keys` (allowed) that are
-    likely meant; each misspelling is noted in `problems`."""
+    """Return the file's top table `node` with misspelt keys renamed to those of `keys`, the allowed
+    ones, that are likely meant; each misspelling is noted in `problems`."""
     check_keys(node, "", keys, problems)
     fixes = {name: likely(name, keys) for name in node.entries.keys() - set(keys)}
     names = {n: n if fixes.get(n, n) in node.entries else fixes[n] or n for n in node.entries}

@@ -38,8 +38,8 @@ class RunCost(NamedTuple):
 
 
 def bodies(scene: Scene) -> np.ndarray:
-    """Index of the rigid body that each particle is part of, (n,) from 0, with bars taken as rigid:
-    all particles that beams join are one body."""
+    """Return the index of the rigid body that each particle is part of, (n,) from 0, where elastic
+    bars are taken as rigid: all particles that beams join are one body."""
     count = len(scene.position)
     nodes = np.concatenate([np.zeros((0, 2), int), *(beams.nodes for beams in scene.beams)])
     links = coo_array((np.ones(len(nodes)), (nodes[:, 0], nodes[:, 1])), shape=(count, count))
@@ -55,32 +55,32 @@ def _own_particles(scene: Scene) -> np.ndarray:
 
 
 def mass(scene: Scene) -> float:
-    """Total mass (kg) of a scene's structure, without the ground (particles held altogether)."""
+    """Return the total mass (kg) of a scene's structure, without the ground (particles held
+    altogether)."""
     return float(scene.mass[_own_particles(scene)].sum())
 
 
 def centre(scene: Scene) -> np.ndarray:
-    """Centre of mass (3,), m, of a scene's structure at the start, without the ground."""
+    """Return the centre of mass (3,), m, of a scene's structure at the start, without the
+    ground."""
     own = _own_particles(scene)
     return scene.mass[own] @ scene.position[own] / scene.mass[own].sum()
 
 
 def mobility(scene: Scene) -> Mobility:
-    """Count the degrees of freedom of a scene's parts at the start, by the rank of its constraints.
-
-    Elastic bars are taken as rigid. In a singular position, such as a mechanism that is folded
-    flat, more ways are open than in the motion that follows. Returns a Mobility."""
+    """Return the numbers of a scene's rigid parts, constraints and degrees of freedom at the start,
+    by the rank of its constraints, with elastic bars as rigid. In a singular position, as of a
+    mechanism folded flat, there are more freedoms than in the motion that follows."""
     rows, _ = jacobian(scene)
     rank, count = dependence(rows)[0], rows.shape[1]
     return Mobility(count // 6, len(rows), len(rows) - rank, count - rank)
 
 
 def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
-    """Jacobian (c, 6 b) of a scene's c scalar constraints at the start by the velocities of its b
-    moving rigid bodies, and names (c) of their joints and supports, as "joint knee".
-
-    Bars are taken as rigid. Six columns a body: the velocity (3) of its point at the structure's
-    middle, and its angular velocity (3) times the structure's size."""
+    """Return the Jacobian (c, 6 b) of a scene's c scalar constraints at the start by the velocities
+    of its b moving rigid bodies (bars as rigid), and names (c) of their joints and supports, as
+    "joint knee". Six columns a body: the velocity (3) of its point at the structure's middle, and
+    its angular velocity (3) times the structure's size."""
     own, rules, count = bodies(scene), conditions_of(scene), len(scene.position)
     is_fixed = np.isin(own, own[scene.fixed.all(axis=1)])
     moving = np.unique(own[~is_fixed])
@@ -105,19 +105,17 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
 
 
 def redundant(scene: Scene) -> list[str]:
-    """Names of a scene's joints and supports, as "joint knee", that have a constraint which depends
-    linearly on the others at the start."""
+    """Return the names of a scene's joints and supports, as "joint knee", that have a constraint
+    which depends linearly on the others at the start."""
     rows, names = jacobian(scene)
     shares = dependence(rows)[1]
     return list(dict.fromkeys(n for n, share in zip(names, shares, strict=True) if share > 1e-6))
 
 
 def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, float]]:
-    """Parameter changes that lengthen a structure's stable step most, as advice. step: the stable
-    step (s) at default values. Returns up to three (parameter, value tried, ratio of the stable
-    steps), the largest ratio first.
-
-    Tried: values 10 % below and above the default; of whole numbers, half of it."""
+    """Return up to three parameter changes that lengthen a structure's stable step most, as advice:
+    (parameter, value tried, ratio of the stable steps), the largest ratio first. step: the stable
+    step (s) at default values. Tried: 10 % below and above the default; of whole numbers, half."""
     changes = []
     for name, parameter in structure.parameters.items():
         value = parameter.default
@@ -135,8 +133,8 @@ def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, fl
 
 
 def cost(scene: Scene, duration: float, safety: float = 0.9) -> RunCost:
-    """Estimate the cost of a run of a scene. duration: simulated time (s); safety: the step taken,
-    as a share of the stable one."""
+    """Return an estimate of what a run of a scene costs. duration: simulated time (s); safety:
+    share of the stable step that is taken."""
     limit = stable_step(scene)
     steps = max(1, math.ceil(duration / (safety * limit.step))) if limit.step < np.inf else 1
     seconds = machine() * run_seconds(scene, steps, 0)

@@ -2,8 +2,7 @@
 
 A statement says which keys it takes, with units and limits, and how it goes into a scene. For an
 element these follow from the fields of its kind. A new kind of joint or action is one such function
-in a file of `statements/`.
-"""
+in a file of `statements/`."""
 
 from collections.abc import Callable, Container, Mapping
 from dataclasses import MISSING, dataclass, fields, replace
@@ -53,8 +52,8 @@ class Statement:
     """A kind of thing that a group of a structure file may hold, as "revolute" in `joints`. group:
     the file's key; type: the entry's `type`, "" in groups of one kind; keys: Keys that it takes, by
     name; build(builder, args): adds one to the Builder's scene and returns what entries that refer
-    to it get, `args` having its full `name` and the values of all keys in SI units, SceneError for
-    what cannot be; text: what it is, as docs/structures.md says."""
+    to it get; args: its full `name` and the values of all keys in SI units; SceneError for what
+    cannot be; text: what it is, as docs/structures.md says."""
 
     group: str
     type: str
@@ -63,7 +62,7 @@ class Statement:
     text: str
 
     def sliding(self, joints: Container[str]) -> dict[str, tuple[str, Key]]:
-        """Keys by the names that an entry writes -> (name in `args`, Key), for an entry on slides:
+        """Return the keys of an entry by the names that it writes: (name in `args`, Key); on slides
         `force` stands for `moment`, lengths for angles. joints: those keys of the entry, such as
         "joint", that name a slide; empty: no change."""
         names = ON_SLIDES if "joint" in joints else {}
@@ -77,9 +76,9 @@ class Statement:
 
 
 def statement(group: str, type: str = "", text: str = "", /, **keys: Key) -> Callable:
-    """Decorator that makes a Statement of a function build(builder, args) and registers it in
-    GROUPS. group, type: of the file's entries that it reads; text: what it is, by default the first
-    line of the docstring; keys: Keys of an entry by name."""
+    """Return a decorator that makes a Statement of a function build(builder, args) and registers it
+    in GROUPS. group, type: of the file's entries that it reads; text: what it is, "": the first
+    line of the function's docstring; keys: Keys of an entry by name."""
 
     def register(build: Callable[[Builder, SimpleNamespace], Any]) -> Statement:
         words = text or (build.__doc__ or "").split("\n")[0]
@@ -100,8 +99,8 @@ CLASS = {"class": ChoiceKey(None, "in margins; left out: by what it is", options
 
 
 def key_of(kind: type[ElementType], name: str, left_out: str = "", **changes: Any) -> Key:
-    """Make the Key of a structure file for a field of an element type. kind: the type; name: the
-    field's; left_out: what leaving the key out means, for fields without default; changes:
+    """Return the Key of a structure file for a field of an element type. kind: the type; name: of
+    the field; left_out: what leaving the key out means, for fields without default; changes:
     attributes of the Key to replace."""
     field = specs(kind)[name]
     default = {f.name: f.default for f in fields(kind)}[name]
@@ -125,9 +124,9 @@ def key_of(kind: type[ElementType], name: str, left_out: str = "", **changes: An
 
 
 def element(kind: type[ElementType], args: SimpleNamespace, **extra: Any) -> ElementType:
-    """Make an element of type `kind` from an entry. args: values of its keys as attributes (SI
-    units), `joint` standing for the field `hinge`; extra: fields that override them. Fields that
-    are None or missing take their defaults."""
+    """Return an element of type `kind` made from an entry. args: values of its keys as attributes
+    (SI units), `joint` standing for the field `hinge`; extra: fields that override them. Fields
+    that are None or missing take their defaults."""
     values = {**vars(args), "hinge": getattr(args, "joint", None), **extra}
     own = {f.name: values.get(f.name) for f in fields(kind)}
     own = {name: tuple(x) if isinstance(x, list) else x for name, x in own.items()}
@@ -142,10 +141,11 @@ def acting(
     left_out: Mapping[str, str] | None = None,
     **extra: Key,
 ) -> Callable:
-    """Decorator that makes a Statement of `actions` for an element type, with its fields as keys,
-    required ones first. kind: the type; text: what it is, by default the first line of the
-    decorated function's docstring; excluded: fields that are no keys; left_out: by field without
-    default, what leaving its key out means; extra: Keys to add, or to replace those of fields."""
+    """Return a decorator that makes a Statement of `actions` for an element type, with its fields
+    as keys, required ones first, and registers it. kind: the type; text: what it is, "": the first
+    line of the decorated function's docstring; excluded: fields that are no keys; left_out: by
+    field without default, what leaving its key out means; extra: Keys to add, or to replace those
+    of fields."""
     names = [name for name in specs(kind) if name not in excluded]
     own = {name: key_of(kind, name, (left_out or {}).get(name, "")) for name in names}
     keys = {"joint": own.pop("hinge")} if "hinge" in own else {}
@@ -156,7 +156,8 @@ def acting(
 
 
 def whole(kind: type[ElementType]) -> Statement:
-    """Make the Statement of an element type that acts on a joint; its fields are the keys."""
+    """Register and return the Statement of an element type `kind` that acts on a joint, by its
+    fields alone, which are its keys."""
     text = (kind.__doc__ or "").split("\n")[0]
     return acting(kind, text)(lambda build, args: build.scene.add(element(kind, args)))
 
@@ -166,9 +167,9 @@ def whole(kind: type[ElementType]) -> Statement:
 
 @dataclass(frozen=True)
 class Entry:
-    """One entry of a file as a Statement reads it. name: full name; key: dotted path; line: where
-    it stands; lines: of its keys, by key; read: by key that is given, a function of the Builder
-    that returns its value (SI units)."""
+    """One entry of a structure file. statement: its kind; name: full name; key: dotted path; line:
+    where it stands; lines: of its keys, by key; read: by key that is given, a function of the
+    Builder that returns its value (SI units)."""
 
     statement: Statement
     name: str
@@ -178,9 +179,9 @@ class Entry:
     read: dict[str, Value]
 
     def values(self, build: Builder) -> SimpleNamespace:
-        """Values of all keys in the sample of the Builder `build` (SI units, defaults where left
-        out), `name` and `key` of the entry, as attributes of a namespace: what `Statement.build`
-        gets as args."""
+        """Return the values of all keys in the sample of the Builder `build` (SI units, defaults
+        where left out), and `name` and `key` of the entry, as attributes of a namespace: `args` of
+        Statement.build."""
         args = SimpleNamespace(name=self.name, key=self.key)
         for name, key in self.statement.keys.items():
             setattr(args, name, self.read[name](build) if name in self.read else key.default)
@@ -190,9 +191,9 @@ class Entry:
 def read_entry(
     kinds: dict[str, Statement], name: str, node: Node, line: int, place: Place
 ) -> Entry | None:
-    """Read one entry of a group; None if it is left out: wrong, which is noted, or with a neighbour
-    that does not exist. kinds: the group's Statements by type; name: full name; node: the entry;
-    line: of its key; place: where it stands (Place)."""
+    """Return one entry of a group as read from the file; None if it is left out: wrong, which is
+    noted, or with a neighbour that does not exist. kinds: the group's Statements by type; name:
+    full name; node: the entry; line: of its key; place: where it stands (Place)."""
     try:
         if not node.is_table:
             value = node.value if isinstance(node.value, str) else "a list"

@@ -1,7 +1,6 @@
 """Structures from YAML, in the language of docs/structures.md: data, which runs no code.
 
-Parameters have value, unit, range and description side by side.
-"""
+Parameters have value, unit, range and description side by side."""
 
 import hashlib
 import json
@@ -42,8 +41,8 @@ PARAMETER_KEYS = ("value", "unit", "range", "description", "whole")
 
 @dataclass(frozen=True)
 class GivenParameter:
-    """A parameter of a YAML file. parameter: its definition; unit: of measure, in which the file
-    gives its values; line: in the file."""
+    """A parameter of a YAML file. parameter: its definition; unit: in which the file gives its
+    values; line: where it stands, from 1."""
 
     parameter: Parameter
     unit: Unit
@@ -51,12 +50,11 @@ class GivenParameter:
 
     @property
     def whole(self) -> bool:
-        """Whether the parameter takes whole numbers only, so that counts of units may depend on
-        it."""
+        """Whether it takes whole numbers only, so that counts of units may depend on it."""
         return self.parameter.kind == "integer"
 
     def si(self, value: float) -> float:
-        """Convert a value in the parameter's unit to SI units."""
+        """Return a value, given in the parameter's unit, in SI units."""
         return self.unit.si(float(value))
 
 
@@ -92,14 +90,14 @@ class _File:
 
 
 def load_text(path: Path) -> SceneType:
-    """Load a structure from the YAML file at `path`; returns its SceneType. Raises StructureError,
-    which lists all that is wrong with the file."""
+    """Return the structure (SceneType) in the YAML file at `path`. Raises StructureError, which
+    lists all that is wrong with the file."""
     return loads(read_text(path), str(path))
 
 
 def loads(text: str, source: str = "structure") -> SceneType:
-    """Make a structure of the text of a YAML file; returns its SceneType. source: name of the text
-    in messages. Raises StructureError, which lists all that is wrong with it."""
+    """Return the structure (SceneType) in the text of a YAML file. source: name of the text in
+    messages. Raises StructureError, which lists all that is wrong with it."""
     problems = Problems(source)
     node = read(text, problems)
     if len(OF_CAMPAIGNS & node.entries.keys()) > 1:

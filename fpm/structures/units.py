@@ -1,7 +1,6 @@
 """Units as they are written behind a number, and the dimensions that they stand for.
 
-All is computed in SI units. Angles count as numbers (rad = 1), so that N m/rad and N m agree.
-"""
+All is computed in SI units. Angles count as numbers (rad = 1), so that N m/rad and N m agree."""
 
 import math
 import re
@@ -11,8 +10,8 @@ from fpm.errors import did_you_mean
 
 
 class Dimension(NamedTuple):
-    """Physical dimension of a quantity: powers of kg (`mass`), m (`length`) and s (`time`). bare:
-    of a plain number without unit, which fits any dimension and is in SI units."""
+    """Physical dimension of a quantity, as powers. mass: of kg; length: of m; time: of s; bare:
+    whether it is of a plain number without unit, which fits any dimension and is in SI units."""
 
     mass: float = 0
     length: float = 0
@@ -21,13 +20,13 @@ class Dimension(NamedTuple):
 
     @property
     def powers(self) -> tuple[float, float, float]:
-        """The powers of kg, m and s of this dimension, to compare it whether or not it is
-        `bare`."""
+        """The powers of kg, m and s, to compare dimensions whether or not they are `bare`."""
         return self[:3]
 
     def fits(self, dimension: "Dimension") -> bool:
-        """Whether a number of this dimension may stand where `dimension` is required: if the powers
-        of kg, m and s are equal, or if this one is a plain number without unit, which fits all."""
+        """Return whether a number of this dimension may stand where `dimension` is required: if the
+        powers of kg, m and s are equal, or if this one is a plain number without unit, which fits
+        all."""
         return self.bare or self.powers == dimension.powers
 
     def __str__(self) -> str:
@@ -48,18 +47,19 @@ BARE = Dimension(bare=True)
 
 
 def power(dimension: Dimension, exponent: float) -> Dimension:
-    """Dimension of a quantity of a given dimension raised to `exponent`, a number."""
+    """Return the dimension of a quantity of a given dimension raised to `exponent`, a number."""
     return Dimension(*(exponent * p for p in dimension.powers), dimension.bare)
 
 
 def product(first: Dimension, second: Dimension, sign: int = 1) -> Dimension:
-    """Dimension of the product of two quantities (sign 1) or of the first over the second (-1)."""
+    """Return the dimension of the product of two quantities (sign 1), or of the first over the
+    second (-1)."""
     powers = (p + sign * q for p, q in zip(first.powers, second.powers, strict=True))
     return Dimension(*powers, first.bare and second.bare)
 
 
 class Unit(NamedTuple):
-    """Unit of measure: value * `numerator` / `denominator` is in SI units. dimension: its physical
+    """Unit of measure: value * numerator / denominator is in SI units. dimension: its physical
     dimension; udunits: its spelling in netCDF files."""
 
     numerator: float
@@ -68,7 +68,7 @@ class Unit(NamedTuple):
     udunits: str
 
     def si(self, value: float) -> float:
-        """Convert a value (number) in this unit to SI units."""
+        """Return a value, given in this unit, in SI units."""
         return value * self.numerator / self.denominator
 
 
@@ -110,13 +110,13 @@ class UnitError(ValueError):
 
 
 def is_unit(name: str) -> bool:
-    """Whether a name, such as `mm` or `m2`, reads as a unit, and so cannot name a number."""
+    """Return whether a name, such as "mm" or "m2", reads as a unit, and so cannot name a number."""
     return re.fullmatch(rf"(?:{_NAME})[234]?", name) is not None
 
 
 def unit(text: str) -> Unit:
-    """Parse a unit such as `N m/rad` or `N m rad-1`; "" and "1" are the unit of pure numbers.
-    Raises UnitError for anything else."""
+    """Return the unit of a text such as "N m/rad" or "N m rad-1"; "" and "1" are that of pure
+    numbers. Raises UnitError for anything else."""
     rest = re.sub(r"^\s*1?\s*(?=/|$)", "", text)
     top = bottom = 1.0
     dimension, spelt = NUMBER, []

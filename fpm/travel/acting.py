@@ -25,8 +25,9 @@ CROSS_PRODUCTS = np.cross(np.eye(3)[:, None], np.eye(3)[None]).swapaxes(1, 2)
 
 
 class ElementForces:
-    """Computes forces of `elements`, all of one type, of a scene at given poses (positions and
-    frames) of its n particles. Memory, as of a bristle's deflection, goes on from call to call."""
+    """Forces that elements of one type exert on the particles of a scene, computed by their kernels
+    at given poses. scene: the scene, of n particles; elements: of one type. Their memory, as of a
+    bristle's deflection, goes on from call to call."""
 
     def __init__(self, scene, elements: list):
         own_scene, kind = copy(scene), type(elements[0])
@@ -39,15 +40,16 @@ class ElementForces:
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
 
     def forces(self, poses: ParticlePoses) -> np.ndarray:
-        """Move the elements from their last poses to `poses` (positions and frames of particles)
-        and return their forces (N) and moments (N m) on all particles (6n,), in global axes."""
+        """Move the elements from their last poses to `poses` (positions and frames of all
+        particles) and return their forces (N) and moments (N m) on all particles (6n,), in global
+        axes."""
         self._put(poses)
         self._act()
         return self._act()[:, 0]  # once more: nothing is passed on the way
 
     def copy_history(self) -> list[np.ndarray]:
-        """Copies of all floating-point arrays of the elements, their memory (as bristle
-        deflections) included, to be given to `restore` later."""
+        """Return copies of all floating-point arrays of the elements, with their memory (as bristle
+        deflections), for `restore`."""
         return [array.copy() for array in _numbers(self.parts)]
 
     def restore(self, history: list[np.ndarray]) -> None:
@@ -56,9 +58,9 @@ class ElementForces:
             array[:] = values
 
     def linearise(self, poses: ParticlePoses) -> tuple[np.ndarray, Any]:
-        """Forces (6n,) N, N m of the elements on all n particles at `poses` (positions and frames),
-        and their stiffness, sparse (6n, 6n): minus the derivatives by all motions (m, rad). The
-        elements' memory, as of a bristle's deflection, is left as it was."""
+        """Return forces (6n,), N and N m, of the elements on all n particles at `poses` (positions
+        and frames), and their stiffness, sparse (6n, 6n): minus the derivatives by all motions (m,
+        rad). The elements' memory, as of a bristle's deflection, stays as it was."""
         from scipy.sparse import csc_array
 
         history = self.copy_history()
@@ -116,14 +118,14 @@ class ElementForces:
 
 
 def lanes_of_register() -> int:
-    """Number of double-precision values that fit in one SIMD register of this processor."""
+    """Return how many double-precision values kernels compute at once (lanes), 8."""
     from fpm.kernels.lanes import width
 
     return width(np.float64)
 
 
 def acts(kind: type) -> bool:
-    """Whether an element type (a class) has a kernel of forces that depend on particles' poses."""
+    """Return whether an element type `kind` has a kernel that adds forces to particles."""
     from fpm.kernels.hooks import KERNELS
 
     own = kind.kernels()

@@ -18,16 +18,16 @@ SOFT, STIFF = 1e-8, 1e-13
 and at least of that of bars."""
 
 MAX_ITERATIONS = 40
-"""Of a Newton iteration."""
+"""Number of iterations of Newton's method, at most."""
 
 TINY = 1e-300
-"""N m, so that nothing is divided by zero where nothing acts."""
+"""Least force or moment (N, N m) by which is divided, so that nothing is divided by zero."""
 
 
 class Balance:
     """What enters the static equilibrium of a scene: its elastic bars and all elements that store
-    energy or load it, not those that only resist, as friction. The equilibrium solver calls its
-    methods with `poses`, positions and frames of n particles."""
+    energy or load it, not those that only resist, as friction. The solver of equilibria calls its
+    methods with `poses`, positions and frames of all n particles."""
 
     def __init__(self, scene):
         self._bars = elastic_of(scene)
@@ -38,12 +38,13 @@ class Balance:
         self.acting = [ElementForces(scene, elements) for elements in by_kind.values()]
 
     def strain(self, poses: ParticlePoses) -> float:
-        """Strain energy (J) of all bars at `poses` (positions and frames of the particles)."""
+        """Return the strain energy (J) of all bars at `poses` (positions and frames of all
+        particles)."""
         return self._bars.energy(poses) if len(self._bars.nodes) else 0.0
 
     def derivatives(self, poses: ParticlePoses):
-        """Gradient (6n,) of the potential energy (N, N m) by the motions (m, rad) of n particles at
-        `poses` (positions and frames), and its derivatives, the stiffness, sparse (6n, 6n)."""
+        """Return the gradient (6n,) of the potential energy (N, N m) by the motions (m, rad) of n
+        particles at `poses`, and the stiffness, its derivatives, sparse (6n, 6n)."""
         gradient, stiffness = self._of_bars(poses)
         for acting in self.acting:
             forces, slopes = acting.linearise(poses)
@@ -51,9 +52,9 @@ class Balance:
         return gradient, stiffness
 
     def ease(self, poses: ParticlePoses, scales: np.ndarray) -> float:
-        """Artificial stiffness (N m), small beside that of springs and bars at `poses`, by which
-        the solver decides motions that no element stiffens; scales (6n,): length (m) or angle (rad)
-        that is the unit of each degree of freedom of the n particles."""
+        """Return an artificial stiffness (N m), small beside that of springs and bars at `poses`,
+        by which the solver decides motions that no element stiffens. scales (6n,): length (m) or
+        angle (rad) that is the unit of each degree of freedom of the n particles."""
         from scipy.sparse import diags
 
         own = diags(scales)
@@ -70,7 +71,8 @@ class Balance:
         return np.zeros(count), csc_array((count, count))
 
     def follow(self, poses: ParticlePoses) -> None:
-        """Move the elements on to `poses` (positions and frames); those with memory keep it."""
+        """Move the elements on to `poses` (positions and frames of all particles), so that those
+        with memory, as of a deflection, keep it."""
         for acting in self.acting:
             acting.forces(poses)
 
@@ -78,11 +80,11 @@ class Balance:
 def forces_with_friction(
     base: Sequence[np.ndarray], slopes: Sequence[np.ndarray]
 ) -> tuple[np.ndarray, bool]:
-    """Forces F (b,) N in b bearings whose own friction loads them further, and whether there is a
-    solution (False: a bearing locks itself): F_i = |base_i + slopes_i F|. base: by bearing i, the
-    force (r,) N in its joint without bearing friction; slopes: by bearing, its derivatives (r, b)
-    by all F. The solution is followed by Newton's method from no friction on; where its equations
-    become singular, a bearing locks itself."""
+    """Return forces F (b,) N in b bearings whose own friction loads them further, and whether there
+    is a solution (False: a bearing locks itself): F_i = |base_i + slopes_i F|. base: by bearing i,
+    the force (r,) N in its joint without bearing friction; slopes: by bearing, its derivatives (r,
+    b) by all F. The solution is followed by Newton's method from no friction on; where its
+    equations become singular, a bearing locks itself."""
     forces = np.array([np.linalg.norm(x) for x in base])
     for factor in np.linspace(0.0, 1.0, 1 + FRICTION_STEPS)[1:]:
         for _ in range(MAX_ITERATIONS):

@@ -20,23 +20,24 @@ from fpm.elements import (
 from fpm.travel.acting import ElementForces, acts
 
 STRAIN = "strain of bars"
-"""The component that is no element: the elastic strain of bars."""
+"""Name of the component that is no element: the elastic strain of bars."""
 
 DRAGS = ("FR", "HY")
 """Classes of what only resists (ElementType.resists_as)."""
 
 
 def parts_of(scene) -> dict[str, str]:
-    """Names of the components of a scene (what does virtual work: springs, friction, loads, ...),
-    each with its class: a key of CLASSES in `fpm.reading.standards`, such as "S" for springs; the
-    class that the structure's file states, else that of the element's type."""
+    """Return the components of a scene's virtual work (springs, friction, loads, ...) by name, each
+    with its class, a key of CLASSES in `fpm.reading.standards`, as "S" for springs: the one that
+    the structure's file states, else that of the element's type."""
     classes = {part.name: part.resists_as for part in components_of(scene)}
     classes = {bearing_name(scene, hinge): "FR" for hinge in scene.bearings} | classes
     return classes | ({STRAIN: "S"} if scene.beams else {})
 
 
 def springs_of(scene) -> list[str]:
-    """Names of a scene's components of virtual work that are springs on joints, by tables too."""
+    """Return the names of a scene's components of virtual work that are springs on joints, by
+    tables too."""
     return [
         part.name for part in components_of(scene)
         if isinstance(part.balanced, TorsionSpring | TableSpring) and part.resists_as == "S"
@@ -44,9 +45,9 @@ def springs_of(scene) -> list[str]:
 
 
 def classes_of_kinds(scene) -> dict[str, str]:
-    """Class by component name of a scene (a key of CLASSES in `fpm.reading.standards`, such as "FR"
-    for friction), by element type alone, whatever class a file states; but a table is a spring
-    where a file says so."""
+    """Return the class of each component of a scene's virtual work by name (a key of CLASSES in
+    `fpm.reading.standards`, as "FR" for friction), by element type alone, whatever class a file
+    states; but a table is a spring where a file says so."""
     own = {bearing_name(scene, hinge): "FR" for hinge in scene.bearings}
     for part in components_of(scene):
         own[part.name] = "FR" if part.baseline else type(part.balanced).resists_as
@@ -56,8 +57,8 @@ def classes_of_kinds(scene) -> dict[str, str]:
 
 
 def reeled(scene) -> list[str]:
-    """Names of components of a scene that no quasi-static sweep can follow, as they depend on time:
-    cables that a curve of time reels in or out, and their friction."""
+    """Return the names of components of a scene that no slow motion of an opening can follow, as
+    they depend on time: cables that a curve of time reels in or out, and their friction."""
     names = [name for c in scene.cables if c.curve >= 0 and c.reel for name in _of_cable(scene, c)]
     return [name for name in parts_of(scene) if name in names]
 
@@ -67,10 +68,11 @@ def _of_cable(scene, cable: Cable) -> tuple[str, ...]:
 
 
 class Component(NamedTuple):
-    """A named contribution to the virtual work of a travel, the sweep of an opening. elements: one
-    that does the work, or several (an element at its least and largest load), of which the least
-    work counts; resists_as: its class in standards, as "S" for springs; drags: whether it can only
-    resist, as friction; baseline: element whose work is subtracted, or None."""
+    """A named contribution to the virtual work of a travel, the slow motion of an opening. name:
+    its name; elements: one that does the work, or several (an element at its least and largest
+    load), of which the least work counts; resists_as: its class in standards, as "S" for springs;
+    drags: whether it can only resist, as friction; baseline: element whose work is subtracted, or
+    None."""
 
     name: str
     elements: tuple[ElementType, ...]
@@ -85,8 +87,8 @@ class Component(NamedTuple):
 
 
 class VirtualWork:
-    """Computes forces of a component (`part`) of a scene with n particles, and their virtual work,
-    at given poses (positions and frames of all particles)."""
+    """Forces of one component of a scene, and their virtual work, at given poses (positions and
+    frames of all n particles). scene: the scene; part: the component."""
 
     def __init__(self, scene, part: Component):
         self.is_difference, self.drags = part.baseline is not None, part.drags
@@ -94,33 +96,32 @@ class VirtualWork:
         self.acting = [ElementForces(scene, [element]) for element in elements]
 
     def approach(self, poses: ParticlePoses, motion: np.ndarray) -> None:
-        """Bring friction to steady slip: move a component that only resists along the straight
-        motion (6n,) m, rad that ends at `poses` (positions and frames); other components stay."""
+        """Bring friction to steady slip before `compute_work`: move a component that only resists
+        along the straight motion (6n,), m, rad, that ends at `poses`; other components stay."""
         for factor in (1.0, 0.5) if self.drags else ():
             for acting in self.acting:
                 acting.forces(poses.displace(-factor * motion))
 
     def compute_work(self, poses: ParticlePoses, tangent: np.ndarray) -> float:
-        """Virtual work (N m, on slides N) of the component at `poses` (positions and frames) in the
-        motion `tangent` (6n,) per unit of the opening, above 0 where it drives; of several elements
-        the least, with a baseline the difference from it. The forces are stored for
-        `friction_forces`."""
+        """Return the virtual work (N m, on slides N) of the component at `poses` in the motion
+        `tangent` (6n,) per unit of the opening, above 0 where it drives; of several elements the
+        least, with a baseline the difference from it. The forces are kept for `friction_forces`."""
         self._forces = np.array([acting.forces(poses) for acting in self.acting])
         works = self._forces @ tangent
         return float(works[0] - works[1] if self.is_difference else works.min())
 
     def friction_forces(self) -> np.ndarray | float:
-        """Forces and moments (6n,) N, N m on all n particles that the last call of `compute_work`
-        found, if the component only resists, as friction does; else 0."""
+        """Return forces and moments (6n,), N and N m, on all n particles that the last call of
+        `compute_work` found, if the component only resists, as friction does; else 0."""
         if not self.drags:
             return 0.0
         return self._forces[0] - self._forces[1] if self.is_difference else self._forces[0]
 
 
 def components_of(scene) -> list[Component]:
-    """Components of the virtual work in a scene: all elements whose type has a class in margin
-    standards, and the friction of cables. Each is named as its action in the structure's file, and
-    by its element too where an action has several; else by its element, with a number."""
+    """Return the components of the virtual work in a scene: all elements whose type has a class in
+    margin standards, and the friction of cables. Each is named as its action in the structure's
+    file, and by its element too where an action has several; else by its element, with a number."""
     components, count = [], Counter()
     kinds = [k for k in kinds_of([scene]) if k.resists_as and k is not Beams and acts(k)]
     action_counts = Counter(name for (k, _), name in scene.action_names.items() if k in kinds)
@@ -158,5 +159,6 @@ def _load_cases_of(scene, element: ElementType) -> tuple[ElementType, ...]:
 
 
 def bearing_name(scene, hinge: int) -> str:
-    """Name of the component that is the friction in a hinge's bearing; hinge: its index."""
+    """Return the name of the component that is the friction in a hinge's bearing. hinge: its
+    index."""
     return f"bearing {scene.hinges[hinge].name}"

@@ -15,8 +15,8 @@ from fpm.errors import SceneError
 from fpm.travel.balance import MAX_ITERATIONS, TINY, Balance, forces_with_friction
 
 MOTION_TOLERANCE = 1e-8
-"""Last motion of the rounds at a position, as a share of the size, or turn (rad). The way on is
-that before it, where bars may be strained by as much, which stiffens thin ones in bending."""
+"""Largest motion of the last round at a position, as a share of the size, or turn (rad). The way on
+is that before it, where bars may be strained by as much, which stiffens thin ones in bending."""
 
 PREDICTOR_WEIGHTS = ([1], [3, -1], [23, -16, 5], [55, -59, 37, -9])
 """Weights of the last motions, by how many there are, in that to the next position (Adams and
@@ -28,7 +28,8 @@ share of itself; beyond, it is halved, as it may have come upon another assembly
 """
 
 MAX_HALVED_MOTIONS = 1000
-"""Motions that are halved on a whole way at most; a jump takes some 300, with those about it."""
+"""Number of motions that are halved on a whole way, at most; a jump takes some 300, with those
+about it."""
 
 MAX_HALVINGS = 14
 """How often a motion is halved at most: where two assemblies meet closer than that, it goes on
@@ -52,11 +53,10 @@ def _rotations_of(first: np.ndarray, last: np.ndarray) -> np.ndarray:
 
 
 class Path:
-    """Moves an opening of a scene quasi-statically, and holds the state reached: `poses` (positions
-    and frames) of n particles, the `opening` (rad, m), and `tangent`, the motion (6n,) m, rad of
-    all particles per unit of it. openings: names of hinges or slides that move together, `opening`
-    being that of the first; stand: names of hinges that are locked at their opening at the
-    start."""
+    """Moves an opening of a scene slowly, through static equilibria, and holds the state reached:
+    `poses` of n particles, the `opening` (rad, m), and `tangent`, the motion (6n,), m, rad, of all
+    particles per unit of it. openings: names of hinges or slides that move together, of which the
+    first has the `opening`; stand: names of hinges locked at their opening at the start."""
 
     def __init__(self, scene, openings: Sequence[str], stand: Sequence[str]):
         self.scene, self.name = scene, openings[0]
@@ -81,8 +81,9 @@ class Path:
 
     def move_to(self, value: float, depth: int = 0) -> None:
         """Move the opening to `value` (rad, m) in static equilibrium, in smaller steps where one
-        would leave the branch of solutions. depth: halvings of the step so far, 0 for callers.
-        Raises MisfitError where it cannot be moved, SceneError where motions jump too often."""
+        would leave the branch of solutions. depth: how often the step was halved already, 0 for
+        callers. Raises MisfitError where it cannot be moved, SceneError where motions jump too
+        often."""
         state, tangents = self.state(), self._tangents
         is_past_jump = any(min(state[1], value) <= jump <= max(state[1], value)
                            for jump in self._jumps)  # fmt: skip
@@ -162,18 +163,18 @@ class Path:
         )  # fmt: skip
 
     def state(self) -> tuple:
-        """State of the path, as a tuple to be given to `restore` later: poses, opening, tangent,
-        impulses in the joints, and openings of all hinges."""
+        """Return the state of the path, a tuple for `restore`: poses, opening, tangent, impulses in
+        the joints, and openings of all hinges."""
         return self.poses, self.opening, self.tangent, self._impulses, self._openings
 
     def restore(self, state: tuple) -> None:
-        """Go back to what `state` returned; the next step is predicted along its tangent."""
+        """Go back to a `state` of the path; the next step is predicted along its tangent."""
         self._tangents = self._tangents if state[1] == self.opening else [state[2]]
         self.poses, self.opening, self.tangent, self._impulses, self._openings = state
 
     def update_openings(self) -> list[float]:
-        """Openings (rad, of slides m) of all hinges at the current poses, in the scene's order,
-        counted on over full turns from the last call, whose values they replace."""
+        """Return the openings (rad, of slides m) of all hinges at the current poses, in the scene's
+        order, with full turns counted on from the last call, and keep them for the next."""
         poses, openings = SimpleNamespace(**self.poses._asdict()), []
         for hinge, last in zip(self.scene.hinges, self._openings, strict=True):
             value = opening_at(poses, hinge)
@@ -185,7 +186,7 @@ class Path:
         return openings
 
     def rates(self, hinges: Sequence[int]) -> list[float]:
-        """Derivatives of the openings of `hinges` (their indices) by the opening that is moved."""
+        """Return derivatives of the openings of `hinges` (indices) by the opening that is moved."""
         shift, turn = self.tangent.reshape(-1, 2, 3).transpose(1, 0, 2)
         motion = SimpleNamespace(velocity=shift, spin=turn)
         return [float(rate_at(self.poses, self.scene.hinges[h], motion)) for h in hinges]
@@ -202,11 +203,11 @@ class Path:
         return rates.ravel()
 
     def in_bearings(self, friction: np.ndarray) -> list[float]:
-        """Virtual work (N m, on slides N) of the friction in each bearing, per unit of the opening,
-        at most 0, by the force in its joint, on a slide that across it, in balance with all
-        friction. friction: forces and moments (6n,) N, N m of the other components that only
-        resist. Raises SceneError where friction presses its joint harder than it is pushed:
-        self-locking."""
+        """Return the virtual work (N m, on slides N) of the friction in each bearing, per unit of
+        the opening, at most 0, by the force in its joint, on a slide that across it, in balance
+        with all friction. friction: forces and moments (6n,), N and N m, of the other components
+        that only resist. Raises SceneError where friction presses its joint harder than it is
+        pushed: self-locking."""
         levers = np.array(list(self.scene.bearings.values()))
         if not len(levers):
             return []
@@ -233,8 +234,8 @@ class Path:
         return [*(-levers * forces * np.abs(rates))]
 
     def check(self) -> None:
-        """Raise SceneError unless the moved opening alone determines the motion of everything else,
-        which is so if that motion does not change with the masses."""
+        """Check that the moved opening alone determines the motion of everything else, which is so
+        if that motion does not change with the masses; raises SceneError if not."""
         scene, uneven = self.scene, np.linspace(1.0, 3.0, len(self.scene.mass))
         self.scene = copy(scene)
         self.scene.mass, self.scene.inertia = scene.mass * uneven, scene.inertia / uneven[:, None]

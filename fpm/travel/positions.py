@@ -3,8 +3,7 @@
 Values are known at increasing positions; where they bend or jump, a position stands twice, and what
 is between bends is interpolated by cubics through the four positions around (fewer where there are
 not as many). Positions are added half-way between others until the interpolant meets every tested
-value.
-"""
+value."""
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable
@@ -13,7 +12,8 @@ from itertools import pairwise
 import numpy as np
 
 SMALLEST_DISTANCE = 1e-7
-"""Distance (of the travel) of positions between which values jump, or bend, for good."""
+"""Distance of positions, as a fraction of the travel, between which values jump, or bend, for
+good."""
 
 MAX_POSITIONS = 1500
 """Largest number of positions."""
@@ -25,14 +25,14 @@ NODES = 4
 
 
 def bends_after(positions: np.ndarray) -> np.ndarray:
-    """Start indices of the stretches into which bends (kinks or jumps of sampled values) divide
-    `positions` (p,), and at last p. Positions increase, and stand twice at a bend."""
+    """Return the start indices of the stretches into which bends (kinks or jumps of sampled values)
+    divide `positions`, and at last p. positions (p,): increasing, a bend's stands twice."""
     return np.concatenate([[0], np.flatnonzero(np.diff(positions) == 0) + 1, [len(positions)]])
 
 
 def interpolate(positions: np.ndarray, values: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Values (m, ...) at points (m,), interpolated by cubics from values (p, ...) at increasing
-    positions (p,), and not across bends (kinks or jumps): positions that stand twice."""
+    """Return values (m, ...) at points (m,), interpolated by cubics from values (p, ...) at
+    increasing positions (p,), not across bends (kinks or jumps), whose positions stand twice."""
     points = np.atleast_1d(points)
     ends = bends_after(positions)
     index = np.clip(np.searchsorted(positions, points, side="right") - 1, 0, len(positions) - 2)
@@ -54,8 +54,8 @@ def interpolate(positions: np.ndarray, values: np.ndarray, points: np.ndarray) -
 
 
 def slopes(positions: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Derivatives (p,) of values (p,) by the increasing positions (p,), by cubic splines between
-    bends (kinks or jumps): positions that stand twice."""
+    """Return the derivatives (p,) of values (p,) by the increasing positions (p,), by cubic splines
+    between bends (kinks or jumps), whose positions stand twice."""
     from scipy.interpolate import CubicSpline
 
     ends = bends_after(positions)
@@ -78,7 +78,8 @@ class SampledTravel:
         self._bends: set[float] = set()
 
     def add(self, position: float) -> np.ndarray:
-        """Values (k,) at a position (0 to 1): measured and stored unless they are known."""
+        """Return the values (k,) at a position (0 to 1), which are measured and stored unless they
+        are known."""
         k = bisect_left(self.positions, position)
         if k < len(self.positions) and self.positions[k] == position:
             return self.values[k]
@@ -89,7 +90,8 @@ class SampledTravel:
         return values
 
     def look(self, position: float) -> tuple[np.ndarray, object]:
-        """Measure values (k,) and the caller's state at a position (0 to 1); store neither."""
+        """Measure values (k,) and the caller's state at a position (0 to 1); return both, store
+        neither."""
         k = bisect_right(self.positions, position) - 1
         return self._measure(position, self._states[k] if k >= 0 else None)
 
@@ -100,7 +102,8 @@ class SampledTravel:
         self._bends.add(position)
 
     def arrays(self) -> tuple[np.ndarray, np.ndarray]:
-        """Sampled positions (p,), increasing, of kinks or jumps twice, and values (p, k) there."""
+        """Return sampled positions (p,), increasing, of kinks or jumps twice, and values (p, k)
+        there."""
         inner = [
             p in self._bends and 0 < i < len(self.positions) - 1
             for i, p in enumerate(self.positions)
@@ -110,10 +113,10 @@ class SampledTravel:
 
     def refine(self, measure_error: Callable[[np.ndarray, np.ndarray, float], float]) -> bool:
         """Sample further positions, half-way between others, until interpolation is accurate;
-        return False where that takes more than MAX_POSITIONS (1500). measure_error(expected,
-        values, distance): error of interpolated values (k,) against measured ones, over the allowed
-        error, at this distance of positions; accurate at 1, or up to ROUNDING_LIMIT (20) where it
-        does not fall with the distance."""
+        returns False where that takes more than 1500. measure_error(expected, values, distance):
+        returns the error of interpolated values (k,) against measured ones, over the allowed error,
+        at this distance of positions; accurate at 1, or up to ROUNDING_LIMIT (20) where it does not
+        fall with the distance."""
         pairs = [(*ends, np.inf) for ends in pairwise(self.positions)]
         while pairs:
             lower, upper, previous_error = pairs.pop()

@@ -40,9 +40,10 @@ APPROACH = 1e-4
 
 
 class Travel(NamedTuple):
-    """Result of the quasi-static sweep of an opening at p positions: opening (p,) in rad, of slides
-    m; work: virtual work (p,) of each component by name, per unit of the opening (N m, slides N),
-    above 0 where it drives; inertia (p,) that the opening moves (kg m², slides kg)."""
+    """Result of moving an opening slowly to p positions, all else in static balance. opening (p,):
+    rad, of slides m; work: virtual work (p,) of each component by name, per unit of the opening (N
+    m, slides N), above 0 where it drives; inertia (p,): that the opening moves (kg m², slides
+    kg)."""
 
     opening: np.ndarray
     work: dict[str, np.ndarray]
@@ -57,34 +58,15 @@ def lead(
     stand: Sequence[str] = (),
     positions: int | None = None,
 ) -> Travel:
-    """Sweep an opening of a scene quasi-statically from one value to another.
+    """Move an opening of a scene slowly from one value to another, all else in static balance;
+    returns openings, virtual works and inertia at all positions (Travel).
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene at its start.
-    openings : str or sequence of str
-        Hinge by name; of several, the others go as far from their start as the first does.
-    first, last : float
-        Values of the opening (rad, of slides m) at both ends.
-    stand : sequence of str
-        Hinges that are locked at their opening at the start.
-    positions : int, optional
-        Number of evenly spaced positions, at least 2; by default as many as it takes, with those
-        at which a moment bends (fpm.travel.positions).
-
-    Returns
-    -------
-    Travel
-        Openings, virtual works and inertia at all positions.
-
-    Raises
-    ------
-    SceneError
-        Where the opening does not decide the motion of all.
-    MisfitError
-        Where the opening cannot be moved to a value in balance.
-    """
+    scene: at its start; openings: name of a hinge, or of several, of which the others go as far
+    from their start as the first does; first, last: values of the opening (rad, of slides m) at
+    both ends; stand: names of hinges that are locked at their opening at the start; positions:
+    number of evenly spaced positions, at least 2; None: as many as it takes, with those at which a
+    moment bends. Raises SceneError where the opening does not decide the motion of all, MisfitError
+    where it cannot be moved to a value in balance."""
     path = Path(scene, [openings] if isinstance(openings, str) else openings, stand)
     count = positions or POSITIONS
     spacing = (last - first) / (count - 1)
@@ -152,8 +134,7 @@ def lead(
 def _add_bends(scene, samples: SampledTravel, openings: int) -> None:
     """Add positions at which forces of elements bend, and at which joints with friction reverse.
 
-    openings: first column of the samples' values with openings; rates of joints follow them.
-    """
+    openings: first column of the samples' values with openings; rates of joints follow them."""
     bends = [(openings + hinge, angle) for hinge, angle in sorted(set(_bends(scene)))]
     rates = openings + len(scene.hinges)
     sizes = np.abs(np.array(samples.values)[:, rates:]).max(axis=0)

@@ -12,8 +12,7 @@ What is left is small, and linear Euler-Bernoulli theory holds for it::
 The end forces are the exact gradient of U with respect to the particles' positions and rotations.
 So they vanish in any rigid motion, carry no net force or moment (momentum is kept to rounding) and
 are conservative. Source of the concept: Ting, Shih, Wang, J. Mech. 20 (2004) 113 (vector form
-intrinsic finite element); corotational chord frame: Crisfield, Non-linear FEA vol. 2, ch. 17.
-"""
+intrinsic finite element); corotational chord frame: Crisfield, Non-linear FEA vol. 2, ch. 17."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -34,8 +33,7 @@ class Material:
     ----------
     E: Young's modulus (Pa), above 0.
     nu: Poisson's ratio, -1 < nu <= 0.5.
-    rho: density (kg/m³), above 0.
-    """
+    rho: density (kg/m³), above 0."""
 
     E: float
     nu: float
@@ -65,8 +63,7 @@ class Section:
     Iy, Iz: second moments of area ∫z² dA and ∫y² dA (m⁴).
     J: torsion constant (m⁴).
     outline: contour, for stresses (fpm/reading/stress.py): "rectangle", "round", or "" if unknown.
-    width, height: of the contour along the local y and z axes (m).
-    """
+    width, height: of the contour along the local y and z axes (m)."""
 
     A: float
     Iy: float
@@ -78,9 +75,9 @@ class Section:
 
     @staticmethod
     def rectangle(width: float, height: float) -> "Section":
-        """Solid rectangle with its width (m) along the local y and its height (m) along the local z
-        axis; SceneError unless both are above 0. Torsion constant by the series of Timoshenko and
-        Goodier, Theory of Elasticity, § 109."""
+        """Return the section of a solid rectangle. width (m): along the local y axis; height (m):
+        along the local z axis; SceneError unless both are above 0. Torsion constant by the series
+        of Timoshenko and Goodier, Theory of Elasticity, § 109."""
         if not (width > 0 and height > 0):
             raise SceneError("section width, height", (width, height), "positive lengths (m)")
         long, short = max(width, height), min(width, height)
@@ -92,17 +89,17 @@ class Section:
 
     @staticmethod
     def square(side: float) -> "Section":
-        """Section that is a solid square; side: its length (m), above 0."""
+        """Return the section of a solid square; side: its length (m), above 0."""
         return Section.rectangle(side, side)
 
     @staticmethod
     def circle(radius: float) -> "Section":
-        """Section that is a solid circle; radius (m)."""
+        """Return the section of a solid circle; radius (m)."""
         return Section.tube(radius, 0.0)
 
     @staticmethod
     def tube(outer: float, inner: float) -> "Section":
-        """Section that is a round tube; outer, inner: its radii (m), inner 0 for a solid circle."""
+        """Return the section of a round tube; outer, inner: radii (m), 0 for a solid circle."""
         inertia = np.pi / 4 * (outer**4 - inner**4)
         area = np.pi * (outer**2 - inner**2)
         return Section(area, inertia, inertia, 2 * inertia, "round", 2 * outer, 2 * outer)
@@ -110,11 +107,12 @@ class Section:
 
 @dataclass(frozen=True)
 class Beams(ElementType):
-    """m beam elements of one section and material, between particles of a scene. nodes (m, 2):
-    particle indices; length (m,): undeformed lengths (m); triad (m, 3, 3): initial axes as columns,
-    first along the chord (line from end to end); name: prefix of the elements' names; bow (rad):
-    rotation of the ends against the chord without stress, of the first towards the third axis and
-    of the second the other way; None: no bow, in no sample."""
+    """A group of m beam elements of one section and material, between particles of a scene. nodes
+    (m, 2): particle indices of both ends; length (m,): undeformed lengths (m); triad (m, 3, 3):
+    global axes at the start, as columns, the first along the chord (line from end to end); section:
+    Section; material: Material; name: of the group, from which the elements' names are made; bow
+    (rad): angle between ends and chord without stress, of the first end towards the third axis, of
+    the second the other way; None: straight, in all samples of a batch."""
 
     nodes: np.ndarray
     length: np.ndarray
@@ -129,11 +127,11 @@ class Beams(ElementType):
 
     @staticmethod
     def create(scene, nodes, section, material, normal, name) -> "Beams":
-        """Beam elements between particles of a scene, unstressed as these are placed now; they are
-        not added to the scene. nodes (m, 2): particle indices; section (Section); material
-        (Material); normal: vector in the plane of the local x and z axes, (3,) for all elements or
-        (m, 3), not along one; name: prefix of the elements' names. SceneError if particles are
-        missing or coincide."""
+        """Return a group of beam elements between particles of a scene, unstressed as these are
+        placed now; the caller adds it to the scene. nodes (m, 2): particle indices; section
+        (Section); material (Material); normal: global vector in the plane of the local x and z
+        axes, (3,) for all or (m, 3), not parallel to an element; name: of the group. SceneError if
+        particles are missing or coincide."""
         nodes = np.atleast_2d(np.asarray(nodes, int))
         if nodes.shape[1] != 2 or nodes.min() < 0 or nodes.max() >= len(scene.position):
             raise SceneError(f"nodes of {name}", nodes.tolist(), "(m, 2) indices of particles")
@@ -146,17 +144,16 @@ class Beams(ElementType):
         return Beams(nodes, length, axes, section, material, name)
 
     def with_strain(self, strain: float, curvature: float | None) -> "Beams":
-        """A copy of these elements, all of equal length, whose stress-free shape is longer and
-        curved. strain: relative elongation; curvature (1/m): above 0 if the side of the local third
-        axis is the longer one; None: straight, in all samples of a batch."""
+        """Return a copy of this group, whose elements have equal lengths, with another stress-free
+        shape. strain: relative elongation of it; curvature (1/m): above 0 if the side towards the
+        local third axis is the longer one; None: straight, in all samples of a batch."""
         length = self.length * (1.0 + strain)
         bow = None if curvature is None else float(curvature * length[0] / 2)
         return replace(self, length=length, bow=bow)
 
     def end_axes(self) -> np.ndarray:
-        """Local axes 2 and 3 of both ends of these elements without stress, (2, m, 3, 2): end,
-        element, global component, axis. They are normal to the chord, or off by the angle of the
-        bow."""
+        """Return the local axes 2 and 3 at both ends of these elements without stress, (2, m, 3,
+        2): end, element, global component, axis. Normal to the chord, or off by `bow`."""
         axes = np.stack([self.triad[:, :, 1:]] * 2)
         if self.bow:
             turn = np.array([self.bow, -self.bow])[:, None, None]
@@ -164,7 +161,8 @@ class Beams(ElementType):
         return axes
 
     def stiffness(self) -> np.ndarray:
-        """Rows (m, 5), one per element: l0 (m), EA/l0 (N/m), 2 EIz/l0, 2 EIy/l0 and GJ/l0 (N m)."""
+        """Return a table (m, 5) with a row for each element: undeformed length l0 (m), EA/l0 (N/m),
+        2 EIz/l0, 2 EIy/l0 and GJ/l0 (N m)."""
         s, m, n = self.section, self.material, len(self.length)
         table = np.empty((n, 5))
         table[:, 0] = self.length
@@ -174,20 +172,19 @@ class Beams(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """What must be equal in scenes that run side by side: the particles of all elements, and
-        whether elements have axes of their own (`framed`)."""
+        """Return what must be equal in scenes simulated side by side: the particles of all beam
+        elements, and whether elements have axes other than their particles' (`framed`)."""
         return tuple(tuple(b.nodes.ravel()) for b in cls.of(scene)), framed(scene)
 
     @classmethod
     def names(cls, scene):
-        """Names of all beam elements of a scene: the group's name and a number, as "link[0]"."""
+        """Return the names of a scene's beam elements: the group's and a number, as "link[0]"."""
         return [f"{b.name}[{i}]" for b in cls.of(scene) for i in range(len(b.length))]
 
     @classmethod
     def deformations(cls, scene):
-        """Independent deformations (Deformations) of all beam elements of a scene with their
-        stiffness, from which the stable time step follows: six per element, stretch, twist, and sum
-        and difference of the end rotations in either bending plane (`modes`)."""
+        """Return the independent deformations of all beam elements of a scene, with their
+        stiffness, from which the stable time step follows: six of each element, as in `modes`."""
         frame = scene.frame if scene.unstrained is None else scene.unstrained
         modes, count = [], 0
         for beams in cls.of(scene):
@@ -196,9 +193,10 @@ class Beams(ElementType):
         return Deformations(*(np.concatenate(x) for x in zip(*modes, strict=True)))
 
     def modes(self, frame: np.ndarray) -> list[Deformations]:
-        """Deformations of these m elements with their stiffness, a list of six with m rows each:
-        stretch, twist, and sum and difference of the end rotations in both planes, so that the
-        stiffness is diagonal. frame (n, 3, 3): all particles' strain-free axes, as columns."""
+        """Return the independent deformations of these m elements, a list of six Deformations with
+        m springs each: stretch, twist, and sum and difference of the end rotations in both bending
+        planes, by which the stiffness is diagonal. frame (n, 3, 3): all particles' strain-free
+        axes, as columns."""
         table, (a, b) = self.stiffness(), self.nodes.T
         six = np.arange(6)
         dofs = np.concatenate([6 * a[:, None] + six, 6 * b[:, None] + six], axis=1)
@@ -251,16 +249,16 @@ ALIGNED = np.array([0.0, 1, 0, 0, 0, 1] * 2)
 
 
 def framed(scene) -> bool:
-    """Whether some beam element of a scene has local axes other than those of its particles (to
-    rounding), or may have, as with a bow; the kernels take another path then. Decided by one scene,
-    not by a batch: else a sample's last digits would depend on its neighbours."""
+    """Return whether some beam element of a scene has local axes other than those of its particles
+    (to rounding), or may have, as with a bow; kernels then compute more. Decided for each scene
+    alone, so that its last digits do not depend on those simulated with it."""
     bowed = any(beams.bow is not None for beams in Beams.of(scene))
     return bowed or bool(Beams.of(scene) and np.abs(end_axes(scene) - ALIGNED).max() >= 1e-12)
 
 
 def end_axes(scene) -> np.ndarray:
-    """Stress-free local axes 2 and 3 of all m beam elements of a scene at both ends a and b, in the
-    frames of their particles: (m, 12), each row a2, a3, b2, b3."""
+    """Return the stress-free local axes 2 and 3 of all m beam elements of a scene at both ends a
+    and b, in the axes of their particles: (m, 12), each row a2, a3, b2, b3."""
     frame = scene.frame if scene.unstrained is None else scene.unstrained
     nodes = np.concatenate([beams.nodes for beams in Beams.of(scene)])
     axes = np.concatenate([beams.end_axes() for beams in Beams.of(scene)], axis=1)
@@ -270,8 +268,8 @@ def end_axes(scene) -> np.ndarray:
 
 
 def triad(direction: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    """Right-handed orthonormal axes (3, 3) as columns: x along `direction` (3,), z in the plane of
-    it and `normal` (3,), on its side. SceneError if the two are parallel."""
+    """Return right-handed orthonormal axes (3, 3), as columns: x along `direction` (3,), z in the
+    plane of it and `normal` (3,), on the side of `normal`. SceneError if the two are parallel."""
     x = np.asarray(direction, float)
     x = x / length(x)
     y = cross(normal, x)
@@ -283,8 +281,9 @@ def triad(direction: np.ndarray, normal: np.ndarray) -> np.ndarray:
 
 
 def elements_of(groups: Sequence[Beams]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Join groups of beam elements: nodes (m, 2) particle indices, undeformed lengths (m,) and half
-    widths and heights (m, 2), in m, of rectangles with the sections' areas and second moments."""
+    """Join groups of beam elements. Returns nodes (m, 2), particle indices; undeformed lengths
+    (m,), m; and half widths and heights (m, 2), m, of rectangles of equal area and second
+    moments."""
     nodes, length, half = [np.zeros((0, 2), int)], [np.zeros(0)], [np.zeros((0, 2))]
     for beams in groups:
         nodes.append(beams.nodes)

@@ -1,8 +1,7 @@
 """Forces, strain energy and strains of beam elements (theory: beam.py).
 
 Elements whose axes are those of their particles, as on straight links, have arrays of their own
-type, for which less is computed.
-"""
+type, for which less is computed."""
 
 from typing import NamedTuple
 
@@ -23,7 +22,7 @@ BEND_Y = 3  # EIy/(6 l0)
 TWIST = 4  # GJ/(4 l0), for `twist_of`
 BEAM = 5
 SHARES = (1.0, 1.0, 1 / 12, 1 / 12, 1 / 4)
-"""What they are of the columns of `Beams.stiffness`: no factor is left to be multiplied with."""
+"""Factor of each column of `Beams.stiffness` in these constants, so that kernels multiply less."""
 
 # Its axes in the frames of its particles: 2 and 3 at a, then at b (3 each).
 A2, A3, B2, B3 = 0, 3, 6, 9
@@ -34,8 +33,10 @@ BEND, STRAIN = 0, 1  # watched
 
 class StraightElements(NamedTuple):
     """Arrays of m beam elements whose local axes are their particles' axes, as on straight bars.
-    nodes (m, 2): particles of ends a, b; beams (m, BEAM, lanes): constants LENGTH to TWIST; watched
-    (1, 2, lanes): largest bend and strain so far; rows (m, 1, lanes): energy per element (J)."""
+    nodes (m, 2): indices of the particles at ends a, b; beams (m, 5, lanes): constants, undeformed
+    length l0 (m), EA/l0 (N/m), EIz/(6 l0), EIy/(6 l0), GJ/(4 l0) (N m); watched (1, 2, lanes):
+    largest bend (sine) and strain so far; rows (m, 1, lanes): energy of each (J), to name the
+    worst."""
 
     nodes: np.ndarray  # (m, 2) particles
     beams: np.ndarray  # (m, BEAM, lanes)
@@ -44,8 +45,9 @@ class StraightElements(NamedTuple):
 
 
 class FramedElements(NamedTuple):
-    """Arrays of m beam elements with axes of their own: those of StraightElements, and axes (m,
-    AXES, lanes): local axes 2 and 3 at both ends, in the frames of their particles."""
+    """Arrays of m beam elements with axes of their own. nodes, beams, watched, rows: as of
+    StraightElements; axes (m, 12, lanes): local axes 2 and 3 at ends a and b, in the axes of the
+    particles there."""
 
     nodes: np.ndarray
     beams: np.ndarray
@@ -56,8 +58,8 @@ class FramedElements(NamedTuple):
 
 @kernel
 def angle(s):
-    """Six times the angle th (rad) with sine s, and twice its derivative dth/ds, from th = s +
-    s³/6, which is wrong from the fifth order on. s: number or lanes."""
+    """Return 6 th and 2 dth/ds of the angle th (rad) with the sine s (number or lanes), by th = s +
+    s³/6, whose error is of the fifth order."""
     slope = s * s + 2.0
     return s * (slope + 4.0), slope
 
@@ -89,8 +91,8 @@ def _framed_axes(part, state, e):
 
 
 def end_axes(part, state, e):
-    """Local axes 2 and 3 of element e at its ends a and b, unit vectors in global components: a2,
-    a3, b2, b3. part: StraightElements or FramedElements; state: of the particles (World.state)."""
+    """Return four unit vectors in global components: local axes 2 and 3 of element e at its end a,
+    and at its end b. part: StraightElements or FramedElements; state: World.state."""
     return _axes_for(type(part))(part, state, e)
 
 
@@ -106,9 +108,9 @@ def _end_axes(part, state, e):
 
 @kernel
 def chord_of(part, state, e):
-    """Direction of the chord of element e (unit vector from end a to b), inverse of its length
-    (1/m), and axial force (N, tension above 0). part: arrays of the elements; state: of the
-    particles."""
+    """Return direction of the chord of element e (unit vector from end a to b), inverse of its
+    length (1/m), and axial force (N, tension above 0). part: the elements' arrays; state:
+    World.state."""
     chord = get3(state, part.nodes[e, 1], X) - get3(state, part.nodes[e, 0], X)
     length = sqrt(dot(chord, chord))
     inverse = 1.0 / length
@@ -153,9 +155,9 @@ def forces(part, world, timing):
 
 @kernel
 def shape_of(part, state, e):
-    """Deformation of element e: its axial force (N), sines of the angles between chord and axes at
-    both ends (four: a2, a3, b2, b3; 0 where straight), and twice the sine of its twist. part:
-    arrays of the elements; state: of the particles (World.state)."""
+    """Return the deformation of element e, a tuple: axial force (N); sines of the angles between
+    the chord and the axes 2, 3 at end a and 2, 3 at end b (0 where straight), a tuple of four;
+    twice the sine of its twist. part: arrays of the elements; state: World.state."""
     a2, a3, b2, b3 = end_axes(part, state, e)
     n, _, force = chord_of(part, state, e)
     return force, (dot(n, a2), dot(n, a3), dot(n, b2), dot(n, b3)), twist_of(a2, a3, b2, b3)
@@ -163,7 +165,8 @@ def shape_of(part, state, e):
 
 @kernel
 def strain_energy(part, e, shape):
-    """Strain energy (J) of element e. part: arrays of elements; shape: returned by `shape_of`."""
+    """Return the strain energy (J, lanes) of element e. part: arrays of elements; shape: its
+    deformation, as `shape_of` returns it."""
     force, sines, twist = shape
     ta2, ta3 = angle(sines[0])[0], angle(sines[1])[0]
     tb2, tb3 = angle(sines[2])[0], angle(sines[3])[0]
@@ -177,9 +180,9 @@ def strain_energy(part, e, shape):
 
 @kernel
 def larger_strains(part, e, shape, bend, strain):
-    """Maxima `bend` and `strain`, raised to those of element e; returns both. bend: squared sine of
-    its largest bend or twist; strain: at the surface of a rectangle of height sqrt(12 I/A), with
-    the element's I and A. part: arrays of the elements; shape: deformation, from `shape_of`."""
+    """Return two maxima, `bend` and `strain`, raised to the values of element e. bend: squared sine
+    of the largest bend or twist; strain: at the surface of a rectangle with the section's area and
+    second moments. part: arrays of the elements; shape: deformation of e, from `shape_of`."""
     beams = part.beams
     force, (sa2, sa3, sb2, sb3), twist = shape
     bend = larger(bend, sa2 * sa2 + sa3 * sa3)
@@ -196,8 +199,8 @@ def larger_strains(part, e, shape, bend, strain):
 
 @kernel
 def stored(part, world):
-    """Strain energy (J) of all beam elements together; also raises `part.watched` to their largest
-    bend (sine) and surface strain. part: arrays of the elements; world: solver state."""
+    """Return the strain energy (J, lanes) of all beam elements together, and raise part.watched to
+    their largest bend (sine) and strain. part: arrays of the elements; world: solver state."""
     total = 0.0 * load(world.state, 0, X)
     bend, strain = 0.0 * load(part.watched, 0, BEND), load(part.watched, 0, STRAIN)
     for e in range(part.nodes.shape[0]):
@@ -211,8 +214,8 @@ def stored(part, world):
 
 @kernel
 def list_energies(part, world):
-    """Store the strain energy (J) of each beam element in part.rows, by which a failed run names
-    the worst. part: arrays of the elements; world: state of the solver."""
+    """Store the strain energy (J) of each beam element in part.rows, once a run has failed, to name
+    the worst one. part: arrays of the elements; world: solver state."""
     for e in range(part.nodes.shape[0]):
         store(part.rows, e, 0, strain_energy(part, e, shape_of(part, world.state, e)))
 

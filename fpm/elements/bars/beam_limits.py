@@ -21,11 +21,9 @@ def _strain_failure(values: dict[str, float]) -> tuple[str, str]:
 BEND = Watch("bend", 0.25, False, _bend_failure)
 """Largest sine of the angle between an element's chord and its ends, and of its twist. Whipping
 links whose elements bend by so much are wrong by some percent (docs/extremes.md); beyond that the
-energy still balances, on a wrong curve. A finer mesh bends less.
-"""
+energy still balances, on a wrong curve. A finer mesh bends less."""
 
 STRAIN = Watch("strain", 0.5, False, _strain_failure)
 """Largest strain at the surface of an element: its stretch, and half its height over the radius to
 which it is bent. At 0.5 that radius is the height: no beam, whatever the mesh. (A bar curved to
-such a radius is 8 % stiffer than a straight one: Winkler's theory of curved bars.)
-"""
+such a radius is 8 % stiffer than a straight one: Winkler's theory of curved bars.)"""

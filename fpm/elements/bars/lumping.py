@@ -4,16 +4,15 @@ Half of each element's mass at either end (the trapezium rule) overstates the tr
 a link of n elements by 2/n². The masses are the weights of a quadrature of the inertia forces along
 the link, and the rule's error comes from the ends. Gregory's end corrections remove it, in
 differences up to the fourth, or as many as find room on half of the link, but two at least: mass,
-centre and inertia M L²/12 of the slender bar are exact for every n >= 2 (n = 2: Simpson's rule,
-n = 3: his 3/8 rule), and 8 elements do better than 16 with half-and-half masses
-(docs/accuracy.md). More differences do not pay: the elements themselves are of fourth order.
-Source: Hildebrand, Introduction to Numerical Analysis, 2nd ed., § 5.9.
+centre and inertia M L²/12 of the slender bar are exact for every n >= 2 (n = 2: Simpson's rule, n =
+3: his 3/8 rule), and 8 elements do better than 16 with half-and-half masses (docs/accuracy.md).
+More differences do not pay: the elements themselves are of fourth order. Source: Hildebrand,
+Introduction to Numerical Analysis, 2nd ed., § 5.9.
 
-Rotational inertia of the section: each element brings rho Ip l about the bar's axis and
-f rho I l about the others, shared by its ends. f = 1 is the physical value. f > 1 spares the time
-step; the excess (f - 1) rho I L of the link's inertia is taken back by moving a further
-``(f - 1) (r/l)² n / (2 (n - 1))`` from the ends, as long as the end particle keeps some mass.
-"""
+Rotational inertia of the section: each element brings rho Ip l about the bar's axis and f rho I l
+about the others, shared by its ends. f = 1 is the physical value. f > 1 spares the time step; the
+excess (f - 1) rho I L of the link's inertia is taken back by moving a further ``(f - 1) (r/l)² n /
+(2 (n - 1))`` from the ends, as long as the end particle keeps some mass."""
 
 import math
 from functools import lru_cache
@@ -30,9 +29,9 @@ SMALLEST_END = 0.1
 
 
 def end_weights(elements: int, order: int | None = None) -> np.ndarray:
-    """Masses (n+1,) of the particles of a slender link of n elements, as fractions of one element's
-    mass. elements: n, at least 1; order: of the last differences in the end corrections, 0 for none
-    (the trapezium rule), at most 4; None: the best for so many elements."""
+    """Return the masses (n+1,) of the particles of a slender link, as fractions of the mass of one
+    element. elements: their number n, at least 1; order: highest order of differences in Gregory's
+    end corrections, 0 (the trapezium rule) to 4; None: the best for n."""
     return np.array(_end_weights(elements, order))
 
 
@@ -52,14 +51,13 @@ def _end_weights(elements: int, order: int | None) -> tuple[float, ...]:
 
 
 def lump(length: float, elements: int, section, material, scale: float = 1.0):
-    """Particle masses (n+1,) in kg and principal inertias (n+1, 3) in kg m² of a straight link.
+    """Return particle masses (n+1,) kg and principal inertias (n+1, 3) kg m² of a straight link.
 
-    length (m): of the whole link; elements: n; section (Section), material (Material): the same all
-    along; scale: factor f >= 1 on the section's transverse rotational inertia. The link's mass,
-    centre and inertia tensor are those of a uniform bar, exactly, for two elements or more; a
-    single element keeps mass, centre and polar inertia only. SceneError if `elements` is no whole
-    number above 0, or `scale` below 1 or so large that no positive end mass makes up for it.
-    """
+    length (m): of the whole link; elements: their number n; section (Section), material (Material):
+    the same all along; scale: factor f >= 1 on the section's transverse rotational inertia, above 1
+    to allow longer time steps. For n >= 2 the link's mass, centre and inertia tensor are exactly
+    those of a uniform bar; for one element mass, centre and polar inertia. SceneError if `elements`
+    is no whole number above 0, or `scale` below 1 or too large for positive end masses."""
     if elements < 1 or int(elements) != elements:
         raise SceneError("elements", elements, "a whole number, at least 1")
     if not scale >= 1.0:

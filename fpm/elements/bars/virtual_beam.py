@@ -2,8 +2,7 @@
 
 They carry the size of the section: the hinge line of a thick link lies on an edge of its end face,
 not on its axis. The paper uses stiff beam elements; the limit of infinite stiffness is taken here,
-because it costs no element and does not shorten the stable step.
-"""
+because it costs no element and does not shorten the stable step."""
 
 from dataclasses import dataclass
 
@@ -20,6 +19,6 @@ class VirtualBeam:
 
     @staticmethod
     def to_point(particle: int, position, frame, point) -> "VirtualBeam":
-        """The rigid arm from a particle to a point. particle: index; position (3,), m, of the
-        particle and frame (3, 3), its axes as columns; point (3,), m; all in global axes."""
+        """Return the rigid arm from a particle to a point, by global coordinates. particle: index;
+        position (3,) m and frame (3, 3), axes as columns: of the particle now; point (3,) m."""
         return VirtualBeam(particle, np.asarray(frame).T @ (np.asarray(point) - position))

@@ -12,8 +12,7 @@ viscosity, b1 rho c_d l de/dt (von Neumann, Richtmyer, J. Appl. Phys. 21 (1950) 
 Landshoff, LA-1930 (1955) for the linear term; Abaqus Analysis User's Guide, Explicit dynamic
 analysis, with b1 = 0.06). It changes with the mesh: as this is refined it vanishes. Sections,
 stresses and strain energy have no part of it. What bounds the step of slender elements is their
-bending, so that a share of 0.2 costs no step there; 0.5 a third of it.
-"""
+bending, so that a share of 0.2 costs no step there; 0.5 a third of it."""
 
 from dataclasses import dataclass
 
@@ -27,8 +26,9 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class Viscosity(ElementType):
-    """Bulk viscosity of all beam elements of a scene: a damper along each. share: fraction of
-    critical damping in an element's highest axial vibration, >= 0; several viscosities add up."""
+    """Bulk viscosity of all beam elements of a scene: a damper along each element, which damps
+    waves of the size of the mesh. share: fraction of critical damping in an element's highest axial
+    vibration, at least 0; several viscosities add up."""
 
     share: float
 
@@ -42,18 +42,18 @@ class Viscosity(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """The bulk viscosities of a scene, a list; empty where the scene has no beams."""
+        """Return the bulk viscosities of a scene; [] where it has no beams."""
         return scene.kinds.get(cls, []) if scene.beams else []
 
     @classmethod
     def names(cls, scene):
-        """Names of all beam elements of a scene, in their order (Beams.names)."""
+        """Return the names of all beam elements of a scene, each of which has a damper."""
         return Beams.names(scene)
 
     @classmethod
     def dampings(cls, scene):
-        """Stretches of all beam elements of a scene with their damping (N s/m), as Deformations
-        whose field `stiffness` holds the damping; the stable time step follows from it."""
+        """Return how motions of particles stretch all beam elements of a scene, with the damping (N
+        s/m) of each in the field `stiffness`; the stable time step follows from it."""
         frame = scene.frame if scene.unstrained is None else scene.unstrained
         stretches = [beams.modes(frame)[0] for beams in Beams.of(scene)]
         counts = np.cumsum([0, *(len(beams.length) for beams in Beams.of(scene))])

@@ -6,15 +6,14 @@ with the length L of them all,
     strain e = (L - R) / R,   tension T = EA max(e, 0),   energy EA R max(e, 0)²/2
 
 Points between its ends are pulleys of no radius: the tension is one all along. The unstrained
-length may change with a curve of time, as when a winch takes cable in; the winch gives
--T (1 + e/2) dR/dt, the pull on the strained cable less the strain energy that leaves with it; it
-stands at the first point.
+length may change with a curve of time, as when a winch takes cable in; the winch gives -T (1 + e/2)
+dR/dt, the pull on the strained cable less the strain energy that leaves with it; it stands at the
+first point.
 
 A cable that rubs at these points has a strain and a tension in every stretch. Its material slips
-over a point, where the cable turns by the angle a, as soon as T' on one side is more than
-T exp(mu a) on the other (Eytelwein's law of the capstan). A metre that slips from T to T' leaves
-T' (1 + e'/2) - T (1 + e/2) to friction. Cables from point to point have none.
-"""
+over a point, where the cable turns by the angle a, as soon as T' on one side is more than T exp(mu
+a) on the other (Eytelwein's law of the capstan). A metre that slips from T to T' leaves T' (1 +
+e'/2) - T (1 + e/2) to friction. Cables from point to point have none."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -41,10 +40,10 @@ def _crowded(values: dict[str, float]) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class Cable(ElementType):
-    """A cable through the free ends of two or more virtual beams (rigid arms from particles).
-    stiffness: EA (N); rest: unstrained length R (m); reel: length (m) that a winch takes in, times
-    the curve of index `curve` (-1: none); friction: coefficient mu at the points between its ends,
-    None: none."""
+    """A cable through the free ends of two or more virtual beams (rigid arms from particles). name:
+    no other cable's; beams: arms to its points; stiffness: EA (N); rest: unstrained length (m);
+    reel: length (m) that a winch takes in, times the curve of index `curve` (-1: none); friction:
+    coefficient at points between its ends, None: none."""
 
     name: str = same()
     beams: tuple[VirtualBeam, ...]
@@ -65,11 +64,11 @@ class Cable(ElementType):
 
     @staticmethod
     def create(scene, name, points, stiffness, rest, preload, reel, curve, friction) -> "Cable":
-        """A cable through points of a scene, as placed now; it is not added to the scene. points:
-        pairs of a particle's index and a position (3,) m; stiffness: EA (N); rest: unstrained
-        length before reeling (m), or preload: tension at the start (N), the other one None; reel
-        (m), curve: length that a winch takes in, times the curve of that index (-1: none);
-        friction: coefficient or None. SceneError if points or numbers do not fit."""
+        """Return a cable through points of a scene, as placed now; the caller adds it to the scene.
+        name: no other cable's; points: pairs of a particle's index and a position (3,) m;
+        stiffness: EA (N); rest: unstrained length before reeling (m), or preload: tension at the
+        start (N), the other one None; reel: length (m) that a winch takes in, times the curve of
+        index `curve` (-1: none); friction: coefficient or None. SceneError if they do not fit."""
         count = len(scene.position)
         particles = [particle for particle, _ in points]
         if len(points) < 2 or not all(0 <= p < count for p in particles):
@@ -122,13 +121,15 @@ class Cable(ElementType):
         return self.friction is not None and len(self.beams) > 2
 
     def lengths(self, scene) -> np.ndarray:
-        """Distances (n - 1,), m, from each of the cable's n points to the next, as placed now."""
+        """Return the distances (n - 1,), m, from each of the cable's n points to the next, as
+        placed."""
         places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in self.beams]
         return np.linalg.norm(np.diff(places, axis=0), axis=1)
 
     def pieces(self, scene) -> Iterator[Piece]:
-        """Parts of the cable that have one tension each, as pairs (virtual beams, stiffness in
-        N/m): the whole cable, or with friction each stretch from point to point."""
+        """Yield the parts of the cable that have one tension each, as pairs (virtual beams to its
+        points, stiffness in N/m at the shortest): the whole cable, or with friction each
+        stretch."""
         shortest = self.shortest(scene)
         if not self.rubs:
             yield self.beams, self.stiffness / shortest
@@ -138,8 +139,8 @@ class Cable(ElementType):
             yield self.beams[i : i + 2], self.stiffness * lengths.sum() / (shortest * length)
 
     def topology(self):
-        """What must be equal in scenes that run side by side: name, particles, curve, and whether
-        it has friction."""
+        """Return what must be equal in scenes simulated side by side: name, particles, curve, and
+        whether it has friction."""
         return self.name, tuple(beam.particle for beam in self.beams), self.curve, self.rubs
 
     @classmethod
@@ -153,8 +154,8 @@ class Cable(ElementType):
 
     @classmethod
     def led(cls, scene):
-        """Copies of a scene's cables without friction, a list, for the slow travel of an opening
-        through equilibria (fpm/travel), which counts friction by itself."""
+        """Return copies of a scene's cables without friction, for moving an opening slowly through
+        static equilibria (fpm/travel), which counts friction by itself."""
         return [replace(cable, friction=None) for cable in cls.of(scene)]
 
     @classmethod
@@ -187,9 +188,9 @@ class Cable(ElementType):
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """Recorded tension (N) and strained length (m) of all cables of one sample, two Series
-        (instants, cables) by variable name. part: kernel arrays (Cables) after the run; scene: for
-        names; lane: index of the sample in its batch."""
+        """Return tension (N) and strained length (m) of all cables of one sample after a run, two
+        Series (t, cables) by variable name. part: kernel arrays (Cables); scene: the sample's;
+        lane: index of the sample among those simulated side by side."""
         names = cls.names_of(scene)
         tension, length = part.track[:, :, lane].T.reshape(2, -1, len(names))
         return {
@@ -226,6 +227,7 @@ def _with_friction(part, batch):
 
 
 def length_through(scene, beams: Sequence[VirtualBeam]) -> float:
-    """Length (m) of the line through the virtual beams' free ends in their order, as placed now."""
+    """Return the length (m) of the line through the free ends of virtual beams, as placed in the
+    scene."""
     places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
     return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())

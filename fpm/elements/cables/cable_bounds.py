@@ -8,8 +8,7 @@ points. These springs bear the tension's stiffness across, T/l for a stretch l, 
 T/l <= EA/R: what is watched as crowding.
 
 A cable that rubs is at most as stiff as its stretches, each stuck at both ends. Their unstrained
-lengths are those at the start; where one becomes much shorter, the balance of energies tells.
-"""
+lengths are those at the start; where one becomes much shorter, the balance of energies tells."""
 
 from collections.abc import Iterable, Sequence
 
@@ -26,9 +25,10 @@ Piece = tuple[Sequence[VirtualBeam], float]
 
 
 def bounding_springs(scene, cables: Iterable[Iterable[Piece]]) -> Deformations | None:
-    """Springs from the points of cables to the ground, as stiff as the cables can be in any
-    position, as Deformations for the stable time step; None if all points are held. cables: of each
-    cable its parts of one tension (Piece: virtual beams, stiffness in N/m)."""
+    """Return springs from the points of cables to the ground that are at least as stiff as the
+    cables can be in any position, as Deformations for the stable time step; None if all points are
+    held. scene: of the cables; cables: parts of each that have one tension (Piece: virtual beams,
+    stiffness in N/m)."""
     rows = []
     for number, pieces in enumerate(cables):
         for beams, stiffness in pieces:

@@ -2,8 +2,7 @@
 
 Where such a cable turns tight or slack within a step, all its stretches do so at one time, which
 the lengths at both ends of the step tell, as if they had changed evenly. What slips does so after
-that, or before it, and the forces are corrected as `missing` does those of other cables.
-"""
+that, or before it, and the forces are corrected as `missing` does those of other cables."""
 
 from typing import NamedTuple
 
@@ -51,10 +50,11 @@ from fpm.kernels.world import Log
 
 
 class RubbingCables(NamedTuple):
-    """Arrays of all cables where some have friction: the fields of Cables, then rubs (c,): whether
-    each cable has friction; friction (c, 1, lanes): its coefficient; rubbed (p, RUBBED, lanes): of
-    each point and the stretch that begins there, fields START to SLIPPED (cable_slip_kernels.py);
-    loss: index of friction's loss in World.accounts."""
+    """Arrays of all cables where some have friction. start, on, curve, arms, cables, stretches,
+    state, account, watched, rows, log, track: as in Cables; rubs (c,): whether each has friction;
+    friction (c, 1, lanes): its coefficient; rubbed (p, 8, lanes): of each point and the stretch
+    that begins there, fields START to SLIPPED (cable_slip_kernels.py); loss: index of friction's
+    loss in World.accounts."""
 
     start: np.ndarray
     on: np.ndarray
@@ -105,9 +105,9 @@ def length_at(part, j, soft, share):
 @kernel
 def slip(part, c, rest, excess, turn):
     """Let cable c slip over its points by the law of friction: stores FREE_STRAIN of every stretch,
-    its strain if nothing slipped over the point after it. part: arrays of all cables; rest:
-    unstrained length (m); excess: length less unstrained length a step ago (m); turn: fraction of
-    the step up to where the cable turns tight, if it was slack."""
+    its strain if nothing slipped over the point at its end. part: arrays of all cables; rest:
+    unstrained length now (m); excess: length less unstrained length a step ago (m); turn: fraction
+    of the step after which the cable turns tight, if it was slack."""
     first, last = part.start[c], part.start[c + 1] - 1
     soft, rest_sum = 1.0 / load(part.cables, c, EA), 0.0 * rest
     for j in range(first + 1, last):
@@ -124,10 +124,10 @@ def slip(part, c, rest, excess, turn):
 
 @kernel
 def pull_on(part, c, excess, turn, slack):
-    """Store tension (N), slipped length (m), unstrained length (m) and pull on its points (N) of
-    every stretch of cable c. part: arrays of all cables; excess: length less unstrained length (m);
-    turn: fraction of the step up to where the cable turns slack, if it is now; slack: fraction of
-    the step in which it is slack."""
+    """Store in part.rubbed and part.stretches tension (N), slipped length (m), unstrained length
+    (m) and pull on its points (N) of every stretch of cable c. part: arrays of all cables; excess:
+    length less unstrained length now (m); turn: fraction of the step after which the cable turns
+    slack, if it is now; slack: fraction of the step in which it is slack."""
     first, last = part.start[c], part.start[c + 1] - 1
     stiffness = load(part.cables, c, EA)
     soft, strain, inflow = 1.0 / stiffness, load(part.rubbed, last - 1, FREE_STRAIN), 0.0 * excess
@@ -179,8 +179,8 @@ def forces(part, world, timing):
 
 @kernel
 def gain(part, j, soft):
-    """Energy (J/m) that a metre of unstrained cable brings into stretch j, as a mean over the step
-    that ends now. part: arrays of all cables; soft: 1/EA (1/N)."""
+    """Return the energy (J/m) that a metre of unstrained cable brings into stretch j when it slips
+    there, as a mean over the step that ends now. part: arrays of all cables; soft: 1/EA (1/N)."""
     tension, last = load(part.rubbed, j, TENSION), load(part.rubbed, j, TENSION_BEFORE)
     return 0.5 * (tension + last) + 0.25 * soft * (tension * tension + last * last)
 
@@ -188,8 +188,8 @@ def gain(part, j, soft):
 @hook(RubbingCables)
 def work_before(part, world, timing):
     """Add the winches' work (J) over the step that ends now to part.account in world.accounts, and
-    friction's loss to part.loss. part: arrays of all cables; world: solver state; timing:
-    unused."""
+    friction's loss to part.loss. part: arrays of all cables; world: solver state; timing: not
+    used."""
     work, loss = load(world.accounts, 0, part.account), load(world.accounts, 0, part.loss)
     for c in range(part.curve.shape[0]):
         if not part.rubs[c]:
@@ -208,8 +208,8 @@ def work_before(part, world, timing):
 
 @hook(RubbingCables)
 def energy_of(part, world, c):
-    """Strain energy (J) of cable c, over all its stretches. part: arrays of all cables; world:
-    unused."""
+    """Return the strain energy (J) of cable c, of all stretches. part: arrays of all cables; world:
+    not used."""
     total = energy_of_cable(part, c)
     if part.rubs[c]:
         total = 0.0 * total

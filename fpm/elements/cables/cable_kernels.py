@@ -40,13 +40,14 @@ TINY = 1e-30
 
 
 class Cables(NamedTuple):
-    """Arrays of all cables, one after the other: c cables, p points; a stretch runs from a point to
-    the next. start (c + 1,): first point of each; on (p,): particle of each point; curve (c,): of
-    the winch, -1: none; arms (p, 3, lanes): of points, in particles' frames; cables (c, CABLE,
-    lanes): EA, REST, REEL; stretches (p, STRETCH, lanes): direction, length, arm, pull; state (c,
-    STATE, lanes): elongation, unstrained length, winch force, now and a step ago; account: index of
-    the winches' work in World.accounts; watched: largest elongation ratio so far; rows (c, 1,
-    lanes): that of each cable; log: of events; track: recorded tension (N) and length (m)."""
+    """Arrays of all c cables, one after the other, with p points; a stretch runs from a point to
+    the next. start (c + 1,): first point of each cable; on (p,): particle of each point; curve
+    (c,): index of the winch's curve, -1: none; arms (p, 3, lanes): from particles to points, in the
+    particles' frames (m); cables (c, 3, lanes): EA (N), unstrained length (m), reel (m); stretches
+    (p, 8, lanes): direction (3), length (m), arm of the point (3, m), pull (N); state (c, 6,
+    lanes): elongation, unstrained length (m), winch force (N), each now and a step ago; account:
+    index of the winches' work in World.accounts; watched: largest elongation ratio so far; rows (c,
+    1, lanes): that of each cable; log: of events; track: recorded tension (N) and length (m)."""
 
     start: np.ndarray  # (c + 1,) first point of each
     on: np.ndarray  # (p,) particles
@@ -84,8 +85,8 @@ def lay(part, state, c):
 
 @kernel
 def unstrained_now(part, world, timing, c):
-    """Unstrained length (m) of cable c at timing.time, without what its winch has taken in. part:
-    arrays of all cables; world: solver state, with the curves; timing: times of this step (s)."""
+    """Return the unstrained length (m) of cable c at timing.time, less what its winch has taken in.
+    part: arrays of all cables; world: solver state, with the curves; timing: step times (s)."""
     rest = load(part.cables, c, REST)
     if part.curve[c] >= 0:
         rest = rest - curve_value(world, part.curve[c], timing.time) * load(part.cables, c, REEL)
@@ -94,14 +95,12 @@ def unstrained_now(part, world, timing, c):
 
 @kernel
 def missing(new, old):
-    """Correction (m) to add to the elongation `new` of a cable that turned tight or slack in the
-    step that ends now; 0 otherwise. new, old: length less unstrained length now and a step ago (m).
-
-    Where a cable turns tight or slack between two steps, the force of either is not that of the way
-    between them, k s²/2 on the way from -b to s. The half of what is missing is added at the later
-    step, and the energy is then kept through the turn to the third order in the step instead of the
-    second; for that one step, a cable that has turned slack pushes a little.
-    """
+    """Return the correction (m) to add to the elongation `new` of a cable that turned tight or
+    slack in the step that ends now; 0 otherwise. new, old: length less unstrained length now and a
+    step ago (m). The force at either end of that step is not that of the way between them, k s²/2
+    on the way from -b to s. Half of what is missing is added at the later end, and the energy is
+    then kept through the turn to third order in the step; for that one step, a cable that has
+    turned slack pushes a little."""
     product = new * old
     return where_negative(product, 0.5 * product / absolute(new - old), 0.0)
 
@@ -152,8 +151,8 @@ def forces(part, world, timing):
 
 @hook(Cables)
 def note_events(part, world, timing):
-    """Log an event (part.log) for each cable that turned tight or slack since the last step, at the
-    strain TAUT. part: arrays of all cables; world: not used; timing: times of this step (s)."""
+    """Write to part.log which cables turned tight (event 0) or slack (1) in the step that ends now,
+    and when. part: arrays of all cables; world: not used; timing: step times (s)."""
     for c in range(part.curve.shape[0]):
         new = load(part.state, c, LONGER) - TAUT * load(part.state, c, UNSTRAINED)
         old = load(part.state, c, LONGER_BEFORE) - TAUT * load(part.state, c, UNSTRAINED_BEFORE)
@@ -193,8 +192,7 @@ def strain_of(part, c):
 
 @kernel
 def energy_of_cable(part, c):
-    """Strain energy (J) of cable c, of one tension all along (no friction). part: arrays of all
-    cables."""
+    """Strain energy (J) of cable c, which has no friction. part: arrays of all cables."""
     strain = strain_of(part, c)
     return 0.5 * load(part.cables, c, EA) * load(part.state, c, UNSTRAINED) * strain * strain
 
@@ -207,8 +205,8 @@ def energy_of(part, world, c):
 
 @kernel
 def crowding(part, c):
-    """Elongation ratio of cable c: its elongation over the length of its shortest stretch, 0 where
-    it is slack; a run fails above 1. part: arrays of all cables."""
+    """Return the elongation of cable c over the length of its shortest stretch, 0 where it is
+    slack; a run fails above 1. part: arrays of all cables."""
     longer = where_negative(load(part.state, c, LONGER), 0.0, load(part.state, c, LONGER))
     most = 0.0 * longer
     for j in range(part.start[c], part.start[c + 1] - 1):
@@ -228,7 +226,8 @@ def record_cable(part, c, row):
 @hook(Cables)
 def record(part, world, row):
     """Store tension (N) and strained length (m) of each cable in part.track, and raise part.watched
-    to the largest elongation ratio. part: arrays of all cables; row: index of the instant."""
+    to the largest elongation ratio. part: arrays of all cables; world: not used; row: index of the
+    recorded instant."""
     count = part.curve.shape[0]
     for c in range(count):
         record_cable(part, c, row * count + c)

@@ -5,8 +5,7 @@ have moved, s slips over the point at which it begins and which turns the cable 
 
     s > 0: e(j) = r e(j-1),   s < 0: e(j-1) = r e(j),   s = 0: neither more than r = exp(mu a) times
 
-docs/mechanics.md shows that there is one solution, and that these steps find it.
-"""
+docs/mechanics.md shows that there is one solution, and that these steps find it."""
 
 from fpm.elements.cables.cable_kernels import LENGTH, TINY
 from fpm.kernels.lanes import absolute, any_negative, load, sqrt, store, where_negative
@@ -22,14 +21,14 @@ SLIPPED = 7  # unstrained length that came over the point, or from the winch, wh
 RUBBED = 8
 
 CLOSE = 1e-13
-"""Of the cable's unstrained length: what may be left over."""
+"""What may be left over in the search for a strain, as a share of the cable's unstrained length."""
 
 MOST = 60
 """Steps of Newton's, or halvings, at most; one or two do in a smooth motion."""
 
 
 FLOOR = 1e-200
-"""Of the largest strain that may be: the least, behind points that much friction holds."""
+"""Least strain, behind points that much friction holds, as a share of the largest that may be."""
 
 
 @kernel
@@ -40,8 +39,9 @@ def positive(x):
 
 @kernel
 def handed_on(part, first, j, strain):
-    """Unstrained length (m) that slips from the stretches `first` to j over the point at the end of
-    j, if stretch j has this `strain`, and its derivative by it (m). part: arrays of all cables."""
+    """Return the unstrained length (m) that slips from the stretches `first` to j over the point at
+    the end of j, if stretch j has this `strain`, and its derivative (m). part: arrays of all
+    cables."""
     flow, follows = 0.0 * strain, 0.0 * strain + 1.0
     slope, linked = flow, follows
     for k in range(j, first - 1, -1):
@@ -62,11 +62,12 @@ def handed_on(part, first, j, strain):
 
 @kernel
 def strain_alone(part, first, j, tight, slope, close):
-    """Strain of stretch j > first if nothing could slip over the point at its end, 0 if slack, and
-    the derivative of `handed_on` (m) there. At this strain `handed_on`, which grows with it, is 0:
-    by Newton's method between bounds, from the solution to first order. part: arrays of all cables;
-    first: the cable's first point; tight: length less unstrained length (m) of the stretches up to
-    j; slope: derivative (m) for the stretches before j; close: allowed rest (m)."""
+    """Return the strain of stretch j > first if nothing could slip over the point at its end, 0 if
+    slack, and the derivative of `handed_on` (m) there. At this strain `handed_on`, which grows with
+    it, is 0: found by Newton's method between bounds, from the solution to first order. part:
+    arrays of all cables; first: the cable's first point; tight: length less unstrained length (m)
+    of the stretches up to j; slope: derivative (m) for the stretches before j; close: allowed rest
+    (m)."""
     start, length = load(part.rubbed, j, START), load(part.stretches, j, LENGTH)
     free_strain, stuck = load(part.rubbed, j - 1, FREE_STRAIN), positive((length - start) / start)
     ratio, inverse = load(part.rubbed, j, RATIO), load(part.rubbed, j, INVERSE)
@@ -94,8 +95,8 @@ def strain_alone(part, first, j, tight, slope, close):
 
 @kernel
 def strain_before(part, j, strain):
-    """Strain of the stretch before point j by the law of friction, if that after it has `strain`.
-    part: arrays of all cables, with FREE_STRAIN (strain if nothing slips) of that before."""
+    """Return the strain of the stretch before point j by the law of friction, if that after it has
+    `strain`. part: arrays of all cables, in which FREE_STRAIN is known."""
     least, most = load(part.rubbed, j, INVERSE) * strain, load(part.rubbed, j, RATIO) * strain
     free_strain = load(part.rubbed, j - 1, FREE_STRAIN)
     return larger(least, where_negative(most - free_strain, most, free_strain))

@@ -1,8 +1,7 @@
 """What lone hinges and coupled joints have in common: gaps that are watched, and impulses summed.
 
 Impulses are summed over a step only in loops in which a probe wants them: the solvers count where
-they push bodies; where sums are None nothing is compiled of it.
-"""
+they push bodies; where sums are None nothing is compiled of it."""
 
 from fpm.elements.joints.hinge_arrays import (
     ABOUT_ONE,
@@ -33,8 +32,8 @@ ALL = -1.0
 
 @kernel
 def clear(sums):
-    """Set the impulses summed over a step to 0, at its start. sums (rows, fields, lanes): those of
-    hinges or joints, or None where nothing reads them; then nothing is done."""
+    """Set impulses, which are summed over a step, to 0 at its start. sums (rows, fields, lanes):
+    those of hinges or joints; None, where nothing reads them: nothing is done."""
     if sums is not None:
         for r in range(sums.shape[0]):
             for k in range(sums.shape[1]):
@@ -44,8 +43,8 @@ def clear(sums):
 @kernel
 def count_hinge(sums, part, h, condition):
     """Add the impulses (N s, N m s) last found for hinge h (index), on both bodies, to row h of
-    `sums` (Hinges.sums; None: nothing is done) in the lanes (samples simulated side by side) where
-    `condition` (lanes) is below 0. part: arrays of all hinges (Hinges)."""
+    `sums` (Hinges.sums; None: nothing is done), in samples where `condition` (lanes) is below 0.
+    part: arrays of all hinges (Hinges)."""
     if sums is not None:
         w, b = part.hinge_scratch, part.body_scratch
         lanes = condition + 0.0 * load(sums, h, 0)
@@ -57,9 +56,9 @@ def count_hinge(sums, part, h, condition):
 
 @kernel
 def count_joints(part, condition):
-    """Add the impulses (N s, N m s) last found to part.sums, of all constraint equations of joints,
-    and part.turns.state, of those that hold openings, in the lanes (samples side by side) where
-    `condition` (lanes) is below 0. part: arrays of all joints (Joints)."""
+    """Add the impulses (N s, N m s) last found for all constraint equations of joints to part.sums,
+    and of those that hold openings to part.turns.state, in samples where `condition` (lanes) is
+    below 0. part: arrays of all joints (Joints)."""
     count_conditions(part.sums, part, condition)
     count_turns(part.turns, part, condition)
 
@@ -67,8 +66,8 @@ def count_joints(part, condition):
 @kernel
 def count_conditions(sums, part, condition):
     """Add the impulses (N s, N m s) last found for all constraint equations of joints to `sums`
-    (Joints.sums; None: nothing is done), in the lanes (samples side by side) where `condition`
-    (lanes) is below 0. part: arrays of all joints."""
+    (Joints.sums; None: nothing is done), in samples where `condition` (lanes) is below 0. part:
+    arrays of all joints."""
     if sums is not None:
         for r in range(sums.shape[0]):
             total = load(sums, r, 0)
@@ -79,8 +78,8 @@ def count_conditions(sums, part, condition):
 @kernel
 def count_turns(turns, part, condition):
     """Add the impulses (N m s) last found that hold openings exactly to the field TURN_IMPULSE of
-    turns.state (turns: Joints.turns; None: nothing is done), in the lanes (samples side by side)
-    where `condition` (lanes) is below 0. part: arrays of all joints."""
+    turns.state, in samples where `condition` (lanes) is below 0. turns: Joints.turns, None: nothing
+    is done; part: arrays of all joints."""
     if turns is not None:
         sums = turns.state
         for t in range(sums.shape[0]):
@@ -121,17 +120,17 @@ def turn_little(state, i, turn):
 
 @kernel
 def coarse(time, size):
-    """Factor for gaps of joints: times a gap (m) with time 1.0, or times the gap's rate (m/s) with
-    `time` in s, it gives more than 1 where the step needs another round of closing. size:
-    characteristic length of the scene (m), of which the allowed gap is a share."""
+    """Return the factor by which a gap of a joint is multiplied to judge it: above 1 the step needs
+    another round of closing. time: 1.0 for a gap (m), the time step (s) for a rate of a gap (m/s);
+    size: characteristic length of the scene (m), of which a share is allowed, of 1 m at most."""
     return (time / COARSE_GAP) / where_negative(size - 1.0, size, 0.0 * size + 1.0)
 
 
 @kernel
 def watch(part, gap2, tilt2):
-    """Raise the largest gap and tilt so far, in part.watched, to those of a hinge or joint, given
-    as squares gap2 (m²) and tilt2 (sine squared); returns the gap (m) and the tilt (sine of the
-    angle between axes). part: arrays of all hinges or joints."""
+    """Raise the largest gap and tilt so far, in part.watched, to those given as squares gap2 (m²)
+    and tilt2 (squared sine). Returns gap (m) and tilt (sine of the angle between axes). part:
+    arrays of all hinges or joints."""
     gap, tilt = sqrt(gap2), sqrt(tilt2)
     store(part.watched, 0, GAP, larger(load(part.watched, 0, GAP), gap))
     store(part.watched, 0, TILT, larger(load(part.watched, 0, TILT), tilt))
@@ -139,9 +138,9 @@ def watch(part, gap2, tilt2):
 
 
 def report_gaps(arrays, find):
-    """Register the hooks `record` and `list_excess`, which report gaps, for a type of kernel arrays
-    (Hinges, Joints or a subclass). find(part, state, i) -> (gap2, tilt2): squares of how far the
-    points of element i are apart (m²) and of the sine between its axes."""
+    """Register the hooks `record` and `list_excess`, which report gaps, for a type `arrays` of
+    kernel arrays (Hinges, Joints or a subclass). find(part, state, i): returns two squares for
+    element i: of the distance of its points (m²), and of the sine of the angle between its axes."""
 
     @hook(arrays)
     def record(part, world, row):
@@ -158,9 +157,9 @@ def report_gaps(arrays, find):
 
     @hook(arrays)
     def list_excess(part, world):
-        """Store in part.excess, for each hinge or joint, the squares of its gap and tilt over those
-        allowed, summed, by which a failed run names the worst. part: their arrays; world: solver
-        state."""
+        """Once a run has failed, store in part.excess how far each hinge or joint gapes: squares of
+        gap and tilt over those allowed, summed, to name the worst. part: their arrays; world:
+        solver state."""
         for i in range(part.names.shape[0]):
             gap2, tilt2 = find(part, world.state, i)
             size = MOST_GAP * load(world.size, 0, 0)

@@ -12,8 +12,7 @@ all that acts on hinges acts; what they keep together is solved with the coupled
 A universal joint is two: the angle about its axis on the first particle, from a reference of the
 first to the axis on the second; and that about the axis on the second, from the axis on the first
 to a reference of the second. The rate of each is the relative spin about its axis, as of any hinge,
-since the two axes stay normal to each other.
-"""
+since the two axes stay normal to each other."""
 
 import math
 from collections import Counter
@@ -34,13 +33,13 @@ from fpm.elements.openings.opening import opening_angle
 from fpm.errors import SceneError
 
 ANGLES = "_axis", "_other"
-"""What the names of a universal joint's angles end with."""
+"""What the names of the first and the second angle of a universal joint end with."""
 
 
 def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Watch]:
-    """Two failure criteria (Watch), for the gaps (m) and the tilts (rad) of hinges or joints, above
-    which a run fails. noun: "hinge" or "joint"; gap, tilt: names of the two criteria; remedy: the
-    sentence that tells the user what to do."""
+    """Return two failure criteria (Watch): for the gaps (m, as a share of the scene's size) and for
+    the tilts (rad) of hinges or joints, above which a run fails. noun: "hinge" or "joint"; gap,
+    tilt: keys of the two; remedy: the sentence that tells the user what to do."""
 
     def failure(values: dict[str, float]) -> tuple[str, str]:
         return f"a {noun} gapes by {values[gap]:.2g} m and {values[tilt]:.2g} rad", remedy
@@ -51,7 +50,8 @@ def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Wat
 class JointBase(ElementType):
     """Base class of hinges and joints. Each has a `name`, a `type` (as "revolute"), and `beams`:
     one or two rigid arms (VirtualBeam) from particles to the joint, whose free ends are kept
-    together, or held in place if there is one."""
+    together, or held in place if there is one. gaps: names and words of its recorded gap and
+    tilt."""
 
     joins = True
     gaps: ClassVar[dict[str, str]]  # recorded: the largest of points and of directions, in words
@@ -68,16 +68,16 @@ class JointBase(ElementType):
 
     @property
     def joint(self) -> str:
-        """Name of the whole joint that the element belongs to; here its own name."""
+        """Name of the whole joint that the element belongs to; by default its own name."""
         return self.name
 
     @staticmethod
     def are_impulses_read(scene) -> bool:
-        """Whether a scene has elements (as probes) that need joints' impulses summed over steps."""
+        """Return whether an element type in the scene needs joints' impulses summed over steps."""
         return any(kind.reads_impulses(scene) for kind in scene.kinds)
 
     def check(self, scene):
-        """Check that no other hinge or joint of a scene has this name; else raises SceneError."""
+        """Check that no other hinge or joint of the scene has this name; else raises SceneError."""
         if {self.name, self.joint} & names_taken(scene):
             raise SceneError(type(self).__name__.lower(), self.joint, "a name not yet used")
 
@@ -88,15 +88,15 @@ class JointBase(ElementType):
 
     @classmethod
     def moved(cls, scene):
-        """Indices of the particles of all elements of this type in a scene, two per element,
-        element by element; the type's own kernels move these particles, unless a drive does."""
+        """Return the indices of the particles of all elements of this type in a scene, element by
+        element, possibly repeated: the type's own kernels move these, unless they are driven."""
         return [p for element in cls.of(scene) for p in element.particles]
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """Largest gap (m) and tilt (sine, as rad) over all elements at every recorded instant of
-        one sample, as Series by variable name. part: kernel arrays after the run; scene: not used;
-        lane: index of the sample in the batch."""
+        """Return the largest gap (m) and tilt (sine, in rad) over all elements at every recorded
+        instant of one sample, two Series (t,) by variable name. part: kernel arrays after the run;
+        scene: not used; lane: index of the sample among those simulated side by side."""
         columns = zip(cls.gaps.items(), part.gaps[:, :, lane].T, ("m", "rad"), strict=True)
         return {name: Series(values, unit, words) for (name, words), values, unit in columns}
 
@@ -112,9 +112,7 @@ class Hinge(JointBase):
     the axis against the first; support: global axes along which the hinge point is held, as "xz".
     type: "revolute"; "prismatic": a slide, whose opening (m) is the distance along the axis from
     the first beam's end to the second's, plus `offset` (m); "universal" and "cross": the first and
-    the second angle of a universal joint; the axis of each is fixed in the first of its two
-    particles.
-    """
+    the second angle of a universal joint; the axis of each is fixed in its first particle."""
 
     name: str
     beams: tuple[VirtualBeam, VirtualBeam]
@@ -139,12 +137,12 @@ class Hinge(JointBase):
 
     @staticmethod
     def create(scene, name, particles, point, axis, references, opening, support) -> "Hinge":
-        """A revolute hinge between two particles of a scene, as placed now; it is not added to the
-        scene. name: no other joint's; particles: pair of indices; point (3,) m: on the axis,
-        global; axis: direction (3,); references: a direction for each particle, normal to the axis,
-        equal at opening 0, None: chosen so that the opening is `opening` (rad) now; support: global
-        axes ("xyz") along which the point is held. point and axis may be (2, 3), one for each
-        particle. Raises SceneError if they do not fit."""
+        """Return a revolute hinge between two particles of a scene, as placed now; the caller adds
+        it to the scene. name: no other joint's; particles: pair of indices; point (3,) m: on the
+        axis, global; axis: direction (3,); references: a direction for each particle, normal to the
+        axis, equal at opening 0, None: chosen so that the opening is `opening` (rad) now; support:
+        global axes ("xyz") along which the point is held. point and axis may be (2, 3), one for
+        each particle. Raises SceneError if they do not fit."""
         pair = two_of(scene, particles, f"hinge {name}")
         if set(support) - set(AXES):
             raise SceneError(f"support of hinge {name}", support, "letters out of 'xyz'")
@@ -186,12 +184,13 @@ class Hinge(JointBase):
 
     @classmethod
     def of(cls, scene):
-        """Hinges of a scene of which each is solved by itself (`are_alone`); all other hinges are
-        solved as coupled joints (Joint.of)."""
+        """Return those hinges of a scene that are solved each by itself (`are_alone`); all others
+        are solved as coupled joints (Joint.of)."""
         return [hinge for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True) if lone]
 
     def topology(self):
-        """What must be equal in scenes that run side by side: name, type, particles, held axes."""
+        """Return what must be equal in scenes run side by side: name, type, particles, held
+        axes."""
         return self.name, self.type, self.particles, self.support
 
     @classmethod
@@ -225,8 +224,8 @@ class Hinge(JointBase):
 
 
 def names_taken(scene) -> set[str]:
-    """Set of the names in use by all joints and hinges of a scene, to which a new name is compared;
-    of universal joints also those of their two angles."""
+    """Return the names in use by all hinges and joints of a scene, with which a new name is
+    compared; of universal joints also those of their two angles."""
     names = {e.name for kind, elements in scene.kinds.items() if kind.joins for e in elements}
     return names | {hinge.joint for hinge in scene.hinges}
 
@@ -247,7 +246,7 @@ def _places(scene, hinges: Sequence[Hinge]) -> np.ndarray:
 
 
 def held_axes(letters: str) -> list[bool]:
-    """Three truth values: whether the global axes x, y, z are among `letters`, as "xz"."""
+    """Return three truth values: whether the global axes x, y, z are among `letters`, as "xz"."""
     return [axis in letters for axis in AXES]
 
 
@@ -259,14 +258,11 @@ def places_of(scene, joints: Sequence[JointBase]) -> np.ndarray:
 
 
 def are_alone(scene) -> list[bool]:
-    """Whether each hinge of a scene, a list in their order, can be solved alone, which is cheaper
-    than as a coupled joint.
-
-    It can if it is revolute; nothing holds its opening exactly (turn.py); its particles, unless
-    held altogether, are in no other hinge or joint and not driven; and its own matrix is regular,
-    whatever arms and axis are and become: no axis is held for both particles, nor for a particle
-    and the hinge point, one of the two may turn, and about all axes or none.
-    """
+    """Return for each hinge of a scene, in their order, whether it can be solved alone, which is
+    cheaper than as a coupled joint. It can if it is revolute; nothing holds its opening exactly
+    (turn.py); its particles, unless held altogether, are in no other hinge or joint and not driven;
+    and its own matrix is regular, whatever arms and axis are and become: no axis is held for both
+    particles, nor for a particle and the hinge point, one may turn, and about all axes or none."""
     joining = [e for kind, elements in scene.kinds.items() if kind.joins for e in elements]
     uses = Counter(p for element in joining for p in element.particles)
     shared = {p for p, count in uses.items() if count > 1 and not scene.fixed[p].all()}
@@ -282,8 +278,9 @@ def are_alone(scene) -> list[bool]:
 
 
 def two_of(scene, particles, owner: str) -> tuple[int, int]:
-    """Check that `particles`, a pair of indices, are two different particles of a scene, and return
-    them as ints; else raises SceneError. owner: name in messages of what joins them ("hinge A")."""
+    """Check that `particles` are indices of two different particles of a scene; returns them as
+    ints; raises SceneError if not. owner: what messages call the element that joins them ("hinge
+    A")."""
     first, second = (int(p) for p in particles)
     count = len(scene.position)
     if first == second or not (0 <= first < count and 0 <= second < count):
@@ -292,14 +289,14 @@ def two_of(scene, particles, owner: str) -> tuple[int, int]:
 
 
 def arms(scene, particles, point) -> tuple[VirtualBeam, VirtualBeam]:
-    """Virtual beams (rigid arms) from two particles (pair of indices) of a scene to one point (3,)
-    m, global, or from each to its own point (2, 3)."""
+    """Return the rigid arms (VirtualBeam) from two particles (pair of indices) of a scene to one
+    `point` (3,) m, global, or from each to its own (2, 3)."""
     return tuple(scene.arm_to(p, q) for p, q in zip(particles, of_both(point), strict=True))
 
 
 def of_both(vector) -> Sequence[np.ndarray]:
-    """A pair of vectors (3,), one for each of two particles: `vector` for both if it is (3,), or
-    its two rows if it is (2, 3)."""
+    """Return a pair of vectors (3,), one for each of two particles: `vector` for both if it is
+    (3,), its rows if it is (2, 3)."""
     vector = np.asarray(vector, float)
     return (vector, vector) if vector.ndim == 1 else np.broadcast_to(vector, (2, 3))
 
@@ -322,8 +319,8 @@ def _is_regular(support: str, fixed1: bytes, fixed2: bytes) -> bool:
 
 
 def unit(vector, noun: str) -> np.ndarray:
-    """A vector (3,) scaled to length 1; raises SceneError if it is zero or not finite. noun: what
-    the vector is, for the message, as "axis of hinge A"."""
+    """Return a vector (3,) scaled to length 1; raises SceneError if it is zero or not finite. noun:
+    what the message calls it, as "axis of hinge A"."""
     vector = np.asarray(vector, float)
     size = length(vector)
     if not size > 0 or not math.isfinite(size):

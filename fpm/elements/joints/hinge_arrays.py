@@ -54,12 +54,11 @@ class Hinges(NamedTuple):
     is held along global x, y, z; supported: whether any is; body_scratch (2 h, BODY_SCRATCH,
     lanes), hinge_scratch (h, HINGE_SCRATCH, lanes): working memory; open (h,): whether a hinge
     needs another round of this step; watched (1, 2, lanes): largest gap (m) and tilt (sine) so far;
-    names (h,): row of each hinge in `excess`; excess (h, 1, lanes): gap and tilt squared,
-    as shares of what is allowed, summed, by which the worst hinge is named; gaps (instants + 1, 2,
-    lanes): the largest gap (m) and tilt (sine) recorded at each instant; sums (h, SUMS, lanes):
-    impulses (N s, N m s) of the step on both bodies; forces ((instants + 1) h, SUMS, lanes): their
-    forces (N) and moments (N m), recorded. Both are None if nothing reads them.
-    """
+    names (h,): row of each hinge in `excess`; excess (h, 1, lanes): gap and tilt squared, as shares
+    of what is allowed, summed, by which the worst hinge is named; gaps (instants + 1, 2, lanes):
+    the largest gap (m) and tilt (sine) recorded at each instant; sums (h, SUMS, lanes): impulses (N
+    s, N m s) of the step on both bodies; forces ((instants + 1) h, SUMS, lanes): their forces (N)
+    and moments (N m), recorded. Both are None if nothing reads them."""
 
     ends: np.ndarray  # (2h,) particles of the bodies
     bodies: np.ndarray  # (2h, BODY, lanes)
@@ -80,19 +79,17 @@ class Hinges(NamedTuple):
 ON_ONE, ABOUT_ONE, ON_TWO, ABOUT_TWO = 0, 3, 6, 9
 SUMS = 12
 """Impulses of a joint over a step: force on a body and moment about it, of both (3 each). Divided
-by the length of the kick they are its constraint forces.
-"""
+by the length of the kick they are its constraint forces."""
 
 # From which gaps a hinge or joint gets another round, and counts as open. Those in lengths are
 # shares of the scene's size, World.size (m).
 
 MOST_GAP = 1e-6
-"""Gap of a hinge point from which a hinge counts as open; it is below 1e-11 as a rule, and
-1e-7 in single precision. It gapes when its particles turn too far in a step for its rounds.
-"""
+"""Gap of a hinge point from which a hinge counts as open; it is below 1e-11 as a rule, and 1e-7 in
+single precision. It gapes when its particles turn too far in a step for its rounds."""
 
 MOST_TILT = 1e-5
-"""The same for the angle between its axes (rad)."""
+"""Angle (rad) between the axes of a hinge from which it counts as open."""
 
 ROUNDS = 4
 """Most rounds in a step; smooth motion takes one, a fast impact two."""
@@ -102,4 +99,4 @@ COARSE_GAP = 5e-9
 of a metre at most: more than that on light bodies grows from step to step."""
 
 COARSE_TILT = 5e-8
-"""The same for the angle between the axes (rad)."""
+"""Angle (rad) between the axes of a hinge above which a sample gets another round."""

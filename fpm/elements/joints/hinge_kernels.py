@@ -12,8 +12,7 @@ times:
    three digits more, down to rounding.
 
 A sample whose gaps are small is left alone in the rounds that other samples need: its numbers do
-not depend on theirs.
-"""
+not depend on theirs."""
 
 from fpm.elements.joints.closing import (
     ALL,
@@ -112,17 +111,17 @@ def aim(part, state):
 
 @kernel
 def push(state, i, r, b):
-    """Add the changes of velocity DV (m/s) and angular momentum DP (N m s), from rows r of `b`, the
-    bodies' working memory, to particles i in `state`, of all particles. i, r: indices or pairs."""
+    """Add the changes of velocity DV (m/s) and angular momentum DP (N m s) in rows r of `b`, the
+    bodies' working memory (body_scratch), to particles i in `state`. i, r: indices or pairs."""
     add3(state, i, V, get3(b, r, DV))
     add3(state, i, P, get3(b, r, DP))
 
 
 @kernel
 def push_where_far(state, i, r, b, condition):
-    """Add changes of velocity DV and angular momentum DP of rows r of `b`, the bodies' working
-    memory, to particles i in `state`, in the lanes (samples) where `condition` (lanes) is below
-    0."""
+    """Add the changes of velocity DV (m/s) and angular momentum DP (N m s) in row r of `b`, the
+    bodies' working memory (body_scratch), to particle i in `state`, where `condition` (lanes) is
+    below 0."""
     for k, change in ((V, DV), (P, DP)):
         add_where(state, i, k, get3(b, r, change), condition)
 
@@ -258,10 +257,10 @@ def gap_squares(part, state, h):
 
 @kernel
 def distance(w, h, step, size):
-    """Margin (lanes) of hinge h, by its GOAL (rates that impulses must produce): 1 where its gaps
-    are small enough for a last small correction (`nudge`), below 0 in lanes that need another
-    round. w: working memory of the hinges (hinge_scratch); step (s); size: characteristic length of
-    the scene (m)."""
+    """Return how far (lanes) hinge h is from needing another round, by its GOAL (rates that
+    impulses must produce): 1 where it is closed, above 0 where a last small correction (`nudge`)
+    suffices, below 0 in samples that need one. w: working memory of the hinges (hinge_scratch);
+    step: time step (s); size: characteristic length of the scene (m)."""
     most = coarse(step, size)
     gap, gap2 = get3(w, h, GOAL), get3(w, h, GOAL + 5)
     ep, eq = load(w, h, GOAL + 3), load(w, h, GOAL + 4)

@@ -6,8 +6,7 @@ and factorised by blocks at the start of a step: first the moments, then the imp
 complement), then the supports. hinge.py uses it. The two particles of hinge h are its bodies, rows
 2h and 2h + 1 of the arrays over bodies. The work goes in passes over all bodies or hinges, each
 with a short chain of operations, so that the processor works on several at once. Kernels take a
-named tuple with `ends`, `bodies`, ... as hinge_kernels.py has it.
-"""
+named tuple with `ends`, `bodies`, ... as hinge_kernels.py has it."""
 
 from fpm.elements.joints.closing import keep
 from fpm.elements.joints.hinge_arrays import (
@@ -59,9 +58,9 @@ from fpm.kernels.vectors import (
 
 @kernel
 def solve(w, h, g, ep, eq):
-    """Impulse (3, N s) and moment impulses about p and q (N m s; p, q: the directions normal to the
-    axis) that change the gap rate of hinge h by g (3, m/s) and the tilt rates by ep, eq (rad/s). w:
-    working memory of the hinges, with the factorised matrices."""
+    """Return an impulse (3, N s) and two moment impulses about p and q (N m s; the directions
+    normal to the axis) that change the gap rate of hinge h by g (3, m/s) and its tilt rates by ep,
+    eq (rad/s). w: working memory of the hinges (hinge_scratch), with the factorised matrices."""
     cpp, cqq, cpq = load(w, h, C), load(w, h, C + 1), load(w, h, C + 2)
     rp, rq = get3(w, h, E), get3(w, h, E + 3)
     yp, yq = cpp * ep + cpq * eq, cpq * ep + cqq * eq
@@ -186,8 +185,9 @@ def spins(j, r):
 
 @kernel
 def point_response(inverse_mass, spins, r):
-    """Velocity of a body's point by unit impulses there, a symmetric matrix (xx, yy, zz, xy, xz,
-    yz). inverse_mass: along the global axes (3); spins: by the function `spins`; r (m, 3): arm."""
+    """Velocity of a body's point by unit impulses there (1/kg), a symmetric matrix (xx, yy, zz, xy,
+    xz, yz). inverse_mass: along the global axes (3); spins: by the function `spins`; r (m, 3):
+    arm."""
     ux, uy, uz = spins
     return (
         inverse_mass.x + (r.z * ux.y - r.y * ux.z),

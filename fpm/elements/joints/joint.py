@@ -5,8 +5,7 @@ other hinges, and spherical, universal, prismatic and fixed joints, go here: the
 found from one system of equations for the whole structure (joint_matrix.py). A particle is a rigid
 body with a mass and three inertias, and joints sit at the ends of its virtual beams; so these are
 the joints of rigid bodies as well. Redundant conditions, as rigid loops have them, do no harm where
-they agree; the impulses are then the smallest that keep the joints closed.
-"""
+they agree; the impulses are then the smallest that keep the joints closed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -57,7 +56,7 @@ TYPES = {
     "opening": JointType(arrays.OPENING),
     "slid": JointType(arrays.SLIDE),
 }
-"""The types of joints, by name."""
+"""The types of joints, by name: those users state, and three that the program makes."""
 
 EASE = {8: 1e-10, 4: 1e-5}
 """Share by which the diagonal is raised, by the bytes of a number."""
@@ -65,11 +64,12 @@ EASE = {8: 1e-10, 4: 1e-5}
 
 @dataclass(frozen=True)
 class Joint(JointBase):
-    """A joint between the free ends of two virtual beams (rigid arms from particles). type: a key
-    of TYPES, as "fixed"; axes (2, 3): the axis in each particle's own frame, one and the same but
-    for universal joints, where they are normal to each other; references (2, 3): a direction normal
-    to the axis in each frame, one and the same at the start. A type of "held" has one virtual beam,
-    whose end is held along the global axes `support_axes`, as "xz"."""
+    """A joint between the free ends of two virtual beams (rigid arms from particles). name: no
+    other joint's; type: a key of TYPES, as "fixed"; beams: the arms; axes (2, 3): the axis in each
+    particle's own frame, one and the same but for universal joints, where they are normal to each
+    other; references (2, 3): a direction normal to the axis in each frame, one and the same at the
+    start. A type of "held" has one virtual beam, whose end is held along the global axes
+    `support_axes`, as "xz"."""
 
     name: str
     type: str
@@ -93,14 +93,12 @@ class Joint(JointBase):
 
     @staticmethod
     def create(scene, name, type, particles, point, axis=(1, 0, 0), axis2=None) -> "Joint":
-        """A joint between two particles of a scene, as these are placed now; it is not added to the
-        scene.
-
-        name: no other joint's; type: "spherical", "fixed", "universal" or "prismatic"; particles:
-        indices of both; point: position (3,), m, in global axes, or (2, 3), one for each particle;
-        axis (3,): direction, of any length; axis2 (3,): of a universal joint, the axis on the
-        second particle, normal to `axis`, None: any that is. Raises SceneError if they do not fit.
-        """
+        """Return a joint between two particles of a scene, as these are placed now; the caller adds
+        it to the scene. name: no other joint's; type: "spherical", "fixed", "universal" or
+        "prismatic"; particles: indices of both; point: position (3,), m, in global axes, or (2, 3),
+        one for each particle; axis (3,): direction, of any length; axis2 (3,): of a universal
+        joint, the axis on the second particle, normal to `axis`, None: any that is. Raises
+        SceneError if they do not fit."""
         allowed = [name for name, joint_type in TYPES.items() if joint_type.conditions]
         if type not in allowed:
             raise SceneError(f"type of joint {name}", type, f"one of {', '.join(allowed)}")
@@ -135,9 +133,9 @@ class Joint(JointBase):
 
     @staticmethod
     def universal(scene, name, particles, point, axis, axis2, openings) -> tuple[Hinge, Hinge]:
-        """Both angles of a universal joint, each a Hinge, not added to the scene. name: no other's;
-        particles: pair of indices; point (3,) m; axis, axis2 (3,): fixed in the first and second
-        particle, normal to each other; openings: the two angles now (rad)."""
+        """Return both angles of a universal joint, each a Hinge, not added to the scene. name: no
+        other's; particles: pair of indices; point (3,) m; axis, axis2 (3,): fixed in the first and
+        second particle, normal to each other; openings: the two angles now (rad)."""
         joint = Joint.create(scene, name, "universal", particles, point, axis, axis2)
         u, w = (scene.frame[p] @ a for p, a in zip(joint.particles, joint.axes, strict=True))
         hinges = []
@@ -182,7 +180,8 @@ class Joint(JointBase):
         return self.type in ("opening", "slid")
 
     def topology(self):
-        """What must be equal in scenes that run side by side: name, type, particles, held axes."""
+        """Return what must be equal in scenes run side by side: name, type, particles, held
+        axes."""
         return self.name, self.type, self.particles, self.support_axes
 
     @classmethod
@@ -252,9 +251,9 @@ class Joint(JointBase):
 
 
 def as_joints(hinge: Hinge) -> Sequence[Joint]:
-    """Joints (none, one or two) that do what a `hinge` does, in place of it: itself as a Joint and,
-    if its point is held, a "held" one; none for the second angle ("cross") of a universal joint,
-    which the first angle's joint includes."""
+    """Return the joints that are solved in place of a `hinge`: itself as a Joint and, if its point
+    is held, a "held" one; none for the second angle ("cross") of a universal joint, which the first
+    one's joint includes."""
     if hinge.type == "cross":
         return []
     name, axes = hinge.joint, hinge.axes

@@ -65,8 +65,7 @@ class Pattern(NamedTuple):
     offsets of blocks (j, j); meets (m, 5): joint, other joint, side of each that shares a body, and
     offset of the block to which that adds; below_start (j + 1,): where each joint's rows begin in
     followers (b, 2): later joint coupled to it, offset of that block; update_start (j + 1,): the
-    same in updates (u, 5): joint, other, offsets of both factors and of the block they change.
-    """
+    same in updates (u, 5): joint, other, offsets of both factors and of the block they change."""
 
     first: np.ndarray  # (j,) first row of each joint
     count: np.ndarray  # (j,) and how many it has
@@ -80,8 +79,8 @@ class Pattern(NamedTuple):
 
 class Turns(NamedTuple):
     """Openings held exactly, t of them: shared by the joints' solver and the elements that hold.
-    state (t, TURN, lanes): held or free, target, rate, impulses (fields HOLDS to SOLVED_IMPULSE);
-    blow (1, 1, lanes): when an impact comes in this step, as a share of it."""
+    state (t, TURN, lanes): -1 held or 1 free, target (rad; m), rate (rad/s; m/s), impulses (N m s;
+    N s); blow (1, 1, lanes): when an impact comes in this step, as a share of it."""
 
     state: np.ndarray  # (t, TURN, lanes)
     blow: np.ndarray  # (1, 1, lanes) when a blow comes, in steps from the start of this one
@@ -100,8 +99,7 @@ class Joints(NamedTuple):
     drives' work in World.accounts; watched: largest gap (m) and tilt (sine) so far; excess: how bad
     each joint is; gaps: those recorded; sums, forces: impulses of this step (N s, N m s) and
     recorded forces (N, N m), None if nothing reads them; turns (Turns), turn_of (j,), turn_at (t,):
-    held openings, their index by joint (-1: none), their joints.
-    """
+    held openings, their index by joint (-1: none), their joints."""
 
     types: np.ndarray  # (j,)
     names: np.ndarray  # (j,) number of each in the scene

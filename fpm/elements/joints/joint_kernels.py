@@ -3,8 +3,7 @@
 As for lone hinges (hinge_kernels.py): `prepare` aims the impulses so that the gaps stay closed if
 their rates do not change over the step, less what was missing so in the step before; `move` moves
 the bodies and, only where a gap is large, goes back and aims better; at its end all gaps are closed
-by small turns on top. All joints of a sample are solved together, and go the same rounds.
-"""
+by small turns on top. All joints of a sample are solved together, and go the same rounds."""
 
 from fpm.elements.joints.closing import (
     ALL,
@@ -90,9 +89,9 @@ def prepare(part, world, timing):
 
 @kernel
 def kick_bodies(part, state, kick):
-    """Save the state of all bodies, update the momenta of those that no drive moves by their forces
-    over the time `kick` (s), and store their inverse inertias in part.body_scratch. part: arrays of
-    all joints; state: of the particles, changed."""
+    """Save positions and axes of all bodies, update the momenta of those that no drive moves by
+    their forces over the time `kick` (s), and store their inverse inertias in part.body_scratch.
+    part: arrays of all joints; state: of the particles (World.state), changed."""
     bodies, b = part.bodies, part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]
@@ -207,8 +206,7 @@ def push_where_far(part, state, s, condition):
 @kernel
 def move_bodies(part, state, repeat, step):
     """Move all bodies that no drive moves by a `step` (s) at their momenta. part: arrays of all
-    joints; state: of the particles, changed; repeat: whether to go back to the step's start
-    before."""
+    joints; state: of the particles, changed; repeat: whether from the step's start."""
     b = part.body_scratch
     for s in range(part.on.shape[0]):
         i = part.on[s]
@@ -278,8 +276,7 @@ def look_back(part, world, timing):
     other steps do so before and after an instant, alike, the momenta change over an instant by what
     acts there alone. Reflected, those before the first lack it: the impulses that close the joints
     a step before the start as well, mu, belong to them, and the impulses of both kicks are twice
-    those of the first less mu.
-    """
+    those of the first less mu."""
     move_back(part, world.start_state, timing.step)
     for j in range(part.types.shape[0]):
         find_gaps(part, world.start_state, j)
@@ -369,7 +366,8 @@ report_gaps(Joints, find_gaps)
 @hook(Joints)
 def record_step(part, world, row, timing):
     """Record the forces (N) and moments (N m) that hold each joint together in this step, if
-    summed. part: arrays of all joints; row: index of the recorded instant; timing: times (s)."""
+    impulses are summed. part: arrays of all joints; world: not used; row: index of the recorded
+    instant; timing: times of this step (s)."""
     record_sums(part.sums, part, row, timing)
 
 

@@ -5,9 +5,8 @@ by Cholesky's method in the order of joint_pattern.py, and solved by substitutio
 
 Conditions that others imply, as in a loop of rigid bodies or where all is held, would make it
 singular. Its diagonal is raised by a share of 1e-10, which is nothing to independent conditions and
-makes the impulses of redundant ones the smallest that do it: they differ by what moves nothing.
-A condition on which no impulse can act gets none.
-"""
+makes the impulses of redundant ones the smallest that do it: they differ by what moves nothing. A
+condition on which no impulse can act gets none."""
 
 from fpm.elements.joints.joint_arrays import AXIS_IM, DIRECTION, IMPULSE, PIVOT, ROOT1
 from fpm.kernels.lanes import load, sqrt, store, where_negative

@@ -2,8 +2,7 @@
 
 Joints are coupled when they share a body that can move. Elimination by least degree (Tinney and
 Walker, Proc. IEEE 55 (1967) 1801) keeps what it fills in small: a chain or a tree of joints fills
-nothing, a loop one block a joint. Found once for all scenes of a topology.
-"""
+nothing, a loop one block a joint. Found once for all scenes of a topology."""
 
 from collections.abc import Sequence
 
@@ -30,8 +29,7 @@ def neighbours(slots: np.ndarray, movable: np.ndarray) -> list[set[int]]:
 
 def elimination(graph: Sequence[set[int]]) -> tuple[list[int], list[list[int]]]:
     """Order in which to eliminate joints from their equations (a list of indices), and for each
-    place in it the sorted later places that it is then coupled to. graph: each joint's
-    `neighbours`."""
+    place in it the sorted later places that it is then coupled to. graph: from `neighbours`."""
     active = {joint: set(members) for joint, members in enumerate(graph)}
     by_degree: dict[int, set[int]] = {}
     for joint, members in active.items():

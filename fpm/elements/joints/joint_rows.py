@@ -78,8 +78,7 @@ def place(part, state, j, side):
 @kernel
 def directions(part, j, first):
     """Axis of joint j, its reference direction (normal to it), and the direction normal to both:
-    unit vectors on its first side. part: arrays of all joints; first: axes of the particle
-    there."""
+    unit vectors on its first side. part: arrays of all joints; first: axes there."""
     axis = to_global(first, get3(part.sides, 2 * j, AXIS))
     p = to_global(first, get3(part.sides, 2 * j, REFERENCE))
     return axis, p, cross(axis, p)
@@ -205,8 +204,7 @@ def find_gaps(part, state, j):
 
 @kernel
 def put_gap(rows, r, gap):
-    """Store the components x, y, z of a gap (m) in RESIDUAL of rows r, r + 1, r + 2 of
-    Joints.rows."""
+    """Store the components x, y, z of a gap (m) in RESIDUAL of rows r to r + 2 of Joints.rows."""
     store(rows, r, RESIDUAL, gap.x)
     store(rows, r + 1, RESIDUAL, gap.y)
     store(rows, r + 2, RESIDUAL, gap.z)
@@ -244,8 +242,8 @@ def opening_gap(turns, part, state, j):
 
 @kernel
 def put_held_row(part, state, j):
-    """Store the constraint equation of joint j if it holds an opening, all zero in lanes where that
-    is free; returns whether it does. part: arrays of all joints; state: of the particles."""
+    """Store the constraint equation of joint j if it holds an opening, all zero in samples where
+    that is free; returns whether it does. part: arrays of all joints; state: of the particles."""
     t = part.turn_of[j]
     if t < 0:
         return False

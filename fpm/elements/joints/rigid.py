@@ -55,7 +55,7 @@ AT_START = 1e-9
 """A rigid motor begins where its hinge is, to this angle (rad)."""
 
 CONSTANT = np.zeros(1), np.ones(1)
-"""The curve -1."""
+"""Times (s) and values of the curve that stands for the index -1: constant 1."""
 
 RATE_TOL = 1e-11
 """Rate up to which a hinge sticks at the start, as a share of the fastest spin; what joins it to
@@ -84,8 +84,8 @@ class RigidMotor(AnyMotor, Rigid):
     by_rate: bool = same(False)
 
     def target(self, scene, time: float) -> float:
-        """Opening (rad; m on a slide) that the motor prescribes at a `time` (s). scene: for
-        curves."""
+        """Return the opening (rad; m on a slide) prescribed at a `time` (s). scene: has the
+        curve."""
         times, values = scene.curves[self.curve] if self.curve >= 0 else CONSTANT
         if not self.by_rate:
             return float(self.start + self.turn * np.interp(time, times, values))
@@ -95,8 +95,8 @@ class RigidMotor(AnyMotor, Rigid):
         return float(self.start + self.turn * travelled)
 
     def rate_at_start(self, scene) -> float:
-        """Rate (rad/s; m/s on a slide) that the motor prescribes just after time 0. scene: for the
-        curves."""
+        """Return the rate (rad/s; m/s on a slide) that the motor prescribes just after time 0.
+        scene: has its curve."""
         times, values = scene.curves[self.curve] if self.curve >= 0 else CONSTANT
         if self.by_rate:
             return float(self.turn * np.interp(0.0, times, values))
@@ -142,8 +142,8 @@ class RigidRelease(AnyRelease, Rigid):
 class RigidLatch(AnyLatch, Rigid):
     """A latch that stops the opening of a hinge (index) and holds it exactly where it caught it. It
     catches within capture_range (rad) of `angle` (rad), coming from `side` ("below", "above" or
-    "either"), at no more than max_capture_rate (rad/s); on a slide in m. name: in results, "": as
-    the hinge."""
+    "either"), at no more than max_capture_rate (rad/s); on a slide in m. name: its own in results,
+    "": the hinge's."""
 
     hinge: int = on_hinge()
     angle: float = number("rad")
@@ -156,8 +156,9 @@ class RigidLatch(AnyLatch, Rigid):
 
     @classmethod
     def array(cls, name, batch):
-        """Array of the kernels' field `name` (HoldsHinge.array) for a batch of scenes side by side;
-        in "state", the opening up to which a latch has searched (SEARCHED) is that at the start."""
+        """Return the array for a field `name` of the kernels' tuple RigidLatches, as
+        HoldsHinge.array; in "state", latches have searched (SEARCHED) up to the opening at the
+        start. batch: the scenes simulated side by side."""
         array = super().array(name, batch)
         if name == "state":
             array[:, cls.kernels().SEARCHED] = start_angles(batch, cls)
@@ -179,9 +180,8 @@ class RigidFriction(Rigid):
 
     @classmethod
     def led(cls, scene):
-        """Frictions with a bristle (stiff spring that gives while friction sticks) in place of a
-        scene's rigid ones, a list, for the slow travel of an opening through equilibria
-        (fpm/travel)."""
+        """Return Friction elements that slip at once (bristles of no size) in place of a scene's
+        rigid ones, for moving an opening slowly through static equilibria (fpm/travel)."""
         return [Friction(f.hinge, f.moment, AT_ONCE, 0.0) for f in cls.of(scene)]
 
     def held_at_start(self, scene):
@@ -191,15 +191,15 @@ class RigidFriction(Rigid):
 
     @classmethod
     def held_round(cls, scene):
-        """Sum (N m) of the friction moments of a scene: the most that friction that sticks in
-        closed loops may bear at rest."""
+        """Return the sum (N m) of the friction moments of a scene, the most that friction which
+        sticks in closed loops may bear at rest, for the tolerance of the energy balance."""
         return float(sum(friction.moment for friction in cls.of(scene)))
 
     @classmethod
     def array(cls, name, batch):
-        """Array of the kernels' field `name` (HoldsHinge.array) for a batch of scenes side by side;
-        in "state", the direction in which friction slips (SIGN, 1 or -1) is that of the rate at the
-        start."""
+        """Return the array for a field `name` of the kernels' tuple RigidFrictions, as
+        HoldsHinge.array; in "state", each slips (SIGN, 1 or -1) in the direction of its rate at the
+        start. batch: the scenes simulated side by side."""
         if name != "state":
             return super().array(name, batch)
         kernels, count = cls.kernels(), len(cls.of(batch.scene))

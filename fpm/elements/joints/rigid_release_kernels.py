@@ -1,8 +1,7 @@
 """Moments, work and events of rigid releases (theory: rigid.py).
 
 A release within the step before a kick leaves to it a share of the moment that held (see
-release_kernels.py).
-"""
+release_kernels.py)."""
 
 from typing import NamedTuple
 

@@ -35,8 +35,8 @@ class Turn(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """What must be equal in scenes that run side by side: each such element's type and
-        hinge."""
+        """Return what must be equal in scenes run side by side: type and hinge of each such
+        element."""
         return tuple((type(holder), holder.hinge) for holder in cls.of(scene))
 
     @classmethod
@@ -67,20 +67,20 @@ class HoldsHinge(OnHinge):
     resists_as: ClassVar = ""
 
     def held_at_start(self, scene) -> float | None:
-        """Opening (rad; m on a slide) at which the element holds its hinge from the start of a
-        scene's run on; None: the hinge is free then."""
+        """Return the opening (rad; m on a slide) at which the element holds its hinge from the
+        start of a scene's run on; None, the default: the hinge is free then."""
         return None
 
     def rate_at_start(self, scene) -> float | None:
-        """Rate (rad/s; m/s on a slide) that the element imposes on the opening at the start of a
-        scene's run; None: it imposes none."""
+        """Return the rate (rad/s; m/s on a slide) that the element imposes on the opening at the
+        start of a scene's run; None, the default: it imposes none."""
         return None
 
     @classmethod
     def array(cls, name, batch):
-        """Array of the kernels' field `name` for a batch of scenes side by side. "turns": the state
-        of all conditions that hold openings (Turns); "turn": index of each element's condition
-        among them; other names: OnHinge.array."""
+        """Return the array for a field `name` of the named tuple of the type's kernels: "turns":
+        state of all conditions that hold openings (Turns); "turn": index of each element's
+        condition among them; others as OnHinge.array. batch: the scenes simulated side by side."""
         match name:
             case "turns":
                 return batch.part(Turn)

@@ -6,8 +6,7 @@ on the way from there, as all other moments do (losses_kernels.lose).
 
 And what coupled joints among which some hold openings do otherwise: `prepare` only kicks the
 bodies; `solve` finds the impulses, again where it was decided otherwise, and tells the rates that
-the openings would have; `move` begins with the impulses that stand then.
-"""
+the openings would have; `move` begins with the impulses that stand then."""
 
 from fpm.elements.joints import joint_kernels
 from fpm.elements.joints.closing import clear, report_gaps
@@ -73,23 +72,23 @@ def work_on(openings, h, moment):
 
 @kernel
 def give(world, account, work):
-    """Add `work` (lanes, J) to the energy account of index `account` in world.accounts, in
-    place."""
+    """Add `work` (lanes, J) to the energy account of index `account` in world.accounts."""
     store(world.accounts, 0, account, load(world.accounts, 0, account) + work)
 
 
 @kernel
 def moment_of(turns, t, timing):
-    """Moment (N m), on the hinge's second particle, that held opening t (index among those held)
-    over the time timing.kick (s). turns: held openings (Turns), with their impulses (N m s)."""
+    """Return the moment (N m, lanes), on the hinge's second particle, that held opening t in this
+    step: its impulse over timing.kick (s). turns: openings held exactly (Turns); t: index among
+    these; timing: times of this step (s)."""
     return (1.0 / timing.kick) * load(turns.state, t, TURN_IMPULSE)
 
 
 @kernel
 def tell_late(moments, openings, h, moment):
-    """Add a `moment` (N m) that is known only after its step, and its work (J), to the recorded
-    part of opening h that belongs to one type of element. moments: rows (h by type, fields, lanes),
-    None: not recorded, nothing is done; openings: arrays of all openings, as the type sees them."""
+    """Add a `moment` (N m) that is known only after its step, and its work (J), to what is recorded
+    of opening h (index) as the part of one element type. moments: Openings.moments, None: nothing
+    is done; openings: arrays of all openings, as the type takes them."""
     if moments is not None:
         row = h * openings.parts + openings.part
         store(moments, row, ACTING, load(moments, row, ACTING) + moment)
@@ -97,10 +96,10 @@ def tell_late(moments, openings, h, moment):
 
 
 def account(arrays, first, sign):
-    """Register the hooks `work_before` and `work_due` of an element type that holds openings
-    exactly; called once, where its kernels are defined. arrays: its named tuple; first: index of
-    the field HELD_BY in part.state; sign: 1 if its account counts work given, -1 for losses. The
-    type's own hook `work_after` then calls `end_work`."""
+    """Register the hooks `work_before` and `work_due`, which add up the work of an element type
+    that holds openings exactly; called once, where its kernels are defined. arrays: its named
+    tuple; first: index of the field HELD_BY in part.state; sign: 1 if its account counts work
+    given, -1 for losses. The type's own hook `work_after` calls `end_work` besides."""
 
     @hook(arrays)
     def work_before(part, world, timing):
@@ -113,9 +112,9 @@ def account(arrays, first, sign):
     @hook(arrays)
     def work_due(part, world, energies, row):
         """Add the work (J) that `end_work` counted after the instant was recorded, but that is due
-        before it, to column ACCOUNTS + part.account of `energies` (instants, columns, lanes),
-        Record.energies. part: arrays of the elements; world: not used; row: index of the
-        instant."""
+        before it, to the recorded energies. part: arrays of the elements; world: not used; energies
+        (instants, columns, lanes): changed in row `row` (index of the instant) and column ACCOUNTS
+        + part.account."""
         for i in range(part.on.shape[0]):
             account = ACCOUNTS + part.account
             total = load(energies, row, account) + load(part.state, i, first + WORK_DUE)
@@ -147,9 +146,8 @@ def end_work_of(part, world, i, moment, first, sign):
 @hook(TurnedJoints)
 def prepare(part, world, timing):
     """Update the momenta of the bodies of all joints by the forces, summed before, over the time
-    timing.kick, and set world.undecided: the joints' impulses are still to be found (`solve`).
-    part: arrays of all joints; world: state of the solver, changed; timing: times of this step
-    (s)."""
+    timing.kick, and set world.undecided: the joints' impulses are found by `solve`. part: arrays of
+    all joints; world: solver state, changed; timing: times of this step (s)."""
     clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
     world.undecided[0] = 1

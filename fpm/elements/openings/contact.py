@@ -1,8 +1,7 @@
 """Face-to-face contact: the end faces of two hinged links touch where the opening is below zero.
 
 The faces share the hinge line as an edge, so overlap grows linearly with the distance from it; its
-resultant is a moment k |psi| that opens the hinge, k = K_C times the length of the hinge line.
-"""
+resultant is a moment k |psi| that opens the hinge, k = K_C times the length of the hinge line."""
 
 from dataclasses import dataclass
 
@@ -15,7 +14,9 @@ from fpm.elements.openings.opening import OnHinge, on_hinge
 
 @dataclass(frozen=True)
 class Contact(OnHinge):
-    """Faces that touch where the opening of a revolute joint is below zero."""
+    """Faces that touch where the opening of a revolute joint is below zero.
+
+    hinge: index; stiffness: moment that opens it for each radian below zero (N m/rad)."""
 
     hinge: int = on_hinge(types=("revolute",))
     stiffness: float = stiffness(text="moment for each radian below zero")
@@ -28,11 +29,11 @@ class Contact(OnHinge):
 
     @classmethod
     def shut(cls, scene, inverse):
-        """Relative motions of linked bodies that contacts rule out while closed, at opening zero,
-        wherever the scene starts: orthonormal sparse columns (6n, c) in coordinates scaled with the
-        roots of the masses. scene: the scene; inverse (6n,): inverse masses (1/kg) and inertias
-        (1/kg m²) of its n particles. Columns of hinges that share a particle with inverse mass are
-        made orthonormal together; others do not overlap."""
+        """Return the relative motions of linked bodies that closed contacts rule out, for the
+        stable time step: orthonormal columns (6n, c), a sparse matrix, in coordinates multiplied by
+        the roots of masses. Contacts count as closed at opening 0, wherever the scene starts.
+        inverse (6n,): inverse masses (1/kg) and inertias (1/kg m²) of its n particles. Columns of
+        hinges that share a particle are made orthonormal together."""
         from scipy.sparse import csc_matrix, identity
 
         columns, dofs = [], []

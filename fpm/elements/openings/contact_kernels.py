@@ -15,8 +15,7 @@ STIFFNESS = 0
 
 TOUCH = 1e-9
 """Overlap (rad) from which faces count as shut: what the hinges leave open is below it, so a
-linkage at rest at closure has no events. Faces that meet at 1 rad/s reach it within 1 ns.
-"""
+linkage at rest at closure has no events. Faces that meet at 1 rad/s reach it within 1 ns."""
 
 
 class Contacts(NamedTuple):
@@ -33,9 +32,9 @@ class Contacts(NamedTuple):
 
 @hook(Contacts)
 def forces(part, world, timing):
-    """Add moments (N m) that open the hinges whose faces overlap, stiffness times overlap, to the
-    forces on their particles. part: arrays of all contacts (Contacts); world: solver state (World),
-    whose forces change; timing: times of this step (s), not used."""
+    """Add the moments (N m) of contacts whose faces overlap, stiffness times overlap, which open
+    their hinges, to the forces on particles. part: arrays of all contacts (Contacts); world: solver
+    state, whose forces change; timing: not used."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         psi = load(part.openings.angles, h, NEW)
@@ -45,8 +44,8 @@ def forces(part, world, timing):
 
 @hook(Contacts)
 def note_events(part, world, timing):
-    """Note in part.log which contacts closed (event 1) or opened (0) in the step that ends now.
-    part: all contacts (Contacts); world: solver state, not used; timing: step times (s)."""
+    """Write to part.log which contacts closed (event 1) or opened (0) in the step that ends now,
+    with the time. part: arrays of all contacts; world: not used; timing: step times (s)."""
     angles = part.openings.angles
     for c in range(part.on.shape[0]):
         h = part.on[c]

@@ -14,9 +14,10 @@ DAMPING = 0
 
 
 class Dampers(NamedTuple):
-    """Arrays of all d dampers. on (d,): index of each one's hinge; numbers (d, 1, lanes): damping
-    (N m s/rad); openings: arrays of all openings; past (d, HISTORY = 2, lanes): rate (rad/s) and
-    moment (N m) of the last step; account: index in World.accounts of the energy lost."""
+    """Arrays of all d dampers, for their kernels. on (d,): index of each one's hinge; numbers (d,
+    1, lanes): damping (N m s/rad); openings: arrays of all openings; past (d, 2, lanes): rate of
+    the opening (rad/s) and moment (N m) of the last step; account: index in World.accounts of the
+    energy lost."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -27,9 +28,9 @@ class Dampers(NamedTuple):
 
 @hook(Dampers)
 def forces(part, world, timing):
-    """Add the moments (N m) of viscous dampers, -damping times the rate of the opening, to the
-    forces on particles, and the energy lost in the step (J) to World.accounts. part: arrays of all
-    dampers (Dampers); world: solver state (World); timing: times of this step (s)."""
+    """Add the moments (N m) of dampers, -damping times the rate of the opening, to the forces on
+    particles, and the energy that they lose in the step (J) to World.accounts. part: arrays of all
+    dampers (Dampers); world: solver state, changed; timing: times of this step (s)."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         rate = follow_rate(part.openings, part.past, i, h, timing)

@@ -8,9 +8,8 @@ rest; both together never exceed M.
 
 M may go with the force that the joint bears, as of the step before (`load`), or by a table of the
 opening: a curve that is another on the way back is the mean of both, of a spring by a table, beside
-friction with half of their difference (hysteresis).
-Source: Dupont, Hayward, Armstrong, Altpeter, IEEE Trans. Automatic Control 47 (2002) 787.
-"""
+friction with half of their difference (hysteresis). Source: Dupont, Hayward, Armstrong, Altpeter,
+IEEE Trans. Automatic Control 47 (2002) 787."""
 
 from dataclasses import dataclass, replace
 
@@ -28,10 +27,10 @@ DEFLECTION = 1e-3
 """Angle (rad) by which a bristle is bent before it slips, if nothing else is said."""
 
 SLIDE_DEFLECTION = 1e-4
-"""The same (m) of a slide."""
+"""Way (m) by which a bristle on a slide is bent before it slips, if nothing else is said."""
 
 AT_ONCE = 1e-9
-"""The same (rad, m) where openings are led slowly: nothing of it is left to see."""
+"""Deflection (rad, m) of bristles where openings are moved slowly (fpm/travel)."""
 
 LOCKS = 20.0
 """By how many times its `bristle_deflection` a bearing's bristle may be bent on while the moment at
@@ -39,8 +38,7 @@ which it slips grows as much or more: then it never slips, and all the motion is
 
 DAMPED = 0.3
 """Damping ratio of the bristle with the inertias of the hinge's own two particles, likewise. The
-step of a scene that it limits is 0.57 of the one without.
-"""
+step of a scene that it limits is 0.57 of the one without."""
 
 
 def _locked(values: dict[str, float]) -> tuple[str, str]:
@@ -69,11 +67,11 @@ def _unbalanced(element: str) -> str:
 class Friction(OnHinge):
     """Friction in a hinge by a bristle: a spring that slips at a moment.
 
-    moment: at which it slips (N m, on slides N); bristle_deflection: how far the spring is bent
-    then (rad, m); damping: while it sticks, None: DAMPED = 0.3 of critical. angles, shares:
-    openings (rad, m) and factors of the moment there, linear between; (): 1. load: force of the
-    joint (N) at which it slips at `moment`, which grows in proportion to the force; None: constant.
-    """
+    hinge: index; moment: at which it slips (N m, on slides N); bristle_deflection: how far the
+    spring is bent then (rad, m); damping: while it sticks (N m s/rad), None: 0.3 of critical.
+    angles, shares: openings (rad, m) and factors of the moment there, linear between, (): 1
+    everywhere. load: force of the joint (N) at which it slips at `moment`, which is proportional to
+    that force; None: constant."""
 
     hinge: int = on_hinge()
     moment: float = number("N m", 0.0, text="at which it slips; below, it sticks for ever")
@@ -98,9 +96,9 @@ class Friction(OnHinge):
 
     @classmethod
     def led(cls, scene):
-        """Copies of the scene's friction elements for moving an opening slowly, in static balance
-        (fpm/travel): their bristles slip at once. One with a `load`, whose moment depends on the
-        joint's force, gets the moment 0: the caller takes that friction from Scene.bearings."""
+        """Return copies of the scene's friction elements for moving an opening slowly through
+        static equilibria (fpm/travel), whose bristles slip at once. One with a `load`, whose moment
+        depends on the joint's force, gets the moment 0: that follows from Scene.bearings."""
         frictions = [
             replace(friction, bristle_deflection=AT_ONCE, damping=0.0) for friction in cls.of(scene)
         ]
@@ -108,8 +106,8 @@ class Friction(OnHinge):
 
     def add_to(self, scene):
         """Check the element and add it to a scene. If its moment depends on the joint's force
-        (`load`), also add moment / load (m; on slides a bare number) to Scene.bearings of its
-        hinge, for motions in static balance (fpm/travel). Raises SceneError if it does not fit."""
+        (`load`), also add moment / load (m; on slides without unit) to scene.bearings[hinge], for
+        slow motions (fpm/travel). Raises SceneError if it does not fit."""
         super().add_to(scene)
         if self.load is not None:
             scene.bearings[self.hinge] += self.moment / self.load
@@ -119,8 +117,8 @@ class Friction(OnHinge):
         return any(friction.load is not None for friction in cls.of(scene))
 
     def check(self, scene):
-        """Check the element's fields, its table (angles, shares) and its `load` (above 0, and not
-        beside a table) before it is added to a scene; raises SceneError if one does not fit."""
+        """Check the element's fields, its table (angles, shares; no share below 0) and its `load`
+        (above 0, and no table beside it), before it is added to a scene; else raises SceneError."""
         super().check(scene)
         if self.load is not None and not (self.load > 0 and not self.angles):
             raise SceneError(f"load of {self.title(scene)}", self.load, "above 0, without a table")
@@ -142,8 +140,8 @@ class Friction(OnHinge):
         return self.moment / self.bristle_deflection
 
     def damping_in(self, scene) -> float:
-        """Damping of the bristle while it sticks (N m s/rad, on slides N s/m): the stated one, else
-        DAMPED = 0.3 of the critical one of the hinge's two particles."""
+        """Return the damping of the bristle while it sticks (N m s/rad, on slides N s/m): that of
+        the field `damping`, else 0.3 of critical for the inertias of the hinge's two particles."""
         if self.damping is not None:
             return self.damping
         inverse = softness(scene, self.hinge)
@@ -151,9 +149,9 @@ class Friction(OnHinge):
 
     @classmethod
     def array(cls, name, batch):
-        """Array for the field `name` of the kernels' tuple Frictions. batch: scenes being packed.
-        "numbers": stiffness, deflection at slip, damping, locking; "start", "points": tables (None:
-        no element has one); "bearing": forces of joints; "state": bristles that begin straight."""
+        """Return the array for the field `name` of the kernels' tuple Frictions (see there); None
+        for tables ("start", "points") or joint forces ("bearing") that no element has. batch: the
+        scenes that are simulated side by side."""
 
         def bristles(scene):
             return [[f.stiffness, f.bristle_deflection * (f.shares or (float(f.load is None),))[0],

@@ -30,14 +30,15 @@ step later, before the next one is found by the secant of both."""
 
 
 class Frictions(NamedTuple):
-    """Arrays of all f friction elements. on (f,): index of each one's hinge; numbers (f, 4, lanes):
-    bristle stiffness (N m/rad), deflection at slip (rad), damping (N m s/rad), 1/deflection where
-    the joint's force counts, else 0; openings: of all hinges; past (f, 2, lanes): rate and damper's
-    moment of the last step; state (f, 8, lanes): foot (opening at which the bristle is straight,
-    rad), deflection (rad), then what joint forces and self-locking need; account: index in
-    World.accounts of the loss; rows (f, 1, lanes): energy or self-locking of each; watched: largest
-    self-locking so far; points: angle (rad) and change of slope of all tables, those of element i
-    from start[i]; bearing: forces of joints. None: not used."""
+    """Arrays of all f friction elements, for their kernels. on (f,): index of each one's hinge;
+    numbers (f, 4, lanes): bristle stiffness (N m/rad), deflection at slip (rad), damping (N m
+    s/rad), 1/deflection where the joint's force counts, else 0; openings: of all hinges; past (f,
+    2, lanes): rate and damper's moment of the last step; state (f, 8, lanes): foot (opening at
+    which the bristle is straight, rad), deflection (rad), then what joint forces and self-locking
+    need; account: index in World.accounts of the loss; rows (f, 1, lanes): energy or self-locking
+    of each; watched: largest self-locking so far; start (f + 1,): first point of each one's table;
+    points (p, 2, lanes): angle (rad) and change of slope of all tables' points; bearing: forces of
+    joints. None: not used."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -54,9 +55,9 @@ class Frictions(NamedTuple):
 
 @kernel
 def bend_at(points, start, i, most, psi):
-    """Return the bristle deflection (rad) at which element i slips at opening psi (rad), by its
-    table. points (p, 2, lanes), start (f + 1,): tables of all elements (Frictions), None: none;
-    most: deflection at slip up to the table's first point (rad), the result without one."""
+    """Return the bristle deflection (rad, lanes) at which friction element i slips at opening psi
+    (rad), by its table. points, start: tables of all elements, as in Frictions, None: there are
+    none; most: deflection at slip (rad) at openings below the table, and the result without one."""
     if points is not None:
         for j in range(start[i], start[i + 1]):
             ramp = psi - load(points, j, ANGLE)
@@ -67,11 +68,11 @@ def bend_at(points, start, i, most, psi):
 @kernel
 def bend_by_force(bearing, state, i, timing):
     """Return two bristle deflections (rad) at which element i slips by the force of its joint: now
-    and a step ago; at the start both are the stated one. bearing: forces of joints (JointForce);
-    state (f, STATE, lanes): of all friction elements, in which MOST, MOST_BEFORE and FORCE_BEND are
-    updated; timing: step times (s). Where friction relieves its own joint by more than itself
-    (beyond the angle of self-locking), taking the force of the step before would grow from step to
-    step; the secant of the last two steps finds the force that agrees with its own friction."""
+    and a step ago. bearing: forces of joints (JointForce); state (f, 8, lanes): Frictions.state, in
+    which MOST, MOST_BEFORE and FORCE_BEND are updated; timing: step times (s). Where friction
+    relieves its own joint by more than itself (beyond the angle of self-locking), taking the force
+    of the step before would grow from step to step; the secant of the last two steps finds the
+    force that agrees with its own friction."""
     last = load(state, i, MOST)
     most = last
     if timing.time > 0.0:
@@ -106,10 +107,9 @@ def bends_now(bearing, part, i, psi, psi_before, timing):
 def watch_lock(part, i, bend, most, slips):
     """Measure self-locking of friction element i: by how much its bristle's deflection `bend` (rad)
     grew without slip while the deflection `most` (rad), at which it slips, grew as fast. The
-    growth, in multiples of the deflection at slip, raises LOCKED in part.state and part.watched if
-    larger. part: all friction elements (Frictions); slips: below 0 in lanes where it slips now. It
-    counts from the least `bend` since the last slip, once the bristle was bent on by one
-    deflection."""
+    growth, over the deflection at slip, raises LOCKED in part.state and part.watched if larger.
+    part: all friction elements (Frictions); slips: below 0 in lanes where it slips now. It counts
+    from the least `bend` since the last slip, once the bristle was bent by one deflection more."""
     state, per_bend = part.state, load(part.numbers, i, LOCKING)
     size, least = absolute(bend), load(state, i, LEAST)
     least = where_negative(slips, size, where_negative(size - least, size, least))
@@ -125,11 +125,11 @@ def watch_lock(part, i, bend, most, slips):
 
 @hook(Frictions)
 def forces(part, world, timing):
-    """Add the moments (N m) of friction, bristles and dampers, to those on particles, and what slip
-    and dampers lose in the step (J) to World.accounts; update feet and deflections in part.state.
-    part: arrays of all friction elements (Frictions); world: solver state (World); timing: times of
-    this step (s). Where slip begins within a step, the mean of the moments at both ends is not that
-    over the way between; `edge` corrects it as for a spring that begins at the point of slip."""
+    """Add the moments (N m) of friction, bristles and dampers, to the forces on particles, and what
+    slip and dampers lose in the step (J) to World.accounts; update part.state. part: arrays of all
+    friction elements (Frictions); world: solver state, changed; timing: times of this step (s).
+    Where slip begins within a step, the mean of the moments at both ends is not that over the way
+    between; `edge` corrects it as for a spring that begins at the point of slip."""
     for i in range(part.on.shape[0]):
         h, last = part.on[i], load(part.state, i, BENDING)
         stiffness, foot = load(part.numbers, i, STIFFNESS), load(part.state, i, FOOT)
@@ -166,16 +166,16 @@ def forces(part, world, timing):
 
 @hook(Frictions)
 def energy_of(part, world, i):
-    """Return the strain energy (J, lanes) of bristle i. part: arrays of all friction elements
-    (Frictions); world: solver state, not used; i: index of the element."""
+    """Return the strain energy (J, lanes) of the bristle of friction element i. part: arrays of all
+    friction elements (Frictions); world: solver state, not used."""
     bend = load(part.state, i, BENDING)
     return 0.5 * load(part.numbers, i, STIFFNESS) * bend * bend
 
 
 @hook(Frictions)
 def list_excess(part, world):
-    """After a failure, store in part.rows the measure of self-locking of each element (LOCKED:
-    multiples of its deflection at slip by which its bristle was bent on without slip), to name the
-    worst one. part: arrays of all friction elements (Frictions); world: solver state, not used."""
+    """Once a run has failed, store in part.rows how far each friction element has locked itself
+    (the growth of its bristle's deflection without slip, over the deflection at slip), to name the
+    worst. part: arrays of all friction elements (Frictions); world: not used."""
     for i in range(part.on.shape[0]):
         store(part.rows, i, 0, load(part.state, i, LOCKED))

@@ -8,8 +8,7 @@ It holds at the opening psi_c at which it caught, so that nothing jumps: no mome
     -k (psi - psi_c) - c dpsi/dt                  both ways, or
     k s + max(c ds/dt, -k s),  s = psi_c - psi    `one_sided`: only against going back, where s > 0
 
-(for one that catches on the way up). A latch without stiffness is rigid (rigid.py).
-"""
+(for one that catches on the way up). A latch without stiffness is rigid (rigid.py)."""
 
 from dataclasses import dataclass
 
@@ -39,7 +38,7 @@ slides names and units are others (opening.by_unit)."""
 
 
 class AnyLatch(OnHinge):
-    """Base class of latches, rigid ones too: how they catch, and their names."""
+    """Base class of latches, rigid ones too: their names, events and recorded series."""
 
     takes = JOINT_LOSS
     events = ("latches", "misses")
@@ -48,7 +47,8 @@ class AnyLatch(OnHinge):
     resists_as = ""
 
     def check(self, scene):
-        """Check the latch's fields, and that no other latch has its label; raises SceneError."""
+        """Check the latch's fields, and that its name (that of its hinge by default) is no other
+        latch's; raises SceneError if not."""
         super().check(scene)
         if self.label(scene) in [latch.label(scene) for latch in self.alike(scene)]:
             raise SceneError("latch", self.label(scene), "a name that no other latch has")
@@ -58,9 +58,10 @@ class AnyLatch(OnHinge):
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """Recorded series of one sample's latches after a run, by variable name (SERIES): moment (N
-        m), impulse (N m s), rate at the catch (rad/s), of rigid ones also the impulse at it. part:
-        arrays of the latches' kernels; scene: the sample's; lane: its index."""
+        """Return the recorded series of one sample's latches after a run, by variable name, all (t,
+        latches): moment (N m), impulse so far (N m s), rate at the catch (rad/s), of rigid latches
+        also the impulse at the catch (N m s). part: arrays of the latches' kernels; scene: the
+        sample's; lane: its index."""
         latches = cls.of(scene)
         columns = part.track[:, :, lane].T.reshape(part.track.shape[1], -1, len(latches))
         pairs = zip(SERIES.items(), columns, strict=False)
@@ -71,10 +72,13 @@ class AnyLatch(OnHinge):
 
 @dataclass(frozen=True)
 class Latch(AnyLatch):
-    """A latch with a spring and a damper; its name is that of the hinge if "" is given.
-
-    one_sided: whether it lets the opening go on, as a ratchet.
-    """
+    """Latch on a hinge or slide: it catches where the opening passes `angle`, and holds from then
+    on by a spring and a damper. hinge: index; angle: rad; stiffness (N m/rad), damping (N m s/rad):
+    with which it holds; capture_range: how far from `angle` it catches as well (rad); side: from
+    where the opening comes when it is caught ("below", "above", "either"); max_capture_rate: above
+    which it does not catch (rad/s); one_sided: whether it lets the opening go on in the direction
+    of the catch, as a ratchet; name: its own, "": that of the hinge. On slides m for rad, N for N
+    m."""
 
     hinge: int = on_hinge()
     angle: float = number("rad", text="opening at which it catches")
@@ -94,6 +98,6 @@ class Latch(AnyLatch):
     stores = Energy("latch", "latch_energy", "energy of the latches")
 
     def damping_in(self, scene):
-        """Damping (N m s/rad) that limits the stable step: ONSET = 1.5 times the latch's own, since
-        the first impulse of a damper may be that of 1.5 steps."""
+        """Return the damping (N m s/rad) by which the latch limits the stable time step: 1.5 times
+        its own, as the first impulse of a damper may be that of 1.5 steps."""
         return ONSET * self.damping

@@ -34,13 +34,14 @@ ANGLE_TOL = 1e-6
 
 
 class Latches(NamedTuple):
-    """Arrays of all l latches. on (l,): index of each one's hinge; numbers (l, 7, lanes): angle,
-    capture range (rad), sign of the rate at which it catches (0: both), largest rate, stiffness,
-    damping, -1 if one-sided; openings: of all hinges; past (l, 2, lanes): rate and damper's moment
-    of the last step; state (l, 8, lanes): 1 once it has caught, opening and sign of the rate then,
-    news of this step, their time (s), rate then, moment (N m), impulse (N m s); account: index in
-    World.accounts of the loss; rows (l, 1, lanes): energy of each; log: of events; track: moment,
-    impulse, rate at the catch, l rows for each instant."""
+    """Arrays of all l latches, for their kernels. on (l,): index of each one's hinge; numbers (l,
+    7, lanes): angle, capture range (rad), sign of the rate at which it catches (0: both), largest
+    rate (rad/s), stiffness (N m/rad), damping (N m s/rad), -1 if one-sided; openings: of all
+    hinges; past (l, 2, lanes): rate and damper's moment of the last step; state (l, 8, lanes): 1
+    once it has caught, opening (rad) and sign of the rate then, news of this step (1 caught, 2
+    missed) and their time (s), rate at the catch (rad/s), moment (N m), impulse so far (N m s);
+    account: index in World.accounts of the loss; rows (l, 1, lanes): energy of each; log: of
+    events; track (instants x l, 3, lanes): recorded moment, impulse, rate at the catch."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -55,9 +56,9 @@ class Latches(NamedTuple):
 
 @kernel
 def watch(part, i, h, timing):
-    """Find out whether latch i on hinge h catches, or misses, in the step that ends now, in lanes
-    where it has not caught yet; `pass_by` writes the result to part.state. part: arrays of all
-    latches (Latches); timing: times of this step (s)."""
+    """Find out whether latch i on hinge h (indices) catches or misses in the step that ends now, in
+    samples where it has not caught yet, and write that to part.state. part: arrays of all latches
+    (Latches); timing: times of this step (s)."""
     angles = part.openings.angles
     reach = reach_of(part, i, load(angles, h, OLD), load(angles, h, NEW))
     if any_negative(where_negative(0.5 - load(part.state, i, IS_CAUGHT), 1.0, reach)):
@@ -69,20 +70,20 @@ def watch(part, i, h, timing):
 
 @kernel
 def reach_of(part, i, start, end):
-    """Return by how far (rad) the interval of openings from start to end (rad) stays clear of the
-    range in which latch i catches; below 0: it may enter that. part: all latches (Latches)."""
+    """Return by how far (rad, lanes) the openings from `start` to `end` (rad) stay clear of the
+    range in which latch i catches; below 0: they may enter it. part: arrays of all latches."""
     distance = absolute(0.5 * (end + start) - load(part.numbers, i, ANGLE))
     return distance - 0.5 * absolute(end - start) - load(part.numbers, i, CAPTURE_RANGE) - ANGLE_TOL
 
 
 @kernel
 def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
-    """Decide whether latch i of sample s (its lane) catches or misses in a step, and write to
-    part.state that it caught, at which opening (rad), rate (rad/s), time (s), and the news for
-    events. part: arrays of all latches; psi_start, psi_end: opening at the start and end of the
-    step (rad); last_rate: rate in the step before (rad/s); end: time of the end of the step (s);
-    step: its length (s). The opening is taken as linear within the step. `first` and `last` in the
-    code (rad): openings at start and end, from the edge of the capture range that is met first."""
+    """Decide whether latch i of one sample catches or misses in a step, and write to part.state
+    that it has caught, at which opening (rad), rate (rad/s) and time (s), or that it missed. part:
+    arrays of all latches; s: index of the sample (its lane); psi_start, psi_end: opening at the
+    start and end of the step (rad), linear between; last_rate: rate in the step before (rad/s);
+    end: time of the end of the step (s); step: its length (s). `first` and `last` in the code
+    (rad): openings at start and end, from the edge of the capture range that is met first."""
     angle, reach = part.numbers[i, ANGLE, s], part.numbers[i, CAPTURE_RANGE, s]
     change = psi_end - psi_start
     if part.numbers[i, APPROACH, s] * change < 0.0:
@@ -111,8 +112,9 @@ def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
 
 @kernel
 def excess(part, i, field):
-    """Return by how much the opening (rad) is beyond that at which latch i caught, positive in the
-    direction of its catch. part: all latches; field: NEW (0: now) or OLD (1: a step ago)."""
+    """Return by how much (rad, lanes) the opening is beyond that at which latch i caught, positive
+    in the direction of its catch. part: arrays of all latches; field: NEW (0: now) or OLD (1: a
+    step ago)."""
     angle = load(part.openings.angles, part.on[i], field) - load(part.state, i, HOLD_ANGLE)
     return load(part.state, i, SIGN) * angle
 
@@ -138,11 +140,10 @@ def hold(part, i, rate):
 
 @hook(Latches)
 def forces(part, world, timing):
-    """Add the moments (N m) of latches to both particles of their hinges, and what their dampers
-    take out in the step that ends now (J) to the account of losses. A latch acts from the step in
-    which it catches; what caught in this step is found first. part: all latches (Latches), in whose
-    state moment and impulse are stored; world: solver state (World), whose forces and accounts
-    change; timing: time, step, kick (s)."""
+    """Add the moments (N m) of latches to the forces on both particles of their hinges, and what
+    their dampers take out in the step that ends now (J) to World.accounts, once it is found which
+    latches caught in it; these act at once. part: arrays of all latches (Latches), in whose state
+    moment and impulse are stored; world: solver state, changed; timing: times of this step (s)."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         if timing.time > 0.0:
@@ -160,8 +161,8 @@ def forces(part, world, timing):
 
 @hook(Latches)
 def note_events(part, world, timing):
-    """Note in part.log which latches caught (event 0) or missed (1) in the step that ends now, and
-    clear that news in part.state. part: arrays of all latches (Latches); world, timing: not
+    """Write to part.log which latches caught (event 0) or missed (1) in the step that ends now, and
+    when, and clear that news in part.state. part: arrays of all latches; world, timing: not
     used."""
     for i in range(part.on.shape[0]):
         if any_negative(0.5 - load(part.state, i, NEWS)):
@@ -185,8 +186,8 @@ def energy_of(part, world, i):
 
 @hook(Latches)
 def record(part, world, row):
-    """Record the moment (N m), the impulse so far (N m s), and the rate at the catch (rad/s) of
-    each latch in part.track. part: all latches (Latches); world: not used; row: of the instant."""
+    """Record the moment (N m), impulse so far (N m s) and rate at the catch (rad/s) of each latch
+    in part.track. part: arrays of all latches; world: not used; row: of the instant."""
     count = part.on.shape[0]
     for i in range(count):
         for k, field in enumerate((MOMENT, IMPULSE, RATE_THERE)):

@@ -18,10 +18,11 @@ HISTORY = 2
 
 class JointForce(NamedTuple):
     """Impulses of joints in the last step, by which friction finds the force of its joint. share
-    (f, 1, lanes): deflection at slip for each N of f friction elements (rad/N), 0 where constant;
-    lone (f,): index of each one's hinge in `hinges` (h, SUMS, lanes), impulses of hinges solved
-    alone, or -1; first, count (f,): its conditions in `rows` (directions) and `impulses` (N s), of
-    joints solved together."""
+    (f, 1, lanes): deflection at slip for each N of that force (rad/N), of f friction elements, 0
+    where it is constant; lone (f,): row of each one's hinge in `hinges`, or -1; hinges (h, SUMS,
+    lanes): impulses (N s, N m s) of hinges that are solved alone; first, count (f,): first of its
+    joint's equations, and their number, in `rows` and `impulses`; rows (r, ROW, lanes): equations
+    of joints that are solved together, with their directions; impulses (r, 1, lanes): N s."""
 
     share: np.ndarray  # (f, 1, lanes) what counts of each N; 0: not this one
     lone: np.ndarray  # (f,)
@@ -34,18 +35,18 @@ class JointForce(NamedTuple):
 
 @kernel
 def half_rate(openings, h, timing):
-    """Return the mean rate (rad/s, m/s) of the opening of hinge h over the step that ends now.
-    openings: arrays of all openings (Openings); h: index of the hinge; timing: step times (s)."""
+    """Return the mean rate (rad/s, on slides m/s) of the opening of hinge h (index) over the step
+    that ends now. openings: arrays of all openings (Openings); timing: times of this step (s)."""
     angles = openings.angles
     return (load(angles, h, NEW) - load(angles, h, OLD)) * (1.0 / timing.step)
 
 
 @kernel
 def follow_rate(openings, history, i, h, timing):
-    """Return the rate (rad/s, m/s) of the opening of hinge h now, for element i, extrapolated to
-    second order from the mean rates of the last two steps (Adams and Bashforth). Call it once a
-    step: it stores the mean rate in history. openings: arrays of all openings (Openings); history
-    (elements, HISTORY, lanes): of the element's type, whose field RATE is written; h: index of the
+    """Return the rate (rad/s, on slides m/s) of the opening of hinge h now, extrapolated to second
+    order from the mean rates of the last two steps (Adams and Bashforth). Call it once a step: it
+    stores the mean rate. openings: arrays of all openings (Openings); history (elements, 2, lanes):
+    `past` of the element's type, whose field RATE is written; i: index of the element; h: of its
     hinge; timing: times of this step (s)."""
     last = load(history, i, RATE)
     rate = last
@@ -59,11 +60,11 @@ def follow_rate(openings, history, i, h, timing):
 @kernel
 def lose(world, account, openings, history, i, h, moment):
     """Add to World.accounts the energy (J) that a moment of element i on hinge h takes out in the
-    step that ends now, and store the moment in history. moment: on the second particle, now (N m);
-    history (elements, 2, lanes): of the element's type, with the moment a step ago; account: index
-    in World.accounts; openings: arrays of all openings (Openings). The energy is the mean of both
-    moments times the change of the opening, just what kinetic energy of the half steps changes by
-    (record.py): so the balance has no error."""
+    step that ends now, and store the moment for the next step. world: solver state; account: index
+    in World.accounts; openings: arrays of all openings (Openings); history (elements, 2, lanes):
+    `past` of the element's type, with the moment a step ago, changed; moment: on the second
+    particle, now (N m). The energy is the mean of both moments times the change of the opening,
+    just what kinetic energy of the half steps changes by (record.py)."""
     angles = openings.angles
     angle = load(angles, h, NEW) - load(angles, h, OLD)
     loss = -0.5 * (moment + load(history, i, LOSS)) * angle
@@ -89,30 +90,30 @@ def force_of(bearing, i, timing):
 @kernel
 def edge(new, old):
     """Return what to add to the overlap `new` of a spring that begins at overlap 0, in the step in
-    which it passes 0; else 0. new, old: overlap now and a step ago (rad or m, as the result). From
-    -b to s such a spring does the work k s²/2, but the mean of the forces 0 and k s at both ends
-    does k s (s + b)/2. Half of the difference is taken off now, half by the step that follows."""
+    which it passes 0 (so that the work of the step is right); else 0. new, old: overlap now and a
+    step ago (rad or m, as the result). From -b to s such a spring does the work k s²/2, but the
+    mean of the forces 0 and k s at both ends does k s (s + b)/2. Half of the difference is taken
+    off now, half by the step that follows."""
     product = new * old
     return where_negative(product, 0.5 * product / absolute(new - old), 0.0)
 
 
 @kernel
 def onset(new, old):
-    """Return the factor, 0.5 to 1.5, on the impulse of a force that starts (or ends) within this
-    step, as the overlap passes 0; 1 in other steps. new, old: overlap now and a step ago (rad, m).
-    An impulse is that of half a step before and after now; the force acts for half a step and s/(s
-    + b) of one, s and b being the sizes of new and old."""
+    """Return the factor, 0.5 to 1.5, on a force that starts (or ends) within this step, as the
+    overlap passes 0; 1 in other steps. new, old: overlap now and a step ago (rad, m). An impulse is
+    that of half a step before and after now; the force acts for half a step and s/(s + b) of one, s
+    and b being the sizes of new and old."""
     product = new * old
     return where_negative(product, 0.5 + absolute(new) / absolute(new - old), 1.0)
 
 
 @kernel
 def press(new, old, rate, stiffness, damping):
-    """Return the forces of the spring and of the damper of a one-sided stop, in sum at least 0 (N
-    m, on slides N); the damper's is 0 where the overlap `new` is not above 0. new, old: overlap
-    (rad, m) now and a step ago; rate: of the overlap now (rad/s, m/s); stiffness (N m/rad), damping
-    (N m s/rad), on slides N/m, N s/m. The damper never pulls: it takes off at most the force of the
-    spring."""
+    """Return two forces of a one-sided stop, of its spring and of its damper (N m, on slides N), in
+    sum at least 0: it never pulls; that of the damper is 0 where the overlap `new` is not above 0.
+    new, old: overlap (rad, m) now and a step ago; rate: of the overlap now (rad/s, m/s); stiffness
+    (N m/rad), damping (N m s/rad), on slides N/m, N s/m."""
     spring = stiffness * where_negative(new, 0.0, new)
     damper = damping * rate * onset(new, old)
     damper = where_negative(damper + spring, -spring, damper)

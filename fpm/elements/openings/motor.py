@@ -5,8 +5,7 @@ being a curve of time, or the integral of one from t = 0 on, and the hinge follo
 
     moment M = k (target - psi) + c (target' - psi'),   work given M target'
 
-of which k (target - psi)²/2 is stored in the drive train and c (target' - psi')² lost there.
-"""
+of which k (target - psi)²/2 is stored in the drive train and c (target' - psi')² lost there."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -19,7 +18,8 @@ MOTOR_WORK = Energy("motor_work", "motor_work", "work of the motors")
 
 
 class AnyMotor(OnHinge):
-    """Base class of all motors on hinges: through a drive train, rigid, or by a torque."""
+    """Base class of all motors on hinges: with a drive train, rigid ones, and torque motors.
+    variable: name of their recorded moment in trajectory files."""
 
     gives = MOTOR_WORK
     acts_as = "motor"
@@ -33,8 +33,9 @@ class AnyMotor(OnHinge):
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """Recorded moments (N m, on slides N) of one sample's motors after a run, by variable name.
-        part: arrays of the motors' kernels; scene: the sample's; lane: its index."""
+        """Return the recorded moments (N m, on slides N) of one sample's motors after a run, (t,
+        motors), by variable name. part: arrays of the motors' kernels; scene, lane: the
+        sample's."""
         hinges = [scene.hinges[motor.hinge] for motor in cls.of(scene)]
         values = part.track[:, 0, lane].reshape(-1, len(hinges))
         text, dimension = f"moment of the {cls.called}s on their hinges", cls.called
@@ -44,12 +45,10 @@ class AnyMotor(OnHinge):
 
 @dataclass(frozen=True)
 class Motor(AnyMotor):
-    """A motor that prescribes the opening of a hinge through an elastic drive train: start + turn
-    times the curve of index `curve` (-1: 1).
-
-    stiffness and damping: of the drive train; by_rate: whether turn (rad/s) times the curve is the
-    rate of the opening instead.
-    """
+    """Motor that prescribes the opening of a hinge through an elastic drive train: start + turn
+    times a curve of time. hinge: index; stiffness (N m/rad), damping (N m s/rad): of the drive
+    train; start, turn (rad); curve: its index in Scene.curves, -1: 1; by_rate: whether turn (rad/s)
+    times the curve is the rate of the opening instead."""
 
     hinge: int = on_hinge()
     stiffness: float = stiffness(text="of its drive train")

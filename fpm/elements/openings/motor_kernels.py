@@ -26,13 +26,13 @@ TRACK = 1
 
 
 class Motors(NamedTuple):
-    """Arrays of all m motors. on (m,): index of each one's hinge; curve (m,): index of its curve of
-    time, -1: constant 1; by_rate (m,): 1 where the curve gives the rate; numbers (m, 4, lanes):
-    stiffness (N m/rad), damping (N m s/rad), start, turn (rad); past (m, 2, lanes): rate of the
-    last step; state (m, 7, lanes): moment and damping moment (N m), each also a step ago, target
-    less opening, change of the target, target (rad); openings: of all hinges; given, taken: indices
-    in World.accounts of work and loss; rows (m, 1, lanes): energy of each; track: recorded moment
-    (N m)."""
+    """Arrays of all m motors, for their kernels. on (m,): index of each one's hinge; curve (m,):
+    index of its curve of time, -1: constant 1; by_rate (m,): 1 where the curve gives the rate;
+    numbers (m, 4, lanes): stiffness (N m/rad), damping (N m s/rad), start, turn (rad); past (m, 2,
+    lanes): rate of the last step; state (m, 7, lanes): moment, a step ago, moment of damping, a
+    step ago (N m), target less opening, change of the target, target (rad); openings: of all
+    hinges; given, taken: indices in World.accounts of work and loss; rows (m, 1, lanes): energy of
+    each; track: recorded moment (N m)."""
 
     on: np.ndarray
     curve: np.ndarray
@@ -50,8 +50,8 @@ class Motors(NamedTuple):
 @hook(Motors)
 def forces(part, world, timing):
     """Add the moments (N m) of the motors' drive trains, towards the prescribed openings, to the
-    forces on particles; keep them in part.state. part: arrays of all motors (Motors); world: solver
-    state (World), whose forces change; timing: times of this step (s)."""
+    forces on particles; keep moments and targets in part.state. part: arrays of all motors
+    (Motors); world: solver state, whose forces change; timing: times of this step (s)."""
     for i in range(part.on.shape[0]):
         h = part.on[i]
         for k in (MOMENT, VISCOUS):
@@ -96,8 +96,8 @@ def work_before(part, world, timing):
 
 @hook(Motors)
 def energy_of(part, world, i):
-    """Return the strain energy (J, lanes) of the drive train of motor i, in its state at the last
-    forces. part: arrays of all motors (Motors); world: solver state, not used."""
+    """Return the strain energy (J, lanes) of the drive train of motor i when forces were last
+    computed. part: arrays of all motors (Motors); world: not used."""
     error = load(part.state, i, ERROR)
     return 0.5 * load(part.numbers, i, STIFFNESS) * error * error
 
@@ -105,7 +105,7 @@ def energy_of(part, world, i):
 @hook(Motors)
 def record(part, world, row):
     """Record the moment (N m) of each motor on its hinge in part.track. part: arrays of all motors
-    (Motors, TorqueMotors); world: solver state, not used; row: index of the recorded instant."""
+    (Motors or TorqueMotors); world: not used; row: index of the recorded instant."""
     count = part.on.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, MOMENT))

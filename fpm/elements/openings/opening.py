@@ -3,10 +3,9 @@
 An opening is the angle about a hinge's axis between a reference direction of either particle. It
 grows when the second turns by the right-hand rule about the axis against the first, and it counts
 full turns: of all angles that differ by them it is the one closest to the last. Universal joints
-have two such angles (hinge.py). The opening of a slide is a length: the way of a point of
-the second particle from one of the first, along the axis. What acts on hinges acts on it likewise,
-with forces for moments, m for rad: SLIDING has the units.
-"""
+have two such angles (hinge.py). The opening of a slide is a length: the way of a point of the
+second particle from one of the first, along the axis. What acts on hinges acts on it likewise, with
+forces for moments, m for rad: SLIDING has the units."""
 
 from dataclasses import dataclass
 from types import SimpleNamespace
@@ -26,8 +25,7 @@ JOINT_LOSS = Energy("joint_loss", "joint_loss", "energy lost on joints: friction
 
 ONSET = 1.5
 """Largest share of a kick with which a damper begins (losses_kernels.onset): counted in the stable
-step, so that an impact is not thrown back by its damper alone.
-"""
+step, so that an impact is not thrown back by its damper alone."""
 
 
 PARTS = (
@@ -47,8 +45,8 @@ TURNING = ("revolute", "universal", "cross")
 
 @dataclass(frozen=True)
 class Opening(ElementType):
-    """The opening of a hinge (its angle, rad) or slide (its length, m). Every hinge of a scene has
-    one, of the hinge's index; it is not stated: `of` returns the hinges themselves."""
+    """The opening of a hinge (its angle, rad) or slide (its length, m), as an element type. Every
+    hinge of a scene has one, of the hinge's index; `of` returns the scene's hinges."""
 
     resists_as = ""
 
@@ -58,7 +56,8 @@ class Opening(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """What must be equal in scenes run side by side: names and particles of all hinges."""
+        """Return what must be equal in scenes run side by side: names and particles of all
+        hinges."""
         return tuple((hinge.name, hinge.particles) for hinge in scene.hinges)
 
     @classmethod
@@ -86,15 +85,17 @@ class Opening(ElementType):
 
     @classmethod
     def seen_by(cls, kind: type[ElementType], batch):
-        """Arrays of all openings (Openings), for the kernels of an element type that acts on them.
-        kind: that type; its moments are recorded as component `part`, an index in PARTS ("spring",
-        "damper", ...: kinds of elements that act). batch: the scenes being packed."""
+        """Return the arrays of all openings (Openings) for the kernels of an element type `kind`
+        that acts on them: with the field `part` set to the index, in PARTS ("spring", "damper",
+        ...), under which its moments are recorded. batch: the scenes that are simulated side by
+        side."""
         return batch.part(cls)._replace(part=PARTS.index(kind.acts_as or "other"))
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """Recorded openings of one sample after a run, by variable name: `opening` (rad) and
-        `slide_opening` (m). part: all openings (Openings); lane: index of the sample."""
+        """Return the recorded openings (t, hinges) of one sample after a run, by variable name:
+        `opening` (rad) and, of slides, `slide_opening` (m). part: arrays of all openings
+        (Openings); scene: the sample's; lane: index of the sample."""
         values = part.track[:, 0, lane].reshape(-1, len(scene.hinges))
         series = Series(values, "rad", "opening of the hinges", "hinge", ())
         return by_unit({"opening": series}, scene.hinges, [h.name for h in scene.hinges])
@@ -106,8 +107,9 @@ class OnHinges(ElementType):
     reads = (Opening,)
 
     def check_index(self, scene, field, value):
-        """Check that the index `value` of a field exists among the scene's hinges, and that this
-        hinge is of one of the types in field.types, if any; raises SceneError if not."""
+        """Check that a hinge index in one of the element's fields exists in the scene, and that the
+        hinge has an allowed type; raises SceneError if not. field: spec of the field, with allowed
+        types (`types`, empty: all); value: the index."""
         super().check_index(scene, field, value)
         if field.types and scene.hinges[value].type not in field.types:
             text = f"{scene.hinges[value].name} ({scene.hinges[value].type})"
@@ -123,9 +125,9 @@ class OnHinges(ElementType):
 
     @classmethod
     def array(cls, name, batch):
-        """Array for the field `name` of the named tuple of the type's kernels; "openings" stands
-        for the arrays of all openings (Openings), others as in ElementType. batch: the scenes being
-        packed."""
+        """Return the array for a field of the named tuple that the type's kernels take. name: of
+        the field: "openings": arrays of all openings (Openings); others as in ElementType.array
+        ("numbers", "state", ...). batch: the scenes that are simulated side by side."""
         return Opening.seen_by(cls, batch) if name == "openings" else super().array(name, batch)
 
 
@@ -136,15 +138,15 @@ class OnHinge(OnHinges):
         return (self.hinge,)
 
     def label(self, scene) -> str:
-        """Name of the element in messages and files: that of its hinge in the scene."""
+        """Return the name of the element in messages and files: by default its hinge's."""
         return scene.hinges[self.hinge].name
 
     def title(self, scene):
         return f"{self.called} {self.label(scene)}"
 
     def alike(self, scene) -> list["OnHinge"]:
-        """Elements of a scene whose types have the same word in messages (`called`) as this one, as
-        of a latch all latches, rigid ones too."""
+        """Return the elements of a scene whose types have the same word in messages (`called`) as
+        this one: for a latch all latches, rigid ones too."""
         kinds = [k for k in scene.kinds if issubclass(k, OnHinge) and k.called == self.called]
         return [element for kind in kinds for element in kind.of(scene)]
 
@@ -161,23 +163,27 @@ class OnHinge(OnHinges):
         return [element._replace(joint=scene.hinges[e.hinge].name) for element, e in pairs]
 
     def stiffness_in(self, scene) -> float | None:
-        """Stiffness (N m/rad, on slides N/m) that limits the stable step; None: no springs."""
+        """Return the stiffness (N m/rad, on slides N/m) with which the element limits the scene's
+        stable time step: its field `stiffness`; None: it has none."""
         return getattr(self, "stiffness", None)
 
     def damping_in(self, scene) -> float | None:
-        """Damping (N m s/rad, on slides N s/m) that limits the stable step; None: no dampers."""
+        """Return the damping (N m s/rad, on slides N s/m) with which the element limits the scene's
+        stable time step: its field `damping`; None: it has none."""
         return getattr(self, "damping", None)
 
     @classmethod
     def deformations(cls, scene):
-        """How motions of particles strain the type's springs, for the stable step: the opening of
-        each, with stiffness_in, as if all acted; None: no springs."""
+        """Return how motions of particles strain the openings on which the type's springs act, with
+        their stiffness, for the scene's stable time step, as if all acted at once; None: no
+        springs."""
         return cls._turns(scene, [e.stiffness_in(scene) for e in cls.of(scene)])
 
     @classmethod
     def dampings(cls, scene):
-        """How motions of particles move the type's dampers, for the stable step: the opening of
-        each, with damping_in for stiffness, as if all acted; None: no dampers."""
+        """Return how motions of particles move the openings on which the type's dampers act, with
+        their damping in the field `stiffness`, for the scene's stable time step; None: no
+        dampers."""
         return cls._turns(scene, [e.damping_in(scene) for e in cls.of(scene)])
 
     @classmethod
@@ -187,25 +193,26 @@ class OnHinge(OnHinges):
 
     @classmethod
     def array(cls, name, batch):
-        """Array for the field `name` of the named tuple of the type's kernels: "on": indices of
-        hinges; "past": rates at the start (pack_past); others as in OnHinges. batch: the scenes
-        being packed."""
+        """Return the array for a field of the named tuple that the type's kernels take. name: of
+        the field: "on": index of each element's hinge; "past": rates at the start (pack_past);
+        others as in OnHinges.array. batch: the scenes that are simulated side by side."""
         if name == "past":
             return pack_past(batch, cls)
         return super().array("hinge" if name == "on" else name, batch)
 
 
 def on_hinge(words: str = "hinge of {called}", types: tuple[str, ...] = ()) -> Any:
-    """Dataclass field of an element that holds the index of its hinge. words: the field's name in
-    messages, {called} being the element's word; types: allowed types of the hinge, (): all."""
+    """Declare a dataclass field of an element that holds the index of its hinge. words: the field's
+    name in messages, in which {called} stands for the type's word; types: allowed types of the
+    hinge ("revolute", ...), (): all."""
     return index("hinges", words=words, types=types)
 
 
 def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
     """Split recorded series (t, k) of k elements on hinges into those on hinges that turn and those
-    on slides. series: by name, with units of hinges; hinges, labels: hinge and name of each
-    element. Returns all by name; on slides names begin with "slide_", with force for moment and
-    their units."""
+    on slides. series: by variable name, in units of hinges; hinges, labels: hinge and name of each
+    element. Returns all by name; for those on slides, names begin with "slide_", names and words
+    have force for moment, and units are those of slides."""
     result = {}
     slides = np.array([hinge.slides for hinge in hinges], bool)
     for columns, prefix in ((~slides, ""), (slides, "slide_")):
@@ -222,8 +229,8 @@ def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
 
 
 def unit_of(scene, hinge: int, unit: str) -> str:
-    """Unit of a quantity on a hinge: `unit`, as "N m/rad", where it turns; on a slide that in
-    SLIDING, as "N/m". hinge: its index in the scene."""
+    """Return the unit of a quantity on a hinge: `unit`, as "N m/rad", where it turns; on a slide
+    the one in place of it, as "N/m". scene: has the hinge; hinge: its index."""
     return SLIDING[unit] if scene.hinges[hinge].slides else unit
 
 
@@ -235,8 +242,9 @@ def _sides(scene) -> np.ndarray:
 
 
 def relative_turn(scene, hinges, stiffness) -> Deformations:
-    """How motions of particles strain springs on one opening each, for the stable step. hinges:
-    index of each spring's hinge; stiffness: of each (N m/rad, on slides N/m)."""
+    """Return how motions of particles strain springs on openings of hinges, for the stable time
+    step. scene: has the hinges; hinges: index of each spring's; stiffness: of each spring (N m/rad,
+    on slides N/m)."""
     dofs, values, factors, element = [], [], [], []
     for number, h in enumerate(hinges):
         hinge = scene.hinges[h]
@@ -260,8 +268,7 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
 
     In the second particle the axis of a universal joint's angle lies in a plane, anywhere in the
     course of a motion; so does a spring's stiffest direction. By Cauchy and Schwarz springs from
-    both sides to the ground, on the second about all axes of the plane, bound it then.
-    """
+    both sides to the ground, on the second about all axes of the plane, bound it then."""
     axis1, axis2 = hinge.axes
     zero = np.zeros(3)
     if hinge.type == "revolute":
@@ -286,9 +293,9 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
 
 
 def softness(scene, hinge: int) -> float:
-    """Acceleration of the opening of a hinge that a unit moment (on a slide, a force) on it gives,
-    with its two particles alone: 1/kg m² (on a slide 1/kg); 0 where both are held. hinge: its
-    index."""
+    """Return the acceleration of the opening of a hinge by a unit moment (on a slide, force) on it,
+    if its two particles were alone: 1/(kg m²), on a slide 1/kg; 0 where both are held. scene: has
+    the hinge; hinge: its index."""
     joint, no_turn = scene.hinges[hinge], turns_of(scene).no_turn
     if joint.slides:
         rows = relative_turn(scene, [hinge], [1.0])
@@ -301,8 +308,9 @@ def softness(scene, hinge: int) -> float:
 
 
 def moving_at_start(scene) -> SimpleNamespace:
-    """Motion of all particles of a scene at t = 0: namespace with velocity (n, 3) m/s, spin (n, 3)
-    rad/s, position and frame; of driven particles as prescribed, along and about held axes 0."""
+    """Return the motion of all n particles of a scene at t = 0: a namespace with velocity (n, 3)
+    m/s, spin (n, 3) rad/s, position (n, 3) m and frame (n, 3, 3). Driven particles move as
+    prescribed; along and about held axes the motion is 0."""
     spin = np.where(scene.fixed[:, 3:], 0.0, scene.spin)
     motion = SimpleNamespace(velocity=np.where(scene.fixed[:, :3], 0.0, scene.velocity), spin=spin)
     motion.position, motion.frame = scene.position.copy(), scene.frame.copy()
@@ -312,16 +320,16 @@ def moving_at_start(scene) -> SimpleNamespace:
 
 
 def turning_at_start(scene, hinges) -> list[float]:
-    """Rates (rad/s, of slides m/s) of the openings of some hinges at t = 0, driven particles moving
-    as prescribed. hinges: indices of hinges in the scene."""
+    """Return the rates (rad/s, of slides m/s) of the openings of some hinges at t = 0, where driven
+    particles move as prescribed. hinges: indices of the hinges in the scene."""
     motion = moving_at_start(scene)
     return [rate_at(scene, scene.hinges[h], motion) for h in hinges]
 
 
 def rate_at(places, hinge, motion) -> float:
-    """Rate of the opening of a hinge (rad/s), of a slide (m/s). places: has position (n, 3) m and
-    frame (n, 3, 3) of all particles, as a scene; hinge: Hinge; motion: has velocity (n, 3) m/s and
-    spin (n, 3) rad/s of all particles."""
+    """Return the rate of the opening of a hinge (rad/s, of a slide m/s). places: object with
+    position (n, 3) m and frame (n, 3, 3) of all particles, as a scene; hinge: the Hinge; motion:
+    object with velocity (n, 3) m/s and spin (n, 3) rad/s of all particles."""
     i, j = hinge.particles
     axis = places.frame[i] @ hinge.axes[0]
     if not hinge.slides:
@@ -334,9 +342,9 @@ def rate_at(places, hinge, motion) -> float:
 
 
 def pack_past(batch, kind) -> np.ndarray:
-    """Array (elements, 2, lanes) with which the kernels of elements that lose energy start: rate of
-    each opening at t = 0 (rad/s, m/s), then 0. batch: the scenes being packed; kind: element
-    type."""
+    """Return the array (elements, 2, lanes) that kernels of a type which loses energy keep from
+    step to step, at its start: rate of each element's opening at t = 0 (rad/s, m/s), and 0 for its
+    moment. batch: the scenes that are simulated side by side; kind: the element type."""
     from fpm.elements.openings.losses_kernels import HISTORY
 
     count = len(kind.of(batch.scene))
@@ -349,8 +357,8 @@ def pack_past(batch, kind) -> np.ndarray:
 
 
 def start_angles(batch, kind) -> np.ndarray:
-    """Openings (n, lanes; rad, of slides m) at t = 0 of the hinges of all n elements of a type
-    `kind`. batch: the scenes being packed."""
+    """Return the openings (n, lanes; rad, of slides m) at t = 0 of the hinges of all n elements of
+    a type. batch: the scenes that are simulated side by side; kind: the element type."""
 
     def openings(scene):
         return [[scene.hinges[element.hinge].opening] for element in kind.of(scene)]
@@ -359,8 +367,8 @@ def start_angles(batch, kind) -> np.ndarray:
 
 
 def opening_at(scene, hinge) -> float:
-    """Opening (rad, of a slide m) of a hinge (Hinge) by the positions and frames that the scene has
-    now; of angles that differ by full turns the one closest to hinge.opening."""
+    """Return the opening (rad, of a slide m) of a hinge (Hinge) at the scene's present positions
+    and frames; of angles that differ by full turns the one closest to hinge.opening."""
     axis, *ends = (
         scene.frame[p] @ own[k]
         for p, own, k in (
@@ -376,7 +384,7 @@ def opening_at(scene, hinge) -> float:
 
 
 def opening_angle(axis, first, second, guess: float) -> float:
-    """Angle (rad) from `first` to `second` about `axis`, directions (3,), by the right-hand rule;
-    of all that differ by full turns the one closest to `guess` (rad)."""
+    """Return the angle (rad) from `first` to `second` about `axis`, vectors (3,), by the right-hand
+    rule; of all that differ by full turns the one closest to `guess` (rad)."""
     angle = np.arctan2(np.dot(axis, cross(first, second)), np.dot(first, second))
     return float(angle + 2 * np.pi * np.round((guess - angle) / (2 * np.pi)))

@@ -26,14 +26,14 @@ PART_FIELDS = 3
 
 
 class Openings(NamedTuple):
-    """Arrays of all h openings. Hinge i has the sides 2 i and 2 i + 1. ends (2 h,): particle of
-    each side; sides (2 h, 9, lanes): axis, reference direction (of slides a point), normal to both,
-    in its particle's axes; axes (h, 3, lanes): global axis now; angles (h, 2, lanes): opening now
-    and a step ago (rad, m); is_needed: whether it is updated in every step; track: recorded
-    openings; slides (h,): 1 for a slide. moments (h parts, 3, lanes): moment now, a step ago (N m),
-    work (J) of each component (of springs, dampers, ...: PARTS); told_track: recorded moment and
-    work; parts: number of components; part: the component of the acting element type. None: not
-    used."""
+    """Arrays of all h openings, for kernels. Hinge i has the sides 2 i and 2 i + 1, one on each of
+    its particles. ends (2 h,): particle of each side; sides (2 h, 9, lanes): axis, reference
+    direction (of slides a point), normal to both, in the particle's axes; axes (h, 3, lanes):
+    global axis now; angles (h, 2, lanes): opening now and a step ago (rad, m); is_needed: whether
+    it is updated in every step; track: recorded openings; slides (h,): 1 for a slide. moments (h
+    parts, 3, lanes): moment now, a step ago (N m), work (J) of each component (springs, dampers,
+    ...: PARTS); told_track: recorded moment and work of each; parts: number of components; part:
+    the component of the element type that takes these arrays. None: not used."""
 
     ends: np.ndarray  # (2h,) particles of the sides
     sides: np.ndarray  # (2h, SIDE, lanes)
@@ -59,9 +59,9 @@ def is_slide(slides, h):
 
 @hook(Openings)
 def forces(part, world, timing):
-    """Update all openings in part.angles before other element types read them, and begin a new step
-    of the moments recorded by component. part: arrays of all openings (Openings); world: solver
-    state (World), whose positions are read; timing: times of this step (s), not used."""
+    """Compute all openings, into part.angles, before other element types read them, and begin a new
+    step of the moments recorded by component. part: arrays of all openings (Openings); world:
+    solver state, whose positions are read; timing: not used."""
     if part.is_needed:
         update(part, world.state)
     begin_parts(part.moments)
@@ -69,9 +69,8 @@ def forces(part, world, timing):
 
 @kernel
 def begin_parts(moments):
-    """Copy the moment of each component (of springs, dampers, ...) to that of a step ago, and set
-    the new one to 0. moments (hinges x components, 3, lanes): Openings.moments, or None: nothing is
-    done."""
+    """Make the moment of each component (springs, dampers, ...) that of a step ago, and set the new
+    one to 0. moments: Openings.moments; None: nothing is done."""
     if moments is not None:
         for r in range(moments.shape[0]):
             store(moments, r, MOMENT_BEFORE, load(moments, r, MOMENT))
@@ -80,9 +79,9 @@ def begin_parts(moments):
 
 @kernel
 def update(part, state):
-    """Compute all openings (rad, m), into part.angles, and their global axes, into part.axes. part:
-    arrays of all openings (Openings); state (n, STATE, lanes): positions and axes of all particles.
-    Of angles that differ by full turns, the one closest to the previous is taken."""
+    """Compute all openings (rad, m), into part.angles, and the global axes of hinges, into
+    part.axes. part: arrays of all openings (Openings); state: of the particles (World.state). Of
+    angles that differ by full turns, the one closest to the last is taken."""
     sides, angles = part.sides, part.angles
     for h in range(angles.shape[0]):
         first_end, second_end = part.ends[2 * h], part.ends[2 * h + 1]
@@ -108,11 +107,11 @@ def update(part, state):
 
 @kernel
 def turn(openings, state, h, moment):
-    """Add a moment (N m) about the axis of hinge h to its second particle, and its opposite to the
-    first: to the forces in `state`, and to the recorded component. On a slide, a force (N) along
-    its axis, on both particles at the point of the second, so that they are in balance. openings:
-    arrays of all openings, of the acting element type (Openings.part); state (n, STATE, lanes): of
-    the particles."""
+    """Apply a moment (N m) about the axis of hinge h to its second particle, and its opposite to
+    the first: it is added to the forces in `state` and to the recorded component. On a slide it is
+    a force (N) along the axis, on both particles at the point of the second, so that they are in
+    balance. openings: arrays of all openings, as the acting element type takes them; state: of the
+    particles (World.state), changed."""
     first, second = openings.ends[2 * h], openings.ends[2 * h + 1]
     axis = get3(openings.axes, h, 0)
     if is_slide(openings.slides, h):
@@ -132,10 +131,9 @@ def turn(openings, state, h, moment):
 
 @kernel
 def push(openings, state, h, impulse):
-    """Add an impulse (N m s) about the axis of hinge h, not a slide, to the angular momentum of its
-    second particle, and the opposite to the first. Call it once the step's forces are in the
-    momenta. openings: arrays of all openings; state (n, STATE, lanes): of the particles,
-    changed."""
+    """Apply an impulse (N m s) about the axis of hinge h, not a slide, to its second particle, and
+    the opposite to the first: to the angular momenta in `state` (World.state). Call it once the
+    step's forces are in the momenta. openings: arrays of all openings (Openings)."""
     first, second = openings.ends[2 * h], openings.ends[2 * h + 1]
     kick = impulse * get3(openings.axes, h, 0)
     put3(state, second, P, get3(state, second, P) + kick)
@@ -144,9 +142,9 @@ def push(openings, state, h, impulse):
 
 @kernel
 def tell(moments, openings, h, moment):
-    """Add a moment (N m) on hinge h to the recorded component (of springs, dampers, ...) of the
-    acting element type, openings.part. moments: Openings.moments, or None: nothing is done;
-    openings: arrays of all openings (Openings)."""
+    """Add a moment (N m) on hinge h to the recorded component (springs, dampers, ...) of the acting
+    element type, openings.part. moments: Openings.moments, None: nothing is done; openings: arrays
+    of all openings, as the acting type takes them."""
     if moments is not None:
         row = h * openings.parts + openings.part
         store(moments, row, MOMENT, load(moments, row, MOMENT) + moment)
@@ -154,15 +152,15 @@ def tell(moments, openings, h, moment):
 
 @hook(Openings)
 def work_before(part, world, timing):
-    """Add to part.moments the work (J) of each component (of springs, dampers, ...) in the step
-    that ends now. part: arrays of all openings (Openings); world, timing: not used."""
+    """Add to part.moments the work (J) of each component (springs, dampers, ...) in the step that
+    ends now, if they are recorded. part: arrays of all openings; world, timing: not used."""
     work_parts(part.moments, part)
 
 
 @kernel
 def work_parts(moments, part):
-    """Add to moments the work (J) of each component (of springs, dampers, ...) in the step that
-    ends now: mean of its moments at both ends times the change of the opening. moments:
+    """Add to `moments` the work (J) of each component (springs, dampers, ...) in the step that ends
+    now: mean of its moments at both ends times the change of the opening. moments:
     Openings.moments, None: nothing is done; part: arrays of all openings (Openings)."""
     if moments is not None:
         for h in range(part.angles.shape[0]):
@@ -174,9 +172,9 @@ def work_parts(moments, part):
 
 @hook(Openings)
 def record(part, world, row):
-    """Record all openings (rad, m) in part.track; in part.told_track moment (N m) and work (J) of
-    every component (of springs, dampers, ...). part: arrays of all openings (Openings); world:
-    solver state (World); row: index of the recorded instant."""
+    """Record all openings (rad, m) in part.track and, where they are told apart, moment (N m) and
+    work (J) of every component (springs, dampers, ...) in part.told_track. part: arrays of all
+    openings (Openings); world: solver state; row: index of the recorded instant."""
     if not part.is_needed:
         update(part, world.state)
     count = part.angles.shape[0]
@@ -187,16 +185,17 @@ def record(part, world, row):
 
 @hook(Openings)
 def record_step(part, world, row, timing):
-    """Record moment (N m) and work (J) of every component again, over what `record` wrote, now with
-    the moments of constraints that the step has found. part: arrays of all openings (Openings);
-    row: index of the instant; world, timing: not used."""
+    """Record moment (N m) and work (J) of every component (springs, dampers, ...) again, now that
+    the step has found the moments of constraints. part: arrays of all openings (Openings); row:
+    index of the recorded instant; world, timing: not used."""
     record_parts(part.moments, part, row)
 
 
 @kernel
 def record_parts(moments, part, row):
-    """Record the moment (N m) and work (J) of every component in part.told_track. moments:
-    Openings.moments, None: nothing is done; part: all openings (Openings); row: of the instant."""
+    """Record the moment (N m) and work (J) of every component (springs, dampers, ...) in
+    part.told_track. moments: Openings.moments, None: nothing is done; part: arrays of all openings
+    (Openings); row: index of the recorded instant."""
     if moments is not None:
         count = moments.shape[0]
         for r in range(count):

@@ -1,8 +1,7 @@
 """Releases: hinges that are held until a time, or until another hinge has opened so far.
 
 Until then a release has the moment k (hold - psi) - c psi' of a spring and a damper; from then on
-it has none. What its spring has stored at that moment is lost, as that of a bolt that is cut.
-"""
+it has none. What its spring has stored at that moment is lost, as that of a bolt that is cut."""
 
 from dataclasses import dataclass
 
@@ -15,8 +14,9 @@ from fpm.errors import SceneError
 
 
 class AnyRelease(OnHinge):
-    """Base class of releases, rigid ones too: each lets go at its `time` (s), or where the opening
-    of the hinge `watch` (-1: none) passes its `level`, at the first of both."""
+    """Base class of releases, rigid ones too, which hold a hinge and then let go: at their `time`
+    (s), or where the opening of another hinge, of index `watch` (-1: none), passes `level` (rad),
+    if before."""
 
     takes = JOINT_LOSS
     events = ("releases",)
@@ -40,8 +40,10 @@ class AnyRelease(OnHinge):
 
 @dataclass(frozen=True)
 class Release(AnyRelease):
-    """A release that holds a hinge at the opening `hold`, by a spring and a damper, until its time
-    or level."""
+    """Release that holds a hinge or slide by a spring and a damper, and then lets go. hinge: index;
+    stiffness (N m/rad), damping (N m s/rad), hold: opening (rad) at which it holds; time: when it
+    lets go (s); watch: index of a hinge (-1: none) whose opening frees it where it passes `level`
+    (rad), if that is earlier."""
 
     hinge: int = on_hinge()
     stiffness: float = stiffness(text="with which it holds")

@@ -30,10 +30,11 @@ STATE = 6
 
 
 class Releases(NamedTuple):
-    """Arrays of all r releases. on, watch (r,): index of the hinge each holds, and of the one whose
-    opening frees it, -1: none; numbers (r, 5, lanes): time (s), level (rad), stiffness, damping,
-    opening held; past (r, 2, lanes): rate of the last step; state (r, 6, lanes): moment (N m), a
-    step ago, steps since it let go, energy (J), a step ago, -1 while it holds; openings: of all
+    """Arrays of all r releases, for their kernels. on (r,): index of the hinge that each holds;
+    watch (r,): of that whose opening frees it, -1: none; numbers (r, 5, lanes): time (s), level
+    (rad), stiffness (N m/rad), damping (N m s/rad), opening held (rad); past (r, 2, lanes): rate of
+    the last step; state (r, 6, lanes): moment (N m), a step ago, steps since it let go (below 0: it
+    has not in this step), energy (J), a step ago, -1 while it holds and then 1; openings: of all
     hinges; account: index in World.accounts of the loss; rows (r, 1, lanes): energy of each; log:
     of events."""
 
@@ -50,9 +51,9 @@ class Releases(NamedTuple):
 
 @kernel
 def let_go(part, timing, i):
-    """Return since how many steps (lanes, a fraction) release i has been due to let go, by its time
-    or as the watched opening passes its level in this step; below 0: it is not. part: arrays of all
-    releases (Releases); timing: times of this step (s)."""
+    """Return for how many steps (lanes, a fraction) release i has been due to let go: by its time,
+    or as the watched opening passed its level in this step; below 0: it is not due. part: arrays of
+    all releases (Releases); timing: times of this step (s); i: index of the release."""
     late = timing.time - load(part.numbers, i, TIME)
     steps = where_negative(late, -1.0, late / timing.step)
     if part.watch[i] >= 0:

@@ -4,8 +4,7 @@ With the overlap s = psi - angle (or angle - psi for a stop below), where s > 0,
 
     k s + max(c ds/dt, -k s)
 
-so that a stop never pulls.
-"""
+so that a stop never pulls."""
 
 from dataclasses import dataclass
 
@@ -16,7 +15,9 @@ from fpm.elements.openings.opening import JOINT_LOSS, ONSET, OnHinge, on_hinge
 
 @dataclass(frozen=True)
 class Stop(OnHinge):
-    """A stop of a hinge: a spring and damper that act beyond an opening, on one side of it."""
+    """Stop of a hinge or slide: a spring and a damper that act beyond an opening. hinge: index;
+    angle: that opening (rad; m on slides); side: "above" or "below" it, where they act; stiffness
+    (N m/rad; N/m), damping (N m s/rad; N s/m): of both."""
 
     hinge: int = on_hinge()
     angle: float = number("rad")
@@ -36,6 +37,6 @@ class Stop(OnHinge):
         return [f"{stop.title(scene)} {stop.side}" for stop in cls.of(scene)]
 
     def damping_in(self, scene):
-        """Damping (N m s/rad) that limits the stable step: ONSET = 1.5 times the stop's own, since
-        the first impulse of a damper may be that of 1.5 steps."""
+        """Return the damping (N m s/rad) by which the stop limits the stable time step: 1.5 times
+        its own, as the first impulse of a damper may be that of 1.5 steps."""
         return ONSET * self.damping

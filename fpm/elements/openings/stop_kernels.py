@@ -20,10 +20,10 @@ TOUCH = 1e-9
 
 
 class Stops(NamedTuple):
-    """Arrays of all s stops. on (s,): index of each one's hinge; numbers (s, 4, lanes): angle
-    (rad), side (1 above, -1 below), stiffness (N m/rad), damping (N m s/rad); openings: of all
-    hinges; past (s, HISTORY, lanes): rate and damper's moment of the last step; account: index in
-    World.accounts of the loss; rows (s, 1, lanes): energy of each; log: of events."""
+    """Arrays of all s stops, for their kernels. on (s,): index of each one's hinge; numbers (s, 4,
+    lanes): angle (rad), side (1 above, -1 below), stiffness (N m/rad), damping (N m s/rad);
+    openings: of all hinges; past (s, 2, lanes): rate and damper's moment of the last step; account:
+    index in World.accounts of the loss; rows (s, 1, lanes): energy of each; log: of events."""
 
     on: np.ndarray
     numbers: np.ndarray
@@ -44,9 +44,9 @@ def overlap(part, i, field):
 
 @hook(Stops)
 def forces(part, world, timing):
-    """Add the moments (N m) of stops against their overlaps to the forces on particles, and what
-    their dampers lose in the step (J) to World.accounts. part: arrays of all stops (Stops); world:
-    solver state (World); timing: times of this step (s)."""
+    """Add the moments (N m) of stops, against openings beyond them, to the forces on particles, and
+    what their dampers lose in the step (J) to World.accounts. part: arrays of all stops (Stops);
+    world: solver state, changed; timing: times of this step (s)."""
     for i in range(part.on.shape[0]):
         h, side = part.on[i], load(part.numbers, i, SIDE)
         rate = side * follow_rate(part.openings, part.past, i, h, timing)

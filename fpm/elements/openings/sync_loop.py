@@ -6,8 +6,7 @@ With pulleys of radii r1 and r2 on the hinges, one strand becomes longer by the 
 
 and the other shorter. Both strands are preloaded with P and have the stiffness EA/l each; together
 they pull at the rims with k e, k = 2 EA/l, and store k e²/2, until one of them is slack, where the
-pull is 2 P. Beyond, the other one is alone, with k/2.
-"""
+pull is 2 P. Beyond, the other one is alone, with k/2."""
 
 from dataclasses import dataclass
 
@@ -24,8 +23,7 @@ class SyncLoop(OnHinges):
     """A closed cable loop over pulleys on two hinges, which couples their openings.
 
     name: of its own; hinges: indices of both; radii: of the pulleys (m); stiffness: of both strands
-    together (N/m); rest: openings without slip (rad); preload: tension of each strand (N).
-    """
+    together (N/m); rest: openings without slip (rad); preload: tension of each strand (N)."""
 
     name: str = same()
     hinges: tuple[int, int] = index("hinges", words="hinge of {title}", types=TURNING)
@@ -72,16 +70,17 @@ class SyncLoop(OnHinges):
 
     @property
     def tight(self) -> float:
-        """Slip (m, by which one strand is longer than at rest) up to which both are tight."""
+        """Slip (m, by which one strand is longer than without slip) up to which both strands are
+        tight."""
         return 2 * self.preload / self.stiffness if self.stiffness > 0 else np.inf
 
     @classmethod
     def deformations(cls, scene):
-        """How the loops are strained by the motion of particles, for the stable step: a spring on
-        each hinge of each loop, two that together are at least as stiff as the loop; None if
+        """Return how motions of particles strain the loops, for the stable time step: a spring on
+        each hinge of each loop, whose two springs are at least as stiff as the loop; None if
         nothing can move. By Cauchy and Schwarz (r1 psi1 - r2 psi2)² <= r1² psi1²/s1 + r2² psi2²/s2
         with s1 + s2 = 1; with shares as r² w, w being the softness of each hinge, nothing is lost
-        where the hinges share no body."""
+        where they share no body."""
         hinges, stiffness, element = [], [], []
         for i, loop in enumerate(cls.of(scene)):
             soft = [softness(scene, hinge) for hinge in loop.hinges]
@@ -98,16 +97,17 @@ class SyncLoop(OnHinges):
 
     @classmethod
     def array(cls, name, batch):
-        """Array for the field `name` of the kernels' tuple Loops. batch: the scenes being
-        packed."""
+        """Return the array for a field `name` of the kernels' tuple Loops: "on": both hinges of
+        each loop; others as in OnHinges.array. batch: the scenes simulated side by side."""
         if name == "on":
             return batch.integers((loop.hinges for loop in cls.of(batch.scene)), 2)
         return super().array(name, batch)
 
     @classmethod
     def recorded(cls, part, scene, lane):
-        """Recorded series "loop_force" of one sample after a run: differences of the tensions (N)
-        of each loop's strands. part: all loops (Loops); lane: index of the sample."""
+        """Return the recorded series "loop_force" of one sample after a run, (t, loops): difference
+        of the tensions (N) of each loop's strands. part: arrays of all loops (Loops); scene: the
+        sample's; lane: its index."""
         names = tuple(loop.name for loop in cls.of(scene))
         values = part.track[:, 0, lane].reshape(-1, len(names))
         return {"loop_force": Series(values, "N", "pull of the loops", "loop", names)}

@@ -45,16 +45,16 @@ class Loops(NamedTuple):
 
 @kernel
 def excess(part, i):
-    """Return by how much the slip (m) of loop i exceeds that at which one strand turns slack; with
-    the slip's size, not its sign; 0 where both are tight. part: arrays of all loops (Loops)."""
+    """Return by how much (m, lanes, at least 0) the size of the slip of loop i exceeds that at
+    which one strand turns slack. part: arrays of all loops (Loops)."""
     slip = absolute(load(part.state, i, SLIP)) - load(part.numbers, i, TIGHT)
     return where_negative(slip, 0.0, slip)
 
 
 @kernel
 def pull(part, i):
-    """Return the difference of the tensions (N) of the two strands of loop i, with the sign of the
-    slip. part: arrays of all loops (Loops), whose slip is that of the last `forces`."""
+    """Return the difference of the tensions (N, lanes) of the two strands of loop i, with the sign
+    of the slip that `forces` last stored. part: arrays of all loops (Loops)."""
     slip = load(part.state, i, SLIP)
     extra = excess(part, i)
     return load(part.numbers, i, STIFFNESS) * (slip - 0.5 * where_negative(slip, -extra, extra))
@@ -63,8 +63,8 @@ def pull(part, i):
 @hook(Loops)
 def forces(part, world, timing):
     """Add the moments (N m) of loops on both their hinges, against the slip, to the forces on
-    particles; store slip and slack in part.state. part: arrays of all loops (Loops); world: solver
-    state (World), whose forces change; timing: times of this step (s), not used."""
+    particles; store slip, and what is left of it until a strand is slack, in part.state. part:
+    arrays of all loops (Loops); world: solver state, whose forces change; timing: not used."""
     for i in range(part.on.shape[0]):
         angles = part.openings.angles
         h1, h2 = part.on[i, 0], part.on[i, 1]
@@ -82,8 +82,8 @@ def forces(part, world, timing):
 
 @hook(Loops)
 def note_events(part, world, timing):
-    """Note in part.log in which loops one strand turned slack (event 1) or both are tight again
-    (0). part: all loops (Loops); world: solver state, not used; timing: step times (s)."""
+    """Write to part.log in which loops one strand turned slack (event 1) or both are tight again
+    (0), with the time. part: arrays of all loops; world: not used; timing: step times (s)."""
     for i in range(part.on.shape[0]):
         new = where_negative(load(part.state, i, SLACK), -1.0, 1.0)
         old = where_negative(load(part.state, i, SLACK_BEFORE), -1.0, 1.0)

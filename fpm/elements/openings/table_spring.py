@@ -3,8 +3,7 @@
 What tape springs need: a moment that rises to a peak, falls, and stays on a plateau. The moment
 turns the hinge open where it is positive, on the second particle as all openings count; beyond the
 ends of the table it keeps its last value. The energy is the exact integral, zero where it is least
-within the table. One curve for both ways: hysteresis is friction by a table beside it.
-"""
+within the table. One curve for both ways: hysteresis is friction by a table beside it."""
 
 from dataclasses import dataclass
 
@@ -17,8 +16,9 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class TableSpring(OnHinge):
-    """A nonlinear spring on a hinge, by a table: moments (N m) at two or more increasing angles
-    (rad)."""
+    """Nonlinear spring on a hinge or slide, by a table. hinge: index; angles: two or more
+    increasing openings (rad; m on slides); moments: there (N m; N on slides), linear between,
+    constant beyond; positive ones open the hinge."""
 
     hinge: int = on_hinge("hinge of spring by a table")
     angles: tuple[float, ...]
@@ -30,13 +30,13 @@ class TableSpring(OnHinge):
     resists_as = "HA"  # unless its `class` says that it is a spring
 
     def check(self, scene):
-        """Check the hinge and the table (two or more points); raises SceneError if one does not
-        fit."""
+        """Check the hinge and the table (two or more points); else raises SceneError."""
         super().check(scene)
         check_table(self.angles, self.moments, "moments", "spring by a table")
 
     def topology(self):
-        """What must be equal in scenes run side by side: hinge and number of table points."""
+        """Return what must be equal in scenes run side by side: hinge and number of table
+        points."""
         return self.hinge, len(self.angles)
 
     @property
@@ -46,7 +46,8 @@ class TableSpring(OnHinge):
 
     @property
     def lift(self) -> float:
-        """Energy (J) stored at the table's first point, if the least within the table is 0."""
+        """Energy (J) that the spring stores at its table's first point, counted from the opening
+        within the table where it is least."""
         angles, moments = np.array(self.angles), np.array(self.moments)
         works = np.concatenate([[0.0], np.cumsum(np.diff(angles) * (moments[1:] + moments[:-1]))])
         least = [-works / 2]
@@ -56,18 +57,20 @@ class TableSpring(OnHinge):
         return -float(np.concatenate(least).min())
 
     def stiffness_in(self, scene):
-        """Stiffness (N m/rad, >= 0) that limits the stable step: steepest fall of the moment."""
+        """Return the stiffness (N m/rad, at least 0) by which the spring limits the stable time
+        step: the steepest fall of its moment."""
         return max(0.0, -float(self.slopes.min()))
 
     @property
     def first(self) -> float:
-        """Moment (N m) at openings below the table's first point."""
+        """Moment (N m) of the table's first point, which also acts at all openings below it."""
         return self.moments[0]
 
     @classmethod
     def array(cls, name, batch):
-        """Array for the field `name` of the kernels' tuple TableSprings: "points": those of all
-        tables; "start": index of each spring's first point. batch: the scenes being packed."""
+        """Return the array for a field `name` of the kernels' tuple TableSprings: "points": points
+        of all tables; "start": index of each spring's first; others as in OnHinge.array. batch: the
+        scenes that are simulated side by side."""
         if name not in ("start", "points"):
             return super().array(name, batch)
         return table_array(name, batch, cls, lambda s: bends(s.angles, s.moments))
@@ -75,8 +78,8 @@ class TableSpring(OnHinge):
 
 def check_table(angles, values, noun: str, owner: str) -> None:
     """Check that a table has a finite value for each of two or more increasing angles; raises
-    SceneError if not. angles, values: the columns; noun: what the values are called in messages
-    ("moments"); owner: what the element is called."""
+    SceneError if not. angles, values: its columns; noun: what messages call the values ("moments");
+    owner: what they call the element."""
     is_whole = len(angles) == len(values) >= 2
     if not (is_whole and np.isfinite([angles, values]).all()):
         allowed = f"as many {noun} as angles, two or more, all finite"
@@ -86,16 +89,16 @@ def check_table(angles, values, noun: str, owner: str) -> None:
 
 
 def bends(angles, values) -> np.ndarray:
-    """Change of the slope (n,) at each point of a table of straight pieces, which is flat beyond
-    its ends. angles (n,): increasing; values (n,): at these."""
+    """Return the changes of slope (n,) at the points of a piecewise linear table that is flat
+    beyond its ends. angles (n,): increasing; values (n,): at the angles."""
     return np.diff(np.diff(values) / np.diff(angles), prepend=0.0, append=0.0)
 
 
 def table_array(name: str, batch, kind, bends_of) -> np.ndarray:
-    """Array of the tables of all elements of a type, one after the other: for name "points" (p, 2,
-    lanes) angle and change of slope of each point; for "start" (elements + 1,) the index of each
-    element's first point, and p. batch: scenes being packed; kind: the element type;
-    bends_of(element): changes of slope (n,) at its points."""
+    """Return an array of the tables of all elements of a type, one after the other. name: "points":
+    (p, 2, lanes), angle and change of slope of each point; "start": (elements + 1,), index of each
+    element's first point, then p. batch: the scenes that are simulated side by side; kind: the
+    element type; bends_of(element): returns the changes of slope (n,) at its points."""
     ends = np.cumsum([0, *(len(element.angles) for element in kind.of(batch.scene))])
     if name == "start":
         return batch.integers(ends)

@@ -16,10 +16,10 @@ FIRST, LIFT = range(2)  # of a spring: moment up to the first point, and energy 
 
 
 class TableSprings(NamedTuple):
-    """Arrays of all s springs by tables. on (s,): index of each one's hinge; points (p, 2, lanes):
-    angle (rad) and change of slope (N m/rad) of all points, those of spring i from start[i] on;
-    start (s + 1,); numbers (s, 2, lanes): moment (N m) and energy (J) at the first point; openings:
-    of all hinges; rows (s, 1, lanes): energy of each, to name the worst in a message."""
+    """Arrays of all s springs by tables, for their kernels. on (s,): index of each one's hinge;
+    start (s + 1,): index of each one's first point; points (p, 2, lanes): angle (rad) and change of
+    slope (N m/rad) of all points; numbers (s, 2, lanes): moment (N m) and energy (J) at the first
+    point; openings: of all hinges; rows (s, 1, lanes): energy of each, to name the worst."""
 
     on: np.ndarray
     start: np.ndarray
@@ -48,8 +48,8 @@ def forces(part, world, timing):
 
 @hook(TableSprings)
 def energy_of(part, world, i):
-    """Return the energy (J, lanes) of spring i: the integral of its moment over the opening,
-    negative, 0 where it is least within the table. part: all springs by tables; world: not used."""
+    """Return the energy (J, lanes) stored in spring i, 0 at the opening within its table where it
+    is least. part: arrays of all springs by tables (TableSprings); world: not used."""
     psi = load(part.openings.angles, part.on[i], NEW)
     first = psi - load(part.points, part.start[i], ANGLE)
     energy = load(part.numbers, i, LIFT) - load(part.numbers, i, FIRST) * first

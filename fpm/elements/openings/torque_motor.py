@@ -1,9 +1,8 @@
 """Torque motors on hinges: a moment by a curve of time, which falls with the speed.
 
-With a curve f of time and the torque T the moment is T f(t) (1 - |w|/w0)
-where the hinge turns with it at w = psi', down to nothing at the no-load speed w0, as that of a
-direct current motor does. It is T f(t) where the hinge turns against it, and it never brakes.
-"""
+With a curve f of time and the torque T the moment is T f(t) (1 - |w|/w0) where the hinge turns with
+it at w = psi', down to nothing at the no-load speed w0, as that of a direct current motor does. It
+is T f(t) where the hinge turns against it, and it never brakes."""
 
 from dataclasses import dataclass
 
@@ -18,8 +17,8 @@ from fpm.elements.openings.opening import on_hinge
 class TorqueMotor(AnyMotor):
     """Moves a joint by a torque, or force, that falls with the speed, evenly down to none.
 
-    The torque is multiplied with the curve of that index (-1: 1).
-    """
+    hinge: index; torque: at rest (N m); curve: index in Scene.curves of the curve of time that
+    multiplies it, -1: 1; no_load: speed at which it is 0 (rad/s), infinite: it does not fall."""
 
     hinge: int = on_hinge()
     torque: float = number("N m", text="its moment at rest")
@@ -34,12 +33,13 @@ class TorqueMotor(AnyMotor):
     variable = "torque_motor_moment"
 
     def damping_in(self, scene):
-        """Damping (N m s/rad) that limits the stable step: largest fall of moment with rate."""
+        """Return the damping (N m s/rad) by which the motor limits the stable time step: the
+        largest fall of its torque with the speed."""
         most = np.abs(scene.curves[self.curve][1]).max() if self.curve >= 0 else 1.0
         return float(abs(self.torque) * most / self.no_load)
 
     @classmethod
     def held_round(cls, scene):
-        """Sum of the sizes of a scene's torques (N m): moments that exact holds of openings may
-        bear."""
+        """Return the sum of the sizes of a scene's torques (N m), which exactly held openings may
+        have to bear at rest; the tolerance of the energy balance follows from it."""
         return float(sum(abs(motor.torque) for motor in cls.of(scene)))

@@ -9,7 +9,8 @@ from fpm.elements.openings.opening import OnHinge, on_hinge
 
 @dataclass(frozen=True)
 class TorsionSpring(OnHinge):
-    """A linear spring on the opening of a hinge or slide."""
+    """Linear spring on the opening of a hinge or slide. hinge: index; stiffness: N m/rad (N/m on
+    slides); rest: opening without moment (rad; m on slides)."""
 
     hinge: int = on_hinge()
     stiffness: float = stiffness(text="moment for each radian")
@@ -21,6 +22,7 @@ class TorsionSpring(OnHinge):
     resists_as = "S"
 
     def title(self, scene):
-        """Name in messages; springs on slides are no torsion springs."""
+        """Return what messages call the spring: "torsion spring" (on slides "spring") and the
+        hinge."""
         hinge = scene.hinges[self.hinge]
         return f"{'spring' if hinge.slides else self.called} {hinge.name}"

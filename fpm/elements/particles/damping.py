@@ -10,10 +10,9 @@ from fpm.elements.kind import ElementType, Energy
 
 @dataclass(frozen=True)
 class Damping(ElementType):
-    """Mass-proportional damping of all particles at a rate (1/s); several add up.
-
-    Particles that are held or driven entirely are not damped.
-    """
+    """Mass-proportional damping of all particles: force -rate times mass times velocity, and
+    likewise for rotation. rate: in 1/s, at least 0; several add up. Particles entirely held or
+    driven are not damped."""
 
     rate: float = number("1/s", 0.0, words="damping")
 
@@ -22,12 +21,12 @@ class Damping(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """The dampings of a scene; [] where their rates add up to 0: nothing is damped."""
+        """Return the dampings of a scene; [] where their rates add up to 0."""
         return scene.kinds.get(cls, []) if scene.damping > 0 else []
 
     @classmethod
     def topology_of(cls, scene):
-        """None: scenes may run side by side whether they are damped or not."""
+        """Return None: scenes can be simulated side by side whether they are damped or not."""
         return None
 
     @classmethod

@@ -2,8 +2,7 @@
 
 (1 + c) v+ = (1 - c) v- + kick F/m with c = rate * kick / 2, and so momenta. Free particles are
 damped as they are kicked; of those that another kind kicks, momenta and forces are scaled before.
-The work over a step is the rate times the sum of every momentum times the way that it takes.
-"""
+The work over a step is the rate times the sum of every momentum times the way that it takes."""
 
 from typing import NamedTuple
 
@@ -18,9 +17,9 @@ from fpm.kernels.vectors import dot, get3, kernel, put3, times, to_local, vector
 
 
 class Damped(NamedTuple):
-    """Arrays of mass-proportional damping. rate (1, 1, lanes): 1/s; free (f,): indices of particles
-    that no other element type moves; jointed (j,): of those that one does, joints say; account:
-    index in World.accounts of the energy lost."""
+    """Arrays of mass-proportional damping, for its kernels. rate (1, 1, lanes): 1/s; free (f,):
+    indices of particles that no other element type moves; jointed (j,): indices of those that
+    another one moves (as in joints); account: index in World.accounts of the energy lost."""
 
     rate: np.ndarray
     free: np.ndarray
@@ -30,26 +29,27 @@ class Damped(NamedTuple):
 
 @kernel
 def factors(part, kick):
-    """Return two factors (lanes) of a damped step: (1 - c)/(1 + c) on momenta before it, and 1/(1 +
-    c) on impulses of forces, with c = rate kick/2. part: arrays of damping (Damped); kick: time (s)
-    that the impulse takes."""
+    """Return two factors (lanes) of a damped step: (1 - c)/(1 + c) on the momenta before it, and
+    1/(1 + c) on the impulses of forces, with c = rate kick/2. part: arrays of damping (Damped);
+    kick: time (s) over which the forces act."""
     force = 1.0 / (1.0 + 0.5 * kick * load(part.rate, 0, 0))
     return 2.0 * force - 1.0, force
 
 
 @kernel
 def take(part, world, path):
-    """Add the energy (J) that damping takes out, rate times `path`, to World.accounts. path
-    (lanes): sum over particles of momentum times way (J s); part: damping; world: solver state."""
+    """Add the energy (J) that damping takes out, rate times `path`, to its account in
+    World.accounts. part: arrays of damping; world: solver state; path (lanes): sum over damped
+    particles of momentum times distance moved in the step, angular ones included (J s)."""
     loss = load(world.accounts, 0, part.account) + load(part.rate, 0, 0) * path
     store(world.accounts, 0, part.account, loss)
 
 
 @hook(Damped)
 def restrain(part, world, timing):
-    """Scale momenta and forces of the particles that another element type moves, so that its own
-    step, done afterwards, damps them. part: arrays of damping (Damped); world: solver state
-    (World), whose momenta and forces change; timing: times of this step (s)."""
+    """Multiply momenta and forces of the particles that another element type moves by factors, so
+    that its step, done afterwards, damps them. part: arrays of damping (Damped); world: solver
+    state, changed; timing: times of this step (s)."""
     state = world.state
     factor, force = factors(part, timing.kick)
     for n in range(part.jointed.shape[0]):
@@ -62,9 +62,9 @@ def restrain(part, world, timing):
 
 @hook(Damped)
 def move(part, world, timing):
-    """Add damped impulses of the forces to the momenta of the free particles, move these by a step,
-    and add the energy lost (J) to World.accounts. part: arrays of damping (Damped); world: solver
-    state (World), changed; timing: times of this step (s)."""
+    """Make one damped step of the particles that no other type moves: add impulses of forces to
+    their momenta, move and turn them, and add the energy lost (J) to World.accounts. part: arrays
+    of damping (Damped); world: solver state, changed; timing: times of this step (s)."""
     state, particles = world.state, world.particles
     factor, force = factors(part, timing.kick)
     kick = timing.kick * force
@@ -84,9 +84,9 @@ def move(part, world, timing):
 
 @hook(Damped)
 def work_after(part, world, timing):
-    """Add to World.accounts the energy (J) that damping takes in this step from particles that
-    another element type moves, once joints have acted on them. part: arrays of damping (Damped);
-    world: solver state (World); timing: times of this step (s)."""
+    """Add to World.accounts the energy (J) that damping takes, in this step, out of particles that
+    another element type moves, by their momenta once joints have acted. part: arrays of damping
+    (Damped); world: solver state; timing: times of this step (s)."""
     state, particles = world.state, world.particles
     total = 0.0 * load(part.rate, 0, 0)
     for n in range(part.jointed.shape[0]):

@@ -12,8 +12,9 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class Drive(ElementType):
-    """A particle with prescribed velocity (m/s) and spin (rad/s), in global axes, times the curve
-    of index `curve` (-1: 1)."""
+    """A particle that moves as prescribed, whatever acts on it. particle: index; velocity (3,) m/s
+    and spin (3,) rad/s: in global axes, both multiplied with a curve of time; curve: its index in
+    Scene.curves, -1: constant factor 1. Several drives of one particle add up."""
 
     particle: int = index("position")
     velocity: np.ndarray = number("m/s", count=3)
@@ -24,8 +25,8 @@ class Drive(ElementType):
     called = "drive"
 
     def add_to(self, scene):
-        """Check the drive, hold its particle in Scene.fixed, and add the drive to the scene; raises
-        SceneError if another element type moves the particle already, or a field does not fit."""
+        """Check the drive, mark its particle as held (Scene.fixed), and add the drive to the scene.
+        Raises SceneError if another element type moves the particle, or a field does not fit."""
         self.check(scene)
         for kind in scene.kinds:
             if kind is not Drive and not kind.joins and self.particle in kind.moved(scene):
@@ -35,13 +36,13 @@ class Drive(ElementType):
 
     @classmethod
     def moved(cls, scene):
-        """Indices of the driven particles of a scene, one for each drive, with repeats."""
+        """Return the indices of the driven particles of a scene, one for each drive."""
         return [drive.particle for drive in cls.of(scene)]
 
     @classmethod
     def motion(cls, scene, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Motion of a scene's driven particles at a time (s): their indices (d,), each once,
-        velocities (d, 3) m/s and spins (d, 3) rad/s in global axes, all drives summed."""
+        """Return the motion of a scene's driven particles at a time (s): indices (d,), each once,
+        velocities (d, 3) m/s and spins (d, 3) rad/s in global axes, summed over drives."""
         particles = np.array(sorted(set(cls.moved(scene))), int)
         motion = np.zeros((2, len(particles), 3))
         for drive in cls.of(scene):
@@ -52,7 +53,7 @@ class Drive(ElementType):
 
     @classmethod
     def prescribe(cls, scene, time, motion):
-        """Write velocity (m/s) and spin (rad/s) of the driven particles at a time (s) into
-        motion.velocity and motion.spin, (n, 3) each, those of all particles of the scene."""
+        """Write velocity (m/s) and spin (rad/s) of the driven particles at a time (s) into the
+        arrays motion.velocity and motion.spin, (n, 3) each, of all particles of the scene."""
         particles, velocity, spin = cls.motion(scene, time)
         motion.velocity[particles], motion.spin[particles] = velocity, spin

@@ -16,9 +16,10 @@ LINEAR, SPIN = 0, 3
 
 
 class Drives(NamedTuple):
-    """Arrays of all d drives. particle, curve (d,): index of each one's particle, and of its curve
-    of time, -1: constant 1; numbers (d, 6, lanes): velocity (m/s) and spin (rad/s) in global axes;
-    account: index of their work in World.accounts. Drives of one particle add up."""
+    """Arrays of all d drives, for their kernels. particle (d,): index of each one's particle; curve
+    (d,): index of its curve of time, -1: constant 1; numbers (d, 6, lanes): velocity (m/s) and spin
+    (rad/s) in global axes; account: index of their work in World.accounts. Drives of one particle
+    add up."""
 
     particle: np.ndarray
     curve: np.ndarray
@@ -28,9 +29,9 @@ class Drives(NamedTuple):
 
 @kernel
 def add_work(part, world, timing, time):
-    """Add to World.accounts the work (J) of drives against the present forces on their particles
-    over half a step. part: arrays of all drives (Drives); world: solver state (World); timing:
-    times of this step (s); time: that (s) at which the curves give the velocities."""
+    """Add to World.accounts the work (J) of drives over half a step: they move particles against
+    the forces that act on these now. part: arrays of all drives (Drives); world: solver state;
+    timing: times of this step (s); time: at which the curves are read for the velocities (s)."""
     state = world.state
     total = 0.0 * load(state, 0, X)
     for n in range(part.particle.shape[0]):
@@ -44,15 +45,16 @@ def add_work(part, world, timing, time):
 
 @hook(Drives)
 def work_before(part, world, timing):
-    """Add to World.accounts the work (J) of drives in the half step that ends at timing.time. part:
-    arrays of all drives (Drives); world: solver state (World); timing: times of this step (s)."""
+    """Add to World.accounts the work (J) of drives in the half step that ends now, at timing.time.
+    part: arrays of all drives (Drives); world: solver state; timing: times of this step (s)."""
     add_work(part, world, timing, timing.time - 0.5 * timing.step)
 
 
 @hook(Drives)
 def restrain(part, world, timing):
-    """Add to World.accounts the work (J) of drives in the half step that begins at timing.time,
-    against the forces at its start. part: all drives; world: solver state; timing: in s."""
+    """Add to World.accounts the work (J) of drives in the half step that begins now, at
+    timing.time, against the forces at its start. part: arrays of all drives (Drives); world: solver
+    state; timing: times of this step (s)."""
     add_work(part, world, timing, timing.time + 0.5 * timing.step)
 
 
@@ -78,10 +80,10 @@ def move(part, world, timing):
 
 @hook(Drives)
 def look_back(part, world, timing):
-    """In the first step, store in World.start_state the velocities of driven particles half a step
-    before the start, extrapolated linearly, with their spins (rad/s) in place of angular momenta,
-    which they lack; in World.state the spins half a step after it. part: arrays of all drives
-    (Drives); world: solver state (World); timing: times of this step (s)."""
+    """In the first step, extrapolate linearly the velocities (m/s) and spins (rad/s) of driven
+    particles half a step before the start, into World.start_state; and write their spins half a
+    step after it into World.state. Spins stand for angular momenta, which these lack. part: arrays
+    of all drives (Drives); world: solver state, changed; timing: times of this step (s)."""
     for n in range(part.particle.shape[0]):
         i = part.particle[n]
         zero = 0.0 * get3(world.state, i, X)
@@ -99,9 +101,10 @@ def look_back(part, world, timing):
 
 @hook(Drives)
 def record_points(part, world, points, row, timing):
-    """Write prescribed velocities (m/s), at timing.time, of the named points on driven particles
-    over those recorded in `points` (Record.points), as these particles have no momenta. part: all
-    drives (Drives); world: solver state; row: index of the instant; timing: step times (s)."""
+    """Overwrite recorded velocities (m/s) of named points on driven particles with the prescribed
+    ones, as these particles have no momenta. part: arrays of all drives (Drives); world: solver
+    state; points: Record.points, recorded places and velocities, changed; row: index of the
+    recorded instant; timing: times of this step (s)."""
     count = world.point_on.shape[0]
     for n in range(count):
         i, first, index = world.point_on[n], True, row * count + n

@@ -21,23 +21,23 @@ class Gravity(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """The gravities of a scene; [] where they add up to 0: there is no weight."""
+        """Return gravities of a scene; [] where they add up to 0, so that nothing has weight."""
         return scene.kinds.get(cls, []) if np.any(scene.gravity != 0) else []
 
     @classmethod
     def topology_of(cls, scene):
-        """None: scenes may run side by side whether they have weight or not."""
+        """Return None: scenes can be simulated side by side whether they have weight or not."""
         return None
 
     @classmethod
     def held_up(cls, scene):
-        """Size of the weight (N) of all particles of a scene together: a force that joints may have
-        to bear at rest, by which the tolerance of the energy balance is set."""
+        """Return the weight (N) of all particles of a scene together, a force that joints may have
+        to bear at rest; the tolerance of the energy balance follows from it."""
         return float(scene.mass.sum() * np.linalg.norm(scene.gravity))
 
     @classmethod
     def weight(cls, scene, particle, time):
-        """Weight (3,) N of the particle of index `particle`, in global axes; time (s): not used."""
+        """Return the weight (3,), N, global, of a particle (index); time: not used."""
         return scene.mass[particle] * scene.gravity
 
     @classmethod

@@ -11,8 +11,8 @@ from fpm.kernels.vectors import dot, get3, put3
 
 
 class Weight(NamedTuple):
-    """Arrays of gravity: acceleration (1, 3, lanes) m/s²; account: index of its work in
-    World.accounts."""
+    """Arrays of gravity, for its kernels. acceleration (1, 3, lanes): m/s², global; account: index
+    of its work in World.accounts."""
 
     acceleration: np.ndarray
     account: int
@@ -21,7 +21,7 @@ class Weight(NamedTuple):
 @hook(Weight)
 def forces(part, world, timing):
     """Add the weight (N) of every particle to the forces in world.state. part: arrays of gravity
-    (Weight); world: solver state (World), whose forces change; timing: not used."""
+    (Weight); world: solver state, whose forces change; timing: not used."""
     g = get3(part.acceleration, 0, 0)
     for i in range(world.state.shape[0]):
         weight = load(world.particles, i, MASS) * g
@@ -30,10 +30,10 @@ def forces(part, world, timing):
 
 @hook(Weight)
 def work_of_place(part, world, energies, row):
-    """Add the work (J) that the weight of all particles does on the way from the global origin to
-    their present positions: minus the potential energy. part: arrays of gravity (Weight); world:
-    solver state, whose positions are read; energies (instants + 1, columns, lanes): recorded, where
-    it is added in row `row`, that of the instant, and column ACCOUNTS + part.account."""
+    """Add the work (J) that weight has done on all particles, counted from the global origin to
+    where they are now (minus the potential energy), to the recorded energies. part: arrays of
+    gravity (Weight); world: solver state; energies (instants + 1, columns, lanes): changed in row
+    `row` (index of the recorded instant) and column ACCOUNTS + part.account."""
     g = get3(part.acceleration, 0, 0)
     total = 0.0 * load(world.state, 0, X)
     for i in range(world.state.shape[0]):

@@ -12,10 +12,10 @@ from fpm.elements.particles.gravity import LOAD_WORK
 
 @dataclass(frozen=True)
 class Load(ElementType):
-    """A force at the free end of a virtual beam, and a moment, in global axes.
-
-    curve: index of the curve that scales both with time; -1 for a constant load.
-    """
+    """A force and a moment of constant direction (global axes) on a particle, which may follow a
+    curve of time. beam: rigid arm (VirtualBeam) from the particle to where the force acts; force
+    (3,) N; moment (3,) N m; curve: index in Scene.curves of the curve that multiplies both, -1:
+    constant."""
 
     beam: VirtualBeam
     force: np.ndarray = number("N", count=3)
@@ -33,21 +33,21 @@ class Load(ElementType):
 
     @property
     def arm(self) -> np.ndarray:
-        """Vector from the particle to where the force acts (3,) m, in the particle's own axes."""
+        """Vector (3,) m, in the particle's own axes, from the particle to where the force acts."""
         return self.beam.arm
 
     def topology(self):
-        """What must be equal in scenes run side by side: indices of particle and curve."""
+        """Return what must be equal in scenes run side by side: indices of particle and curve."""
         return self.on, self.curve
 
     @classmethod
     def held_up(cls, scene):
-        """Sum of the sizes of the forces (N) of a scene's loads, which joints may have to bear at
-        rest: for the tolerance of the energy balance."""
+        """Return the sum of the sizes of all forces (N) of a scene's loads, which joints may have
+        to bear at rest; the tolerance of the energy balance follows from it."""
         return float(sum(np.linalg.norm(load.force) for load in cls.of(scene)))
 
     @classmethod
     def held_round(cls, scene):
-        """Sum of the sizes of the moments (N m) of a scene's loads: what exact holds of openings
-        may have to bear at rest, by which the tolerance of the energy balance is set."""
+        """Return the sum of the sizes of all moments (N m) of a scene's loads, which exactly held
+        openings may have to bear at rest; the tolerance of the energy balance follows from it."""
         return float(sum(np.linalg.norm(load.moment) for load in cls.of(scene)))

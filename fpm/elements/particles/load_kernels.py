@@ -20,10 +20,11 @@ STATE = 12
 
 
 class Loads(NamedTuple):
-    """Arrays of all l dead loads. on, curve (l,): index of each one's particle, and of its curve of
-    time, -1: constant 1; numbers (l, 9, lanes): force (N) and moment (N m) in global axes, arm (m)
-    in the particle's; state (l, STATE = 12, lanes): end of the arm (m) and particle's axes at the
-    last forces; account: index of their work in World.accounts."""
+    """Arrays of all l loads, for their kernels. on (l,): index of each one's particle; curve (l,):
+    index of its curve of time, -1: constant 1; numbers (l, 9, lanes): force (N) and moment (N m) in
+    global axes, arm (m) in the particle's; state (l, 12, lanes): place of the arm's end (m) and the
+    particle's three axes when forces were last computed; account: index of their work in
+    World.accounts."""
 
     on: np.ndarray
     curve: np.ndarray
@@ -34,9 +35,9 @@ class Loads(NamedTuple):
 
 @hook(Loads)
 def forces(part, world, timing):
-    """Add forces (N), acting at the ends of arms, and moments (N m) of loads to the forces on
-    particles; keep these ends and the particles' axes in part.state for the work. part: arrays of
-    all loads (Loads); world: solver state (World), whose forces change; timing: step times (s)."""
+    """Add the forces (N), at the ends of arms, and moments (N m) of loads to the forces on
+    particles; keep these ends and the particles' axes in part.state, for `work_after`. part: arrays
+    of all loads (Loads); world: solver state, whose forces change; timing: step times (s)."""
     state = world.state
     for n in range(part.on.shape[0]):
         i = part.on[n]
@@ -54,11 +55,11 @@ def forces(part, world, timing):
 
 @hook(Loads)
 def work_after(part, world, timing):
-    """Add to World.accounts the work (J) of all loads in this step: the mean of the loads at its
-    start and end, times the motion between. part: arrays of all loads (Loads); world: solver state
-    (World), at the end of the step; timing: times of this step (s). The work of a constant force is
-    exact however its arm turns. Of a rotation by t, the products of the axes before and after it
-    give the sine, from which t follows by the arc sine's series."""
+    """Add to World.accounts the work (J) of all loads in this step: mean of the curve's values at
+    its start and end, times force and moment, times the motion between. part: arrays of all loads
+    (Loads); world: solver state at the end of the step; timing: times of this step (s). The work of
+    a constant force is exact however its arm turns. Of a rotation by t, the products of the axes
+    before and after it give the sine, from which t follows by the arc sine's series."""
     state = world.state
     total = 0.0 * load(state, 0, X)
     for n in range(part.on.shape[0]):

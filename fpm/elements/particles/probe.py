@@ -2,8 +2,7 @@
 
 A scene without a probe has a time loop without it. With one, the loop keeps at every instant the
 frames of some particles; of some of them momenta, forces and how the momenta change in the step
-around the instant; the moments on openings, told apart by who acts; and the impulses of joints.
-"""
+around the instant; the moments on openings, told apart by who acts; and the impulses of joints."""
 
 from dataclasses import dataclass
 
@@ -12,9 +11,10 @@ from fpm.elements.kind import ElementType
 
 @dataclass(frozen=True)
 class Probe(ElementType):
-    """What is recorded of a scene's run on request. frames: indices of particles whose positions
-    and axes are recorded; forces: of those, also in `frames`, whose momenta and forces are;
-    moments: whether moments on openings are; impulses: whether those of joints."""
+    """What else a run of a scene records, as its responses need it. frames: indices of particles
+    whose positions and axes are recorded; forces: indices of those, also in `frames`, whose momenta
+    and forces are; moments: whether the moments on openings of joints are, by who acts (springs,
+    dampers, ...); impulses: whether impulses of joints are."""
 
     frames: tuple[int, ...] = ()
     forces: tuple[int, ...] = ()
@@ -23,7 +23,7 @@ class Probe(ElementType):
 
     @staticmethod
     def of_scene(scene) -> "Probe":
-        """The probe of a scene (what is recorded on request), or one that records nothing."""
+        """Return the probe of a scene (what else its run records), or one that records nothing."""
         return next(iter(Probe.of(scene)), Probe())
 
     @classmethod
@@ -31,7 +31,7 @@ class Probe(ElementType):
         return cls.of_scene(scene).impulses
 
     def topology(self):
-        """What must be equal in scenes whose samples run side by side: all fields of the probe."""
+        """Return what must be equal in scenes simulated side by side: all fields of the probe."""
         return self.frames, self.forces, self.moments, self.impulses
 
     @classmethod

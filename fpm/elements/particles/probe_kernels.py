@@ -20,10 +20,11 @@ FORCES = 18
 
 
 class Probes(NamedTuple):
-    """Records of particles on request. frames_of (p,), forces_of (q,): indices of particles;
-    frames, of p rows at each instant, (rows, FRAME = 9, lanes): position (m), second and third
-    axis; forces, of q rows, (rows, FORCES = 18, lanes): velocity, momentum, changes, force,
-    moment."""
+    """Arrays in which motion and forces of chosen particles are recorded. frames_of (p,), forces_of
+    (q,): their indices; frames (instants x p, 9, lanes): position (m), second and third axis of
+    each; forces (instants x q, 18, lanes): 3 each: velocity (m/s) and angular momentum (N m s),
+    means of the half steps before and after the instant; their changes by time over the step around
+    it (m/s², N m); force (N) and moment (N m) before those of supports, damping and joints."""
 
     frames_of: np.ndarray
     forces_of: np.ndarray
@@ -33,8 +34,9 @@ class Probes(NamedTuple):
 
 @hook(Probes)
 def record(part, world, row):
-    """Record forces (N) and moments (N m) on particles in part.forces, before the step sets them to
-    0. part: records of particles (Probes); world: solver state; row: of the instant."""
+    """Record the forces (N) and moments (N m) on chosen particles in part.forces, before the step
+    sets them to 0. part: records of particles (Probes); world: solver state; row: index of the
+    recorded instant."""
     count = part.forces_of.shape[0]
     for n in range(count):
         i, index = part.forces_of[n], row * count + n
@@ -44,9 +46,10 @@ def record(part, world, row):
 
 @hook(Probes)
 def record_step(part, world, row, timing):
-    """Record, in part.frames, positions and axes of particles at an instant, and in part.forces
-    means and changes of their velocities (m/s) and momenta (N m s) over the step around it. part:
-    records (Probes); world: solver state; row: index of the instant; timing: step times (s)."""
+    """Record positions (m) and axes of chosen particles at an instant in part.frames; in
+    part.forces their velocities (m/s) and angular momenta (N m s), means of the half steps before
+    and after it, and the changes of both by time (m/s², N m). part: records (Probes); world: solver
+    state; row: index of the recorded instant; timing: times of this step (s)."""
     start, state = world.start_state, world.state
     count = part.frames_of.shape[0]
     for n in range(count):

@@ -1,8 +1,7 @@
 """Supports: particles held along and about global axes.
 
 Which axes are held is a property of the particles (`Scene.fixed`); what is held entirely has no
-inverse mass and costs nothing. Only particles held along some axes need a kernel.
-"""
+inverse mass and costs nothing. Only particles held along some axes need a kernel."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +15,8 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class Support(ElementType):
-    """Particles that are held along `translations` and about `rotations`, letters out of xyz."""
+    """Particles that are held along and about global axes. particles: indices; translations,
+    rotations: axes along which, and about which, they are held, letters out of "xyz"."""
 
     particles: Sequence[int]
     translations: str = "xyz"
@@ -35,19 +35,21 @@ class Support(ElementType):
 
     @classmethod
     def of(cls, scene):
-        """Indices of the scene's particles held along, or about, one or two axes."""
+        """Return the indices of a scene's particles that are held along, or about, one or two of
+        the global axes (not all three)."""
         counts = scene.fixed.reshape(-1, 2, 3).sum(axis=2)
         return np.flatnonzero(((counts > 0) & (counts < 3)).any(axis=1)).tolist()
 
     @classmethod
     def moved(cls, scene):
-        """Indices of particles that turn about two axes, moved by the kernels of supports."""
+        """Return the indices of the scene's particles of unequal inertias that can turn about two
+        axes only; the kernels of supports move them."""
         return turns_of(scene).about_two
 
     @classmethod
     def topology_of(cls, scene):
-        """What must be equal in scenes whose samples run side by side, besides the held axes: which
-        particles turn about two axes (`moved`)."""
+        """Return what must be equal in scenes simulated side by side, besides the held axes:
+        indices of the particles that the kernels of supports move (`moved`)."""
         return tuple(cls.moved(scene))
 
     @classmethod

@@ -19,9 +19,10 @@ ROUNDS = 4
 
 
 class Supports(NamedTuple):
-    """Arrays of particles held along or about some axes. on (f,): their indices; free (f, 6,
-    lanes): 1 where one can move along x, y, z and about them, 0 where held; about_two (t,): indices
-    of those that turn about two axes; axis (t, 3, lanes): unit vector about which each is held."""
+    """Arrays of particles held along or about some axes, for kernels. on (f,): their indices; free
+    (f, 6, lanes): 1 where a particle can move along x, y, z and about them, 0 where it is held;
+    about_two (t,): indices of those that turn about two axes; axis (t, 3, lanes): global unit
+    vector about which each of these is held."""
 
     on: np.ndarray
     free: np.ndarray
@@ -31,8 +32,8 @@ class Supports(NamedTuple):
 
 @hook(Supports)
 def restrain(part, world, timing):
-    """Set forces along, and moments about, the held axes of partly held particles to 0. part:
-    arrays of these (Supports); world: solver state, whose forces change; timing: not used."""
+    """Set the forces along held axes, and the moments about them, of partly held particles to 0.
+    part: arrays of these (Supports); world: solver state, whose forces change; timing: not used."""
     state = world.state
     for n in range(part.on.shape[0]):
         i = part.on[n]

@@ -3,8 +3,7 @@
 What is held about an axis does not turn about it; its angular momentum there is what that takes. A
 particle that turns about one axis n alone has the constant inertia n·Jn, whichever axes of its own
 are principal, and is one with that about all axes. One that turns about two has its momentum about
-the third found in every step (support_kernels.py).
-"""
+the third found in every step (support_kernels.py)."""
 
 from typing import NamedTuple
 
@@ -17,9 +16,10 @@ ALIKE = 1e-12
 
 
 class Turning(NamedTuple):
-    """How n particles can turn. inertia (n, 3): about their own axes (kg m²), the one about n where
-    a particle turns about one axis n alone; no_turn (n, 3): whether it never turns about an own
-    axis; about_two: indices of particles of unlike inertias that turn about two axes."""
+    """How the n particles of a scene can turn. inertia (n, 3): kg m², about their own axes; of one
+    that turns about a single axis, all three are that about it; no_turn (n, 3): whether it never
+    turns about an own axis; about_two: indices of particles of unequal inertias that turn about
+    two."""
 
     inertia: np.ndarray
     no_turn: np.ndarray
@@ -27,8 +27,9 @@ class Turning(NamedTuple):
 
 
 def turns_of(scene) -> Turning:
-    """How the particles of a scene can turn with its supports (Turning). SceneError where one that
-    turns about two axes, with unlike inertias, is in a joint: joints' impulses do not know that."""
+    """Return how the particles of a scene can turn with its supports (Turning). SceneError where a
+    particle that turns about two axes, with unequal inertias, is in a joint, which is not
+    possible."""
     fixed = scene.fixed[:, 3:]
     count, inertia = fixed.sum(axis=1), scene.inertia.copy()
     no_turn = np.repeat(count[:, None] == 3, 3, axis=1)

@@ -22,18 +22,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Influence of each of k parameters on a response at each instant, arrays (k, ...).
+    """Influence of each of k parameters on responses, whose arrays (responses, instants) have the
+    shape (...).
 
-    Attributes
-    ----------
-    width
-        Exact width of the range when only this parameter varies, the others at the centre.
-    first
-        Fraction of the variance from this parameter alone (Sobol index of first order).
-    total
-        Fraction of the variance from all terms in which it takes part (total Sobol index).
-    variance
-        (...): the variance of the response itself.
+    width (k, ...): exact width of the range when only this parameter varies; first (k, ...):
+    fraction of the variance from this parameter alone (Sobol index of first order); total (k, ...):
+    fraction from all terms in which it takes part (total Sobol index); variance (...): of the
+    response itself.
     """
 
     width: np.ndarray
@@ -43,13 +38,14 @@ class Sensitivity:
 
 
 def parameter_sensitivity(surrogate: Surrogate, centre: np.ndarray | None = None) -> Sensitivity:
-    """Compute the influence of each parameter on responses from their polynomial surrogate.
+    """Compute the influence of each parameter on responses from their polynomial surrogate. centre
+    (k): point in [-1, 1]^k through which one parameter at a time varies for the widths; None: the
+    middle.
 
     The Sobol-like shares (Sudret 2008) are read off the coefficients. They refer to the arcsine
     density, for which Chebyshev polynomials are orthogonal and which weighs the ends of the
-    intervals more than a uniform one; intervals have no density, so this is a convention.
-    Where the variance is 0 they are 0. centre (k): point in [-1, 1]^k through which one parameter
-    at a time varies for the widths, by default the middle.
+    intervals more than a uniform one; intervals have no density, so this is a convention. Where the
+    variance is 0 they are 0.
     """
     indices, c = surrogate.multi_indices, surrogate.coefficients
     k, shape = surrogate.dimension, c.shape[1:]

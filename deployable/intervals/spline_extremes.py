@@ -23,13 +23,14 @@ _GAIN = 1e-13  # of the spread of the runs' values: a smaller gain is rounding
 
 
 def spline_range(spline: Spline, candidates: int = CANDIDATES) -> Range:
-    """Range that a spline attains over [-1, 1]^k at every instant, and where.
+    """Bound a spline over [-1, 1]^k: the range that it attains in each column (each response and
+    instant), and where; candidates: number of points, beside the runs, among which searches start.
 
-    On a line it is exact. Elsewhere Newton's method, kept inside the box, climbs from the best of
-    all the runs and of `candidates` points spread over the box, its faces, edges and corners: at
-    each instant from at most 2 + 2 f that are apart, f being the number of parameters that vary. No
-    enclosure: `lower` and `upper` are the attained values themselves, and contain every run, those
-    that count as repeats too.
+    Exact where the runs differ in one parameter. Elsewhere Newton's method, kept inside the box,
+    climbs from the best of all the runs and candidates (spread over the box, its faces, edges and
+    corners), in each column from at most 2 + 2 f that are apart, f being the number of parameters
+    that vary. No enclosure: the result's `lower` and `upper` are the attained values themselves;
+    they contain every run, those that count as repeats too.
     """
     shape = spline.weights.shape[1:]
     flat = spline.weights.reshape(len(spline.weights), -1)

@@ -105,8 +105,8 @@ def choose(
     Parameters
     ----------
     source
-        Folder of a campaign's results; path of a campaign's config, whose nominal run is meant;
-        or file or name of a structure, at its default parameters.
+        Folder of a campaign's results; path of a campaign's config, whose nominal run is meant; or
+        file or name of a structure, at its default parameters.
     run
         ``nominal``; of results also a run's id (hexadecimal) or the beginning of one.
     settings
@@ -125,8 +125,7 @@ def choose(
     Raises
     ------
     CampaignError
-        If there is no such run, or results were made by another version of structure or
-        mechanics.
+        If there is no such run, or results were made by another version of structure or mechanics.
     SceneError
         If the structure cannot be built.
     """

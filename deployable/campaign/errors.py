@@ -87,13 +87,8 @@ def _largest_file() -> int | None:
 
 
 class ConfigError(CampaignError):
-    """Raised with all problems found in a config, one sentence each, also as attributes.
-
-    Parameters
-    ----------
-    source : name of the file, or what else the config came from.
-    problems : sentences that start with the key.
-    """
+    """All problems found in a config, as the message and as attributes. source: name of the file,
+    or what else the config came from; problems: sentences that start with the key."""
 
     def __init__(self, source: str, problems: list[str]):
         self.source = source

@@ -247,8 +247,8 @@ def _of_structure(source: str, settings: Mapping[str, str], duration: float) -> 
 
 
 def parsed(settings: Mapping[str, str]) -> dict[str, Any]:
-    """Parse values of parameters from texts, as in a YAML file: `"2.5"` as 2.5, `"true"` as True;
-    settings: text by name of parameter; the result: value by name."""
+    """Parse values of parameters, texts by name, as in a YAML file: `"2.5"` as 2.5, `"true"` as
+    True; returns the values by name. Raises `ConfigError` for a text that is no YAML."""
     from deployable.campaign.config.loader import parse
 
     return {

@@ -20,11 +20,9 @@ from .errors import IntervalError
 
 
 def _sine(numerator: np.ndarray, denominator: int) -> np.ndarray:
-    """sin(pi numerator / (2 denominator)), from the reduced fraction.
-
-    The sine form keeps the points symmetric to the last bit, and reducing the fraction makes a
-    point that belongs to two grids the same float in both: designs share runs by their values.
-    """
+    """sin(pi numerator / (2 denominator)), from the reduced fraction. The sine form keeps the
+    points symmetric to the last bit, and reducing the fraction makes a point that belongs to two
+    grids the same float in both: designs share runs by their values."""
     points = np.empty(len(numerator))
     for i, top in enumerate(int(t) for t in numerator):
         divisor = gcd(abs(top), 2 * denominator) or 1
@@ -66,12 +64,10 @@ def total_degree(order: Sequence[int]) -> np.ndarray:
 
 def smolyak(order: Sequence[int]) -> np.ndarray:
     """Multi-indices (M, k), degrees of Chebyshev products, of a Smolyak sparse grid with slow
-    growth, sorted by total degree; order (k): highest degree of each direction.
-
-    The union of the tensor sets of nested rules whose degrees, by the least polynomials that need
-    them, are a total-degree set; so it has every polynomial of that total degree (Barthelmann,
-    Novak and Ritter 2000 with the growth of Burkardt 2009: a rule grows only when it must).
-    """
+    growth, sorted by total degree; order (k): highest degree of each direction. The union of the
+    tensor sets of nested rules whose degrees, by the least polynomials that need them, are a
+    total-degree set; so it has every polynomial of that total degree (Barthelmann, Novak and Ritter
+    2000 with the growth of Burkardt 2009: a rule grows only when it must)."""
     return _within_budget(order, _nested_costs)
 
 

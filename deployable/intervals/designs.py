@@ -29,14 +29,11 @@ MAX_TERMS = 10_000  # polynomials that can be fitted together on a sparse grid: 
 @dataclass(frozen=True)
 class Design:
     """Points of the box at which the model is run, and the polynomials that they determine. Made by
-    `make_design`.
-
-    points (N, k): normalized parameters in [-1, 1]; multi_indices (M, k): degrees of the M <= N
-    Chebyshev products, (0, k) for a scan without surrogate; method: how the points were chosen, a
-    name in `METHODS` or "adaptive"; order (k): polynomial order by direction, 0 where the interval
-    has no width; lines: k arrays (n_j + 1) of coordinates, if the points are a full tensor grid in
-    the order of `multi_indices`, else None.
-    """
+    `make_design`. points (N, k): normalized parameters in [-1, 1]; multi_indices (M, k): degrees of
+    the M <= N Chebyshev products, (0, k) for a scan without surrogate; method: how the points were
+    chosen, a name in `METHODS` or "adaptive"; order (k): polynomial order by direction, 0 where the
+    interval has no width; lines: k arrays (n_j + 1) of coordinates, if the points are a full tensor
+    grid in the order of `multi_indices`, else None."""
 
     points: np.ndarray
     multi_indices: np.ndarray
@@ -152,11 +149,9 @@ def _tensor(rule, orders: np.ndarray, free: np.ndarray, limit: Callable[[int], N
 
 
 def _smolyak(orders: np.ndarray, free: np.ndarray, limit: Callable[[int], None]) -> Design:
-    """Sparse grid of nested Lobatto rules (1, 3, 5, 9, ... points).
-
-    The nodes of one direction are put in the order in which the nested rules add them; a basis
-    index then owns the node of the same number, and the points determine the basis.
-    """
+    """Sparse grid of nested Lobatto rules (1, 3, 5, 9, ... points). The nodes of one direction are
+    put in the order in which the nested rules add them; a basis index then owns the node of the
+    same number, and the points determine the basis."""
     count = chebyshev.count_smolyak(orders)
     limit(count)
     if count > MAX_TERMS:
@@ -202,13 +197,11 @@ def scan_points(
     free: np.ndarray, samples: int = 1024, *, seed: int = 0, corners: bool = True
 ) -> np.ndarray:
     """Make points (samples, k) of a low-discrepancy sample of [-1, 1]^k: the corners, then a Sobol
-    sequence; a single point, 0, where no direction has a width.
-
-    free (k): mask of the directions with a width, the others stay at 0; seed: of the sequence's
-    scrambling; corners: whether they are wanted; they are left out, too, where they would be more
-    than half of the samples. A longer sample with the same seed contains the shorter one, whose
-    runs are reused, unless only it has corners.
-    """
+    sequence; a single point, 0, where no direction has a width. free (k): mask of the directions
+    with a width, the others stay at 0; seed: of the sequence's scrambling; corners: whether they
+    are wanted; they are left out, too, where they would be more than half of the samples. A longer
+    sample with the same seed contains the shorter one, whose runs are reused, unless only it has
+    corners."""
     samples = check_integer("samples", samples, 1, 10_000_000)
     seed = check_integer("seed", seed, 0, 2**32 - 1)
     free = np.asarray(free, dtype=bool)
@@ -247,11 +240,9 @@ def spread_points(free: np.ndarray, count: int, seed: int = 1) -> np.ndarray:
 def fit(design: Design, values: np.ndarray) -> Surrogate:
     """Fit the polynomials of `design` to `values` (N, ...) of runs at its N points, in their order;
     returns a `Surrogate`. IntervalError for values that are not finite, a design without order, or
-    points that do not determine all coefficients.
-
-    Tensor grids take one small matrix for each direction; the other designs a QR factorisation: a
-    solve where there are as many points as coefficients, least squares where there are more.
-    """
+    points that do not determine all coefficients. Tensor grids take one small matrix for each
+    direction; the other designs a QR factorisation: a solve where there are as many points as
+    coefficients, least squares where there are more."""
     values = np.asarray(values, dtype=float)
     if values.shape[:1] != (design.runs,):
         raise IntervalError("values", values.shape, f"{design.runs} rows, one for each point")

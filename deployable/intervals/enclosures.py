@@ -24,11 +24,9 @@ _CHUNK = 1 << 23
 def effects_enclosure(c: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Bound T polynomials on [-1, 1]^k: returns lower and upper bounds (T), by exact ranges of the
     main effects and |coefficients| of the interactions. c (M, T): coefficients; indices (M, k):
-    degrees of the Chebyshev products.
-
-    p = c_0 + sum_j p_j(x_j) + interactions; |T_i| <= 1, and the range of a sum of functions of
-    different variables is the sum of their ranges. Sharp where interactions are small, and cheap.
-    """
+    degrees of the Chebyshev products. p = c_0 + sum_j p_j(x_j) + interactions; |T_i| <= 1, and the
+    range of a sum of functions of different variables is the sum of their ranges. Sharp where
+    interactions are small, and cheap."""
     active = (indices > 0).sum(axis=1)
     rest = np.abs(c[active > 1]).sum(axis=0)
     lower, upper = c[active == 0].sum(axis=0), c[active == 0].sum(axis=0)
@@ -94,13 +92,11 @@ _WORK = 60_000  # numbers in all the patches that an instant may use on average
 def tighten(
     dense: np.ndarray, inner: np.ndarray, outer: np.ndarray, tolerance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Tighten upper bounds of T polynomials p over [-1, 1]^k by subdivision of the box.
-
-    dense (n_1 + 1, ..., n_k + 1, T): Chebyshev coefficients by degree; inner (T): values that p
-    attains; outer (T): upper bounds; tolerance (T): gap of both at which to stop. Returns new upper
-    bounds (T), the largest values seen at vertices (T), -inf where none exceeds `inner`, and their
-    points (T, k). Polynomials of a degree above 12, or of too many coefficients, keep their bounds.
-    """
+    """Tighten upper bounds of T polynomials p over [-1, 1]^k by subdivision of the box. dense (n_1
+    + 1, ..., n_k + 1, T): Chebyshev coefficients by degree; inner (T): values that p attains; outer
+    (T): upper bounds; tolerance (T): gap of both at which to stop. Returns new upper bounds (T),
+    the largest values seen at vertices (T), -inf where none exceeds `inner`, and their points (T,
+    k). Polynomials of a degree above 12, or of too many coefficients, keep their bounds."""
     degrees = np.array(dense.shape[:-1]) - 1
     size = int(np.prod(degrees + 1))
     outer = outer.copy()
@@ -204,11 +200,9 @@ def _apply(matrix: np.ndarray, tensor: np.ndarray, axis: int) -> np.ndarray:
 
 @cache
 def _from_chebyshev(n: int) -> np.ndarray:
-    """Matrix (n+1, n+1) from Chebyshev to Bernstein coefficients of degree n on [-1, 1].
-
-    T_i has the Bernstein coefficients (-1)^(i-l) C(2i, 2l) / C(i, l) of degree i (Rababah 2003);
-    they are then raised to degree n.
-    """
+    """Matrix (n+1, n+1) from Chebyshev to Bernstein coefficients of degree n on [-1, 1]. T_i has
+    the Bernstein coefficients (-1)^(i-l) C(2i, 2l) / C(i, l) of degree i (Rababah 2003); they are
+    then raised to degree n."""
     matrix = np.zeros((n + 1, n + 1))
     for i in range(n + 1):
         own = [(-1) ** (i - m) * comb(2 * i, 2 * m) / comb(i, m) for m in range(i + 1)]

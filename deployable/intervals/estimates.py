@@ -42,12 +42,10 @@ _INDEPENDENT = 1e-3  # least singular value, beside the largest, of what held-ou
 def share_outside(runs: int, confidence: float | None = None) -> float:
     """Volume fraction of the box of parameters on which the model leaves the range of a number
     `runs` of runs, at one instant, if these were drawn at random: its mean (confidence None), or
-    its upper limit at a confidence (0 to 1); 1 for fewer than two runs.
-
-    By order statistics, whatever the model (Wilks 1941): the share between the extremes of N draws
-    has the density N (N - 1) s^(N - 2) (1 - s), so that the share outside has the beta distribution
-    of 2 and N - 1, with the mean 2 / (N + 1).
-    """
+    its upper limit at a confidence (0 to 1); 1 for fewer than two runs. By order statistics,
+    whatever the model (Wilks 1941): the share between the extremes of N draws has the density N (N
+    - 1) s^(N - 2) (1 - s), so that the share outside has the beta distribution of 2 and N - 1, with
+    the mean 2 / (N + 1)."""
     if runs < 2:
         return 1.0
     if confidence is None:
@@ -167,12 +165,9 @@ def overruled(
 def usual(left_out: np.ndarray, directions: int) -> np.ndarray:
     """Error (...) of a function fitted to adaptively sampled runs: a power mean of their
     leave-one-out errors `left_out` (N, ...), the power being the number of `directions` (parameters
-    that vary).
-
-    Any run may be next to the point that decides, and runs were placed where the fit was in doubt,
-    so that a mean counts. In more than 3 directions (`AVERAGED`), where few corners have runs, the
-    largest counts.
-    """
+    that vary). Any run may be next to the point that decides, and runs were placed where the fit
+    was in doubt, so that a mean counts. In more than 3 directions (`AVERAGED`), where few corners
+    have runs, the largest counts."""
     size = np.abs(left_out)
     if directions > AVERAGED:
         return size.max(axis=0)

@@ -53,11 +53,8 @@ def cubes(
     points: np.ndarray, scales: np.ndarray, weights: np.ndarray, linear: np.ndarray
 ) -> Formula:
     """Write a cubic spline as a table that other programs can evaluate: a linear function plus, for
-    each of N points, its weight times the cubed distance from it.
-
-    points (N, k), weights (N); scales (k): factors by which the differences in each direction are
-    multiplied before the distance is taken; linear (1 + k): the constant, and the slope in each
-    direction.
-    """
+    each of N points, its weight times the cubed distance from it. points (N, k), weights (N);
+    scales (k): factors by which the differences in each direction are multiplied before the
+    distance is taken; linear (1 + k): the constant, and the slope in each direction."""
     indices = np.concatenate([np.zeros((1, len(scales)), int), np.eye(len(scales), dtype=int)])
     return Formula(indices, linear, points, scales, weights, "cube")

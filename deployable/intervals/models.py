@@ -26,13 +26,11 @@ from .splines import check_spline_runs, fit_spline
 
 class Model:
     """A model of n responses over the box, at T instants, for k parameters; `bounds_dataset` takes
-    its bounds, errors and attributes. A new model is a subclass and a line in `MODELS`.
-
-    Its constructor fits it to `samples` of runs; design: the points of those to be fitted, None:
-    all; further keyword-only arguments are a user's options. kind: words for its bounds, "enclosed
-    ..." or "attained ..." where they are a model's range; test_rows: indices of the runs that were
-    not fitted, and test it; attributes: further ones of the bounds dataset, by name.
-    """
+    its bounds, errors and attributes. A new model is a subclass and a line in `MODELS`. Its
+    constructor fits it to `samples` of runs; design: the points of those to be fitted, None: all;
+    further keyword-only arguments are a user's options. kind: words for its bounds, "enclosed ..."
+    or "attained ..." where they are a model's range; test_rows: indices of the runs that were not
+    fitted, and test it; attributes: further ones of the bounds dataset, by name."""
 
     kind: str
     test_rows: np.ndarray = np.zeros(0, dtype=int)

@@ -19,12 +19,9 @@ from .line_range import line_range
 @dataclass(frozen=True)
 class Range:
     """Outer and inner range over the box of what a model gives, whose arrays (responses, instants)
-    have the shape (...).
-
-    lower, upper (...): the bounds, guaranteed where the model can be enclosed, else the attained
-    ones; inner_lower, inner_upper (...): attained ones, which the model takes at `argmin` and
-    `argmax` (..., k), normalized parameters in [-1, 1].
-    """
+    have the shape (...). lower, upper (...): the bounds, guaranteed where the model can be
+    enclosed, else the attained ones; inner_lower, inner_upper (...): attained ones, which the model
+    takes at `argmin` and `argmax` (..., k), normalized parameters in [-1, 1]."""
 
     lower: np.ndarray
     upper: np.ndarray
@@ -56,12 +53,10 @@ def raised(bounds: Range, least: np.ndarray) -> Range:
 def surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
     """Bound a polynomial surrogate over [-1, 1]^k: its enclosed and its attained range, arrays of
     the shape of its values. tolerance: gap of both, over the attained width, that is small enough.
-
     In one dimension (or where only one direction matters) it is exact to rounding. In several, the
     outer range is the tightest of the enclosures of `enclosures`, the inner one is attained
     (`inner_range`); subdivision goes on until the gap is small enough, or its budget is spent. The
-    gap is in the result either way.
-    """
+    gap is in the result either way."""
     indices = surrogate.multi_indices
     shape = surrogate.coefficients.shape[1:]
     k = indices.shape[1]

@@ -39,12 +39,9 @@ def deciding_places(
 ) -> BoundPoints:
     """Choose at most `count` points that stand for where bounds are attained, to repeat runs there
     with a finer mesh. argmin, argmax (n, T, k) in [-1, 1]^k: where the bounds of n responses are
-    attained at T instants; width (n, T): upper less lower bound.
-
-    Chosen one after the other from these points, each so that the distances from all of them to the
-    nearest chosen one fall most, weighted by the width at the instant over the response's mean
-    width.
-    """
+    attained at T instants; width (n, T): upper less lower bound. Chosen one after the other from
+    these points, each so that the distances from all of them to the nearest chosen one fall most,
+    weighted by the width at the instant over the response's mean width."""
     mean = width.mean(axis=1, keepdims=True)
     weight = np.divide(width, mean, out=np.zeros_like(width), where=mean > 0)
     t = np.unique(np.linspace(0, width.shape[1] - 1, min(width.shape[1], _INSTANTS)).astype(int))

@@ -39,11 +39,8 @@ _RUNNING = ("lower", "upper", "lower_run", "upper_run")
 class Running:
     """Least and largest values of a stream of runs, merged batch by batch: `low`, `high` (...), for
     each response and instant, and `low_run`, `high_run` (...), the numbers of the runs that have
-    them.
-
-    Of equal values that of the run with the least number counts, so that neither the order nor the
-    grouping of runs changes the result.
-    """
+    them. Of equal values that of the run with the least number counts, so that neither the order
+    nor the grouping of runs changes the result."""
 
     low: np.ndarray
     high: np.ndarray
@@ -92,11 +89,9 @@ def quarter_ends(runs: int) -> list[int]:
 @dataclass(frozen=True)
 class Samples:
     """R runs with n responses at T instants and k parameters, of a samples dataset (`samples.nc`).
-
     names (n): of the responses; rows (n): their indices along `response` in `source`, the dataset;
     time (T): instants, s; unit (R, k): parameters of the runs, normalized to [-1, 1]; nominal:
-    index of the run at nominal parameters, None without one.
-    """
+    index of the run at nominal parameters, None without one."""
 
     names: list[str]
     rows: list[int]

@@ -23,13 +23,10 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class Sensitivity:
     """Influence of each of k parameters on responses, whose arrays (responses, instants) have the
-    shape (...).
-
-    width (k, ...): exact width of the range when only this parameter varies; first (k, ...):
-    fraction of the variance from this parameter alone (Sobol index of first order); total (k, ...):
-    fraction from all terms in which it takes part (total Sobol index); variance (...): of the
-    response itself.
-    """
+    shape (...). width (k, ...): exact width of the range when only this parameter varies; first (k,
+    ...): fraction of the variance from this parameter alone (Sobol index of first order); total (k,
+    ...): fraction from all terms in which it takes part (total Sobol index); variance (...): of the
+    response itself."""
 
     width: np.ndarray
     first: np.ndarray
@@ -40,13 +37,10 @@ class Sensitivity:
 def parameter_sensitivity(surrogate: Surrogate, centre: np.ndarray | None = None) -> Sensitivity:
     """Compute the influence of each parameter on responses from their polynomial surrogate. centre
     (k): point in [-1, 1]^k through which one parameter at a time varies for the widths; None: the
-    middle.
-
-    The Sobol-like shares (Sudret 2008) are read off the coefficients. They refer to the arcsine
-    density, for which Chebyshev polynomials are orthogonal and which weighs the ends of the
+    middle. The Sobol-like shares (Sudret 2008) are read off the coefficients. They refer to the
+    arcsine density, for which Chebyshev polynomials are orthogonal and which weighs the ends of the
     intervals more than a uniform one; intervals have no density, so this is a convention. Where the
-    variance is 0 they are 0.
-    """
+    variance is 0 they are 0."""
     indices, c = surrogate.multi_indices, surrogate.coefficients
     k, shape = surrogate.dimension, c.shape[1:]
     centre = np.zeros(k) if centre is None else np.asarray(centre, dtype=float)

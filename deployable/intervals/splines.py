@@ -130,14 +130,12 @@ def check_spline_runs(points: np.ndarray) -> None:
 
 
 def fit_spline(points: np.ndarray, values: np.ndarray, scales: np.ndarray | None = None) -> Spline:
-    """Fit a spline through the values (N, ...) of runs at points (N, k) in [-1, 1]^k.
-
-    Runs that are nearly the same count once, the first of them; where rounding keeps the spline
-    from going through the others, runs that are ten or a hundred times as far apart do, too, and
-    the result's `misfit` says what that leaves. scales (k): factors of the coordinates before
-    distances are taken; None: those of least leave-one-out errors (`choose_scales`). IntervalError
-    unless there is one run more than directions in which the runs differ, not all in one plane.
-    """
+    """Fit a spline through the values (N, ...) of runs at points (N, k) in [-1, 1]^k. Runs that are
+    nearly the same count once, the first of them; where rounding keeps the spline from going
+    through the others, runs that are ten or a hundred times as far apart do, too, and the result's
+    `misfit` says what that leaves. scales (k): factors of the coordinates before distances are
+    taken; None: those of least leave-one-out errors (`choose_scales`). IntervalError unless there
+    is one run more than directions in which the runs differ, not all in one plane."""
     runs = np.asarray(points, dtype=float)
     for factor in _SPACINGS:
         rows = distinct(runs, factor)
@@ -196,11 +194,9 @@ def _solve(points, scales, flat) -> tuple[np.ndarray, np.ndarray]:
 def choose_scales(points: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Choose scales (k), factors of the coordinates before distances are taken, for a spline
     through values (N, T) at `points` (N, k) in [-1, 1]^k: those of least leave-one-out errors,
-    found by doubling and halving each; 0 where all runs agree.
-
-    The response may change over a tenth of one interval and hardly over all of another; distances
-    should tell. Columns count relative to their spread; at most 400 runs and 200 columns are used.
-    """
+    found by doubling and halving each; 0 where all runs agree. The response may change over a tenth
+    of one interval and hardly over all of another; distances should tell. Columns count relative to
+    their spread; at most 400 runs and 200 columns are used."""
     spread = _spread(points)
     scales = spread.astype(float)
     if spread.sum() < 2:

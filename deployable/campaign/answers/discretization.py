@@ -108,12 +108,9 @@ def estimate_discretization_errors(
     """Estimate the errors by time step and mesh of the bounds of all q quantities: a dict of arrays
     (q, 2), for lower and upper bound, in their units, by "step" and "mesh". They are the changes
     when the runs at the bounds are refined, extrapolated by the order at the bound that changes
-    most.
-
-    bounds: of each quantity, as `converge_bounds` returns them; components: "step", "mesh" or both.
-    Where an event does not occur in the refined run at a bound, the nearest run with it is taken.
-    NaN for quantities without a value; no "mesh" if no parameter sets it.
-    """
+    most. bounds: of each quantity, as `converge_bounds` returns them; components: "step", "mesh" or
+    both. Where an event does not occur in the refined run at a bound, the nearest run with it is
+    taken. NaN for quantities without a value; no "mesh" if no parameter sets it."""
     points = np.array([point for b in bounds for point in (b.argmin, b.argmax)])
     values = np.array([value for b in bounds for value in (b.lower, b.upper)])
     q, errors = np.repeat(np.arange(len(bounds)), 2), {}

@@ -69,10 +69,8 @@ def _of_the_runs(folder: Folder) -> np.ndarray | None:
 
 
 def _met(model: ModelEvaluator, result: LimitAssessment, indices: list[int]) -> dict:
-    """Whether all, some or none of the box keeps chosen limits, which share, and what is open.
-
-    Runs decide where they differ from the surrogates: one that fails, or keeps them, is enough.
-    """
+    """Whether all, some or none of the box keeps chosen limits, which share, and what is open. Runs
+    decide where they differ from the surrogates: one that fails, or keeps them, is enough."""
     from deployable.intervals.scalars import share_of_box
 
     share, open_ = share_of_box([result.limits[i] for i in indices], model.experiment.box.free)

@@ -104,11 +104,9 @@ _LONG = 60.0  # s
 
 
 def _time_problems(experiment: Experiment) -> list[str]:
-    """Whether a run can be done with the step and the instants, judged at the nominal values.
-
-    The plan checks the number of steps again, at all corners; to find the stable step here takes
-    too long for every call, and is only done where there is doubt.
-    """
+    """Whether a run can be done with the step and the instants, judged at the nominal values. The
+    plan checks the number of steps again, at all corners; to find the stable step here takes too
+    long for every call, and is only done where there is doubt."""
     solver, problems = experiment.solver, []
     scene = experiment.nominal_scene
     if solver.step != "auto" or solver.duration > _LONG:

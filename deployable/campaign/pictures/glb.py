@@ -141,10 +141,8 @@ def _loads(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, dict]:
 
 def _mesh(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, Any]:
     """Bars, cables and pins as they stand in the first frame, with the particles that they follow.
-
     The vertices of bars and cables know their element or cable (`_OF`); rigid bodies, which have no
-    stress, are of -1.
-    """
+    stress, are of -1."""
     solid = solid_of_motion(motion.isel(time=slice(0, 1)))
     primitives = []
     if len(solid.nodes):

@@ -153,11 +153,8 @@ def _estimate_quantities(experiment: Experiment, samples: Any) -> dict[str, _Qua
 def _shares(
     plan: Plan, bounds: Any, quantities: Mapping[str, _QuantityEstimate]
 ) -> dict[str, dict[str, float]]:
-    """The errors of all responses and quantities by part, as shares of their widths.
-
-    Of step and mesh what the last check of the same mesh and step found; nothing where there was
-    none.
-    """
+    """The errors of all responses and quantities by part, as shares of their widths. Of step and
+    mesh what the last check of the same mesh and step found; nothing where there was none."""
     previous: Mapping[str, Mapping] = {}
     if plan.adaptive.rounds and plan.adaptive.rounds[-1].action in ("runs", "check"):
         previous = plan.adaptive.rounds[-1].shares

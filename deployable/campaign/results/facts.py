@@ -51,12 +51,10 @@ def facts_of(
     folder: Folder, published: Mapping[str, float], requirements: bool = False, choice: bool = False
 ) -> dict[str, Any]:
     """Collect a campaign's results as plain data for JSON: the content of `summary.json`, whose
-    keys `summary.schema.json` describes. Other functions call it the facts.
-
-    folder: the campaign's files, which are read; published: largest difference of the bounds in the
-    literature, by name of response; requirements, choice: whether the campaign has requirements or
-    a choice of parameters, so that `requirements.json` or `choice.json` is read.
-    """
+    keys `summary.schema.json` describes. Other functions call it the facts. folder: the campaign's
+    files, which are read; published: largest difference of the bounds in the literature, by name of
+    response; requirements, choice: whether the campaign has requirements or a choice of parameters,
+    so that `requirements.json` or `choice.json` is read."""
     plan = read_plan(folder.plan)
     experiment = plan.experiment
     with open_netcdf(folder.bounds) as bounds, open_netcdf(folder.samples) as samples:
@@ -106,11 +104,9 @@ def facts_of(
 def mark_constant(facts: dict) -> None:
     """Set `constant` in the dicts of responses and quantities that do not vary over the box of
     parameters, and clear their relative errors and contributions; facts: the campaign's results as
-    plain data (`facts_of`), changed in place.
-
-    They are those whose upper and lower bound differ by rounding alone, `ROUNDING` (1e-12) times
-    the largest value that any of them with that unit has.
-    """
+    plain data (`facts_of`), changed in place. They are those whose upper and lower bound differ by
+    rounding alone, `ROUNDING` (1e-12) times the largest value that any of them with that unit
+    has."""
     rows, duration = [*facts["responses"], *facts["quantities"]], facts["duration"]
     sizes = {"s": duration} | _SIZES
     sizes |= {f"{unit} s-1": size / duration for unit, size in _SIZES.items()}

@@ -43,12 +43,10 @@ def draw_envelopes(bounds_path: str | Path, shade_above: float, folder: str | Pa
 def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> Any:
     """Make a matplotlib figure of one response over time: its bounds, their error, its nominal run,
     and hatched instants where the error is large; below, the differences of the bounds, where these
-    are too small to be read off. All words stand below the axes.
-
-    bounds: the open `bounds.nc`; name: of the response; shade_above: error, as a share of the
-    largest difference of the bounds, above which instants are hatched (bounds are not drawn where
-    it exceeds a quarter, `LARGE`); width: of the figure (inches).
-    """
+    are too small to be read off. All words stand below the axes. bounds: the open `bounds.nc`;
+    name: of the response; shade_above: error, as a share of the largest difference of the bounds,
+    above which instants are hatched (bounds are not drawn where it exceeds a quarter, `LARGE`);
+    width: of the figure (inches)."""
     from matplotlib.figure import Figure
 
     i = list(bounds["response"][:]).index(name)
@@ -123,12 +121,10 @@ def draw_sensitivities(path: str | Path, folder: str | Path) -> None:
 
 def shares(data: Any, width: float = 7.0) -> Any:
     """Make a matplotlib figure of what each parameter contributes to each response. data: the open
-    `sensitivities.nc`; width: of the figure (inches).
-
-    The left plot of a response shows how wide its range is over time when one parameter varies
-    alone, the right one each parameter's share (%) in the mean of these widths. Widths that are not
-    above the error of the fit are grey, and have no share.
-    """
+    `sensitivities.nc`; width: of the figure (inches). The left plot of a response shows how wide
+    its range is over time when one parameter varies alone, the right one each parameter's share (%)
+    in the mean of these widths. Widths that are not above the error of the fit are grey, and have
+    no share."""
     from matplotlib.figure import Figure
 
     names, parameters = list(data["response"][:]), list(data["parameter"][:])

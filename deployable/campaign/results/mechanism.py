@@ -70,12 +70,10 @@ def margin_of(
 ) -> dict[str, Any]:
     """Collect the facts of a torque margin (driving over required torque, less 1) for its review
     sheet: standard, factors, travel, and the budget of torques at the position where it is least.
-
     experiment: of the campaign's plan; scenes: structures at the corners of the box of parameters;
     response: the margin, as a `Response`; row: dict of its least value in the facts
     (`quantity_rows`); sweep: function of parameter values (k) and the margin that returns curves of
-    the work of all springs, motors and other components along the travel.
-    """
+    the work of all springs, motors and other components along the travel."""
     definition, standard = experiment.responses[response.name], standard_of(response)
     nominal, positions = scenes[0], response.along
     openings = response.subjects[: response.subjects.index(standard)]
@@ -167,13 +165,11 @@ def travel_of(
     scenes: Iterable[Any], openings: Sequence[str], positions: Any, stowed: bool
 ) -> list[float] | None:
     """First and last opening (angle of a hinge, rad, or position of a slide, m) of the whole travel
-    of the joint that a margin follows; None where no latch and no stop ends it.
-
-    It reaches from the start to the farthest latch, or without one to the nearest stop, and covers
-    all scenes. scenes: structures; openings: names of the joints that move together, first the one
-    followed; positions: the margin's, with `first` and `last` opening; stowed: whether it begins at
-    `first`, not at the openings at which the scenes start.
-    """
+    of the joint that a margin follows; None where no latch and no stop ends it. It reaches from the
+    start to the farthest latch, or without one to the nearest stop, and covers all scenes. scenes:
+    structures; openings: names of the joints that move together, first the one followed; positions:
+    the margin's, with `first` and `last` opening; stowed: whether it begins at `first`, not at the
+    openings at which the scenes start."""
     sign = 1.0 if positions.last > positions.first else -1.0
     starts, ends = [], []
     for scene in scenes:

@@ -139,10 +139,8 @@ def _call(number: int) -> Any:
 def _simulate_groups(
     simulation: Simulation, store: Any, processes: int, work: Sequence[tuple[Runs, Runs]]
 ) -> tuple[int, list[Failure], np.ndarray]:
-    """Simulate what is missing of groups and write it: how many, failures, seconds.
-
-    Progress is told by the first of several processes.
-    """
+    """Simulate what is missing of groups and write it: how many, failures, seconds. Progress is
+    told by the first of several processes."""
     own = Simulation(simulation.plan, simulation.size, simulation.threads)
     if processes == 1:
         own.after_group = simulation.after_group

@@ -65,13 +65,10 @@ class RunRecord:
 class Store:
     """Base of the stores: a folder of run results in files named by a digest of their content, so
     that a restarted campaign finds finished runs again. experiment: its responses and quantities
-    are kept.
-
-    A file that is damaged or of another run counts as absent, and is noted in `damage` (errors by
-    path); `lacking` notes by run id the columns (variable, label) that its file lacks. A subclass
-    can tell which runs of a group are `missing`, `write` the results of a group and `read` its
-    records.
-    """
+    are kept. A file that is damaged or of another run counts as absent, and is noted in `damage`
+    (errors by path); `lacking` notes by run id the columns (variable, label) that its file lacks. A
+    subclass can tell which runs of a group are `missing`, `write` the results of a group and `read`
+    its records."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         self.folder, self.experiment = folder, experiment

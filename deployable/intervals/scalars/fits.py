@@ -53,11 +53,9 @@ class Kriging:
 class RootFunction:
     """A function of k normalized parameters and of the root of an event margin, which is above 0
     where an event occurs and 0 on the border of that part of the box: the event's time ends there
-    like a root.
-
-    function: of k + 1 coordinates, the last one 2 sqrt(margin / scale) - 1; margin: fit that gives
-    the event margin (P) at points (P, k); scale: largest event margin, in its unit.
-    """
+    like a root. function: of k + 1 coordinates, the last one 2 sqrt(margin / scale) - 1; margin:
+    fit that gives the event margin (P) at points (P, k); scale: largest event margin, in its
+    unit."""
 
     function: Surrogate | Spline | Kriging
     margin: Fit
@@ -155,11 +153,9 @@ def _formula(function: Surrogate | Spline | Kriging | RootFunction) -> Formula:
 
 def best_fit(points: np.ndarray, values: np.ndarray) -> Fit:
     """Fit the function with the least leave-one-out errors (root mean square) to values (N) of runs
-    at `points` (N, k) in [-1, 1]^k; IntervalError without values, or if one is not finite.
-
-    Tried are polynomials by least squares, of every total degree that the runs can test, and the
-    spline through all runs. Runs that are nearly the same count once.
-    """
+    at `points` (N, k) in [-1, 1]^k; IntervalError without values, or if one is not finite. Tried
+    are polynomials by least squares, of every total degree that the runs can test, and the spline
+    through all runs. Runs that are nearly the same count once."""
     points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
     if not len(values) or not np.isfinite(values).all():
         raise IntervalError("values", "none or not finite", "a finite number for at least one run")

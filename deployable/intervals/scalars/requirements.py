@@ -19,13 +19,11 @@ _AT_ONCE = 64  # lines
 @dataclass(frozen=True)
 class Limit:
     """A limit that a quantity (a number of each run) must satisfy, and what is known of the
-    quantity: its `surrogate`, None where only values of runs are compared (`slack_of`).
-
-    kind: "at_most" or "at_least" a `level`, in the quantity's unit, or "happens", with level 1 if
-    the event must occur and 0 if it must not; run_error: error of the runs themselves, as by mesh
-    and step, in the quantity's unit; border: their error in the decision function that tells where
-    the event occurs (`Occurrence.certainty`), infinite if finer runs differ in whether it does.
-    """
+    quantity: its `surrogate`, None where only values of runs are compared (`slack_of`). kind:
+    "at_most" or "at_least" a `level`, in the quantity's unit, or "happens", with level 1 if the
+    event must occur and 0 if it must not; run_error: error of the runs themselves, as by mesh and
+    step, in the quantity's unit; border: their error in the decision function that tells where the
+    event occurs (`Occurrence.certainty`), infinite if finer runs differ in whether it does."""
 
     surrogate: ScalarSurrogate | None
     kind: str
@@ -115,11 +113,8 @@ def share_of_box(
     """Volume fraction of the box in which all limits are satisfied, and its uncertainty: how far it
     changes at most if all errors were to one side. free (k): mask of directions with a width;
     lower, upper (k each): corners, in [-1, 1]^k, of the part of the box that counts, by default
-    all.
-
-    Measured on one line in one dimension, on many lines spread over the box in several; borders of
-    where limits are satisfied are found on each by linear interpolation.
-    """
+    all. Measured on one line in one dimension, on many lines spread over the box in several;
+    borders of where limits are satisfied are found on each by linear interpolation."""
     free = np.asarray(free, dtype=bool)
     # The lines go along the direction with the largest differences.
     single = free.sum() == 1
@@ -277,12 +272,10 @@ def best_choice(
 ) -> tuple[Choice, list[Choice]]:
     """Choose values that satisfy every limit with the best first objective (robust optimisation),
     or, if none do, those that violate them least. Returns that choice, and all choices of the first
-    grid.
-
-    ranges: least and largest of each chosen value (c pairs); box: function of the values (c) that
-    returns the lower and upper corner (k each, in [-1, 1]) of the box that they leave. Tried are a
-    grid (a Sobol sequence from three values on), then finer and finer grids about the best.
-    """
+    grid. ranges: least and largest of each chosen value (c pairs); box: function of the values (c)
+    that returns the lower and upper corner (k each, in [-1, 1]) of the box that they leave. Tried
+    are a grid (a Sobol sequence from three values on), then finer and finer grids about the
+    best."""
     ends = np.array(ranges, dtype=float)
     wide = ends[:, 1] > ends[:, 0]
     if len(ends) <= 2:

@@ -64,12 +64,10 @@ def extreme(
 ) -> tuple[float, np.ndarray]:
     """Find the largest (sign 1) or least (sign -1) value that a function attains over the part of
     the box from `lower` to `upper` (k each, in [-1, 1]), and where (k); both NaN if it has none
-    there. function: takes points (P, k) and returns values (P), NaN where it has none.
-
-    The best of points spread over the part, its faces and corners, and of those `extra_points` (P,
-    k) that lie in it; from the best `climbs` of them (on a line one, at 0 none) a quasi-Newton
-    search goes on (L-BFGS-B), which takes a smooth function.
-    """
+    there. function: takes points (P, k) and returns values (P), NaN where it has none. The best of
+    points spread over the part, its faces and corners, and of those `extra_points` (P, k) that lie
+    in it; from the best `climbs` of them (on a line one, at 0 none) a quasi-Newton search goes on
+    (L-BFGS-B), which takes a smooth function."""
     lower, upper = np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
     middle, half = (lower + upper) / 2, (upper - lower) / 2
     trial = np.clip(middle + half * _spread(tuple(half > 0)), lower, upper)

@@ -245,13 +245,15 @@ def compare_bounds(
     Returns
     -------
     hausdorff_largest
-        largest distance, in the response's units, and `hausdorff_largest_time`, when, in s.
+        largest Hausdorff distance of the intervals, in the response's units, and
+        `hausdorff_largest_time`, when, in s.
     hausdorff_rms
         root of the distance's mean square over time.
     hausdorff_integrated
-        integral of the distance over the integral of the reference's width; NaN for zero width.
+        integral of the distance over the integral of the reference's width; NaN or infinite for
+        zero width.
     width_ratio
-        integral of the width over that of the reference.
+        integral of the width over that of the reference, likewise.
     """
     distance = hausdorff(lower, upper, reference_lower, reference_upper)
     width = np.trapezoid(reference_upper - reference_lower, time)
@@ -268,7 +270,7 @@ def compare_bounds(
 
 
 def compare_runs(lower: np.ndarray, upper: np.ndarray, values: np.ndarray) -> dict[str, float]:
-    """Compute how well bounds over time hold for other runs.
+    """Compute how well bounds over time hold for other runs than those they were made of.
 
     Parameters
     ----------

@@ -40,8 +40,8 @@ class Model:
         raise NotImplementedError
 
     def range(self) -> Range:
-        """Range of the n responses over the box at T instants: bounds (n, T), and the points in
-        [-1, 1]^k where they are attained (n, T, k)."""
+        """Range of the n responses over the box at T instants: bounds (n, T), and the points (n, T,
+        k) in [-1, 1]^k where they are attained."""
         raise NotImplementedError
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
@@ -160,7 +160,8 @@ def _count_chosen(samples: Samples) -> int:
 
 
 class SplineModel(Model):
-    """One spline through all runs, whatever their design and role.
+    """One spline through all runs, whatever their design and role, as a model of the responses;
+    `samples`: of these runs.
 
     Its bounds contain every run, and are attained by the spline or a run; they are no enclosure.
     The error is what a run and the spline through all the others differ by (its left-out error):

@@ -32,7 +32,8 @@ class Range:
 
     @property
     def gap(self) -> np.ndarray:
-        """By how much (...) outer bounds are wider than attained ones, summed over both sides."""
+        """By how much (...) the interval of the outer bounds is wider than that of the attained
+        ones, both sides together."""
         return (self.inner_lower - self.lower) + (self.upper - self.inner_upper)
 
 

@@ -135,7 +135,7 @@ class Samples:
     def quarters(self) -> Iterator[Running | None]:
         """Iterate over the four quarters of the runs: least and largest values (n, T) of each as
         `Running`, None for one without runs; from the dataset if it stores them, else from the
-        runs, chunk by chunk."""
+        runs, read in chunks."""
         if "values" not in self.source:
             arrays = [self.source[name].values[:, self.rows] for name in _RUNNING]
             quarters = (Running(*quarter) for quarter in zip(*arrays, strict=True))

@@ -67,8 +67,8 @@ def sensitivity_dataset(
     Parameters
     ----------
     samples
-        Runs as in `samples.nc`: ``values`` (run, response, time) and ``normalized`` (run,
-        parameter).
+        Runs as in `samples.nc`: ``values`` (run, response, time), ``normalized`` and ``value``
+        (run, parameter).
     design
         Points among the runs, and the polynomials that are fitted to these runs.
     responses
@@ -77,13 +77,13 @@ def sensitivity_dataset(
     Returns
     -------
     xarray.Dataset
-        Over (response, parameter, time): ``width`` in the response's units, ``first`` and ``total``
-        Sobol indices. Over (response, time): ``error``, the largest error of the polynomial at runs
-        that it was not fitted to, within a short time (without such runs, by the decay of its
-        coefficients): a width that is not above it may be the fit's noise. Over (response,
-        parameter): ``width_overall``, the width where it is above ``error``, integrated over time,
-        as a fraction of the sum over all parameters, and ``total_overall``, the variance-weighted
-        mean of the total indices.
+        Over (response, parameter, time): ``width``, of the range when only this parameter varies,
+        in the response's units, ``first`` and ``total`` Sobol indices. Over (response, time):
+        ``error``, the largest error of the polynomial at runs that it was not fitted to, within a
+        short time (without such runs, by the decay of its coefficients): a width that is not above
+        it may be the fit's noise. Over (response, parameter): ``width_overall``, the width where it
+        is above ``error``, integrated over time, as a fraction of the sum over all parameters, and
+        ``total_overall``, the variance-weighted mean of the total indices.
     """
     import xarray as xr
 
@@ -134,8 +134,8 @@ def surrogate_dataset(
     Parameters
     ----------
     samples
-        Runs as in `samples.nc`: ``values`` (run, response, time) and ``normalized`` (run,
-        parameter).
+        Runs as in `samples.nc`: ``values`` (run, response, time), ``normalized`` and ``value``
+        (run, parameter).
     design
         Points among the runs, and the polynomials that are fitted to these runs.
     responses
@@ -145,7 +145,8 @@ def surrogate_dataset(
     -------
     xarray.Dataset
         ``coefficient`` (response, term, time) in the response's units, ``multi_index`` (term,
-        parameter). A design without order has no terms and no coefficients.
+        parameter), the degrees of each term. A design without order has no terms and no
+        coefficients.
     """
     import xarray as xr
 

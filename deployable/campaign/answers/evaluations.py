@@ -133,7 +133,8 @@ class ModelEvaluator:
 
     @property
     def distinct_rows(self) -> np.ndarray:
-        """Indices of the held runs without repeated points (the nominal run may be a node, too)."""
+        """Increasing indices of the held runs, each point of the box once: the nominal run may be
+        one of the design, too."""
         return np.sort(np.unique(np.round(self.unit, 9) + 0.0, axis=0, return_index=True)[1])
 
     def surrogates(self) -> list[Any]:
@@ -188,5 +189,5 @@ def runs_at(plan: Plan, points: Sequence[np.ndarray]) -> list[PlannedRun]:
 
 
 def number(value: float) -> float | None:
-    """Return a number as JSON can hold it: None for NaN and infinity."""
+    """Convert a number to what JSON can hold: None for NaN and infinity, else a float."""
     return float(value) if np.isfinite(value) else None

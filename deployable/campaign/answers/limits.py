@@ -132,7 +132,8 @@ def is_shown(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
 
 
 def describe_limit(model: ModelEvaluator, spec: LimitSpec) -> dict:
-    """Describe a limit as a dict for JSON: quantity (name, units, words), kind and level."""
+    """Describe a limit (`spec`) as a dict for JSON: its quantity (name, units, words), kind
+    ("at_most", "at_least", "happens") and level. model: has the quantities."""
     quantity = model.experiment.numbers[spec.quantity]
     level = bool(spec.level) if spec.kind == "happens" else spec.level
     description = {"quantity": quantity.name, "units": quantity.unit, **words_of(quantity)}

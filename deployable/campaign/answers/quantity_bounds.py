@@ -41,8 +41,8 @@ class QuantityBounds:
 
     @property
     def error(self) -> float:
-        """Larger of the two bounds' errors by how far the surrogate may still go beyond them, in
-        the quantity's unit; NaN without a value."""
+        """Larger of the errors of lower and upper bound, in the quantity's unit: by how much the
+        surrogate leaves it possible that values lie beyond the bound; NaN without a value."""
         return max((e.error for e in self.estimates), default=np.nan)
 
 

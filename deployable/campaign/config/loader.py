@@ -101,7 +101,7 @@ UniqueKeyLoader.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, list("-
 
 
 class Text(NamedTuple):
-    """Content of a YAML text: `data`, its mapping, and `lines`, the line number (from 1) of each
+    """What a YAML text holds: `data`, its mapping, and `lines`, the line number (from 1) of each
     key by its dotted path, such as `solver.step`."""
 
     data: dict

@@ -36,7 +36,8 @@ def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
 
 @cache
 def whole() -> ConfigKey:
-    """Return the description (`ConfigKey`) of all keys that a config may have, as a tree."""
+    """Describe all keys that a config may have, as a tree: the `ConfigKey` of the whole config,
+    made once in a process."""
     return config_key_of(Config)
 
 

@@ -155,9 +155,9 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
 
 
 def choose_of(choosing: Choosing, intervals: Mapping[str, IntervalSpec]) -> Choose:
-    """Resolve the section `choose` of a config (nominal values to be chosen) and return it.
-    intervals: the section of that name as the user wrote it, by parameter, which tells whose widths
-    are relative."""
+    """Resolve the section `choose` of a config (nominal values to be chosen), `choosing` as the
+    user wrote it, and return it with all its goals as tuples. intervals: section of the config, by
+    parameter, which tells whose widths scale with the nominal value."""
     relative = [
         n for n in choosing.parameters if n in intervals and intervals[n].relative is not None
     ]
@@ -222,7 +222,8 @@ def _ends(spec: IntervalSpec, default: Any) -> Interval:
 
 
 def real_names(scene_type: Any) -> list[str]:
-    """Return the names of a structure's real-valued parameters, which alone may be intervals."""
+    """List the names of a structure's real-valued parameters, which alone may be intervals.
+    scene_type: the `fpm` structure."""
     return [name for name, parameter in scene_type.parameters.items() if parameter.kind == "real"]
 
 

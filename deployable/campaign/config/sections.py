@@ -100,9 +100,9 @@ class Interval:
 
 
 def corners(intervals: Mapping[str, Interval], most: int = 16) -> Iterator[dict[str, float]]:
-    """Yield parameter values by name, in their units: at the nominal point, then at all corners of
-    the box; if it has more than `most` corners, at each interval's two ends with all others nominal
-    instead."""
+    """Yield parameter values by name, in their units, to build the structure at: at the nominal
+    point, then at all corners of the box of `intervals`; if there are more than `most` corners, at
+    each interval's two ends with all others nominal instead."""
     nominal = {name: interval.nominal for name, interval in intervals.items()}
     yield nominal
     if 2 ** len(intervals) <= most:
@@ -150,10 +150,11 @@ class Accuracy:
 @dataclass(frozen=True)
 class Experiment:
     """All settings that determine the runs of a campaign, and what is evaluated of each run. name:
-    of the campaign; scene: the structure and its parameters; intervals: of the uncertain
-    parameters, by name; design: points of the runs; held_out: number of validation runs; responses
-    (curves over time), quantities (single numbers): definitions by name, as in the config;
-    accuracy: target of runs in rounds, without tolerances for none."""
+    of the campaign; scene: the structure and its parameters; solver: section of the config
+    (duration, instants, step); intervals: of the uncertain parameters, by name; design: points of
+    the runs; held_out: number of validation runs; responses (curves over time), quantities (single
+    numbers): definitions by name, as in the config; accuracy: target of runs in rounds, without
+    tolerances for none."""
 
     name: str
     scene: SceneChoice
@@ -286,7 +287,8 @@ class Experiment:
 
     @cached_property
     def nominal_scene(self) -> Any:
-        """The `fpm.Scene` at nominal values, shared: do not change it; raises `fpm.SceneError`."""
+        """The `fpm.Scene` at nominal values, built once and shared: do not change it; raises
+        `fpm.SceneError`."""
         return self.build(self._nominal_values)
 
     def parameters(self, values: Mapping[str, float]) -> dict[str, Any]:
@@ -345,10 +347,10 @@ class Choose(Choosing):
 
 @dataclass(frozen=True)
 class Campaign:
-    """A whole config, checked and resolved: the experiment, which determines the runs, and the
-    sections on what is made of the runs, of the types in `models`. published: largest difference of
-    the bounds in the literature, by response; review: name of the standard that the review sheet
-    follows, None for no sheet; requirements: limits by name and by quantity."""
+    """A whole config, checked and resolved. experiment: what determines the runs; bounds, error,
+    figures, verify, choose, jobs: sections of the config; published: largest difference of the
+    bounds in the literature, by response; review: name of the standard that the review sheet
+    follows, None for no sheet; requirements: limits by requirement and by quantity."""
 
     experiment: Experiment
     bounds: BoundsChoice
@@ -388,7 +390,8 @@ MOST_STEPS = 10**9
 
 def steps_problems(solver: Solver, step: float) -> list[str]:
     """Check that a run with the time step `step` (s) has at most 10**9 steps (`MOST_STEPS`):
-    returns a list of a sentence if not, empty if so."""
+    returns a list of a sentence if not, empty if so. solver: section of the config, with the
+    duration."""
     if solver.duration / step <= MOST_STEPS:
         return []
     key = "duration" if solver.step == "auto" else "step"

@@ -98,9 +98,9 @@ class Decision:
 
 @dataclass(frozen=True)
 class Errors:
-    """Estimated errors of the bounds of the response or quantity `name`, all as fractions of the
-    width of its interval. aim: tolerance of their sum; parts: error by component: "surrogate" and,
-    if known, "step" and "mesh"."""
+    """Estimated errors of the bounds of the response or quantity `name`, as fractions of the width
+    of its interval. aim: tolerance of their sum; parts: error by component, "surrogate" and, if
+    known, "step" and "mesh"."""
 
     name: str
     aim: float

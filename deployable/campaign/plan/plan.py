@@ -142,7 +142,7 @@ class Plan:
 
 def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
     """Make the plan of a checked experiment: the nominal run, those of its design and, unless that
-    is a Sobol sequence, validation runs. time: their time step; None: chosen by `choose_step`."""
+    is a Sobol sequence, validation runs. time: their time step; None: `choose_step` finds it."""
     box = experiment.box
     design = make_design(experiment.design, box)
     parts = [("nominal", box.to_unit(experiment.nominal)[None]), ("node", design.points)]

@@ -82,8 +82,8 @@ class MovingRun:
 
 @dataclass(frozen=True)
 class OmittedRun:
-    """A run that the page would show moving if it had room: its id (hexadecimal), and what it is in
-    words."""
+    """A run that the page would show moving if it had room: its id (hexadecimal), and `label`, what
+    it is in words."""
 
     id: str
     label: str

@@ -271,10 +271,10 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict[s
 
 
 def along_of(data: Any, i: int) -> dict[str, Any] | None:
-    """Describe the horizontal axis of response `i` (index) of an open `bounds.nc` or
-    `sensitivities.nc` where it is not time, such as a hinge's opening angle; None where it is time.
-    Keys: `words`, `unit`, `first` and `last` value, and `duration` (s) of the time axis, onto which
-    first to last is mapped linearly."""
+    """Describe the horizontal axis of response `i` (index) where it is not time, such as a hinge's
+    opening angle; None where it is time. data: an open `bounds.nc` or `sensitivities.nc`. Keys:
+    `words`, `unit`, `first` and `last` value, and `duration` (s) of the time axis, onto which first
+    to last is mapped linearly."""
     variable = data.variables.get("response_along")
     abscissa = json.loads(str(np.asarray(variable[i]))) if variable is not None else None
     return abscissa and abscissa | {"duration": float(data["time"][-1])}

@@ -144,20 +144,20 @@ def _travel_sweep(experiment: Any) -> Callable:
 
 
 def standard_of(margin: Any) -> str:
-    """Key in `STANDARDS` of the standard by which a margin (response of `fpm.reading.margins`) is
-    taken."""
+    """Return the key in `STANDARDS` of the standard by which a torque margin is taken. margin: its
+    `Response`."""
     return next(word for word in margin.subjects if word in STANDARDS)
 
 
 def evidence_of(margin: Any) -> str:
-    """What the uncertainty factors of a margin (response of `fpm.reading.margins`) rest on: a word
-    of its standard such as theory or measurement."""
+    """Return what the uncertainty factors of a torque margin rest on: a word of its standard such
+    as theory or measurement. margin: its `Response`."""
     return margin.subjects[margin.subjects.index(standard_of(margin)) + 1]
 
 
 def left_out(margin: Any) -> list[str]:
-    """Names of the components, such as a spring that failed, without which a margin (response of
-    `fpm.reading.margins`) is taken."""
+    """List the components, such as a spring that failed, without which a torque margin is taken.
+    margin: its `Response`."""
     return list(margin.subjects[margin.subjects.index(standard_of(margin)) + 2 :])
 
 

@@ -83,7 +83,8 @@ def ids(samples: Any, rows: Sequence[int] | slice) -> list[str]:
 
 
 def counts(samples: Any) -> Counts:
-    """Count the different runs of the open `samples.nc` by their roles."""
+    """Count the different runs of the open `samples.nc` (equal parameters count once) by their
+    roles."""
     if keeps_extremes(samples):
         runs = samples.variables["value"].shape[0]
         return Counts(runs, runs - 1, 0, False)

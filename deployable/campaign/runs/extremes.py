@@ -92,7 +92,7 @@ class ScanChunk:
             self.events[name][row, : len(events)] = events[:, column]
 
     def write(self, path: Path) -> None:
-        """Write the chunk to the netCDF file `path`."""
+        """Write the chunk to the netCDF file `path`, without a seal (checksum)."""
         packed = {"zlib": True, "complevel": 1, "shuffle": True}
         events, curves = ("run", "event"), ("response", "time")
         variables = {
@@ -159,7 +159,7 @@ class ScanExtremes(common.Store):
         return count
 
     def missing(self, group: Runs) -> Runs:
-        """Return the runs of a chunk (`group`) that are not stored yet."""
+        """Return the runs of a chunk (`group`) that are not stored yet, to be simulated."""
         chunk = self.read(group)
         return group if chunk is None else group[np.flatnonzero(~chunk.mask)]
 

@@ -134,13 +134,13 @@ class Store:
 
 
 def title(path: Path) -> str:
-    """Return the name that the seal (checksum) of a group's file carries: `runs` and the file's
-    stem."""
+    """Return the name that the seal (checksum) of a group's file `path` carries: `runs` and the
+    file's stem."""
     return f"runs {path.stem}"
 
 
 def groups_of(runs: Runs, size: int) -> list[Runs]:
-    """Divide runs, in order, into groups of `size`; only the last may be smaller."""
+    """Divide runs, in order, into groups of `size` runs; only the last may be smaller."""
     return [runs[first : first + size] for first in range(0, len(runs), size)]
 
 
@@ -182,8 +182,8 @@ def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str])
 
 
 def write_dimension(file: Any, dimension: str, names: Iterable[str], long_name: str) -> None:
-    """Define a dimension in an open `netCDF4.Dataset`, one entry for each of `names`, which become
-    its coordinate variable; long_name: that variable's description."""
+    """Define a dimension in an open `netCDF4.Dataset` (`file`), one entry for each of `names`,
+    which become its coordinate variable; long_name: that variable's description."""
     names = np.array([str(name) for name in names], dtype=object)
     file.createDimension(dimension, len(names))
     variable = file.createVariable(dimension, str, (dimension,))

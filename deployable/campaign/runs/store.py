@@ -48,7 +48,7 @@ class Trajectories(Store):
         self._code = sources.reading()
 
     def path(self, run: PlannedRun) -> Path:
-        """Return the path of a run's file."""
+        """Return the path of a run's file, `<run id>.nc`."""
         return self.folder / f"{run.id}.nc"
 
     def missing(self, group: Runs) -> Runs:

@@ -57,7 +57,7 @@ class Workflow:
 
     @cache  # noqa: B019 - there is one campaign in a process
     def batch_count(self) -> int:
-        """Return how many batches of runs there are, each simulated by a job of its own."""
+        """Return into how many batches the runs are divided, each simulated by a job of its own."""
         return batch_count(self.campaign, count_runs(self.campaign.experiment))
 
     @cache  # noqa: B019

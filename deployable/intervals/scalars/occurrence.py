@@ -51,7 +51,8 @@ class Occurrence:
         return bool(self.happens.any() and not self.happens.all())
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Whether the event occurs (P), by the decision function, at `unit` (P, k) in [-1, 1]^k."""
+        """Mask (P) of the points `unit` (P, k) in [-1, 1]^k at which the event occurs, by the
+        decision function (`certainty`)."""
         return self.certainty(unit) >= 0
 
     def certainty(self, unit: np.ndarray) -> np.ndarray:

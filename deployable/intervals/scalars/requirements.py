@@ -50,7 +50,8 @@ class Limit:
 
     @property
     def error(self) -> float:
-        """Estimated error of the quantity: that of its surrogate plus that of the runs."""
+        """Estimated error of the quantity's values, in its unit: that of its surrogate plus that of
+        the runs."""
         return self.surrogate.error + self.run_error
 
     def slack_of(self, values: np.ndarray) -> np.ndarray:
@@ -207,8 +208,8 @@ ENDS = ("upper", "lower", "width")
 @dataclass(frozen=True)
 class Goal:
     """An objective of a choice of parameters: the bound ("upper", "lower") or the "width" (`kind`)
-    of a quantity's range over the box that the choice leaves. sign: 1 to minimise it, -1 to
-    maximise it."""
+    of a quantity's range over the box that the choice leaves, by its surrogate. sign: 1 to minimise
+    it, -1 to maximise it."""
 
     surrogate: ScalarSurrogate
     kind: str

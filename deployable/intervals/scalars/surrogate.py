@@ -34,7 +34,7 @@ class Extremes:
 
     @property
     def width(self) -> float:
-        """Difference of the largest and the least value."""
+        """Difference of the largest and the least value, NaN without values."""
         return self.high - self.low
 
 
@@ -313,8 +313,9 @@ class Influence:
 
 
 def influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
-    """Influence of each parameter on the width of a quantity's range, by the trend of its
-    surrogate, without further runs; nominal (k): nominal point of the parameters in [-1, 1]^k."""
+    """Compute the influence of each parameter on the width of a quantity's range, by its surrogate
+    (without kriging corrections), so without further runs. nominal (k): nominal values of the
+    parameters, normalized to [-1, 1]."""
     surrogate = surrogate.trend
     nominal = np.asarray(nominal, dtype=float)
     k = len(nominal)

@@ -37,8 +37,8 @@ def recorded(experiment: Experiment) -> int:
 
 
 def room_problems(campaign: Campaign) -> list[str]:
-    """Check that the disk of the working folder has room for a campaign's runs: returns a list of a
-    sentence on what is wrong and allowed, empty if it has."""
+    """Check that the disk of the working folder has room for a campaign's runs: returns a list,
+    with a sentence on what is wrong and allowed, or empty if it has."""
     bytes_each, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
     samples, keep = campaign.experiment.design.samples, campaign.jobs.keep
     if samples * bytes_each <= room:

@@ -327,7 +327,7 @@ def _choice_problem(name: str, choose: Choose, experiment: Experiment) -> str:
 
 
 def keep_problems(campaign: Campaign) -> list[str]:
-    """Check `jobs.keep` of a campaign: returns a list of a sentence if it excludes the design or
+    """Check `jobs.keep` of a campaign: returns a list, with a sentence if it excludes the design or
     the model of the bounds, or the disk lacks room; empty if all is right."""
     design, bounds = campaign.experiment.design, campaign.bounds
     if campaign.jobs.keep == "extremes":

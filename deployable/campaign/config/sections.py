@@ -127,8 +127,9 @@ class SceneChoice:
 
 @dataclass(frozen=True)
 class DesignChoice(DesignSection):
-    """Design of experiments: which runs are made, and the polynomial `order` of the surrogate, None
-    for another kind. existing: normalized points (n, k), -1 to 1, of an adaptive design's runs."""
+    """Design of experiments, section `design` of the config with what an `accuracy` adds: which
+    runs are made, and the polynomial `order` of the surrogate, None for another kind. existing:
+    normalized points (n, k), -1 to 1, of an adaptive design's runs, empty for other designs."""
 
     order: int | None = 3
     existing: tuple = ()
@@ -306,9 +307,10 @@ class Experiment:
 @dataclass(frozen=True)
 class Choose(Choosing):
     """Parameters whose nominal values are to be chosen by the worst case (section `choose`).
-    minimise, maximise: goals, texts such as `upper(t)` (upper bound of the quantity t); relative:
-    parameters whose intervals scale with the nominal value, while others keep their width (0
-    without an interval)."""
+    parameters: least and largest value by name; minimise, maximise: goals, texts such as `upper(t)`
+    (upper bound of the quantity t); order: of the surrogate along them; relative: those whose
+    intervals scale with the nominal value, while others keep their width (0 without an
+    interval)."""
 
     minimise: tuple[str, ...] = ()
     maximise: tuple[str, ...] = ()
@@ -390,7 +392,7 @@ MOST_STEPS = 10**9
 
 def steps_problems(solver: Solver, step: float) -> list[str]:
     """Check that a run with the time step `step` (s) has at most 10**9 steps (`MOST_STEPS`):
-    returns a list of a sentence if not, empty if so. solver: section of the config, with the
+    returns a list, with a sentence if not, or empty. solver: section of the config, with the
     duration."""
     if solver.duration / step <= MOST_STEPS:
         return []

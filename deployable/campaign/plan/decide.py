@@ -170,8 +170,8 @@ class Standing:
 
     @cached_property
     def needs(self) -> dict[str, Need]:
-        """What brings each response or quantity beyond its tolerance within it, an action, by
-        name."""
+        """For each response or quantity beyond its tolerance, by name: the action that would bring
+        it within, and why that cannot be done, if so."""
         return {error.name: self._need(error) for error in self.unmet}
 
     @property

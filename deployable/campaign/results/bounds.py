@@ -25,10 +25,11 @@ def analyse(
     folder: Folder, choice: BoundsChoice, with_errors: Callable[[Any], Any] | None = None
 ) -> None:
     """Fit the runs of a campaign, and write `surrogate.nc`, `bounds.nc` and `sensitivities.nc` into
-    `folder`, that of its results with `samples.nc`, the responses of all runs. choice: the model
-    (polynomial, spline, scan) whose bounds are taken; with_errors: function of the dataset of
-    bounds that returns it with further estimates of their errors; None: it is written as it is. A
-    scan's samples are read in pieces, so they may be larger than memory."""
+    `folder`, that of its results with `samples.nc`, the responses of all runs. choice: section
+    `bounds` of the config, with the model (polynomial or spline) whose bounds are taken;
+    with_errors: function of the dataset of bounds that returns it with further estimates of their
+    errors; None: it is written as it is. A scan's samples are read in pieces, so they may be larger
+    than memory."""
     import xarray as xr
 
     from deployable import intervals

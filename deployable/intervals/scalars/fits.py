@@ -68,8 +68,8 @@ class RootFunction:
 
     @property
     def trend(self) -> RootFunction:
-        """Copy to compare parts of the box: without the kriging correction that brings a polynomial
-        to single runs, if there is one."""
+        """Copy without the kriging correction that brings a polynomial to single runs, to compare
+        parts of the box with each other; an equal copy where there is none."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
     def formula(self) -> Formula:
@@ -129,8 +129,8 @@ class Fit:
 
     @property
     def trend(self) -> Fit:
-        """Copy to compare parts of the box: without the kriging correction that brings a polynomial
-        to single runs, if there is one."""
+        """Copy without the kriging correction that brings a polynomial to single runs, to compare
+        parts of the box with each other; an equal copy where there is none."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:

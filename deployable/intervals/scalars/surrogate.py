@@ -143,9 +143,9 @@ class ScalarSurrogate:
 
     @property
     def trend(self) -> ScalarSurrogate:
-        """Copy to compare parts of the box with each other: a kriging correction, which brings a
-        polynomial to single runs, is left out; a spline or polynomial without one stays as it
-        is."""
+        """Copy without the kriging correction that brings a polynomial to single runs, to compare
+        parts of the box with each other; splines, and surrogates without a fit, stay as they
+        are."""
         return self if self.fit is None else replace(self, fit=self.fit.trend)
 
     @property

@@ -18,7 +18,7 @@ ROOMS = ("intervals", "campaign")
 
 def other_fpm() -> str:
     """Check that the module `fpm` that Python finds is this program's, not that of Fortran's
-    package manager; returns an error message with the remedy, or an empty text."""
+    package manager; returns an error message with the remedy, or an empty text if it is."""
     spec = find_spec("fpm")
     place = Path(spec.origin).parent if spec and spec.origin else None
     ours = Path(__file__).parents[1] / "fpm"

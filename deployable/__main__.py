@@ -13,8 +13,8 @@ gc.set_threshold(10_000)
 
 
 def program() -> int:
-    """Run the command line (console script `deployable-intervals`) with `sys.argv`; ends the
-    process with the command's exit status, and returns 1 where it could not start or write its
+    """Run the command line (console script `deployable-intervals`) with `sys.argv`. Ends the
+    process with the command's exit status; returns 1 where it could not start or write its
     output."""
     if message := other_fpm():
         print(message, file=sys.stderr)

@@ -39,14 +39,15 @@ class CampaignError(Exception):
 
 
 class HeldConfigError(CampaignError):
-    """Raised where the config that a result file carries cannot be used by this program."""
+    """A config that a result file carries cannot be used by this program; `str()` is the
+    message."""
 
 
 def of_files(error: Exception, folder: Path) -> CampaignError | None:
-    """Turn an error of reading or writing a campaign's files into a message for users with its
-    remedy; None for other errors, which are the program's. error: as caught; folder: of the
-    results. netCDF's library names no cause: a limit of sizes, or a full disk, is guessed where
-    there is one."""
+    """Turn an error of reading or writing a campaign's files into a `CampaignError`, a message for
+    users with its remedy, to be raised; None for other errors, which are the program's. error: as
+    caught; folder: of the results. netCDF's library names no cause: a limit of sizes, or a full
+    disk, is guessed where there is one."""
     if isinstance(error, DamagedError):
         advice = "remove it and call snakemake or `python -m deployable run` to have it made again"
         return CampaignError(f"{error}; {advice}")
@@ -86,13 +87,8 @@ def _largest_file() -> int | None:
 
 
 class ConfigError(CampaignError):
-    """Raised with all problems found in a config, one sentence each, also as attributes.
-
-    Parameters
-    ----------
-    source : name of the file, or what else the config came from.
-    problems : sentences that start with the key.
-    """
+    """All problems found in a config, as the message and as attributes. source: name of the file,
+    or what else the config came from; problems: sentences that start with the key."""
 
     def __init__(self, source: str, problems: list[str]):
         self.source = source

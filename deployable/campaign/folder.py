@@ -21,7 +21,8 @@ def _file(name: str, text: str) -> Any:
 class Folder:
     """A folder of results, with the paths of its files as attributes: `results/<campaign>`, or of
     one round of an `accuracy` (rounds of more runs until bounds are good)
-    `results/<campaign>/rounds/<n>`; `folder / name` is the path of any other file."""
+    `results/<campaign>/rounds/<n>`; `folder / name` is the path of any other file. path: of the
+    folder."""
 
     path: Path
 
@@ -60,12 +61,12 @@ class Folder:
         return self.path, self.figures, self.overviews, self / "batches", self.motions
 
     def batch(self, number: int) -> Path:
-        """Path of the JSON file that is written when all runs of a batch (runs simulated in one
-        process) are stored; number: of the batch."""
+        """Path of the JSON file that is written when all runs of a batch (runs simulated by one
+        job) are stored; number: of the batch, from 0."""
         return self / f"batches/{number}.json"
 
     def runs(self, keep: str) -> Path:
-        """Folder in which runs are stored, the same for all rounds; keep: its name, that is
+        """Folder in which runs are stored, the same for all rounds. keep: its name, that is
         `jobs.keep` of the config, what is kept of a run: trajectories, responses or extremes."""
         return self.whole / keep
 
@@ -80,7 +81,7 @@ class Folder:
         return Folder(self / f"rounds/{number}")
 
     def previous(self) -> Folder | None:
-        """The folder of the round before the one that this folder is of; None for the first
-        round."""
+        """The folder of the round before the one that this folder is of; None for the first round.
+        Takes a round's folder."""
         number = int(self.path.name)
         return Folder(self.path.parent / str(number - 1)) if number else None

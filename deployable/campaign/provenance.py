@@ -47,16 +47,16 @@ def made_by(structure: str) -> str:
 def check_code(reread: bool = False) -> None:
     """Raise `fpm.errors.ChangedError` if files of the program were edited since it was imported, so
     that results would not be of the code that their digests name. Looks at Python files imported
-    since the last call and at all data files; reread: at all Python files again, too."""
+    since the last call and at all data files; reread: whether at all Python files again, too."""
     PROGRAM.check(reread)
     sources.MECHANICS.check(reread)
 
 
 @cache
 def program() -> dict[str, str]:
-    """What computes, texts by name: `program` (with version), `commit`, `processor`, and versions
-    of Python and packages; found once in a process. `commit` ends with `, changed` where files
-    differ from it, and is `unknown` without git."""
+    """What computes results, texts by name: `program` (with version), `commit`, `processor`, and
+    versions of Python and packages; found once in a process. `commit` ends with `, changed` where
+    files differ from it, and is `unknown` without git."""
     from importlib.metadata import PackageNotFoundError, version
 
     versions = {

@@ -35,16 +35,16 @@ def bounds_dataset(
     ----------
     samples
         Dimensions run, response, time, parameter; variables ``values`` (run, response, time),
-        ``normalized`` and ``value`` (run, parameter), ``role`` (run); coordinates ``time`` (s) and
-        ``response`` (names), and ``response_units``, ``response_long_name`` (response) to be
-        taken over. Running bounds may stand in the place of values, for the model "scan"
-        (see `read_samples`).
+        ``normalized`` (-1 to 1) and ``value`` (run, parameter), ``role`` (run); coordinates
+        ``time`` (s) and ``response`` (names), and ``response_units``, ``response_long_name``
+        (response) to be taken over. Running bounds may stand in the place of values, for the model
+        "scan" (see `read_samples`).
     design
         Its points must be among the runs (recognised by their unit coordinates, in any order). All
         other runs, whatever their role, test the polynomial. A scan without order has none: its
-        model is "scan". Splines and scans take all runs, and need no design.
+        model is "scan". Splines and scans take all runs, and need no design (None).
     responses
-        Names; by default all.
+        Names of those wanted; None: all.
     model
         One of `MODELS`: "polynomial", of the design's order through the design's runs; "spline",
         one cubic spline through all runs, those of a scan or held out included; "scan", the least
@@ -56,13 +56,14 @@ def bounds_dataset(
 
     Returns
     -------
-    Dataset with ``lower``, ``upper`` (guaranteed for the surrogate), ``inner_lower``,
-    ``inner_upper`` (attained), ``nominal`` and ``error`` (estimate for the bounds, with its parts
-    ``error_held_out`` and ``error_decay``), each (response, time) in the units of the response;
-    ``argmin``, ``argmax`` (response, time, parameter), the parameter values where; and the numbers
-    of the summary over response, such as ``largest_width`` and ``error_share_of_width``. No bound
-    is below the physical one, ``response_least`` (response), where samples have that;
-    ``largest_impossible`` says by how much the model was.
+    xarray.Dataset
+        Each (response, time) in the units of the response: ``lower``, ``upper`` (guaranteed for the
+        surrogate), ``inner_lower``, ``inner_upper`` (attained), ``nominal`` and ``error`` (estimate
+        for the bounds, with its parts ``error_held_out`` and ``error_decay``); ``argmin``,
+        ``argmax`` (response, time, parameter), the parameter values where; and numbers over
+        response, such as ``largest_width`` and ``error_share_of_width``. No bound is below the
+        physical one, ``response_least`` (response), where samples have that; ``largest_impossible``
+        says by how much the model was.
     """
     import xarray as xr
 
@@ -181,11 +182,12 @@ def add_errors(
     """Add further error components to a bounds dataset: returns a copy whose ``error`` (response,
     time) is the sum of the surrogate's and of all `parts`.
 
-    parts: errors (n, T) of n responses at T instants by name, such as those of a mesh, in the
-    responses' units, NaN where not known; the largest within `window` (half width, s) of each
-    instant counts. The copy gets ``error_surrogate`` and ``error_<name>`` (response, time), and
-    ``share_surrogate`` and ``share_<name>`` (response), as fractions of the width, both integrated
-    over time; ``largest_error``, its time and ``error_share_of_width`` are the sum's.
+    parts: errors (n, T) by name of the component, such as "mesh", of n responses at T instants, in
+    the responses' units, NaN where not known; the largest size within `window` (half width, s;
+    None: 0.5 % of the duration) of each instant counts. The copy gets ``error_surrogate`` and
+    ``error_<name>`` (response, time), and ``share_surrogate`` and ``share_<name>`` (response),
+    fractions of the width, both integrated over time; ``largest_error``, its time and
+    ``error_share_of_width`` are the sum's.
     """
     time = bounds["time"].values
     area = np.trapezoid((bounds["upper"] - bounds["lower"]).values, time)
@@ -207,8 +209,9 @@ def add_errors(
 
 
 def share_of(error: np.ndarray, time: np.ndarray, area: np.ndarray) -> np.ndarray:
-    """Relative errors (n,) of n responses: errors (n, T) integrated over time (T) s, divided by
-    `area` (n,), integrals over time of the widths of the bounds; 0 where these are 0."""
+    """Relative errors (n) of n responses, numbers: errors (n, T) integrated over time (T, s),
+    divided by `area` (n), the integrals over time of upper less lower bound; 0 where these are
+    0."""
     integrals = np.trapezoid(error, time)
     return np.divide(integrals, area, out=np.zeros_like(integrals), where=area > 0)
 
@@ -216,8 +219,8 @@ def share_of(error: np.ndarray, time: np.ndarray, area: np.ndarray) -> np.ndarra
 def hausdorff(
     lower: np.ndarray, upper: np.ndarray, reference_lower: np.ndarray, reference_upper: np.ndarray
 ) -> np.ndarray:
-    """Hausdorff distance (...) of the intervals [lower, upper] from reference intervals, all arrays
-    (...), element by element: the larger of the differences of lower and of upper bounds."""
+    """Hausdorff distance (...) of intervals from reference intervals, one by one: the larger of the
+    differences of their lower and of their upper bounds; all arrays (...)."""
     return np.maximum(np.abs(lower - reference_lower), np.abs(upper - reference_upper))
 
 
@@ -242,13 +245,15 @@ def compare_bounds(
     Returns
     -------
     hausdorff_largest
-        largest distance, in the response's units, and `hausdorff_largest_time`, when, in s.
+        largest Hausdorff distance of the intervals, in the response's units, and
+        `hausdorff_largest_time`, when, in s.
     hausdorff_rms
         root of the distance's mean square over time.
     hausdorff_integrated
-        integral of the distance over the integral of the reference's width; NaN for zero width.
+        integral of the distance over the integral of the reference's width; NaN or infinite for
+        zero width.
     width_ratio
-        integral of the width over that of the reference.
+        integral of the width over that of the reference, likewise.
     """
     distance = hausdorff(lower, upper, reference_lower, reference_upper)
     width = np.trapezoid(reference_upper - reference_lower, time)
@@ -265,7 +270,7 @@ def compare_bounds(
 
 
 def compare_runs(lower: np.ndarray, upper: np.ndarray, values: np.ndarray) -> dict[str, float]:
-    """Compute how well bounds over time hold for other runs.
+    """Compute how well bounds over time hold for other runs than those they were made of.
 
     Parameters
     ----------

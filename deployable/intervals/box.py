@@ -74,9 +74,9 @@ class Box:
         return np.where(self.free, unit, 0.0)
 
     def from_unit(self, unit: np.ndarray) -> np.ndarray:
-        """Parameter values (..., k) of normalized coordinates `unit` (..., k). -1 and 1 give
-        exactly `lower` and `upper`, and equal coordinates give equal values to the last bit: runs
-        are recognised by their values."""
+        """Parameter values (..., k) of normalized coordinates `unit` (..., k): -1 gives exactly
+        `lower`, 1 exactly `upper`, and equal coordinates give equal values to the last bit, as runs
+        are recognised by their values; beyond [-1, 1] the map goes on."""
         unit = np.asarray(unit, dtype=float)
         values = self.lower * ((1.0 - unit) / 2.0) + self.upper * ((1.0 + unit) / 2.0)
         in_cube = (np.abs(unit) <= 1.0) & self.free
@@ -84,20 +84,23 @@ class Box:
         return np.where(self.free, values, self.lower)
 
     def corners(self) -> np.ndarray:
-        """Normalized coordinates (2^f, k) of the corners: -1 or 1 in the f intervals with width."""
+        """Corners of the box in normalized coordinates (2^f, k): -1 or 1 in the f intervals with a
+        width, 0 in the others."""
         choices = [(-1.0, 1.0) if free else (0.0,) for free in self.free]
         return np.array(list(itertools.product(*choices)))
 
 
 def keys(points: np.ndarray, digits: int = 12) -> list[tuple[float, ...]]:
-    """Hashable keys of points (N, k), to find equal ones: their coordinates, rounded to `digits`
-    decimals, without -0, so that points that differ by rounding errors have the same key."""
+    """Hashable keys of points (N, k), one tuple of k numbers each, to find equal points:
+    coordinates rounded to `digits` decimals, without -0, so that rounding errors make no
+    difference."""
     return [tuple(point) for point in np.round(points, digits) + 0.0]
 
 
 def corner_points(free: np.ndarray) -> np.ndarray:
     """Corners (2^f, k) of [-1, 1]^k, ordered so that opposite ones follow each other and the first
-    few are spread out; free (k): mask of the f directions with a width, 0 in the others."""
+    few are spread out. free (k): mask of the f directions with a width; the coordinates in the
+    others are 0."""
     free = np.asarray(free, dtype=bool)
     dimension = int(free.sum())
     if dimension == 0:
@@ -110,13 +113,12 @@ def corner_points(free: np.ndarray) -> np.ndarray:
 
 
 def held_out_points(free: np.ndarray, count: int, avoid: np.ndarray | None = None) -> np.ndarray:
-    """Points (count, k) in [-1, 1]^k of validation runs, which test a surrogate and are not fitted.
-
-    free (k): mask of the directions with a width; avoid (R, k): points to be skipped, as a fitted
+    """Points (count, k) in [-1, 1]^k of validation runs, which test a surrogate and are not fitted;
+    none where no direction has a width. free (k): mask of the directions with a width, 0 in the
+    others; count: 0 to 100 000, else IntervalError; avoid (R, k): points to be skipped, as a fitted
     node says nothing of the error. Corners come first, for at most half of the points, because a
     surrogate is worst at the edges; then an R-sequence (Roberts 2018: additive recurrence with the
-    generalised golden ratio), whose first points are those of any longer sequence.
-    """
+    generalised golden ratio), whose first points are those of any longer one."""
     free = np.asarray(free, dtype=bool)
     count = check_integer("held_out", count, 0, 100_000)
     dimension = int(free.sum())
@@ -149,9 +151,9 @@ def _nearest(points: np.ndarray, unit: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def match_points(points: np.ndarray, unit: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
-    """Find the run at each design point (N, k): indices (N) of runs. unit (R, k): points of the
-    runs, in any order; tolerance: largest difference of a coordinate. All coordinates are
-    normalized, -1 to 1. IntervalError if a point has no run."""
+    """Find the run at each design point (N, k): returns indices (N) into the runs, or raises
+    IntervalError if a point has none. unit (R, k): points of the runs, in any order; tolerance:
+    largest difference of a coordinate. All coordinates are normalized, -1 to 1."""
     index, distance = _nearest(points, unit)
     missing = np.flatnonzero(distance > tolerance)
     if len(missing):
@@ -165,6 +167,7 @@ def match_points(points: np.ndarray, unit: np.ndarray, tolerance: float = 1e-8) 
 
 
 def other_runs(unit: np.ndarray, points: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
-    """Indices of the runs, at normalized points `unit` (R, k), that are at none of the design's
-    points (N, k), and may test a fit. tolerance: by which coordinates of one point may differ."""
+    """Find the runs that are at none of the design's points, which may test a fit to that design:
+    increasing indices into `unit` (R, k), normalized points of the runs; points (N, k): those of
+    the design; tolerance: largest difference of a coordinate between equal points."""
     return np.flatnonzero(_nearest(unit, points)[1] > tolerance)

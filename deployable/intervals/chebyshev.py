@@ -20,11 +20,9 @@ from .errors import IntervalError
 
 
 def _sine(numerator: np.ndarray, denominator: int) -> np.ndarray:
-    """sin(pi numerator / (2 denominator)), from the reduced fraction.
-
-    The sine form keeps the points symmetric to the last bit, and reducing the fraction makes a
-    point that belongs to two grids the same float in both: designs share runs by their values.
-    """
+    """sin(pi numerator / (2 denominator)), from the reduced fraction. The sine form keeps the
+    points symmetric to the last bit, and reducing the fraction makes a point that belongs to two
+    grids the same float in both: designs share runs by their values."""
     points = np.empty(len(numerator))
     for i, top in enumerate(int(t) for t in numerator):
         divisor = gcd(abs(top), 2 * denominator) or 1
@@ -33,47 +31,49 @@ def _sine(numerator: np.ndarray, denominator: int) -> np.ndarray:
 
 
 def roots(order: int) -> np.ndarray:
-    """The n + 1 roots of the Chebyshev polynomial of degree n + 1, ascending; order: n."""
+    """The n + 1 roots of the Chebyshev polynomial of degree n + 1, ascending in [-1, 1]; order:
+    n."""
     return _sine(2 * np.arange(order + 1) - order, order + 1)
 
 
 def lobatto(order: int) -> np.ndarray:
-    """The n + 1 extreme points of the Chebyshev polynomial of degree n in [-1, 1], ascending; 0 for
-    n = 0; order: n. They contain -1 and 1, and those of order n are among those of order 2n."""
+    """The n + 1 extreme points of the Chebyshev polynomial of degree n in [-1, 1], ascending;
+    order: n (0: the point 0). They contain -1 and 1, and those of order n are among those of order
+    2n."""
     return _sine(2 * np.arange(order + 1) - order, order) if order else np.zeros(1)
 
 
 def grid(lines: Sequence[np.ndarray]) -> np.ndarray:
-    """All combinations (N, k) of coordinates along k directions (k `lines`), the last fastest."""
+    """All combinations (N, k) of coordinates along k directions; lines: k arrays of coordinates, of
+    any lengths. The last direction varies fastest."""
     return np.stack([g.ravel() for g in np.meshgrid(*lines, indexing="ij")], axis=1)
 
 
 def tensor(order: Sequence[int]) -> np.ndarray:
-    """Multi-indices (M, k), degrees of Chebyshev products, of a full grid: all i with i_j <=
-    order_j, last direction fastest; order (k): highest degree of each direction."""
+    """Multi-indices i (M, k), degrees of Chebyshev products, of a full grid: all i with i_j <=
+    order_j, the last direction fastest; order (k): highest degree of each direction."""
     return grid([np.arange(n + 1) for n in order])
 
 
 def total_degree(order: Sequence[int]) -> np.ndarray:
-    """Multi-indices i (M, k), degrees of products of Chebyshev polynomials, with sum_j i_j /
-    order_j <= 1; for equal orders n total degree at most n. Sorted by total degree; C(n + k, k)
-    rows for equal orders: 20 at k = 3, n = 3. order (k): highest degree of each direction."""
+    """Multi-indices i (M, k), degrees of Chebyshev products, with sum_j i_j / order_j <= 1, sorted
+    by total degree; for equal orders n all of total degree at most n, C(n + k, k) rows: 20 at k =
+    3, n = 3. order (k): highest degree of each direction."""
     return _within_budget(order, lambda n: dict(zip(range(n + 1), range(n + 1), strict=True)))
 
 
 def smolyak(order: Sequence[int]) -> np.ndarray:
     """Multi-indices (M, k), degrees of Chebyshev products, of a Smolyak sparse grid with slow
-    growth, sorted by total degree; order (k): highest degree of each direction.
-
-    The union of the tensor sets of nested rules whose degrees, by the least polynomials that need
-    them, are a total-degree set; so it has every polynomial of that total degree (Barthelmann,
-    Novak and Ritter 2000 with the growth of Burkardt 2009: a rule grows only when it must).
-    """
+    growth, sorted by total degree; order (k): highest degree of each direction. The union of the
+    tensor sets of nested rules whose degrees, by the least polynomials that need them, are a
+    total-degree set; so it has every polynomial of that total degree (Barthelmann, Novak and Ritter
+    2000 with the growth of Burkardt 2009: a rule grows only when it must)."""
     return _within_budget(order, _nested_costs)
 
 
 def count_smolyak(order: Sequence[int]) -> int:
-    """Number M of products in a Smolyak sparse grid, without making them; order (k): as for it."""
+    """Number M of multi-indices that `smolyak(order)` has, without making them, to check the size
+    of a sparse grid; order (k): highest degree of each direction."""
     counts = {0.0: 1}  # rows so far, by the share of the order that they use
     for n in (int(n) for n in order if n):
         new_counts: dict[float, int] = {}
@@ -108,7 +108,8 @@ def _within_budget(order: Sequence[int], costs: Callable[[int], dict[int, int]])
 
 
 def product_basis(points: np.ndarray, indices: np.ndarray) -> np.ndarray:
-    """Values (N, M) at `points` (N, k) of Chebyshev products; indices (M, k): their degrees."""
+    """Values (N, M) of M Chebyshev products at `points` (N, k) in [-1, 1]^k; indices (M, k): their
+    degrees."""
     values = np.ones((len(points), len(indices)))
     for j in range(indices.shape[1]):
         highest = int(indices[:, j].max(initial=0))
@@ -119,22 +120,17 @@ def product_basis(points: np.ndarray, indices: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Surrogate:
-    """Polynomial surrogate sum_m coefficients[m] T_(i_m1)(x_1) ... T_(i_mk)(x_k), x in [-1, 1]^k.
-
-    Attributes
-    ----------
-    coefficients
-        (M, ...); the trailing axes are instants, responses or whatever was fitted together.
-    multi_indices
-        (M, k): degree i_mj of the Chebyshev polynomial T in each direction.
-    """
+    """Polynomial surrogate sum_m coefficients[m] T_(i_m1)(x_1) ... T_(i_mk)(x_k), x in [-1, 1]^k,
+    of one or more values at once. coefficients (M, ...): trailing axes are instants, responses or
+    whatever was fitted together; multi_indices (M, k): degree i_mj of the Chebyshev polynomial T in
+    each direction."""
 
     coefficients: np.ndarray
     multi_indices: np.ndarray
 
     @property
     def dimension(self) -> int:
-        """Number of directions (parameters) k."""
+        """Number k of parameters."""
         return self.multi_indices.shape[1]
 
     @property
@@ -159,8 +155,9 @@ class Surrogate:
         return full
 
     def restrict(self, direction: int, unit: np.ndarray) -> np.ndarray:
-        """Chebyshev coefficients (n_j + 1, ...) of the polynomial as a function of one coordinate j
-        (`direction`), the others held at the point `unit` (k) in [-1, 1]^k."""
+        """Chebyshev coefficients (n_j + 1, ...) of the polynomial as a function of one coordinate
+        alone, of index j (`direction`), the others held at those of the point `unit` (k) in [-1,
+        1]^k."""
         cross_indices = self.multi_indices.copy()
         cross_indices[:, direction] = 0
         weights = product_basis(np.asarray(unit, dtype=float)[None], cross_indices)[0]
@@ -171,9 +168,10 @@ class Surrogate:
 
 
 def least_squares(basis: np.ndarray, values: np.ndarray, least: float = 1e-10) -> tuple | None:
-    """Fit values (N, T) by the columns of `basis` (N, M): coefficients (M, T), and the leverage (N)
-    of each row (diagonal of the hat matrix), by a QR factorisation; None where the smallest pivot
-    is below `least` of the largest: the rows then do not determine every coefficient."""
+    """Fit values (N, T) by the columns of `basis` (N, M), with a QR factorisation: returns
+    coefficients (M, T), and the leverage (N) of each row (diagonal of the hat matrix), or None
+    where the smallest pivot is below `least` times the largest, as the rows then do not determine
+    every coefficient."""
     q, r = np.linalg.qr(basis)
     size = np.abs(np.diag(r))
     if size.min() < least * size.max():

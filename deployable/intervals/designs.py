@@ -28,22 +28,12 @@ MAX_TERMS = 10_000  # polynomials that can be fitted together on a sparse grid: 
 
 @dataclass(frozen=True)
 class Design:
-    """Points at which the model is run, and the polynomials that they determine.
-
-    Attributes
-    ----------
-    points
-        Normalized parameters (N, k) in [-1, 1].
-    multi_indices
-        Degrees (M, k) of the M <= N Chebyshev products; (0, k) for a scan without surrogate.
-    method
-        How the points were chosen, one of `METHODS`.
-    order
-        Polynomial order in each direction (k); 0 where the interval has no width.
-    lines
-        For a full tensor grid in the order of `multi_indices`: the coordinates along each
-        direction, (n_1 + 1), ..., (n_k + 1).
-    """
+    """Points of the box at which the model is run, and the polynomials that they determine. Made by
+    `make_design`. points (N, k): normalized parameters in [-1, 1]; multi_indices (M, k): degrees of
+    the M <= N Chebyshev products, (0, k) for a scan without surrogate; method: how the points were
+    chosen, a name in `METHODS` or "adaptive"; order (k): polynomial order by direction, 0 where the
+    interval has no width; lines: k arrays (n_j + 1) of coordinates, if the points are a full tensor
+    grid in the order of `multi_indices`, else None."""
 
     points: np.ndarray
     multi_indices: np.ndarray
@@ -53,7 +43,7 @@ class Design:
 
     @property
     def dimension(self) -> int:
-        """Number of directions (parameters) k."""
+        """Number k of parameters."""
         return self.points.shape[1]
 
     @property
@@ -64,21 +54,16 @@ class Design:
 
 @dataclass(frozen=True)
 class Method:
-    """A type of design of experiments: how it is made, and what a user must give.
+    """A type of design of experiments, an entry of `METHODS`: how it is made, and what a user must
+    give.
 
-    Attributes
-    ----------
-    make
-        ``make(orders, free, limit, **options)`` gives the points and the basis of a `Design` for
-        orders (k), 0 where a direction is not `free` (k), that is has no width; for no order if
-        `needs_order` is false. It calls `limit` with the number of its points as soon as that is
-        known; its keyword-only arguments are the options that a user has.
-    needs_order
-        Whether a user must give an order.
-    symmetric
-        Whether directions in another order have the same points, in that order. Directions of a
-        sequence are not alike; such a design is always made in one order of the parameters, a
-        campaign's in the structure's.
+    make: ``make(orders, free, limit, **options)`` returns a `Design` for orders (k), 0 in
+    directions without a width, and `free` (k), the mask of those with one; orders is None where a
+    user gave none. It calls ``limit(runs)``, which may raise, with the number of its points as soon
+    as that is known; its keyword-only arguments are the options that a user has. needs_order:
+    whether a user must give an order. symmetric: whether directions in another order have the same
+    points, in that order. Directions of a sequence are not alike; such a design is always made in
+    one order of the parameters, a campaign's in the structure's.
     """
 
     make: Callable[..., Design]
@@ -111,11 +96,13 @@ def make_design(
     box
         A Box, or a number of directions that all have a width.
     order
-        Polynomial order n >= 1, or one for each direction (0 keeps a direction constant). A scan
+        Polynomial order n >= 1, or one for each direction (0 keeps a direction constant). ``sobol``
         may have none: then there is no surrogate, only the least and largest sample. With one, the
         polynomials of that total degree are fitted by least squares.
+    max_runs
+        Largest number of points that is allowed.
     options
-        ``samples``, the number of points, and ``seed`` of the sequence (sobol).
+        Of ``sobol``: ``samples``, the number of points (1024), and ``seed`` of the sequence (0).
 
     Raises
     ------
@@ -162,11 +149,9 @@ def _tensor(rule, orders: np.ndarray, free: np.ndarray, limit: Callable[[int], N
 
 
 def _smolyak(orders: np.ndarray, free: np.ndarray, limit: Callable[[int], None]) -> Design:
-    """Sparse grid of nested Lobatto rules (1, 3, 5, 9, ... points).
-
-    The nodes of one direction are put in the order in which the nested rules add them; a basis
-    index then owns the node of the same number, and the points determine the basis.
-    """
+    """Sparse grid of nested Lobatto rules (1, 3, 5, 9, ... points). The nodes of one direction are
+    put in the order in which the nested rules add them; a basis index then owns the node of the
+    same number, and the points determine the basis."""
     count = chebyshev.count_smolyak(orders)
     limit(count)
     if count > MAX_TERMS:
@@ -211,14 +196,12 @@ METHODS: dict[str, Method] = {
 def scan_points(
     free: np.ndarray, samples: int = 1024, *, seed: int = 0, corners: bool = True
 ) -> np.ndarray:
-    """Points (samples, k) of a low-discrepancy sample of [-1, 1]^k: the corners, then a Sobol
-    sequence.
-
-    free (k): mask of the directions with a width, the others stay at 0; seed: of the sequence's
-    scrambling; corners: whether they are wanted: they are left out, too, when they would take more
-    than half of the samples. A sample with more points contains the smaller one with the same seed,
-    so that its runs are reused.
-    """
+    """Make points (samples, k) of a low-discrepancy sample of [-1, 1]^k: the corners, then a Sobol
+    sequence; a single point, 0, where no direction has a width. free (k): mask of the directions
+    with a width, the others stay at 0; seed: of the sequence's scrambling; corners: whether they
+    are wanted; they are left out, too, where they would be more than half of the samples. A longer
+    sample with the same seed contains the shorter one, whose runs are reused, unless only it has
+    corners."""
     samples = check_integer("samples", samples, 1, 10_000_000)
     seed = check_integer("seed", seed, 0, 2**32 - 1)
     free = np.asarray(free, dtype=bool)
@@ -238,8 +221,8 @@ def scan_points(
 
 def spread_points(free: np.ndarray, count: int, seed: int = 1) -> np.ndarray:
     """Points (about `count`, k) in [-1, 1]^k from which extreme values are sought: corners and a
-    Sobol sequence, half of it pushed to faces, in one direction a line; free (k): mask of the
-    directions with a width, 0 in the others; seed: of the sequence."""
+    Sobol sequence, half of it pushed to faces; along a line if only one direction has a width. free
+    (k): mask of the directions with a width, 0 in the others; seed: of the sequence."""
     dimension = int(np.sum(free))
     if dimension == 0:
         return np.zeros((1, len(free)))
@@ -255,13 +238,11 @@ def spread_points(free: np.ndarray, count: int, seed: int = 1) -> np.ndarray:
 
 
 def fit(design: Design, values: np.ndarray) -> Surrogate:
-    """Fit the polynomial of `design` to `values` (N, ...) of runs at its N points, in their order;
-    raises IntervalError for values that are not finite, or points that do not determine all
-    coefficients.
-
-    Tensor grids take one small matrix for each direction; the other designs use a QR factorisation:
-    a solve where there are as many points as coefficients, least squares where there are more.
-    """
+    """Fit the polynomials of `design` to `values` (N, ...) of runs at its N points, in their order;
+    returns a `Surrogate`. IntervalError for values that are not finite, a design without order, or
+    points that do not determine all coefficients. Tensor grids take one small matrix for each
+    direction; the other designs a QR factorisation: a solve where there are as many points as
+    coefficients, least squares where there are more."""
     values = np.asarray(values, dtype=float)
     if values.shape[:1] != (design.runs,):
         raise IntervalError("values", values.shape, f"{design.runs} rows, one for each point")

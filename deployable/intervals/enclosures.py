@@ -22,13 +22,11 @@ _CHUNK = 1 << 23
 
 
 def effects_enclosure(c: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper bounds (T) of T polynomials on [-1, 1]^k, by exact ranges of the main effects
-    and |coefficients| of the interactions. c (M, T): coefficients; indices (M, k): degrees of the
-    products.
-
-    p = c_0 + sum_j p_j(x_j) + interactions; |T_i| <= 1, and the range of a sum of functions of
-    different variables is the sum of their ranges. Sharp where interactions are small, and cheap.
-    """
+    """Bound T polynomials on [-1, 1]^k: returns lower and upper bounds (T), by exact ranges of the
+    main effects and |coefficients| of the interactions. c (M, T): coefficients; indices (M, k):
+    degrees of the Chebyshev products. p = c_0 + sum_j p_j(x_j) + interactions; |T_i| <= 1, and the
+    range of a sum of functions of different variables is the sum of their ranges. Sharp where
+    interactions are small, and cheap."""
     active = (indices > 0).sum(axis=1)
     rest = np.abs(c[active > 1]).sum(axis=0)
     lower, upper = c[active == 0].sum(axis=0), c[active == 0].sum(axis=0)
@@ -45,20 +43,19 @@ def effects_enclosure(c: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, n
 def grid_enclosure(
     c: np.ndarray, indices: np.ndarray, density: int = 8
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper bounds (T) of T polynomials on [-1, 1]^k: inflated extremes on a grid.
+    """Bound T polynomials on [-1, 1]^k: returns lower and upper bounds (T), inflated extremes on a
+    grid. c (M, T): coefficients; indices (M, k): degrees of the Chebyshev products; density: grid
+    points (extreme points of T_m) per degree, fewer where the grid would be too large; without one,
+    bounds are infinite.
 
-    Two inflations are valid, and the smaller one is taken at each instant:
+    Two inflations are valid, and the smaller one is taken for each polynomial:
 
-    - Ehlich and Zeller (1964): on the m roots of T_m a polynomial of degree n < m has
-      max |p| <= max_grid |p| / cos(n pi / (2 m)) in each direction; applied to p minus the middle
-      of its grid values.
+    - Ehlich and Zeller (1964): on the m roots of T_m a polynomial of degree n < m has max |p| <=
+      max_grid |p| / cos(n pi / (2 m)) in each direction; applied to p minus the middle of its grid
+      values.
     - with x_j = cos t_j, between the nodes of a grid of spacing h_j in t_j a function exceeds its
-      multilinear interpolant by at most sum_j h_j^2 / 8 max |d^2 p / d t_j^2|, and
-      |d^2 p / d t_j^2| <= sum i_j^2 |c_i|. Sharper where the coefficients decay.
-
-    The grid, extreme points of T_m, holds `density` points per degree, fewer where it would be too
-    large; without a grid bounds are infinite. `c` (M, T): coefficients of the Chebyshev products
-    `indices` (M, k).
+      multilinear interpolant by at most sum_j h_j^2 / 8 max |d^2 p / d t_j^2|, and |d^2 p / d
+      t_j^2| <= sum i_j^2 |c_i|. Sharper where the coefficients decay.
     """
     degrees = indices.max(axis=0)
     total = c.shape[1]
@@ -95,20 +92,11 @@ _WORK = 60_000  # numbers in all the patches that an instant may use on average
 def tighten(
     dense: np.ndarray, inner: np.ndarray, outer: np.ndarray, tolerance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Tighten upper bounds of T polynomials p over [-1, 1]^k, by subdivision.
-
-    Parameters
-    ----------
-    dense
-        Chebyshev coefficients (n_1 + 1, ..., n_k + 1, T).
-    inner, outer, tolerance
-        (T): a value that p attains, an upper bound, and the gap at which to stop.
-
-    Returns
-    -------
-    outer, value, argument
-        (T), (T), (T, k): the tighter bound, the best vertex value seen (-inf if none) and where.
-    """
+    """Tighten upper bounds of T polynomials p over [-1, 1]^k by subdivision of the box. dense (n_1
+    + 1, ..., n_k + 1, T): Chebyshev coefficients by degree; inner (T): values that p attains; outer
+    (T): upper bounds; tolerance (T): gap of both at which to stop. Returns new upper bounds (T),
+    the largest values seen at vertices (T), -inf where none exceeds `inner`, and their points (T,
+    k). Polynomials of a degree above 12, or of too many coefficients, keep their bounds."""
     degrees = np.array(dense.shape[:-1]) - 1
     size = int(np.prod(degrees + 1))
     outer = outer.copy()
@@ -212,11 +200,9 @@ def _apply(matrix: np.ndarray, tensor: np.ndarray, axis: int) -> np.ndarray:
 
 @cache
 def _from_chebyshev(n: int) -> np.ndarray:
-    """Matrix (n+1, n+1) from Chebyshev to Bernstein coefficients of degree n on [-1, 1].
-
-    T_i has the Bernstein coefficients (-1)^(i-l) C(2i, 2l) / C(i, l) of degree i (Rababah 2003);
-    they are then raised to degree n.
-    """
+    """Matrix (n+1, n+1) from Chebyshev to Bernstein coefficients of degree n on [-1, 1]. T_i has
+    the Bernstein coefficients (-1)^(i-l) C(2i, 2l) / C(i, l) of degree i (Rababah 2003); they are
+    then raised to degree n."""
     matrix = np.zeros((n + 1, n + 1))
     for i in range(n + 1):
         own = [(-1) ** (i - m) * comb(2 * i, 2 * m) / comb(i, m) for m in range(i + 1)]

@@ -8,17 +8,9 @@ from typing import Any
 
 
 class IntervalError(ValueError):
-    """A wrong input, with its key, its value and what is allowed.
-
-    Parameters
-    ----------
-    key
-        Name of the input, as the user wrote it (``"order"``, ``"interval a"``).
-    value
-        What was found.
-    allowed
-        What would have been accepted, as a short phrase.
-    """
+    """A wrong input, as a message "key: found value, allowed is ...". key: name of the input, as
+    the user wrote it (``"order"``, ``"interval a"``); value: what was found; allowed: what would
+    have been accepted, as a short phrase."""
 
     def __init__(self, key: str, value: Any, allowed: str) -> None:
         self.key = key
@@ -31,7 +23,8 @@ class IntervalError(ValueError):
 
 
 def check_choice(key: str, value: Any, choices: Iterable[str]) -> Any:
-    """Return `value` if it is among `choices`, else raise IntervalError that names it by `key`."""
+    """Return `value` unchanged if it is among `choices`, else raise IntervalError; key: name of the
+    input for the message."""
     names = tuple(choices)
     if value not in names:
         raise IntervalError(key, value, "one of " + ", ".join(names))
@@ -39,8 +32,9 @@ def check_choice(key: str, value: Any, choices: Iterable[str]) -> Any:
 
 
 def check_integer(key: str, value: Any, low: int, high: int) -> int:
-    """Return `value` as int if it is a whole number in [low, high] (by `__index__`, so no float; no
-    bool), else raise IntervalError; key: the input's name for the message."""
+    """Return `value` as int if it is a whole number from `low` to `high`, both included, else raise
+    IntervalError. Integer types only (`__index__`): 3.0 and True are refused. key: the input's name
+    for the message."""
     whole = isinstance(value, (int,)) or (hasattr(value, "__index__"))
     if isinstance(value, bool) or not whole or not low <= int(value) <= high:
         raise IntervalError(key, value, f"a whole number from {low} to {high}")
@@ -48,8 +42,8 @@ def check_integer(key: str, value: Any, low: int, high: int) -> int:
 
 
 def check_options(key: str, function: Callable, options: Mapping[str, Any]) -> None:
-    """Raise IntervalError for a name in `options` that is no keyword-only argument of `function`;
-    key: the input's name for the message."""
+    """Raise IntervalError for a name in `options` (values by name) that is no keyword-only argument
+    of `function`; key: name of the input for the message."""
     parameters = inspect.signature(function).parameters.values()
     names = [p.name for p in parameters if p.kind is p.KEYWORD_ONLY]
     for name in options:

@@ -40,14 +40,12 @@ _INDEPENDENT = 1e-3  # least singular value, beside the largest, of what held-ou
 
 
 def share_outside(runs: int, confidence: float | None = None) -> float:
-    """Volume fraction of the box of parameters on which the model leaves the range of `runs` runs,
-    at one instant, if these were drawn at random: its mean, or upper limit at a confidence (0 to
-    1).
-
-    By order statistics, whatever the model (Wilks 1941): the share between the extremes of N draws
-    has the density N (N - 1) s^(N - 2) (1 - s), so that the share outside has the beta distribution
-    of 2 and N - 1, with the mean 2 / (N + 1).
-    """
+    """Volume fraction of the box of parameters on which the model leaves the range of a number
+    `runs` of runs, at one instant, if these were drawn at random: its mean (confidence None), or
+    its upper limit at a confidence (0 to 1); 1 for fewer than two runs. By order statistics,
+    whatever the model (Wilks 1941): the share between the extremes of N draws has the density N (N
+    - 1) s^(N - 2) (1 - s), so that the share outside has the beta distribution of 2 and N - 1, with
+    the mean 2 / (N + 1)."""
     if runs < 2:
         return 1.0
     if confidence is None:
@@ -57,9 +55,10 @@ def share_outside(runs: int, confidence: float | None = None) -> float:
 
 def richardson_error(change: np.ndarray, ratio: np.ndarray | None = None) -> np.ndarray:
     """Discretization error (...) by Richardson extrapolation, from the change (...) of a result
-    when its mesh or step is halved: the sum of this and all further changes. ratio (...): of
-    successive changes, 2**p at order p (Richardson, Phil. Trans. R. Soc. A 210 (1911) 307), clipped
-    to RATIOS (2 to 16); None or NaN: unknown, taken as of first order, the largest error."""
+    when its mesh or step is halved: the sum of this and all further changes, with the sign of
+    `change`. ratio (...): of successive changes, 2**p at order p (Richardson, Phil. Trans. R. Soc.
+    A 210 (1911) 307), clipped to 2 to 16 (RATIOS); None or NaN: unknown, taken as 2, which gives
+    the largest error."""
     least, most = RATIOS
     ratios = np.full_like(change, least) if ratio is None else np.nan_to_num(ratio, nan=least)
     ratio = np.clip(ratios, least, most)
@@ -67,8 +66,9 @@ def richardson_error(change: np.ndarray, ratio: np.ndarray | None = None) -> np.
 
 
 def refinement_ratio(change: np.ndarray, finer_change: np.ndarray) -> np.ndarray:
-    """Ratio (...) of the sizes (...) of two successive changes of a result as its mesh or step is
-    halved: `change`, then `finer_change`; NaN where both are zero or not known."""
+    """Ratio (...) of two successive changes of a result as its mesh or step is halved twice: sizes
+    `change` (...) of the first, over `finer_change` (...) of the second; NaN where both are zero or
+    not known."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.divide(change, finer_change)
 
@@ -87,24 +87,27 @@ class ErrorEstimate:
 def error_estimate(
     time: np.ndarray, held_out: np.ndarray, decay: np.ndarray, window: float | None = None
 ) -> ErrorEstimate:
-    """Combine two error estimates (..., T) at instants `time` (T) s: held_out by runs that were not
-    fitted, decay by coefficients. `total` is the larger one, and of it the largest within `window`
-    (half width, s; None: 0.5 % of the duration) of each instant."""
+    """Combine two error estimates (..., T) of a surrogate at instants `time` (T, s): `held_out`, by
+    runs that were not fitted, and `decay`, by coefficients. The result's `total` is the larger one,
+    and of it the largest within `window` (half width, s; None: 0.5 % of the duration) of each
+    instant."""
     return ErrorEstimate(widen(time, np.maximum(held_out, decay), window), held_out, decay)
 
 
 def decay_estimate(
     surrogate: Surrogate, time: np.ndarray | None = None, window: float | None = None
 ) -> np.ndarray:
-    """Extrapolated tail (..., T) of a polynomial: the size of its first neglected coefficients.
+    """Extrapolate the neglected tail (..., T) of a polynomial from the decay of its coefficients:
+    the size of the first neglected ones, an error estimate of the polynomial over the box.
 
     In each direction the shells S_l = sum of |c_i| with i_j = l are formed, and the next two are
     extrapolated from the shells two and four places before them, S_(n+2) = S_n S_n / S_(n-2): two
     places at a time, since odd or even functions have every second coefficient zero. Where total
     degree limits the basis, its shells stand for all directions at once.
 
-    With `time` (T) s, the last axis, the largest coefficients within `window` (half width, s)
-    count: one that passes through zero would pretend a decay, or hide one.
+    time (T): instants (s) of the last axis, or None. With it, the largest coefficients within
+    `window` (half width, s; None: 0.5 % of the duration) count: one that passes through zero would
+    pretend a decay, or hide one.
     """
     indices, c = surrogate.multi_indices, np.abs(surrogate.coefficients)
     if time is not None:
@@ -129,14 +132,14 @@ def overruled(
     window: float | None = None,
 ) -> np.ndarray:
     """Limit the extrapolated tail `decay` (..., T) of a polynomial to what validation runs allow,
-    and return it; time: instants (T) s; window: half width (s) of the time in which the largest
-    counts.
+    and return it. points (N, k): of the fitted runs; unit (R, k): of the validation runs, which
+    were not fitted; residuals (R, ..., T): their values less the polynomial's; time (T): instants,
+    s; window: half width (s) of the time in which the largest counts, None: 0.5 % of the duration.
 
     A decay cannot be told from order 1, nor where every second coefficient is zero; a polynomial
     that is exact then has a tail as large as its last coefficients. But the next two coefficients
-    along each direction follow from the errors `residuals` (R, ..., T) at validation runs at `unit`
-    (R, k) of the fit through `points` (N, k), if these runs are enough to determine them. Then the
-    tail is at most `MAX_TAIL_RATIO` (10) times the sum of their sizes, or the largest residual;
+    along each direction follow from the residuals, if there are enough runs to determine them. Then
+    the tail is at most `MAX_TAIL_RATIO` (10) times the sum of their sizes, or the largest residual;
     with fewer runs it stays as it is.
     """
     highest = surrogate.degrees
@@ -160,14 +163,11 @@ def overruled(
 
 
 def usual(left_out: np.ndarray, directions: int) -> np.ndarray:
-    """Error (...) of a function fitted through adaptively sampled runs: a power mean of their
+    """Error (...) of a function fitted to adaptively sampled runs: a power mean of their
     leave-one-out errors `left_out` (N, ...), the power being the number of `directions` (parameters
-    that vary).
-
-    Any run may be next to the point that decides, and runs were placed where the fit was in doubt,
-    so that a mean counts. In more than 3 directions (`AVERAGED`), where few corners have runs: the
-    largest.
-    """
+    that vary). Any run may be next to the point that decides, and runs were placed where the fit
+    was in doubt, so that a mean counts. In more than 3 directions (`AVERAGED`), where few corners
+    have runs, the largest counts."""
     size = np.abs(left_out)
     if directions > AVERAGED:
         return size.max(axis=0)
@@ -197,8 +197,8 @@ def _ratio(last: np.ndarray, previous: np.ndarray) -> np.ndarray:
 
 
 def widen(time: np.ndarray, error: np.ndarray, window: float | None = None) -> np.ndarray:
-    """Largest value (..., T) of an error (..., T) within a time window about each instant of `time`
-    (T) s; window: its half-width in s, by default 0.5 % of the duration (WINDOW / 2)."""
+    """For each instant of `time` (T, s), the largest value of an error (..., T) within a time
+    window about it, returned as (..., T); window: half width in s, None: 0.5 % of the duration."""
     time = np.asarray(time, dtype=float)
     if len(time) < 2:
         return error.copy()

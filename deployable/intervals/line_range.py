@@ -20,19 +20,10 @@ _ROUNDS = 60
 
 
 def line_range(coefficients: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Least and largest value of Chebyshev sums on [-1, 1].
-
-    Parameters
-    ----------
-    coefficients
-        (n + 1, T): T sums of degree n. Leading zeros and constant sums are allowed.
-
-    Returns
-    -------
-    low, high, x_low, x_high, slack
-        (T) each: the extreme values, attained at the arguments x to rounding; nothing on [-1, 1]
-        lies outside [low - slack, high + slack], slack being the bound on the rounding errors.
-    """
+    """Find the least and largest value on [-1, 1] of T Chebyshev sums of degree n, of coefficients
+    (n + 1, T); leading zeros and constant sums are allowed. Returns low, high, x_low, x_high,
+    slack, (T) each: the extreme values, attained at the arguments x to rounding; no value lies
+    outside [low - slack, high + slack], `slack` being the bound on rounding errors."""
     c = np.asarray(coefficients, dtype=float)
     degree, total = c.shape[0] - 1, c.shape[1]
     ranges = np.empty((5, total))
@@ -118,10 +109,8 @@ def _classify(g, g1, g2, third, radius, target):
 
 
 def _waves(c, column, t, terms=2):
-    """g and its derivatives 1 ... terms at the angles t (P) of the sums `column` (P).
-
-    By Horner's rule on the unit circle: the m-th derivative of cos(k t) is Re (i k)^m exp(i k t).
-    """
+    """g and its derivatives 1 ... terms at the angles t (P) of the sums `column` (P). By Horner's
+    rule on the unit circle: the m-th derivative of cos(k t) is Re (i k)^m exp(i k t)."""
     z = np.exp(1j * t)
     sums = [np.zeros(len(t), dtype=complex) for _ in range(terms + 1)]
     for k in range(len(c), 0, -1):

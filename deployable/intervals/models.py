@@ -25,20 +25,12 @@ from .splines import check_spline_runs, fit_spline
 
 
 class Model:
-    """A model of n responses over the box, at T instants, for k parameters.
-
-    A new model is a subclass and a line in `MODELS`. Its constructor fits it to samples of runs;
-    design: points of those to be fitted; further keyword-only arguments are options of a user.
-
-    Attributes
-    ----------
-    kind
-        Words for its bounds; "enclosed ..." or "attained ..." where they are a model's range.
-    test_rows
-        Indices of the runs that were not fitted, and test it.
-    attributes
-        Further attributes of a bounds dataset, by name.
-    """
+    """A model of n responses over the box, at T instants, for k parameters; `bounds_dataset` takes
+    its bounds, errors and attributes. A new model is a subclass and a line in `MODELS`. Its
+    constructor fits it to `samples` of runs; design: the points of those to be fitted, None: all;
+    further keyword-only arguments are a user's options. kind: words for its bounds, "enclosed ..."
+    or "attained ..." where they are a model's range; test_rows: indices of the runs that were not
+    fitted, and test it; attributes: further ones of the bounds dataset, by name."""
 
     kind: str
     test_rows: np.ndarray = np.zeros(0, dtype=int)
@@ -48,27 +40,30 @@ class Model:
         raise NotImplementedError
 
     def range(self) -> Range:
-        """Range of the n responses over the box at T instants: bounds (n, T), and the points in
-        [-1, 1]^k where they are attained (n, T, k)."""
+        """Range of the n responses over the box at T instants: bounds (n, T), and the points (n, T,
+        k) in [-1, 1]^k where they are attained."""
         raise NotImplementedError
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
         """Estimated error (n, T) of `bounds`, the result of `range`; window: half width (s) of the
-        time in which the largest error counts, None for 0.5 % of the duration."""
+        time in which the largest error counts, None: 0.5 % of the duration."""
         raise NotImplementedError
 
     def centre(self) -> np.ndarray | None:
-        """Values (n, T) of the model at the centre of the box of parameters; None without any."""
+        """Values (n, T) of the model at the centre of the box of parameters; None for a model
+        without any."""
         return None
 
     def variables(self) -> dict:
-        """Further variables of a bounds dataset: (dimensions, values, attributes) by name."""
+        """Further variables of the bounds dataset by name: tuples of dimensions, values and
+        attributes."""
         return {}
 
 
 class PolynomialModel(Model):
-    """Chebyshev polynomials through a design's runs, with an enclosed range; all other runs test
-    them. tolerance: gap of enclosure and attained range, over the width, that is small enough."""
+    """Chebyshev polynomials through the runs at a design's points, with an enclosed range; all
+    other runs test them. tolerance: gap of enclosure and attained range, over the width, that is
+    small enough."""
 
     kind = "enclosed range of the polynomial"
 
@@ -80,12 +75,14 @@ class PolynomialModel(Model):
         self.attributes = {"design_runs": design.runs}
 
     def range(self) -> Range:
-        """Enclosed and attained range (n, T) of the polynomials over the box."""
+        """Enclosed and attained range (n, T) of the polynomials over the box, and where (n, T,
+        k)."""
         return surrogate_range(self.surrogate, self.tolerance)
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
         """Estimated error (n, T): the larger of residuals at runs not fitted and the neglected tail
-        of coefficients; window: half width (s) of the time in which the largest counts."""
+        of coefficients; bounds: ignored; window: half width (s) of the time in which the largest
+        counts, None: 0.5 % of the duration."""
         samples, surrogate = self.samples, self.surrogate
         unit, time = samples.unit[self.test_rows], samples.time
         residuals = samples.values[self.test_rows] - surrogate.evaluate(unit)
@@ -99,14 +96,15 @@ class PolynomialModel(Model):
 
 
 class ScanModel(Model):
-    """No model: the runs themselves, whatever the design; there may be more than memory holds.
+    """Bounds by the runs alone, without a fit: all of them, whatever the design (ignored); they may
+    be more than memory holds.
 
     A scan looks from the inside: its bounds grow with every sample and are never wider than the
     truth. How much they grew from the first half of the samples to all of them is its error: of the
     order of what is still missing, neither a bound nor blind, as the samples are not on a grid. How
     much they grew with the last quarter alone is in the dataset too, and which share of the box can
-    be expected to leave the bounds at one instant (`estimates.share_outside`). Samples are read run
-    by run in chunks, unless the dataset has the running bounds of each quarter (`quarters`).
+    be expected to leave the bounds at one instant (`estimates.share_outside`). Samples are read in
+    chunks of runs, unless the dataset has the running bounds of each quarter.
     """
 
     kind = "least and largest sample"
@@ -134,11 +132,13 @@ class ScanModel(Model):
         return attained(total.low, total.high, self.unit[total.low_run], self.unit[total.high_run])
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Growth (n, T) of the bounds from the first half of the runs to all of them."""
+        """Growth (n, T) of the bounds from the first half of the runs to all of them, as an error;
+        bounds and window are ignored."""
         return ErrorEstimate(self.growth, self.growth, np.zeros_like(self.growth))
 
     def variables(self) -> dict:
-        """Variable ``growth_quarter`` (response, time): growth of bounds by the last quarter."""
+        """Variable ``growth_quarter`` (response, time): growth of the bounds by the last quarter of
+        runs."""
         text = "growth of the bounds with the last quarter of the samples"
         return {"growth_quarter": (("response", "time"), self.growth_quarter, {"long_name": text})}
 
@@ -160,20 +160,21 @@ def _count_chosen(samples: Samples) -> int:
 
 
 class SplineModel(Model):
-    """One spline through all runs, whatever their design and role.
+    """One spline through all runs, whatever their design and role, as a model of the responses;
+    `samples`: of these runs.
 
     Its bounds contain every run, and are attained by the spline or a run; they are no enclosure.
     The error is what a run and the spline through all the others differ by (its left-out error):
 
     - the largest over the runs inside the box and those that `design`, if given, does not contain
-      (there the spline need not extrapolate), and in several directions over the runs next to
-      where each bound is attained, one more than there are directions;
+      (there the spline need not extrapolate), and in several directions over the runs next to where
+      each bound is attained, one more than there are directions;
     - of runs that were sought where the bounds are decided (`design.method` "adaptive"), in up to
-      three directions the mean over all of them, of a power as high as there are directions: any
-      of them may be next to a bound. In more directions no run is near most corners, and the
-      largest counts as of other runs.
+      three directions the mean over all of them, of a power as high as there are directions: any of
+      them may be next to a bound. In more directions no run is near most corners, and the largest
+      counts as of other runs.
 
-    To it comes the largest difference between a run and the spline through all.
+    Added is the largest difference between a run and the spline through all.
     """
 
     kind = "attained range of a spline through all runs"
@@ -205,14 +206,15 @@ class SplineModel(Model):
         return np.argsort(self.order)
 
     def range(self) -> Range:
-        """Range (n, T) that the spline or a run attains over the box, and where."""
+        """Range (n, T) that the spline or a run attains over the box, and where (n, T, k)."""
         bounds = spline_range(self.spline)
         argmin, argmax = bounds.argmin[..., self._inverse], bounds.argmax[..., self._inverse]
         return replace(bounds, argmin=argmin, argmax=argmax)
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Estimated error (n, T) by leave-one-out errors, as the class describes; bounds: those of
-        `range`; window: half width (s) of the time within which the largest error counts."""
+        """Estimated error (n, T) by leave-one-out errors, as the class describes; bounds: the
+        result of `range`; window: half width (s) of the time in which the largest counts, None: 0.5
+        % of the duration."""
         spline = self.spline
         free = int((spline.scales > 0).sum())
         if self.averages:

@@ -18,17 +18,10 @@ from .line_range import line_range
 
 @dataclass(frozen=True)
 class Range:
-    """Outer and inner range of a model over the box; arrays have the trailing shape (...) of it.
-
-    Attributes
-    ----------
-    lower, upper
-        The bounds: guaranteed where the model can be enclosed, else the attained ones.
-    inner_lower, inner_upper
-        Attained: the model takes these values at `argmin` and `argmax`.
-    argmin, argmax
-        (..., k) normalized parameters in [-1, 1].
-    """
+    """Outer and inner range over the box of what a model gives, whose arrays (responses, instants)
+    have the shape (...). lower, upper (...): the bounds, guaranteed where the model can be
+    enclosed, else the attained ones; inner_lower, inner_upper (...): attained ones, which the model
+    takes at `argmin` and `argmax` (..., k), normalized parameters in [-1, 1]."""
 
     lower: np.ndarray
     upper: np.ndarray
@@ -39,31 +32,32 @@ class Range:
 
     @property
     def gap(self) -> np.ndarray:
-        """By how much (...) outer bounds are wider than attained ones, summed over both sides."""
+        """By how much (...) the interval of the outer bounds is wider than that of the attained
+        ones, both sides together."""
         return (self.inner_lower - self.lower) + (self.upper - self.inner_upper)
 
 
 def attained(low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.ndarray) -> Range:
-    """Make a Range without an enclosure: low, high (...) attained values, which are outer bounds,
-    too; argmin, argmax (..., k): the points in [-1, 1]^k where."""
+    """Make the Range of a model without an enclosure: low, high (...) are attained values, which
+    become outer bounds, too; argmin, argmax (..., k): the points in [-1, 1]^k where they are
+    attained."""
     return Range(low, high, low, high, argmin, argmax)
 
 
 def raised(bounds: Range, least: np.ndarray) -> Range:
-    """Copy of the range `bounds` of a response that cannot be below `least`, its physical lower
-    bound (broadcast to (...)): all bounds below it are raised to it."""
+    """Copy of the range `bounds` with all bounds below `least` raised to it: the physical lower
+    bound of the responses, of a shape that broadcasts to (...), -inf where there is none."""
     ends = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
     return Range(*(np.maximum(end, least) for end in ends), bounds.argmin, bounds.argmax)
 
 
 def surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
-    """Bound a polynomial surrogate over [-1, 1]^k: its enclosed and its attained range.
-
+    """Bound a polynomial surrogate over [-1, 1]^k: its enclosed and its attained range, arrays of
+    the shape of its values. tolerance: gap of both, over the attained width, that is small enough.
     In one dimension (or where only one direction matters) it is exact to rounding. In several, the
     outer range is the tightest of the enclosures of `enclosures`, the inner one is attained
-    (`inner_range`); subdivision goes on until the gap is below `tolerance` times the inner width,
-    or its budget is spent. The gap is in the result either way.
-    """
+    (`inner_range`); subdivision goes on until the gap is small enough, or its budget is spent. The
+    gap is in the result either way."""
     indices = surrogate.multi_indices
     shape = surrogate.coefficients.shape[1:]
     k = indices.shape[1]
@@ -122,9 +116,10 @@ _CHUNK = 1 << 22
 def inner_range(
     coefficients: np.ndarray, indices: np.ndarray, sweeps: int = 30
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Low and high values (T) that T polynomials attain over [-1, 1]^k, and the points (T, k) of
-    either. indices (M, k): degrees of M Chebyshev products; coefficients (M, T); sweeps: most
-    passes of the search over all directions."""
+    """Find values that T polynomials attain over [-1, 1]^k, as extreme as a search by coordinate
+    ascent finds: returns low and high (T), and the points (T, k) of either. coefficients (M, T);
+    indices (M, k): degrees of M Chebyshev products; sweeps: most passes of the search over all
+    directions."""
     samples = sample_points(indices.max(axis=0))
     basis = product_basis(samples, indices)
     total = coefficients.shape[1]
@@ -141,9 +136,9 @@ def inner_range(
 
 
 def sample_points(degrees: np.ndarray) -> np.ndarray:
-    """Points (P, k) in [-1, 1]^k from which extreme values of polynomials of `degrees` (k) are
-    sought: the Lobatto grid of twice the degrees; where that has more than about a thousand, random
-    ones of it, with corners and centre."""
+    """Points (P, k) in [-1, 1]^k from which extreme values of polynomials are sought; degrees (k):
+    highest ones in each direction. The Lobatto grid of twice the degrees; where that has more than
+    1024 points, random ones of it, with corners and centre."""
     free = degrees > 0
     nodes = [lobatto(2 * int(n)) for n in degrees]
     if np.prod([float(len(x)) for x in nodes]) <= _MAX_GRID:
@@ -156,8 +151,9 @@ def sample_points(degrees: np.ndarray) -> np.ndarray:
 def climb(
     c: np.ndarray, indices: np.ndarray, start: np.ndarray, sweeps: int = 30
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Maxima (T) of T polynomials by coordinate ascent from points `start` (T, k) in [-1, 1]^k, and
-    where (T, k). c (M, T): coefficients; indices (M, k): degrees; sweeps: most passes."""
+    """Maximize T polynomials by coordinate ascent from points `start` (T, k) in [-1, 1]^k: returns
+    local maxima (T), and where (T, k). c (M, T): coefficients; indices (M, k): degrees of the
+    Chebyshev products; sweeps: most passes over all directions."""
     directions = [j for j in range(indices.shape[1]) if indices[:, j].any()]
     plans = {j: _Plan(indices, j) for j in directions}
     best = np.full(c.shape[1], -np.inf)

@@ -20,8 +20,9 @@ SMALLEST = 1e-3
 
 
 def shares_of(samples: Samples) -> Samples:
-    """Copy of samples in which each response m that is a ratio less one (d/r - 1, as margins) is
-    replaced by its share 1/(2 + m) = r/(r + d), which is smooth and can be fitted; others stay."""
+    """Copy of samples in which each response m that is a ratio less one, as a torque margin d/r -
+    1, is replaced by its share 1/(2 + m) = r/(r + d), which is smooth and can be fitted; others
+    stay."""
     share_samples = replace(samples)
     values = samples.values
     with np.errstate(divide="ignore"):
@@ -31,8 +32,9 @@ def shares_of(samples: Samples) -> Samples:
 
 
 def ratios_of(samples: Samples, bounds: Range, error: ErrorEstimate) -> tuple[Range, ErrorEstimate]:
-    """Transform back the range and error (n, T) of `shares_of(samples)` to those of the responses
-    of `samples`: for ratios less one, lower and upper bound are exchanged; others stay."""
+    """Transform back the range and error (n, T) of a fit to `shares_of(samples)`, to those of the
+    responses in `samples`: for ratios less one, lower and upper bound are exchanged; others
+    stay."""
     is_ratio, own = samples.ratios[:, None], samples.ratios[:, None, None]
     ends = (bounds.upper, bounds.lower, bounds.inner_upper, bounds.inner_lower)
     old = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
@@ -52,5 +54,6 @@ def ratios_of(samples: Samples, bounds: Range, error: ErrorEstimate) -> tuple[Ra
 
 
 def ratio(share: np.ndarray) -> np.ndarray:
-    """Ratio less one, 1/h - 2, of shares h = 1/(2 + m) in [0, 1], at least 0.001 (SMALLEST)."""
+    """Convert shares h = 1/(2 + m) (...), from 0 to 1, back to ratios less one m = 1/h - 2 (...);
+    shares below 0.001 (SMALLEST) count as that."""
     return 1.0 / np.clip(share, SMALLEST, 1.0) - 2.0

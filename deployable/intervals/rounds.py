@@ -17,16 +17,18 @@ _CELLS = 8  # of each direction: places in one cell are told apart no further
 
 @dataclass(frozen=True)
 class BoundPoints:
-    """Few points `unit` (P, k) in [-1, 1]^k that represent where bounds are attained; lower, upper
-    (n, T): index of that nearest to where this bound of a response is attained at an instant."""
+    """A few points `unit` (P, k) in [-1, 1]^k that stand for all points where bounds are attained;
+    `lower`, `upper` (n, T): for each bound of n responses at T instants, the index of the one
+    nearest to its own."""
 
     unit: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
 
     def errors(self, changes: np.ndarray) -> np.ndarray:
-        """Errors (n, T) of the bounds, from `changes` (P, n, T) of the n responses at the P points,
-        as by a finer mesh: the larger of the sizes at the points of lower and upper bound."""
+        """Errors (n, T) of the bounds, from changes (P, n, T) of the n responses at the P points,
+        as by a finer mesh: the larger size of those at the points of the lower and of the upper
+        bound."""
         sizes = np.abs(changes)
         n, instants = np.indices(self.lower.shape)
         return np.maximum(sizes[self.lower, n, instants], sizes[self.upper, n, instants])
@@ -35,12 +37,11 @@ class BoundPoints:
 def deciding_places(
     argmin: np.ndarray, argmax: np.ndarray, width: np.ndarray, count: int
 ) -> BoundPoints:
-    """Choose at most `count` points that represent where bounds are attained: argmin, argmax (n, T,
-    k) in [-1, 1]^k, of n responses at T instants; width (n, T): of the bounds.
-
-    Chosen one after the other from these points, each so that the distances from them to the
-    nearest chosen one fall most, weighted by the width at the instant relative to the mean one.
-    """
+    """Choose at most `count` points that stand for where bounds are attained, to repeat runs there
+    with a finer mesh. argmin, argmax (n, T, k) in [-1, 1]^k: where the bounds of n responses are
+    attained at T instants; width (n, T): upper less lower bound. Chosen one after the other from
+    these points, each so that the distances from all of them to the nearest chosen one fall most,
+    weighted by the width at the instant over the response's mean width."""
     mean = width.mean(axis=1, keepdims=True)
     weight = np.divide(width, mean, out=np.zeros_like(width), where=mean > 0)
     t = np.unique(np.linspace(0, width.shape[1] - 1, min(width.shape[1], _INSTANTS)).astype(int))
@@ -83,7 +84,8 @@ def seek_points(
     candidates: int = 16384,
     seed: int = 0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Next sample points of an adaptive design, where the spline exceeds the bounds of the runs.
+    """Find the next sample points of an adaptive design: where a spline through the runs exceeds
+    their bounds most.
 
     Parameters
     ----------

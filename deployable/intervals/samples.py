@@ -37,12 +37,10 @@ _RUNNING = ("lower", "upper", "lower_run", "upper_run")
 
 @dataclass(frozen=True)
 class Running:
-    """Running bounds of a stream of runs: least and largest values `low`, `high` (...) of each
-    response and instant, and the numbers `low_run`, `high_run` of the runs that have them.
-
-    Of equal values the one of the run with the least number counts, so that the result does not
-    depend on the order in which runs come, nor on how they were grouped.
-    """
+    """Least and largest values of a stream of runs, merged batch by batch: `low`, `high` (...), for
+    each response and instant, and `low_run`, `high_run` (...), the numbers of the runs that have
+    them. Of equal values that of the run with the least number counts, so that neither the order
+    nor the grouping of runs changes the result."""
 
     low: np.ndarray
     high: np.ndarray
@@ -51,7 +49,8 @@ class Running:
 
     @classmethod
     def of_runs(cls, values: np.ndarray, runs: np.ndarray) -> Running:
-        """Least and largest of finite values (R, ...); runs (R): the runs' numbers, increasing."""
+        """Make the least and largest values of R runs from their finite values (R, ...); runs (R):
+        numbers of the runs, increasing."""
         low, high = values.argmin(axis=0)[None], values.argmax(axis=0)[None]
         numbers = np.asarray(runs)
         return cls(
@@ -62,7 +61,8 @@ class Running:
         )
 
     def merge(self, rival: Running | None) -> Running:
-        """Running bounds of these runs and those of `rival` together (None: of these alone)."""
+        """Return the least and largest values of these runs and those of `rival` together; None:
+        these alone."""
         if rival is None:
             return self
         lower = _comes_first(rival.low, self.low, rival.low_run, self.low_run)
@@ -81,25 +81,17 @@ def _comes_first(value: np.ndarray, rival: np.ndarray, run: np.ndarray, rival_ru
 
 
 def quarter_ends(runs: int) -> list[int]:
-    """Five indices, from 0 to `runs` (a number of runs), at which their quarters begin and end."""
+    """Indices at which the four quarters of a sequence of runs begin and end: five, from 0 to
+    `runs`, the number of runs."""
     return [-(-runs * quarter // 4) for quarter in range(5)]
 
 
 @dataclass(frozen=True)
 class Samples:
-    """R runs with n responses at T instants and k parameters, read from a samples dataset.
-
-    Attributes
-    ----------
-    names, rows
-        (n): names of the responses, and their indices in `source`, the dataset.
-    time
-        Instants (T) in s.
-    unit
-        (R, k): normalized parameters of the runs, in [-1, 1].
-    nominal
-        The index of the nominal run, or None.
-    """
+    """R runs with n responses at T instants and k parameters, of a samples dataset (`samples.nc`).
+    names (n): of the responses; rows (n): their indices along `response` in `source`, the dataset;
+    time (T): instants, s; unit (R, k): parameters of the runs, normalized to [-1, 1]; nominal:
+    index of the run at nominal parameters, None without one."""
 
     names: list[str]
     rows: list[int]
@@ -110,7 +102,8 @@ class Samples:
 
     @cached_property
     def values(self) -> np.ndarray:
-        """Responses (R, n, T) of all runs, read at first use; IntervalError for any not finite."""
+        """Responses (R, n, T) of all runs, in double precision, read at first use; IntervalError
+        for values that are not finite, or where the dataset has only the least and largest."""
         if "values" not in self.source:
             raise IntervalError("samples", "extremes only", "the responses of every run")
         values = np.asarray(self.read(slice(None)), dtype=float)
@@ -121,14 +114,15 @@ class Samples:
 
     @cached_property
     def ratios(self) -> np.ndarray:
-        """Mask (n,) of the responses that are a ratio less one, as margins are (`ratios.py`)."""
+        """Mask (n) of the responses that are a ratio less one, as torque margins: available over
+        required torque, less 1. These are fitted after a transformation."""
         if "response_ratio" not in self.source:
             return np.zeros(len(self.names), bool)
         return self.source["response_ratio"].values[self.rows] > 0
 
     def read(self, runs: slice) -> np.ndarray:
-        """Responses (r, n, T) of the r runs in a slice, in the precision of the file; no others are
-        read into memory."""
+        """Read the responses (r, n, T) of the r runs that the slice `runs` selects, in the number
+        type of the dataset; the values of other runs are not loaded."""
         whole = self.rows == list(range(self.source.sizes["response"]))
         return self.source["values"][runs, slice(None) if whole else self.rows].values
 
@@ -141,7 +135,7 @@ class Samples:
     def quarters(self) -> Iterator[Running | None]:
         """Iterate over the four quarters of the runs: least and largest values (n, T) of each as
         `Running`, None for one without runs; from the dataset if it stores them, else from the
-        runs, chunk by chunk."""
+        runs, read in chunks."""
         if "values" not in self.source:
             arrays = [self.source[name].values[:, self.rows] for name in _RUNNING]
             quarters = (Running(*quarter) for quarter in zip(*arrays, strict=True))
@@ -159,13 +153,15 @@ class Samples:
             yield running
 
     def coordinates(self) -> dict:
-        """Coordinates of the source by name, for a new dataset of these responses."""
+        """Coordinates of the samples dataset by name, with the selected responses only, for a new
+        dataset of these: time, names, units and words of responses and parameters, as far as
+        present."""
         variables = {n: self.source[n].variable for n in _COORDINATES if n in self.source}
         return {n: v.isel(response=self.rows, missing_dims="ignore") for n, v in variables.items()}
 
     def parameters(self) -> Callable[[np.ndarray], np.ndarray]:
         """Function that maps normalized coordinates (..., k) in [-1, 1] to parameter values (...,
-        k): the affine map that the runs' values follow."""
+        k) in their units: the affine map that the runs' values follow."""
         value = np.asarray(self.source["value"].values, dtype=float)
         middle, half = value.mean(axis=0), np.zeros(self.unit.shape[1])
         for j, column in enumerate(self.unit.T):
@@ -177,13 +173,14 @@ class Samples:
 
 
 def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) -> Samples:
-    """Check a samples dataset and read all but its values; responses: names, by default all.
+    """Check a samples dataset and return it as `Samples`, whose values are read later; responses:
+    names of those wanted, None: all. IntervalError for what is missing or unknown.
 
     Variables ``values`` (run, response, time), ``normalized`` and ``value`` (run, parameter),
     perhaps ``role`` (run); coordinates ``time`` and ``response``. A scan may have, in the place of
     ``values`` and ``role``, the running bounds ``lower``, ``upper``, ``lower_run``, ``upper_run``
     (quarter, response, time) of each quarter of its runs, and perhaps ``nominal`` (response, time),
-    which the first of its runs then is. Raises IntervalError for what is missing or unknown.
+    which the first of its runs then is.
     """
     arrays = ("values",) if "lower_run" not in samples else _RUNNING
     for name in ("time", "response", *arrays, "normalized", "value"):

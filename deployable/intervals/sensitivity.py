@@ -22,19 +22,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Influence of each of k parameters on a response at each instant, arrays (k, ...).
-
-    Attributes
-    ----------
-    width
-        Exact width of the range when only this parameter varies, the others at the centre.
-    first
-        Fraction of the variance from this parameter alone (Sobol index of first order).
-    total
-        Fraction of the variance from all terms in which it takes part (total Sobol index).
-    variance
-        (...): the variance of the response itself.
-    """
+    """Influence of each of k parameters on responses, whose arrays (responses, instants) have the
+    shape (...). width (k, ...): exact width of the range when only this parameter varies; first (k,
+    ...): fraction of the variance from this parameter alone (Sobol index of first order); total (k,
+    ...): fraction from all terms in which it takes part (total Sobol index); variance (...): of the
+    response itself."""
 
     width: np.ndarray
     first: np.ndarray
@@ -43,14 +35,12 @@ class Sensitivity:
 
 
 def parameter_sensitivity(surrogate: Surrogate, centre: np.ndarray | None = None) -> Sensitivity:
-    """Compute the influence of each parameter on responses from their polynomial surrogate.
-
-    The Sobol-like shares (Sudret 2008) are read off the coefficients. They refer to the arcsine
-    density, for which Chebyshev polynomials are orthogonal and which weighs the ends of the
-    intervals more than a uniform one; intervals have no density, so this is a convention.
-    Where the variance is 0 they are 0. centre (k): point in [-1, 1]^k through which one parameter
-    at a time varies for the widths, by default the middle.
-    """
+    """Compute the influence of each parameter on responses from their polynomial surrogate. centre
+    (k): point in [-1, 1]^k through which one parameter at a time varies for the widths; None: the
+    middle. The Sobol-like shares (Sudret 2008) are read off the coefficients. They refer to the
+    arcsine density, for which Chebyshev polynomials are orthogonal and which weighs the ends of the
+    intervals more than a uniform one; intervals have no density, so this is a convention. Where the
+    variance is 0 they are 0."""
     indices, c = surrogate.multi_indices, surrogate.coefficients
     k, shape = surrogate.dimension, c.shape[1:]
     centre = np.zeros(k) if centre is None else np.asarray(centre, dtype=float)
@@ -77,8 +67,8 @@ def sensitivity_dataset(
     Parameters
     ----------
     samples
-        Runs as in `samples.nc`: ``values`` (run, response, time) and ``normalized`` (run,
-        parameter).
+        Runs as in `samples.nc`: ``values`` (run, response, time), ``normalized`` and ``value``
+        (run, parameter).
     design
         Points among the runs, and the polynomials that are fitted to these runs.
     responses
@@ -87,13 +77,13 @@ def sensitivity_dataset(
     Returns
     -------
     xarray.Dataset
-        Over (response, parameter, time): ``width`` in the response's units, ``first`` and ``total``
-        Sobol indices. Over (response, time): ``error``, the largest error of the polynomial at runs
-        that it was not fitted to, within a short time (without such runs, by the decay of its
-        coefficients): a width that is not above it may be the fit's noise. Over (response,
-        parameter): ``width_overall``, the width where it is above ``error``, integrated over time,
-        as a fraction of the sum over all parameters, and ``total_overall``, the variance-weighted
-        mean of the total indices.
+        Over (response, parameter, time): ``width``, of the range when only this parameter varies,
+        in the response's units, ``first`` and ``total`` Sobol indices. Over (response, time):
+        ``error``, the largest error of the polynomial at runs that it was not fitted to, within a
+        short time (without such runs, by the decay of its coefficients): a width that is not above
+        it may be the fit's noise. Over (response, parameter): ``width_overall``, the width where it
+        is above ``error``, integrated over time, as a fraction of the sum over all parameters, and
+        ``total_overall``, the variance-weighted mean of the total indices.
     """
     import xarray as xr
 
@@ -144,8 +134,8 @@ def surrogate_dataset(
     Parameters
     ----------
     samples
-        Runs as in `samples.nc`: ``values`` (run, response, time) and ``normalized`` (run,
-        parameter).
+        Runs as in `samples.nc`: ``values`` (run, response, time), ``normalized`` and ``value``
+        (run, parameter).
     design
         Points among the runs, and the polynomials that are fitted to these runs.
     responses
@@ -155,7 +145,8 @@ def surrogate_dataset(
     -------
     xarray.Dataset
         ``coefficient`` (response, term, time) in the response's units, ``multi_index`` (term,
-        parameter). A design without order has no terms and no coefficients.
+        parameter), the degrees of each term. A design without order has no terms and no
+        coefficients.
     """
     import xarray as xr
 

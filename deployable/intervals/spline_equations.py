@@ -21,9 +21,9 @@ MIN_SPACING, MIN_SPACING_ON_LINE = 1e-4, 1e-6
 
 
 def distinct(points: np.ndarray, factor: float = 1.0) -> np.ndarray:
-    """Indices, increasing, of runs at points (N, k) in [-1, 1]^k without near repeats: no two
-    nearer than `factor` times the least spacing (1e-4, on a line 1e-6); the first of such runs
-    stays."""
+    """Choose runs without near repeats: increasing indices of runs at points (N, k) in [-1, 1]^k,
+    no two nearer than `factor` times the least spacing (1e-4, on a line 1e-6); the first of such
+    runs stays."""
     on_line = (np.ptp(points, axis=0) > 0).sum() <= 1
     # equal runs in bulk first: a tree would list all their pairs
     _, first = np.unique(np.round(points, 9) + 0.0, axis=0, return_index=True)
@@ -38,8 +38,9 @@ def distinct(points: np.ndarray, factor: float = 1.0) -> np.ndarray:
 
 
 def line_rows(x: np.ndarray, knots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Indices and factors (P, 4) that give the value at x (P) of a cubic spline from a list of its
-    N values at knots (N), then N second derivatives. Beyond the outer knots it is straight."""
+    """Rows of the matrix that evaluates a cubic spline on a line at x (P): indices (P, 4) into the
+    list of its N values at knots (N, any order), then its N second derivatives there, and the
+    factors (P, 4) of these. Beyond the outer knots the spline is straight."""
     order = np.argsort(knots)
     t, count = knots[order], len(knots)
     cell = np.clip(np.searchsorted(t, x, side="right") - 1, 0, count - 2)
@@ -54,8 +55,9 @@ def line_rows(x: np.ndarray, knots: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 
 def solve_line(knots: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Second derivatives (N, T), at knots (N) in any order, of T natural cubic splines through
-    values (N, T), and their leave-one-out errors (N, T), infinite for fewer than three knots."""
+    """Fit T natural cubic splines on a line to values (N, T) at knots (N, any order): returns their
+    second derivatives (N, T) there, and leave-one-out errors (N, T), infinite for fewer than three
+    knots."""
     order = np.argsort(knots)
     h = np.diff(knots[order])
     second, left_out = np.zeros_like(values), np.full_like(values, np.inf)
@@ -85,8 +87,8 @@ def _tridiagonal(band: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 class Polyharmonic:
     """Factorised equations of a polyharmonic spline through N runs; cubes (N, N): distances between
-    runs to the third power; linear (N, m): m linear functions at the runs. Raises `IntervalError`
-    where the runs lie in one plane or too close together."""
+    runs to the third power; linear (N, m): values at the runs of m linear functions, the constant
+    and a coordinate each. IntervalError where the runs lie in one plane or too close together."""
 
     def __init__(self, cubes: np.ndarray, linear: np.ndarray):
         count, extra = linear.shape
@@ -111,8 +113,8 @@ class Polyharmonic:
         return x
 
     def weights(self, values: np.ndarray) -> np.ndarray:
-        """Solve for T splines through values (N, T) at the N runs: weights (N + m, T) of runs and
-        linear functions."""
+        """Solve for T splines through values (N, T) at the N runs: returns the weights (N + m, T)
+        of the runs, then of the m linear functions."""
         coords = self._rotate(values)
         if len(coords) > self._extra:
             coords[self._extra :] = scipy.linalg.cho_solve(
@@ -126,8 +128,8 @@ class Polyharmonic:
         )
 
     def left_out(self, weights: np.ndarray) -> np.ndarray:
-        """Leave-one-out errors (N, T) of T splines, from their weights (N + m, T): a run's weight
-        over that of a unit value."""
+        """Leave-one-out errors (N, T) at the runs of T splines, from their weights (N + m, T);
+        infinite where the other runs give no spline."""
         count = len(self._cubes)
         unit = self._rotate(np.eye(count))[self._extra :]
         if not len(unit):

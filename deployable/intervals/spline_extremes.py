@@ -23,13 +23,14 @@ _GAIN = 1e-13  # of the spread of the runs' values: a smaller gain is rounding
 
 
 def spline_range(spline: Spline, candidates: int = CANDIDATES) -> Range:
-    """Range that a spline attains over [-1, 1]^k at every instant, and where.
+    """Bound a spline over [-1, 1]^k: the range that it attains in each column (each response and
+    instant), and where; candidates: number of points, beside the runs, among which searches start.
 
-    On a line it is exact. Elsewhere Newton's method, kept inside the box, climbs from the best of
-    all the runs and of `candidates` points spread over the box, its faces, edges and corners: at
-    each instant from at most 2 + 2 f that are apart, f being the number of parameters that vary. No
-    enclosure: `lower` and `upper` are the attained values themselves, and contain every run, those
-    that count as repeats too.
+    Exact where the runs differ in one parameter. Elsewhere Newton's method, kept inside the box,
+    climbs from the best of all the runs and candidates (spread over the box, its faces, edges and
+    corners), in each column from at most 2 + 2 f that are apart, f being the number of parameters
+    that vary. No enclosure: the result's `lower` and `upper` are the attained values themselves;
+    they contain every run, those that count as repeats too.
     """
     shape = spline.weights.shape[1:]
     flat = spline.weights.reshape(len(spline.weights), -1)
@@ -54,11 +55,8 @@ def spline_range(spline: Spline, candidates: int = CANDIDATES) -> Range:
 
 
 def _line_maximum(spline: Spline, flat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Largest values (T) of a spline on a line and their points (T, k).
-
-    Between two knots the slope is a quadratic function, whose roots are known; beyond the outer
-    ones the spline is straight.
-    """
+    """Largest values (T) of a spline on a line and their points (T, k). Between two knots the slope
+    is a quadratic function, whose roots are known; beyond the outer ones the spline is straight."""
     j = int(np.argmax(spline.scales > 0))
     order = np.argsort(spline.points[:, j])
     knots, count = spline.points[order, j], len(spline.points)
@@ -127,13 +125,11 @@ def _best_of(spline, flat, trial, count) -> np.ndarray:
 
 
 def _climb(spline, flat, spread, start) -> tuple[np.ndarray, np.ndarray]:
-    """Maxima (T) by at most `_STEPS` steps of Newton's method from points (T, k), and where.
-
-    A step is one of the quadratic model of value, slopes and curvatures, downward curvatures taken
-    as upward ones, in the directions in which the box leaves the point free; it is no longer than a
+    """Maxima (T) by at most `_STEPS` steps of Newton's method from points (T, k), and where. A step
+    is one of the quadratic model of value, slopes and curvatures, downward curvatures taken as
+    upward ones, in the directions in which the box leaves the point free; it is no longer than a
     radius in unit coordinates, which halves twice where a step gains nothing and doubles else. They
-    end where the next one gains no more than rounding, by the `spread` (T) of the runs' values.
-    """
+    end where the next one gains no more than rounding, by the `spread` (T) of the runs' values."""
     free = np.flatnonzero(spline.scales > 0)
     half = spline.scales[free]
     x, columns = start.copy(), np.arange(len(start))

@@ -33,27 +33,17 @@ _SMALLEST = np.finfo(float).tiny / np.finfo(float).eps  # below it numbers have 
 
 @dataclass(frozen=True)
 class Spline:
-    """Cubic (polyharmonic) spline through N runs at points in [-1, 1]^k.
+    """Cubic (polyharmonic) spline through N runs at points in [-1, 1]^k; (...) is the shape of a
+    run's values, such as responses and instants. Made by `fit_spline`.
 
-    Attributes
-    ----------
-    points
-        (N, k): those of the runs, no two nearly the same.
-    scales
-        (k): distances are measured in scales * x; 0 where all the runs agree.
-    weights
-        (N + 1 + f, ...): of the runs, then the constant and the slopes of the f other directions.
-        On a line (2 N, ...): values and second derivatives at the runs.
-    left_out
-        (N, ...): value of each run less that of the spline through all the others; infinite where
-        the others give no spline.
-    values
-        (N, ...): responses of the runs.
-    lowest, highest, argmin, argmax
-        (...) and (..., k): extreme values of all runs given, repeated ones too, and where they are.
-    misfit
-        (...): largest difference of the spline and a run, of all runs given: rounding, and what
-        runs differ by that are nearly the same.
+    points (N, k): those of the runs, no two nearly the same; scales (k): factors of the coordinates
+    before distances are taken, 0 where all the runs agree; weights (N + 1 + f, ...): of the runs,
+    then the constant and the slopes of the f other directions (on a line (2 N, ...): values and
+    second derivatives at the runs); left_out (N, ...): value of each run less that of the spline
+    through all others, infinite where these give no spline; values (N, ...): of the runs; lowest,
+    highest (...) and argmin, argmax (..., k): extreme values of all runs given, repeated ones too,
+    and their points; misfit (...): largest difference of the spline and a run, by rounding and by
+    runs that are nearly the same.
     """
 
     points: np.ndarray
@@ -69,18 +59,20 @@ class Spline:
 
     @property
     def on_line(self) -> bool:
-        """Whether the runs differ in one parameter only; weights then have another meaning."""
+        """Whether the runs differ in one parameter only; `weights` are then values and second
+        derivatives."""
         return len(self.points) > 1 and int((self.scales > 0).sum()) == 1
 
     def line_rows(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Sparse rows of a spline on a line at points `unit` (P, k) in [-1, 1]^k: indices (P, 4) of
-        the weights that a value depends on, and their factors (P, 4)."""
+        """For a spline whose runs differ in one parameter only, the weights that its values at
+        points `unit` (P, k) in [-1, 1]^k depend on: indices (P, 4) into `weights`, and their
+        factors (P, 4)."""
         j = int(np.argmax(self.scales > 0))
         return line_rows(np.asarray(unit, dtype=float)[:, j], self.points[:, j])
 
     def basis(self, unit: np.ndarray):
         """Matrix (P, len(weights)) whose product with the weights is the spline's values at points
-        `unit` (P, k) in [-1, 1]^k; sparse on a line."""
+        `unit` (P, k) in [-1, 1]^k; a sparse one where the runs differ in one parameter only."""
         if self.on_line:
             index, factor = self.line_rows(unit)
             ends = np.arange(0, 4 * len(index) + 1, 4)
@@ -94,9 +86,9 @@ class Spline:
         return (self.basis(unit) @ flat).reshape(len(unit), *self.weights.shape[1:])
 
     def formula(self) -> Formula:
-        """Write the spline of a single number (weights (N, 1)) as a table, `Formula`, which other
-        programs can evaluate. On a line its weights are jumps of the third derivative over 12; many
-        runs close together cost digits there."""
+        """Write the spline of a single number (weights (N + 1 + f, 1), on a line (2 N, 1)) as a
+        table that other programs can evaluate. Where the runs differ in one parameter only, many
+        runs close together cost digits."""
         count, free = len(self.points), self.scales > 0
         linear = np.zeros(1 + len(free))
         if not self.on_line:
@@ -117,12 +109,9 @@ class Spline:
 
 
 def check_spline_runs(points: np.ndarray) -> None:
-    """Raise `IntervalError` unless runs at points (N, k) in [-1, 1]^k suffice for a spline and its
-    error.
-
-    There must be at most 4000 (`MAX_RUNS`), and a spline through all of them but any one, which
-    takes runs that are not in one plane. One run will do for a box without width.
-    """
+    """Raise `IntervalError` unless runs at points (N, k) in [-1, 1]^k suffice for a spline and for
+    its leave-one-out errors: at most 4000 (`MAX_RUNS`), and not all but one in one plane. One run
+    will do for a box without width."""
     points = np.asarray(points, dtype=float)
     if len(points) > MAX_RUNS:
         raise IntervalError("runs", len(points), f"at most {MAX_RUNS} runs for a spline")
@@ -141,14 +130,12 @@ def check_spline_runs(points: np.ndarray) -> None:
 
 
 def fit_spline(points: np.ndarray, values: np.ndarray, scales: np.ndarray | None = None) -> Spline:
-    """Spline through the values (N, ...) of runs at unit points (N, k), in [-1, 1]^k.
-
-    Runs that are nearly the same (`spline_equations.distinct`) count once, the first of them; where
-    rounding keeps the spline from going through the others, runs that are ten or a hundred times as
-    far apart do, too, and `misfit` says what that leaves. `scales` (k), of distances along each
-    direction, default to those that `choose_scales` finds. Needs one run more than there are
-    directions in which the runs differ, not all in one plane, and raises `IntervalError` otherwise.
-    """
+    """Fit a spline through the values (N, ...) of runs at points (N, k) in [-1, 1]^k. Runs that are
+    nearly the same count once, the first of them; where rounding keeps the spline from going
+    through the others, runs that are ten or a hundred times as far apart do, too, and the result's
+    `misfit` says what that leaves. scales (k): factors of the coordinates before distances are
+    taken; None: those of least leave-one-out errors (`choose_scales`). IntervalError unless there
+    is one run more than directions in which the runs differ, not all in one plane."""
     runs = np.asarray(points, dtype=float)
     for factor in _SPACINGS:
         rows = distinct(runs, factor)
@@ -205,12 +192,11 @@ def _solve(points, scales, flat) -> tuple[np.ndarray, np.ndarray]:
 
 
 def choose_scales(points: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Scales (k) of distances in a spline through values (N, T) at `points` (N, k) in [-1, 1]^k,
-    those of least leave-one-out errors, found by doubling and halving each; 0 where all runs agree.
-
-    The response may change over a tenth of one interval and hardly over all of another; distances
-    should tell. Columns count relative to their spread; a few hundred runs and instants choose.
-    """
+    """Choose scales (k), factors of the coordinates before distances are taken, for a spline
+    through values (N, T) at `points` (N, k) in [-1, 1]^k: those of least leave-one-out errors,
+    found by doubling and halving each; 0 where all runs agree. The response may change over a tenth
+    of one interval and hardly over all of another; distances should tell. Columns count relative to
+    their spread; at most 400 runs and 200 columns are used."""
     spread = _spread(points)
     scales = spread.astype(float)
     if spread.sum() < 2:

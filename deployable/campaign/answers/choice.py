@@ -51,9 +51,9 @@ def answer(
     threads: int,
 ) -> None:
     """Find the nominal values of chosen parameters whose worst case is best, with the runs that
-    this takes, and write `choice.json` into `folder`, a planned campaign's results. choose,
-    requirements, verify, jobs: sections of the config; tell: called with messages; threads: how
-    many simulate."""
+    this takes, and write `choice.json` into `folder`, that of a campaign's results, where the plan
+    is. choose, requirements, verify, jobs: sections of the config; tell: called with each message;
+    threads: how many simulate."""
     base_plan = read_plan(folder.plan)
     experiment = widened(base_plan.experiment, choose)
     plan = Plan(experiment, base_plan.mechanics, choose_step(experiment), Runs.of([]))
@@ -94,10 +94,11 @@ def answer(
 
 
 def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray]:
-    """Return normalized points (k), -1 to 1 in the box, to simulate next: those at which the
-    surrogate says that a limited event occurs, or does not, and so alone rules out a trial with a
-    better first goal than the best choice; nearest trials first. best, trials:
-    `intervals.scalars.Choice`, the best and all that were tried."""
+    """Find points to simulate next, before a choice is final: normalized points (k), -1 to 1 in the
+    box, at which only the surrogate says that a limited event occurs (or does not), and so rules
+    out a trial with a better first goal than the best choice. best, trials:
+    `intervals.scalars.Choice`, the best and all that were tried; choose: section of the config. The
+    trials nearest to the best come first."""
     sign = choose.goals[0][0]
     better = [
         trial
@@ -116,8 +117,8 @@ def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray
 
 
 def widened(experiment: Experiment, choose: Choose) -> Experiment:
-    """Return the experiment with an interval for each parameter to be chosen that spans all nominal
-    values allowed by `choose`, with the uncertainty about each."""
+    """Copy of an experiment in which the interval of each parameter to be chosen spans all nominal
+    values that `choose` (section of the config) allows, with the uncertainty about each."""
     intervals = dict(experiment.intervals)
     for name in choose.parameters:
         lower, upper = choose.ends(name, experiment)
@@ -126,8 +127,9 @@ def widened(experiment: Experiment, choose: Choose) -> Experiment:
 
 
 def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
-    """Return normalized points (N, k), -1 to 1 in the box, of the runs that surrogates over all
-    choices are fitted to: a sparse grid and a few validation runs. experiment: from `widened`."""
+    """Make the points (N, k), -1 to 1 in the box, of the runs that surrogates over all choices are
+    fitted to: a sparse grid and four validation runs. experiment: with the intervals of `widened`;
+    choose: section of the config, whose `order` the grid has along chosen parameters."""
     from deployable.intervals import held_out_points, make_design
 
     order, box = experiment.design.order, experiment.box
@@ -186,9 +188,10 @@ def _error(
 
 
 def deciding(trials: Sequence[Any], error: float) -> list[bool]:
-    """Return a flag for each chosen parameter: whether tried choices that differ only in it differ
-    by more than `error` (unit of the first goal) in that goal or, if no choice is allowed, in the
-    least margin to a limit. trials: `intervals.scalars.Choice`, all that were tried."""
+    """Tell which chosen parameters matter, one flag each: whether tried choices that differ only in
+    it differ by more than `error` in the first goal or, if no choice is allowed, in the least
+    margin to a limit. trials: `intervals.scalars.Choice`, all that were tried; error: in the unit
+    of that goal."""
     allowed = [trial.is_allowed for trial in trials]
     worth = np.array([
         trial.slack if not any(allowed) else trial.goals[0] if trial.is_allowed else np.inf

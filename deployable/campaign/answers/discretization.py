@@ -39,9 +39,9 @@ COMPONENTS = ("step", "mesh")
 
 
 def checked_components(plan: Plan, verify: Verify) -> tuple[str, ...]:
-    """Return for which of "step" (of time) and "mesh" to estimate the errors of a plan's bounds:
-    with an `accuracy` as its present round says, else both or none, as the section `verify` has
-    it."""
+    """Return which errors of a plan's bounds are to be estimated, of "step" (of time) and "mesh":
+    with an `accuracy` in the config what the plan's round asks for, else both or none, as the
+    section `verify` has it."""
     if plan.experiment.is_sought:
         return plan.adaptive.check
     return COMPONENTS if verify.discretization else ()
@@ -55,10 +55,12 @@ def check_bounds(
     threads: int = 1,
     components: tuple = COMPONENTS,
 ) -> Any:
-    """Return the dataset of a campaign's response bounds with errors by time step and mesh added,
-    after repeating the deciding runs with finer ones. folder: of results; bounds: the dataset;
-    jobs: section; tell: called with messages; components: "step", "mesh" or both. With an
-    `accuracy` it also gets ``quantity_error_<component>`` (quantity), in their units."""
+    """Add errors by time step and mesh to a campaign's response bounds: simulates the runs that
+    decide them again with finer ones, and returns a copy of the dataset with error components
+    (`intervals.add_errors`). folder: of the results, with plan and samples; bounds: the dataset;
+    jobs: section of the config; tell: called with each message; threads: how many simulate;
+    components: "step", "mesh" or both. With an `accuracy` it also gets
+    ``quantity_error_<component>`` (quantity), in their units."""
     from deployable import intervals
 
     model = ModelEvaluator.from_folder(folder, jobs, tell, threads)
@@ -78,11 +80,10 @@ def check_bounds(
 
 
 class RefinementLevel(NamedTuple):
-    """Plans from which the error by one component, time step or mesh, is estimated.
-
-    finer: plan with half the step, or twice as fine a mesh; third: one that shows the order of the
-    error, or None; ends_finest: whether it is finer still (a quarter of the step), not coarser.
-    """
+    """Plans whose runs show the error by one component, time step or mesh. finer: plan with half
+    the step, or half the step and a mesh twice as fine; third: one that shows the order of the
+    error, None if there is none; ends_finest: whether `third` is finer still (a quarter of the
+    step) or coarser (half the mesh)."""
 
     finer: Plan
     third: Plan | None
@@ -90,8 +91,9 @@ class RefinementLevel(NamedTuple):
 
     def ratio(self, coarse: np.ndarray, fine: np.ndarray, third: np.ndarray) -> np.ndarray:
         """Return the ratio of successive changes under refinement, |coarse to medium| / |medium to
-        fine|: 2**p at order p. coarse, fine, third: values (n,), or curves (..., T) of which the
-        mean changes over T count, of the original plan, of `finer` and of the plan `third`."""
+        fine|: 2**p at order p. coarse, fine, third: values (n), or curves (..., T), whose changes
+        count by their mean over T, of the original plan, of the plan `finer` and of the plan
+        `third`."""
         levels = (coarse, fine, third) if self.ends_finest else (third, coarse, fine)
         return refinement_ratio(*(_mean_size(change) for change in np.diff(levels, axis=0)))
 
@@ -103,14 +105,12 @@ def _mean_size(change: np.ndarray) -> np.ndarray:
 def estimate_discretization_errors(
     model: ModelEvaluator, bounds: list[QuantityBounds], components: tuple = COMPONENTS
 ) -> dict[str, np.ndarray]:
-    """Return the errors (q, 2) by "step" and "mesh", in a dict, of the lower and upper bounds of
-    all quantities, in their units: the changes when the runs at the bounds are refined,
-    extrapolated by the order at the bound that changes most.
-
-    bounds: of `converge_bounds`; components: "step", "mesh" or both. Where an event does not occur
-    in the refined run at a bound, the nearest run with it is taken. NaN for quantities without a
-    value; no "mesh" if no parameter sets it.
-    """
+    """Estimate the errors by time step and mesh of the bounds of all q quantities: a dict of arrays
+    (q, 2), for lower and upper bound, in their units, by "step" and "mesh". They are the changes
+    when the runs at the bounds are refined, extrapolated by the order at the bound that changes
+    most. bounds: of each quantity, as `converge_bounds` returns them; components: "step", "mesh" or
+    both. Where an event does not occur in the refined run at a bound, the nearest run with it is
+    taken. NaN for quantities without a value; no "mesh" if no parameter sets it."""
     points = np.array([point for b in bounds for point in (b.argmin, b.argmax)])
     values = np.array([value for b in bounds for value in (b.lower, b.upper)])
     q, errors = np.repeat(np.arange(len(bounds)), 2), {}
@@ -164,9 +164,10 @@ def _find_nearest_values(
 def estimate_fraction_errors(
     model: ModelEvaluator, bounds: list[QuantityBounds], errors: dict[str, np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return two errors (q,) by mesh and step for computing shares of the box: of each quantity's
-    values, in its unit, and of the function whose sign tells whether it occurs. Infinite where
-    refined runs disagree on that by an unknown amount. bounds: of `converge_bounds`; errors: of
+    """Return the errors by mesh and step that volume fractions of the box depend on, two arrays
+    (q): of each quantity's values, in its unit, and of the decision function, whose sign tells
+    whether it occurs; infinite where refined runs disagree on that by an unknown amount, 0 if
+    `errors` is empty. bounds: as `converge_bounds` returns them; errors: those of
     `estimate_discretization_errors`."""
     numbers, shifts = np.zeros(len(bounds)), np.zeros(len(bounds))
     if not errors:

@@ -42,13 +42,11 @@ _SHARE_CURVES = 4  # of a response in the file of a share of a scan
 
 @dataclass(frozen=True)
 class Estimate:
-    """What a campaign takes, estimated before it runs.
-
-    runs: largest number, without those that answers add; seconds: wall-clock time on all cores, of
-    which `compiling` (s) compiles kernels; integrating: core time (s) of all runs; bytes: on disk;
-    is_budget: whether these are limits set by the config, mostly far more than will be used;
-    answers: names of the answers that add runs, as text.
-    """
+    """What one call of `run` takes, estimated before; `str()` is a sentence for users. runs: most
+    planned runs, without further ones at bounds and limits; seconds: wall-clock time on all cores,
+    `compiling` (s) of it to compile kernels; integrating: core time (s) of all runs; bytes: on
+    disk; is_budget: whether seconds are a limit set by the config, mostly far more than will be
+    used; answers: what adds further runs, in words, such as "quantities"."""
 
     runs: int
     seconds: float
@@ -70,8 +68,8 @@ class Estimate:
 
 
 def estimate(campaign: Campaign) -> Estimate:
-    """Estimate runs, time and disk of one call of `run` for a campaign, with its page. The time is
-    right to a factor of 1.5, or of about two where simulating takes most of it
+    """Estimate runs, time and disk of one call of `run` for a campaign (checked config), with its
+    page. The time is right to a factor of 1.5, or of about two where simulating takes most of it
     (`fpm.scenes.effort`)."""
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs = count_runs(experiment)
@@ -129,7 +127,7 @@ def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
 
 
 def runs_there(campaign: Campaign, folder: Folder) -> str:
-    """Return text that says how many runs of a campaign its folder of results has stored, and why
+    """Return text for users: how many runs of a campaign its folder of results has stored, and why
     others must be made again; empty where it has none, and with an `accuracy`, whose runs are not
     known yet."""
     keep = campaign.jobs.keep
@@ -154,7 +152,7 @@ def runs_there(campaign: Campaign, folder: Folder) -> str:
 
 
 def cores() -> int:
-    """Return the number of processor cores of this machine."""
+    """Return the number of processor cores of this machine, 1 if it is unknown."""
     return os.cpu_count() or 1
 
 

@@ -29,13 +29,16 @@ SAME_RUN, SAME_POINT = 1e-6, 2e-4
 
 
 class ModelEvaluator:
-    """Holds R runs of a campaign, and simulates further ones where an answer needs them in the box.
+    """The R runs that surrogates are fitted to, and simulation of further ones at any point of the
+    box. `unit` (R, k): normalized points, -1 to 1; `numbers` (R, q): quantities, NaN if absent;
+    `margins` (R, q): event margins, by how much each event occurs, above 0 if so, NaN if not known.
+    `further`: planned runs that were added, at most `max_further`; `simulated`: how many were not
+    stored before. Of a large scan only some runs are held: `unfitted` counts the others,
+    `unfitted_with` (q) those with each quantity.
 
-    `unit` (R, k): normalized points, -1 to 1; `numbers` (R, q): quantities, NaN if absent;
-    `margins` (R, q): by how much each event occurs, above 0 if so. `further`: runs added here, at
-    most `max_further`; `simulated`: how many were not stored before. Of a large scan some runs are
-    held; `unfitted` counts the rest, `unfitted_with` (q) those with each quantity. plan: sets step
-    and mesh; jobs: section of the config; folder: of results; tell: called with messages.
+    plan: sets scene, step and mesh; jobs: section of the config; folder: of the results; tell:
+    called with each message; threads: how many simulate. A new evaluator holds no runs (see
+    `from_folder`).
     """
 
     max_further: float = math.inf
@@ -58,9 +61,10 @@ class ModelEvaluator:
     def from_folder(
         cls, folder: Folder, jobs: Jobs, tell: Tell, threads: int = 1, further: bool = False
     ) -> ModelEvaluator:
-        """Make an evaluator that holds the runs in `samples.nc` of a folder of results, with
-        `further` also those in `further.nc`. jobs: section of the config; tell: called with
-        messages."""
+        """Make an evaluator of a folder of results, from its plan and `samples.nc` (of a large scan
+        those runs only that are fitted), with event margins; further: whether to add the runs in
+        `further.nc`, which must exist. jobs: section of the config; tell: called with each message;
+        threads: how many simulate."""
         model = cls(read_plan(folder.plan), jobs, folder, tell, threads)
         with open_netcdf(folder.samples) as samples:
             unit = samples["normalized"][:]
@@ -83,7 +87,7 @@ class ModelEvaluator:
 
     @property
     def experiment(self) -> Experiment:
-        """The plan's experiment: scene, solver, intervals and all else that decides its runs."""
+        """Experiment of the plan: scene, solver, intervals and all else that decides its runs."""
         return self.plan.experiment
 
     @cached_property
@@ -99,9 +103,9 @@ class ModelEvaluator:
         return row, float(distances[row])
 
     def describe_point(self, point: np.ndarray, q: int) -> dict:
-        """Describe a normalized point (k) as plain data: parameter values by name (`at`), whether a
-        run was made there (`ran`), and that run's value (`simulated`) of the quantity with index
-        `q`, None without a run or a value."""
+        """Describe a normalized point (k) as a dict for JSON: parameter values by name (`at`),
+        whether a run was made there (`ran`), and the value (`simulated`) in it of the quantity of
+        index `q`, None without a run or a value."""
         box = self.experiment.box
         values = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
         run, distance = self.nearest(point)
@@ -110,11 +114,9 @@ class ModelEvaluator:
         return {"at": values, "ran": ran, "simulated": number(value)}
 
     def add(self, points: Sequence[np.ndarray]) -> np.ndarray:
-        """Simulate and add runs at normalized points (P, k) that have none yet, and return the
-        index (P,) of the run at each, or of the nearest once `max_further` runs are added.
-
-        Raises `CampaignError` if a run fails.
-        """
+        """Simulate runs at normalized points (P, k) that have none yet, add them to the held ones,
+        and return the index (P) of the run at each, or of the nearest once `max_further` runs are
+        added. Raises `CampaignError` if a run fails."""
         additions: list[np.ndarray] = []
         for point in points:
             present = np.array([*self.unit, *additions]).reshape(-1, self.unit.shape[1])
@@ -131,11 +133,13 @@ class ModelEvaluator:
 
     @property
     def distinct_rows(self) -> np.ndarray:
-        """Indices of the held runs without repeated points (the nominal run may be a node, too)."""
+        """Increasing indices of the held runs, each point of the box once: the nominal run may be
+        one of the design, too."""
         return np.sort(np.unique(np.round(self.unit, 9) + 0.0, axis=0, return_index=True)[1])
 
     def surrogates(self) -> list[Any]:
-        """Fit and return a surrogate (`intervals.scalars.ScalarSurrogate`) of each quantity."""
+        """Fit a surrogate (`intervals.scalars.ScalarSurrogate`) of each quantity to the held runs;
+        returns a list in the order of quantities."""
         from deployable.intervals.scalars import fit_scalar
 
         end = self.experiment.solver.duration
@@ -146,16 +150,16 @@ class ModelEvaluator:
         ]
 
     def evaluate(self, plan: Plan, points: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Return the quantities and the event margins, each (P, q), of runs at normalized points
-        (P, k) with mesh and step of `plan`, simulated unless stored; the runs are not added to this
-        evaluator."""
+        """Return quantities and event margins, (P, q) each, of runs at normalized points (P, k),
+        with mesh and step of `plan`, which may be finer than the evaluator's own. They are
+        simulated unless stored, and not added to the held runs."""
         records = self.records(plan, runs_at(plan, points))
         margins = margins_of(self.experiment, np.array([record.values for record in records]))
         return np.array([record.numbers for record in records]), margins
 
     def records(self, plan: Plan, runs: Sequence[PlannedRun]) -> list[RunRecord]:
-        """Return the `RunRecord` (curves, events, quantities) of each of a plan's runs, in order,
-        simulated unless stored. Raises `CampaignError` if a run fails."""
+        """Return the `RunRecord` (curves, events, quantities) of each of a plan's runs, in their
+        order, simulated unless stored. Raises `CampaignError` if a run fails."""
         store = open_store(self.keep, self.store, plan.experiment)
         records, simulation = {}, Simulation(plan, self.jobs.group, self.threads)
         for group in store.groups(Runs.of(runs).unique(), self.jobs.group):
@@ -173,8 +177,8 @@ class ModelEvaluator:
 
 
 def runs_at(plan: Plan, points: Sequence[np.ndarray]) -> list[PlannedRun]:
-    """Return runs to be made beyond the design (role "further") at normalized points (P, k), -1 to
-    1 in the box, with the mesh and step of a plan; nothing is simulated."""
+    """Make planned runs beyond the design (role "further") at normalized points (P, k), -1 to 1 in
+    the box, with mesh and step of a plan; nothing is simulated."""
     experiment, runs = plan.experiment, []
     for point in points:
         values = tuple(map(float, experiment.box.from_unit(point)))
@@ -185,5 +189,5 @@ def runs_at(plan: Plan, points: Sequence[np.ndarray]) -> list[PlannedRun]:
 
 
 def number(value: float) -> float | None:
-    """Return a number as JSON can hold it: None for NaN and infinity."""
+    """Convert a number to what JSON can hold: None for NaN and infinity, else a float."""
     return float(value) if np.isfinite(value) else None

@@ -25,11 +25,11 @@ _HALVINGS = 3  # of the stretch on which a border lies
 def estimate_limit_state_error(
     model: ModelEvaluator, q: int, occurrence: Any, finest: Plan
 ) -> tuple[float, float]:
-    """Return two errors by step and mesh: of the border in the box between occurrence and absence
-    of quantity `q` (its index), as a change of the function whose sign tells which, and of the
-    quantity's value near it, NaN if no run has it. occurrence: the surrogate's model of where it
-    occurs; finest: plan with the finest step and mesh. If it occurs in all runs, or none, the first
-    is the change of their event margins, 0 where they have none."""
+    """Estimate two errors by step and mesh, from runs near the border in the box between occurrence
+    and absence of the quantity of index `q`: of that border, as a change of the decision function
+    whose sign tells which, and of the quantity's value near it, NaN if no run has it. occurrence:
+    of the quantity's surrogate; finest: plan with the finest step and mesh. If it occurs in all
+    runs, or none, the first is the change of their event margins, 0 where they have none."""
     happens = np.isfinite(model.numbers[:, q])
     if occurrence.is_mixed:
         scores, score = occurrence.certainty(model.unit), occurrence.run_certainty

@@ -18,7 +18,7 @@ _OVERSHOOT = 1e-3  # by how much farther from the nominal values than the border
 
 @dataclass(frozen=True)
 class LimitSpec:
-    """One limit that a requirement, by name, sets on the quantity with index `quantity`. kind:
+    """One limit that a `requirement`, by name, sets on the quantity of index `quantity`. kind:
     "at_least", "at_most" or "happens"; level: bound in the quantity's unit; of "happens" 1 if the
     event must occur, 0 if it must not."""
 
@@ -29,7 +29,7 @@ class LimitSpec:
 
 
 def list_limits(requirements: Mapping[str, Mapping], quantities: list[str]) -> list[LimitSpec]:
-    """Return all limits that requirements set, in their order. requirements: section of the config,
+    """List all limits that requirements set, in their order. requirements: section of the config,
     limits by requirement and by quantity; quantities: names of all quantities, in order."""
     return [
         LimitSpec(name, quantities.index(quantity), kind, float(bounds[kind]))
@@ -42,14 +42,13 @@ def list_limits(requirements: Mapping[str, Mapping], quantities: list[str]) -> l
 
 @dataclass(frozen=True)
 class LimitAssessment:
-    """How l limits are kept over the parameter box, by surrogates, and in R simulated runs.
-
-    specs: the limits as set; limits: `intervals.scalars.Limit`; slack (l, R): margin of each limit
-    in each run, below 0 if broken; worst: least margin of each limit in the box, and its normalized
-    point (k); largest: scale (0 to 1) of the largest box about the nominal point in which all
-    limits hold, and, below 1, index of the limit that fails first beyond it, and where;
-    failure_point (k): normalized point at which a limit fails, None if none does.
-    """
+    """How l limits are kept over the parameter box, by surrogates, and in R simulated runs. specs:
+    the limits as the config sets them; limits: the same with their surrogates
+    (`intervals.scalars.Limit`); slack (l, R): margin of each limit in each run, below 0 if broken;
+    worst: least margin of each limit in the box, and its normalized point (k); largest: scale (0 to
+    1) of the largest box about the nominal point in which all limits hold, then, if below 1, index
+    of the limit that fails first beyond it, and where; failure_point (k): normalized point at which
+    a limit fails, None if none does."""
 
     specs: Sequence[LimitSpec]
     limits: list[Any]
@@ -60,7 +59,8 @@ class LimitAssessment:
 
     @property
     def points(self) -> list[np.ndarray]:
-        """Normalized points (k) at which a run would confirm or refute whether the limits hold."""
+        """Normalized points (k), those of `worst` and `failure_point`, at which a run would confirm
+        or refute whether the limits hold."""
         return [point for _, point in self.worst] + (
             [] if self.failure_point is None else [self.failure_point]
         )
@@ -72,9 +72,9 @@ def assess_limits(
     specs: Sequence[LimitSpec],
     errors: np.ndarray | None = None,
 ) -> LimitAssessment:
-    """Assess limits, `specs`, over the box by the surrogates of all quantities, and in the runs
-    that `model` holds. errors (2, q): by mesh and step, of each quantity's value and of the
-    function whose sign tells whether it occurs; None: 0."""
+    """Assess limits (`specs`, as the config sets them) over the box by the surrogates of all
+    quantities, and in the runs that `model` holds. errors (2, q): by mesh and step, of each
+    quantity's value and of the decision function, whose sign tells whether it occurs; None: 0."""
     from deployable.intervals.scalars import Limit, largest_share, share_reaching
 
     errors = np.zeros((2, len(surrogates))) if errors is None else errors
@@ -106,10 +106,10 @@ def assess_limits(
 
 
 def is_shown(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
-    """Return whether limit `i` (index) of an assessment, broken in no run, surely holds in the
-    whole box: its margin exceeds the estimated errors, and the event margin (by how much an event
-    occurs, or not), fitted over the box, keeps its sign by more than its error. Without event
-    margins the runs prove nothing between them."""
+    """Whether limit `i` (index) of an assessment, broken in no run, surely holds in the whole box:
+    its margin exceeds the estimated errors, and the event margin (by how much an event occurs, or
+    not), fitted over the box, keeps its sign by more than its error. Without event margins the runs
+    prove nothing between them. `result`: the assessment, of runs that `model` holds."""
     from deployable.intervals.scalars import fit_scalar
 
     limit, q = result.limits[i], result.specs[i].quantity
@@ -132,7 +132,8 @@ def is_shown(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
 
 
 def describe_limit(model: ModelEvaluator, spec: LimitSpec) -> dict:
-    """Return a limit as plain data for JSON: quantity (name, units, words), kind and level."""
+    """Describe a limit (`spec`) as a dict for JSON: its quantity (name, units, words), kind
+    ("at_most", "at_least", "happens") and level. model: has the quantities."""
     quantity = model.experiment.numbers[spec.quantity]
     level = bool(spec.level) if spec.kind == "happens" else spec.level
     description = {"quantity": quantity.name, "units": quantity.unit, **words_of(quantity)}

@@ -51,9 +51,9 @@ def answer(
     threads: int,
 ) -> None:
     """Bound each quantity over the parameter box, with further runs where bounds and requirements
-    need them, and write `quantities.nc` and `further.nc` into `folder`, that of a campaign with
-    `samples.nc`. requirements, verify, jobs: sections of the config; tell: called with each
-    message; threads: how many simulate."""
+    need them, and write `quantities.nc` and `further.nc` into `folder`, that of a campaign's
+    results with `samples.nc`. requirements, verify, jobs: sections of the config; tell: called with
+    each message; threads: how many simulate."""
     model = ModelEvaluator.from_folder(folder, jobs, tell, threads)
     if (rounds := model.plan.adaptive) is not None and rounds.rounds:
         reserve = CHECKED_RUNS * len(model.experiment.quantities)
@@ -72,9 +72,10 @@ def answer(
 def quantities_dataset(
     model: ModelEvaluator, bounds: list[QuantityBounds], finer: Mapping[str, np.ndarray]
 ) -> Any:
-    """Return the bounds and errors of all quantities as an `xarray.Dataset`, the content of
-    `quantities.nc`. bounds: of `converge_bounds`; finer: errors (q, 2) of lower and upper bounds by
-    "step" and "mesh", of `estimate_discretization_errors`; empty if not estimated."""
+    """Make the content of `quantities.nc`, an `xarray.Dataset` of the bounds and errors of all
+    quantities. model: holds the runs; bounds: of each quantity, as `converge_bounds` returns them;
+    finer: errors (q, 2) of lower and upper bounds by "step" and "mesh", as
+    `estimate_discretization_errors` returns them; empty if not estimated."""
     import xarray as xr
 
     from deployable.intervals.estimates import AVERAGED
@@ -181,8 +182,8 @@ def _put_shares(variables: _Variables, model: ModelEvaluator, bounds: list[Quant
 
 
 def further_dataset(model: ModelEvaluator) -> Any:
-    """Return the runs that `model` added beyond the plan, with their points and quantities, as an
-    `xarray.Dataset`, the content of `further.nc`."""
+    """Make the content of `further.nc`, an `xarray.Dataset` of the runs that `model` added beyond
+    the plan: ids, points, parameter values, quantities and event margins."""
     import xarray as xr
 
     runs, k = model.further, model.unit.shape[1]
@@ -202,8 +203,9 @@ def further_dataset(model: ModelEvaluator) -> Any:
 
 
 def coordinates(model: ModelEvaluator) -> dict:
-    """Return xarray coordinates by name, as (dimension, values, attributes): names and units of the
-    model's quantities and interval parameters, and the ends of the intervals."""
+    """Make the coordinates of the netCDF files of quantities: tuples of dimension, values and
+    attributes by name, for names and units of the model's quantities and interval parameters, and
+    the ends of the intervals."""
     experiment = model.experiment
     quantities, parameters = experiment.numbers, experiment.scene_type.parameters
     names, rows = list(experiment.intervals), experiment.intervals.values()
@@ -221,9 +223,10 @@ def coordinates(model: ModelEvaluator) -> dict:
 
 
 def attributes_of(model: ModelEvaluator) -> dict:
-    """Return attributes by name for the netCDF files of answers: conventions, campaign, scene,
-    config with its hash, digest of the mechanics (code and structure), `runs` (how many distinct
-    runs the answers rest on) and `further_runs` (how many were added for them)."""
+    """Make the attributes, by name, of the netCDF files of quantities: conventions, campaign,
+    scene, config with its hash, digest of the mechanics (code and structure), `runs` (how many
+    distinct runs the results rest on) and `further_runs` (how many were added at bounds and
+    limits)."""
     return {
         "Conventions": CONVENTIONS,
         "campaign": model.experiment.name,

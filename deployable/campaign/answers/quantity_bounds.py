@@ -17,13 +17,12 @@ _SURFACE = 8  # runs of an iteration about a limit-state surface: eight take wha
 
 @dataclass(frozen=True)
 class QuantityBounds:
-    """Bounds of a quantity over the parameter box, by its surrogate and by the runs.
-
-    surrogate: `intervals.scalars.ScalarSurrogate` of all runs; surrogate_range: its `Extremes` over
-    the box. lower, upper: extreme values of the runs, NaN if none has the quantity; argmin, argmax
-    (k): normalized points of these runs. estimates: `BoundEstimate` of the lower and upper bound,
-    empty without a value. unconverged (2): whether the surrogate goes below or above these runs.
-    """
+    """Bounds of a quantity over the parameter box, by its surrogate and by the runs. surrogate:
+    `intervals.scalars.ScalarSurrogate` of all runs; surrogate_range: its extreme values over the
+    box (`Extremes`); lower, upper: extreme values of the runs, NaN if none has the quantity;
+    argmin, argmax (k): normalized points of these runs; estimates: `BoundEstimate` of the lower and
+    the upper bound, empty without a value; unconverged (2): whether the surrogate goes below
+    `lower`, above `upper`."""
 
     surrogate: Any
     surrogate_range: Any
@@ -42,18 +41,18 @@ class QuantityBounds:
 
     @property
     def error(self) -> float:
-        """Larger of the two bounds' errors by how far the surrogate may still go beyond them, in
-        the quantity's unit; NaN without a value."""
+        """Larger of the errors of lower and upper bound, in the quantity's unit: by how much the
+        surrogate leaves it possible that values lie beyond the bound; NaN without a value."""
         return max((e.error for e in self.estimates), default=np.nan)
 
 
 def converge_bounds(
     model: ModelEvaluator, max_iterations: int, specs: Sequence[LimitSpec] = ()
 ) -> list[QuantityBounds]:
-    """Refine the bounds of all quantities for at most `max_iterations` iterations, and return one
-    `QuantityBounds` each. An iteration adds runs to `model` at the surrogates' bounds and where
-    these may still go farther, at the border of where events occur, and where the limits `specs`
-    are worst, then refits."""
+    """Bound all quantities by runs and surrogates, one `QuantityBounds` each, in at most
+    `max_iterations` iterations; 0: by the runs so far. An iteration adds runs to `model` at the
+    surrogates' bounds and where these may still go farther, at the border of where events occur,
+    and where the limits `specs` are worst, then refits."""
     mispredictions = np.zeros((len(model.experiment.numbers), 2))
     for iteration in range(max_iterations + 1):
         surrogates = model.surrogates()

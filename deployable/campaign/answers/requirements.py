@@ -43,8 +43,9 @@ from deployable.campaign.runs.progress import Tell
 
 def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, tell: Tell) -> None:
     """Assess in which part of the box a campaign's requirements are met, and write
-    `requirements.json` into `folder`, its results, which hold `quantities.nc` already.
-    requirements, jobs: sections of the config; tell: called with each message."""
+    `requirements.json` into `folder`, its results, which hold `quantities.nc` and `further.nc`
+    already; nothing is simulated. requirements, jobs: sections of the config; tell: called with
+    each message."""
     model = ModelEvaluator.from_folder(folder, jobs, tell, further=True)
     specs = list_limits(requirements, list(model.experiment.quantities))
     errors = _of_the_runs(folder)
@@ -68,10 +69,8 @@ def _of_the_runs(folder: Folder) -> np.ndarray | None:
 
 
 def _met(model: ModelEvaluator, result: LimitAssessment, indices: list[int]) -> dict:
-    """Whether all, some or none of the box keeps chosen limits, which share, and what is open.
-
-    Runs decide where they differ from the surrogates: one that fails, or keeps them, is enough.
-    """
+    """Whether all, some or none of the box keeps chosen limits, which share, and what is open. Runs
+    decide where they differ from the surrogates: one that fails, or keeps them, is enough."""
     from deployable.intervals.scalars import share_of_box
 
     share, open_ = share_of_box([result.limits[i] for i in indices], model.experiment.box.free)

@@ -75,9 +75,9 @@ def _parser(is_stage: bool = False) -> argparse.ArgumentParser:
 def command(
     commands: argparse._SubParsersAction, name: str, description: str, function: Callable
 ) -> argparse.ArgumentParser:
-    """Add a command to a parser's subcommands, and return its own parser. description: help text,
-    of which the first line is taken; function: takes the parsed options and returns the exit
-    status."""
+    """Add a command to a parser's subcommands, and return its own parser. commands: the
+    subcommands; name: of the command; description: help text, of which the first line is taken;
+    function: takes the parsed options and returns the exit status."""
     text = description.splitlines()[0]
     parser = commands.add_parser(name, help=text, description=text)
     parser.set_defaults(act=function)

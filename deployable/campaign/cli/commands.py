@@ -28,7 +28,7 @@ UNMET = 3
 
 def add_to(commands: argparse._SubParsersAction, command: Callable) -> None:
     """Add the commands on campaigns and structures (new, check, run, keys, structure, export) to a
-    parser; commands: its subparsers; command: function `command(commands, name, description,
+    parser. commands: its subparsers; command: function `command(commands, name, description,
     function)` that adds one and returns its parser."""
     new = command(commands, "new", _new.__doc__, _new)
     new.add_argument("folder", type=Path, metavar="FOLDER", help="folder to make, or to fill")

@@ -39,7 +39,7 @@ IGNORED = "/results/\n/exports/\n/report.html\n/.snakemake/\n"
 
 
 def starts() -> list[str]:
-    """Return the names that a new folder can start from: campaigns, and structures that have
+    """List the names that a new folder can start from: shipped campaigns, and structures that have
     none."""
     campaigns = shipped.campaigns()
     scenes = [load(path)["scene"] for path in campaigns.values()]
@@ -49,10 +49,8 @@ def starts() -> list[str]:
 
 def make_folder(folder: str | Path, start: str) -> None:
     """Make `folder` with what `snakemake` and `python -m deployable run` need to run a campaign.
-
     start: one of `starts()`, or a structure's YAML file. Raises `CampaignError`, before writing, if
-    one of the files exists.
-    """
+    one of the files exists."""
     folder = Path(folder)
     campaign, structures = _start_files(start)
     paths = [folder / name for name in ("Snakefile", CAMPAIGN, "profiles", *structures)]
@@ -87,12 +85,9 @@ def _start_files(start: str) -> tuple[str, dict[str, Path]]:
 
 def campaign_of(path: Path, name: str) -> str:
     """Write the YAML text of a first campaign for the structure in the file `path`, called `name`
-    there.
-
-    Its first real parameter that has a value is known to 1 %; the speeds of all points and the
-    openings of all hinges are recorded for a second; quantities ask when its latches catch,
-    requirements whether all do. Raises `CampaignError`.
-    """
+    there, and return it. Its first real parameter that has a value is known to 1 %; the speeds of
+    all points and the openings of all hinges are recorded for a second; quantities ask when its
+    latches catch, requirements whether all do. Raises `CampaignError`."""
     try:
         scene = scene_type("", str(path))
     except fpm.SceneError as error:

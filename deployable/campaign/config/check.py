@@ -28,7 +28,7 @@ from fpm.structures.model import KEYS
 def load_config(
     paths: Sequence[str | Path], overrides: Mapping | None = None, source: str | None = None
 ) -> Campaign:
-    """A campaign from YAML files, checked and with all defaults filled in.
+    """Read the config of a campaign from YAML files, check it and fill in all defaults.
 
     Files are merged key by key, later ones over earlier ones and `overrides` over all. `published`
     of an earlier file is dropped where a later one changes `scene` or `intervals`. The path of a
@@ -96,11 +96,9 @@ def _place(problem: str, lines: Mapping[str, str]) -> str:
 
 
 def check_config(raw: Mapping, source: str = "the config") -> Campaign:
-    """Check the content of a config, fill in all defaults, and return the campaign.
-
-    raw: sections by name, nested as in YAML; source: what messages call the config. Raises
-    `ConfigError` with everything that is wrong.
-    """
+    """Check the content of a config, fill in all defaults, and return the campaign. raw: sections
+    by name, nested as in YAML; source: what messages call the config. Raises `ConfigError` with
+    everything that is wrong."""
     own = Config.__dataclass_fields__.keys()
     if "campaign" not in raw and len(raw.keys() & {*KEYS}) > len(raw.keys() & own):
         raise ConfigError(source, [
@@ -126,8 +124,8 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
 
 
 def merge(target: dict, update: Mapping) -> dict:
-    """Merge the mapping `update` into `target` in place, and return `target`: mappings key by key,
-    any other value replaces that of `target`."""
+    """Merge the mapping `update` into `target`, and return `target`, which is changed in place:
+    mappings key by key, any other value replaces that of `target`."""
     for key, value in update.items():
         if isinstance(value, Mapping) and isinstance(target.get(key), Mapping):
             target[key] = merge(dict(target[key]), value)
@@ -137,8 +135,8 @@ def merge(target: dict, update: Mapping) -> dict:
 
 
 def anchored(raw: Mapping, folder: str | Path) -> Mapping:
-    """Return the raw config with the path of its structure's file, written relative to `folder`, as
-    seen from the working folder: relative if it lies in that, else absolute."""
+    """Return a raw config with the path of its structure's file, written relative to `folder`, as
+    seen from the working folder: relative if it lies in that, else absolute. raw: not changed."""
     scene = raw.get("scene")
     if not isinstance(scene, Mapping) or not isinstance(scene.get("file"), str):
         return raw

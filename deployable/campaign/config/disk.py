@@ -17,7 +17,8 @@ _EVENTS_BYTES = 40  # of a run's impacts, compressed: some ten
 
 
 def bytes_of_run(campaign: Campaign) -> float:
-    """Estimate the bytes on disk that one run takes in the store and in `samples.nc`."""
+    """Estimate the bytes on disk that one run of a campaign takes, in the store of runs (by
+    `jobs.keep`) and in `samples.nc`."""
     experiment = campaign.experiment
     instants, responses = experiment.solver.instants, len(experiment.responses)
     if campaign.jobs.keep == "extremes":
@@ -29,14 +30,15 @@ def bytes_of_run(campaign: Campaign) -> float:
 
 
 def recorded(experiment: Experiment) -> int:
-    """Return how many curves over time the trajectory of a run has, apart from its responses."""
+    """Return how many curves over time the trajectory of a run has, apart from its responses, to
+    estimate its size."""
     scene = experiment.nominal_scene
     return 6 * len(scene.points) + len(scene.hinges) + _OTHER_CURVES + len(experiment.record)
 
 
 def room_problems(campaign: Campaign) -> list[str]:
-    """Check that the disk of the working folder has room for a campaign's runs: returns a sentence
-    on what is wrong and allowed, in a list; empty if it has."""
+    """Check that the disk of the working folder has room for a campaign's runs: returns a list,
+    with a sentence on what is wrong and allowed, or empty if it has."""
     bytes_each, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
     samples, keep = campaign.experiment.design.samples, campaign.jobs.keep
     if samples * bytes_each <= room:

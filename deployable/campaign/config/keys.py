@@ -16,9 +16,9 @@ from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origi
 
 
 class RefusedError(ValueError):
-    """Raised for values that a section of the config must not have together. key: the one to blame,
-    relative to the section; text: what is wrong and what is allowed; without both the section as a
-    whole is refused, with what is allowed for it."""
+    """Values that a section of the config must not have together. key: the one to blame, relative
+    to the section; text: what is wrong and what is allowed; without both the section as a whole is
+    refused, and the message says what is allowed for it."""
 
     def __init__(self, key: str = "", text: str = ""):
         self.key, self.text = key, text
@@ -26,12 +26,10 @@ class RefusedError(ValueError):
 
 @dataclass(frozen=True)
 class Rule:
-    """Limits and wording of a config key, put beside its type by `Annotated`.
-
-    allowed: what is allowed, in words, if the limits do not say it; about: what an entry of a
+    """Limits and wording of a config key, put beside its type by `Annotated`; pydantic checks by
+    them. allowed: what is allowed, in words, if the limits do not say it; about: what an entry of a
     mapping is; unit: of the number; pattern: regular expression for the whole text; gt, ge, le: the
-    number is above, at least, at most this; least, most: number of entries of a mapping or list.
-    """
+    number is above, at least, at most this; least, most: number of entries of a mapping or list."""
 
     allowed: str = ""
     about: str = ""
@@ -56,13 +54,13 @@ class Rule:
             yield types.Predicate(re.compile(self.pattern).fullmatch)
 
     def allows(self, number: float) -> bool:
-        """Return whether a number is within `gt`, `ge` and `le`."""
+        """Whether a number is within `gt`, `ge` and `le`."""
         limits = ((self.gt, operator.gt), (self.ge, operator.ge), (self.le, operator.le))
         return all(end is None or is_right(number, end) for end, is_right in limits)
 
     def words(self, kind: Any) -> str:
-        """Say in words what is allowed: the text `allowed` or else what the limits and the key's
-        type `kind` imply, such as "a whole number above 0"."""
+        """Say in words what is allowed, for messages and docs: the text `allowed`, else what the
+        limits and the type `kind` of the key imply, such as "a whole number above 0"."""
         if self.allowed or is_dataclass(kind):
             return self.allowed or "a mapping"
         if get_origin(kind) is Literal:
@@ -84,11 +82,10 @@ def _text(limit: float) -> str:
 
 @dataclass(frozen=True)
 class ConfigKey:
-    """A config key and the keys below it: `children` by name, or `entry` for entries of any name.
-
-    key: its `Rule`; allowed, about: what is allowed and what it is, in words; default: `MISSING` if
-    required; names: what names of entries may be, in words.
-    """
+    """A config key and the keys below it: `children` by name, or `entry`, which describes entries
+    of any name (None: there are none). key: its `Rule`; allowed, about: what is allowed and what it
+    is, in words; default: value if left out, `MISSING` if required; names: what names of entries
+    may be, in words."""
 
     key: Rule
     allowed: str
@@ -99,13 +96,13 @@ class ConfigKey:
     names: str
 
     def child(self, name: Any) -> ConfigKey | None:
-        """Return the key called `name` below this one, else that of any entry; None without
-        either."""
+        """Return the description of the key called `name` below this one, else that of any entry;
+        None without either."""
         return self.children.get(name, self.entry)
 
 
 def config_key_of(kind: Any, default: Any = MISSING, description: str = "") -> ConfigKey:
-    """Make the `ConfigKey` of a type, with all keys below it. kind: a type with its `Rule` in
+    """Describe a config key of a type, with all keys below it. kind: a type with its `Rule` in
     `Annotated`, a dataclass, a dict or a union of these; default: value of the key if it is left
     out; description: what the key is, in words."""
     key = next((m for m in getattr(kind, "__metadata__", ()) if isinstance(m, Rule)), Rule())
@@ -152,8 +149,8 @@ are in SI units unless a unit is given. This page is made from
 
 
 def rows(section: ConfigKey, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
-    """Yield the rows of the table of all keys below a section: key, description, what is allowed
-    and default, as texts. prefix: put before the names of the keys, such as `solver.`."""
+    """Yield the rows of the table of all config keys below a section: key, description, what is
+    allowed and default, as texts. prefix: put before the names of the keys, such as `solver.`."""
     entries = {"<name>": section.entry} if section.entry and section.entry.about else {}
     for name, child in (section.children | entries).items():
         unit = f" ({child.key.unit})" if child.key.unit else ""
@@ -173,8 +170,8 @@ def _default_text(key: ConfigKey) -> str:
 
 
 def table(config: ConfigKey) -> str:
-    """Return the page of all keys of a config as Markdown, `docs/config.md`; config: the
-    `ConfigKey` of a whole config, as `read.whole` returns it."""
+    """Write the page of all keys of a config as Markdown, `docs/config.md`, and return it. config:
+    description of a whole config, as `read.whole` returns it."""
     groups = {f"`{name}`": [] for name in config.children}
     for key, *row in rows(config):
         groups[f"`{key.partition('.')[0]}`"].append(f"| `{key}` | {' | '.join(row)} |\n")

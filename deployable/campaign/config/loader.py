@@ -34,10 +34,8 @@ EXECUTED = "__use_yte__"
 
 
 class UniqueKeyLoader(yaml.SafeLoader):
-    """YAML loader that notes, in `problems`, keys given twice and keys that are not text.
-
-    Dates are left as text.
-    """
+    """YAML loader that notes in `problems` (sentences with lines) keys given twice and keys that
+    are not text. Dates are left as text; `1e9` is a number."""
 
     def __init__(self, stream):
         super().__init__(stream)
@@ -46,7 +44,7 @@ class UniqueKeyLoader(yaml.SafeLoader):
         self.sizes: dict[int, tuple[int, int]] = {}  # of nodes: values, and how deep they go
 
     def compose_node(self, parent, index):
-        """Compose the next YAML node below `parent` (`yaml.Composer`'s method); raises
+        """Compose the next YAML node below `parent` (method of `yaml.Composer`); raises
         `ExcessError` for nodes nested too deep or too many, so that hostile files end early."""
         is_alias = self.check_event(yaml.AliasEvent)
         self.depth += 1
@@ -70,7 +68,8 @@ class UniqueKeyLoader(yaml.SafeLoader):
             raise ExcessError(f"the file holds more than {MOST} values; allowed: fewer")
 
     def construct_mapping(self, node, deep=False):
-        """Make the dict of a YAML mapping; repeated keys, and those not text, go to `problems`."""
+        """Make the dict of a YAML mapping (method of `yaml.SafeLoader`); repeated keys, and those
+        that are not text, are noted in `problems`."""
         first: dict[object, int] = {}
         for key_node, _ in node.value:
             if key_node.tag == "tag:yaml.org,2002:merge":
@@ -102,7 +101,7 @@ UniqueKeyLoader.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, list("-
 
 
 class Text(NamedTuple):
-    """Content of a YAML text: `data`, its mapping, and `lines`, the line number (from 1) of each
+    """What a YAML text holds: `data`, its mapping, and `lines`, the line number (from 1) of each
     key by its dotted path, such as `solver.step`."""
 
     data: dict
@@ -111,7 +110,7 @@ class Text(NamedTuple):
 
 def read(text: str, source: str) -> Text:
     """Parse a YAML text: returns its mapping and the line of each key. Raises `ConfigError` if it
-    is not YAML, too large, repeats a key or is no mapping; source: what messages call it."""
+    is not YAML, too large, repeats a key or is no mapping; source: what messages call the text."""
     if len(text) > LARGEST:
         allowed = f"at most {LARGEST}"
         raise ConfigError(source, [f"the file has {len(text)} characters; allowed: {allowed}"])
@@ -136,8 +135,8 @@ def _lines(node: yaml.Node, path: str = "") -> Iterator[tuple[str, int]]:
 
 
 def parse(text: str, source: str) -> dict:
-    """Return the mapping in a YAML text. Raises `ConfigError`, naming `source` (what messages call
-    the text) and the line, if it is not YAML, repeats a key or is not a mapping."""
+    """Parse a YAML text: returns its mapping. Raises `ConfigError` with the line if it is not YAML,
+    repeats a key or is not a mapping; source: what messages call the text."""
     return read(text, source).data
 
 
@@ -158,8 +157,9 @@ def _reading_error(error: Exception, text: str) -> str:
 
 
 def retyped(value: Any) -> Any:
-    """Return a value in which each text, also in lists and mappings, is replaced by what it means
-    as YAML, such as "1e9" by a number: Snakemake's `--config` leaves numbers as text."""
+    """Copy a value in which each text, also in lists and mappings, is replaced by what it means as
+    YAML, such as "1e9" by a number: Snakemake's `--config` leaves numbers as text. Raises
+    `ConfigError` for a text that is no YAML."""
     if isinstance(value, Mapping):
         return {key: retyped(item) for key, item in value.items()}
     if isinstance(value, list):
@@ -170,8 +170,8 @@ def retyped(value: Any) -> Any:
 
 
 def load(path: str | Path) -> dict:
-    """Return the mapping in the YAML file at `path`. Raises `ConfigError` for no such file, and if
-    it is not YAML, repeats a key or is not a mapping."""
+    """Read the YAML file at `path`: returns its mapping. Raises `ConfigError` for no such file, and
+    if it is not YAML, repeats a key or is not a mapping."""
     return read_file(path).data
 
 
@@ -187,12 +187,10 @@ def read_file(path: str | Path) -> Text:
 def look(arguments: Sequence[str] | None = None) -> None:
     """Check the files that Snakemake's arguments name (None: the arguments of this process), and
     end the process with status 1 and a message if one cannot be read, is not YAML, or asks for
-    Python in it to be run, or if the working folder cannot be written to.
-
-    Snakemake reads them before any rule of ours, tells neither the line of an error nor which file
-    is missing, and would run what a key `__use_yte__` holds; workflow/profiles/default, which it
-    reads earlier still, calls this.
-    """
+    Python in it to be run, or if the working folder cannot be written to. Snakemake reads them
+    before any rule of ours, tells neither the line of an error nor which file is missing, and would
+    run what a key `__use_yte__` holds; workflow/profiles/default, which it reads earlier still,
+    calls this."""
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("--configfile", "--configfiles", nargs="*", default=[], dest="files")
     parser.add_argument("--directory", "-d", default=".")

@@ -16,9 +16,9 @@ from fpm.structures.reading import commas
 
 
 def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
-    """Check a raw config by the models of its sections: returns the `Config`, the valid part of
-    `raw`, and a sentence for each problem. Invalid keys are left out, so that the rest can be
-    checked too; the config is None if no valid one remains."""
+    """Check a raw config by the models of its sections: returns the `Config`, a copy of the valid
+    part of `raw`, and a sentence for each problem. Invalid keys are left out, so that the rest can
+    be checked too; the config is None if the rest is none, or a number is infinite."""
     endless: dict[str, Any] = {}
     right, problems = _as_meant(_plain(raw, "", endless))
     problems += [f"{key}: {value} is not allowed; allowed: a finite number"
@@ -36,7 +36,8 @@ def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
 
 @cache
 def whole() -> ConfigKey:
-    """Return the description (`ConfigKey`) of all keys that a config may have, as a tree."""
+    """Describe all keys that a config may have, as a tree: the `ConfigKey` of the whole config,
+    made once in a process."""
     return config_key_of(Config)
 
 
@@ -134,7 +135,7 @@ def _remove(data: Any, path: tuple[str, ...]) -> None:
 
 
 def show(value: Any) -> str:
-    """Write a value as short text for a message."""
+    """Write a value as text for a message, at most 60 characters of it."""
     text = json.dumps(value, default=str) if not isinstance(value, str) else repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
 

@@ -38,8 +38,8 @@ def campaign_of(
     config: Config, user_config: Mapping, structure: Any, intervals: Mapping
 ) -> Campaign:
     """Resolve a checked config into a campaign, with numbers for what it leaves open. user_config:
-    the config's mapping before defaults; structure: the `fpm` structure; intervals: the resolved
-    `Interval` of each parameter by name."""
+    the config as the user wrote it, without defaults; structure: the `fpm` structure (`SceneType`);
+    intervals: the resolved `Interval` of each parameter by name."""
     accuracy, order = Accuracy(), config.design.order
     if config.design.method == "sobol" and "order" not in user_config.get("design", {}):
         order = None
@@ -75,9 +75,9 @@ BRIEFLY = {"duration": 1e-3, "instants": 201}
 
 
 def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
-    """Turn the section `margins` (of actuation) of a config into responses, quantities of their
-    least values, and requirements that these be at least 0; returns the new config and a sentence
-    for each problem. solver: section as the user wrote it."""
+    """Turn the section `margins` (torque margins of joints) of a config into responses, quantities
+    of their least values, and requirements that these be at least 0; returns the new config and a
+    sentence for each problem. solver: that section as the user wrote it, without defaults."""
     if not (config.responses or config.quantities or "duration" in solver):
         brief = {key: value for key, value in BRIEFLY.items() if key not in solver}
         config = replace(config, solver=replace(config.solver, **brief))
@@ -155,8 +155,9 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
 
 
 def choose_of(choosing: Choosing, intervals: Mapping[str, IntervalSpec]) -> Choose:
-    """Resolve the section `choose` of a config (nominal values to be chosen) and return it;
-    intervals: that section as the user wrote it, by parameter."""
+    """Resolve the section `choose` of a config (nominal values to be chosen), `choosing` as the
+    user wrote it, and return it with all its goals as tuples. intervals: section of the config, by
+    parameter, which tells whose widths scale with the nominal value."""
     relative = [
         n for n in choosing.parameters if n in intervals and intervals[n].relative is not None
     ]
@@ -221,19 +222,20 @@ def _ends(spec: IntervalSpec, default: Any) -> Interval:
 
 
 def real_names(scene_type: Any) -> list[str]:
-    """Return the names of a structure's real-valued parameters, which alone may be intervals."""
+    """List the names of a structure's real-valued parameters, which alone may be intervals.
+    scene_type: the `fpm` structure."""
     return [name for name, parameter in scene_type.parameters.items() if parameter.kind == "real"]
 
 
 def unknown(name: str, noun: str, names: Iterable[str]) -> str:
-    """Return a message that nothing is called `name`, with the most similar and all allowed
-    `names`. noun: what was looked for, such as "response"."""
+    """Write a message that nothing is called `name`, with the most similar and all allowed `names`.
+    noun: what was looked for, such as "response"."""
     hint, names = did_you_mean(name, names), ", ".join(names)
     return f"there is no such {noun}{hint}; allowed: {names or 'none'}"
 
 
 def allows(parameter: Any, value: Any) -> bool:
-    """Return whether a parameter of an `fpm` structure may have a value."""
+    """Whether a parameter of an `fpm` structure (`Parameter`) may have a value."""
     try:
         parameter.check("", value)
     except SceneError:

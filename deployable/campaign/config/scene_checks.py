@@ -48,7 +48,7 @@ EXCLUSIVE = ("design", "bounds", "held_out")
 def resolve(config: Config, user_config: Mapping) -> tuple[Campaign | None, list[str]]:
     """Resolve a checked config into a campaign and check it against its structure; returns the
     campaign, None if the structure cannot be read, and a sentence for each problem. user_config:
-    the config's mapping before defaults."""
+    the config as the user wrote it, without defaults."""
     section = config.scene
     try:
         structure = scene_type(section.name or "", section.file or "")
@@ -104,11 +104,9 @@ _LONG = 60.0  # s
 
 
 def _time_problems(experiment: Experiment) -> list[str]:
-    """Whether a run can be done with the step and the instants, judged at the nominal values.
-
-    The plan checks the number of steps again, at all corners; to find the stable step here takes
-    too long for every call, and is only done where there is doubt.
-    """
+    """Whether a run can be done with the step and the instants, judged at the nominal values. The
+    plan checks the number of steps again, at all corners; to find the stable step here takes too
+    long for every call, and is only done where there is doubt."""
     solver, problems = experiment.solver, []
     scene = experiment.nominal_scene
     if solver.step != "auto" or solver.duration > _LONG:
@@ -240,8 +238,8 @@ def _sentence(key: str, error: Any) -> str:
 
 
 def parameter_problems(values: Mapping, scene_type: Any) -> list[str]:
-    """Check the values, by name, that `scene.parameters` sets: returns a sentence for each unknown
-    name or value that is not allowed. scene_type: the `fpm` structure."""
+    """Check the values, by name, that `scene.parameters` of a config sets: returns a sentence for
+    each unknown name or value that is not allowed. scene_type: the `fpm` structure."""
     problems, parameters = [], scene_type.parameters
     for name, value in values.items():
         if name not in parameters:
@@ -256,8 +254,9 @@ def parameter_problems(values: Mapping, scene_type: Any) -> list[str]:
 
 
 def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
-    """Check the section `accuracy`: returns a sentence for each key beside it that it would choose
-    itself, and each unknown name in it. user_config: the config's mapping before defaults."""
+    """Check the section `accuracy` of a config: returns a sentence for each key beside it that it
+    would choose itself, and each unknown name in it. user_config: the config as the user wrote it,
+    without defaults."""
     if config.accuracy is None:
         return []
     problems = [
@@ -276,7 +275,7 @@ def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
 
 
 def answer_problems(campaign: Campaign) -> list[str]:
-    """Check a campaign's sections `requirements` and `choose`: returns a sentence for each
+    """Check the sections `requirements` and `choose` of a campaign: returns a sentence for each
     problem."""
     problems = []
     quantities = campaign.experiment.quantities
@@ -328,7 +327,7 @@ def _choice_problem(name: str, choose: Choose, experiment: Experiment) -> str:
 
 
 def keep_problems(campaign: Campaign) -> list[str]:
-    """Check `jobs.keep` of a campaign: returns a sentence, in a list, if it excludes the design or
+    """Check `jobs.keep` of a campaign: returns a list, with a sentence if it excludes the design or
     the model of the bounds, or the disk lacks room; empty if all is right."""
     design, bounds = campaign.experiment.design, campaign.bounds
     if campaign.jobs.keep == "extremes":

@@ -55,8 +55,8 @@ _GOAL = re.compile(r"(\w+)\((\w+)\)")
 
 
 def scene_type(name: str, file: str = "") -> Any:
-    """Load the `fpm` structure in `file`, which results may name from then on (`trust`), or without
-    one the shipped structure called `name`; raises `fpm.SceneError`."""
+    """Load the `fpm` structure (`SceneType`) in `file`, which results may name from then on
+    (`trust`), or without one the shipped structure called `name`. Raises `fpm.SceneError`."""
     if not file:
         if name not in (files := shipped.structures()):
             raise SceneError("scene.name", name, f"one of {', '.join(files)}")
@@ -74,7 +74,8 @@ _TRUSTED: set[str] = set()
 
 def trust(file: str) -> None:
     """Allow results, for the rest of this process, to name this structure's file, which is then
-    read, or executed if it is Python."""
+    read, or executed if it is Python: results may come from strangers, and only a user's config
+    makes a file trusted."""
     if "\0" not in file:
         _TRUSTED.add(os.path.realpath(file))
 
@@ -99,8 +100,9 @@ class Interval:
 
 
 def corners(intervals: Mapping[str, Interval], most: int = 16) -> Iterator[dict[str, float]]:
-    """Yield parameter values by name: at the nominal point, then at all corners of the box; if it
-    has more than `most` corners, at each interval's two ends with all others nominal instead."""
+    """Yield parameter values by name, in their units, to build the structure at: at the nominal
+    point, then at all corners of the box of `intervals`; if there are more than `most` corners, at
+    each interval's two ends with all others nominal instead."""
     nominal = {name: interval.nominal for name, interval in intervals.items()}
     yield nominal
     if 2 ** len(intervals) <= most:
@@ -125,8 +127,9 @@ class SceneChoice:
 
 @dataclass(frozen=True)
 class DesignChoice(DesignSection):
-    """Design of experiments: which runs are made, and the polynomial `order` of the surrogate, None
-    for another kind. existing: normalized points (n, k), -1 to 1, of an adaptive design's runs."""
+    """Design of experiments, section `design` of the config with what an `accuracy` adds: which
+    runs are made, and the polynomial `order` of the surrogate, None for another kind. existing:
+    normalized points (n, k), -1 to 1, of an adaptive design's runs, empty for other designs."""
 
     order: int | None = 3
     existing: tuple = ()
@@ -135,11 +138,9 @@ class DesignChoice(DesignSection):
 @dataclass(frozen=True)
 class Accuracy:
     """Target and budget of runs that are added until errors are small; without tolerances none are.
-
     tolerances: of the estimated errors of responses and quantities by name, as fractions of the
     widths of their intervals; max_runs, max_core_minutes: budget; mesh: name of the parameter that
-    sets the mesh and may be refined, "" for none.
-    """
+    sets the mesh and may be refined, "" for none."""
 
     tolerances: dict[str, float] = field(default_factory=dict)
     max_runs: int = 0
@@ -149,9 +150,12 @@ class Accuracy:
 
 @dataclass(frozen=True)
 class Experiment:
-    """All settings that determine the runs of a campaign, and what is evaluated of each run.
-    held_out: number of validation runs; responses (curves over time), quantities (single numbers):
-    definitions by name, as in the config."""
+    """All settings that determine the runs of a campaign, and what is evaluated of each run. name:
+    of the campaign; scene: the structure and its parameters; solver: section of the config
+    (duration, instants, step); intervals: of the uncertain parameters, by name; design: points of
+    the runs; held_out: number of validation runs; responses (curves over time), quantities (single
+    numbers): definitions by name, as in the config; accuracy: target of runs in rounds, without
+    tolerances for none."""
 
     name: str
     scene: SceneChoice
@@ -165,8 +169,8 @@ class Experiment:
 
     @classmethod
     def read(cls, text: str) -> Experiment:
-        """Read the experiment from `text`, the JSON in the attribute `config` of a result file.
-        Raises `HeldConfigError`."""
+        """Read the experiment from a text, the JSON in the attribute `config` of a result file.
+        Raises `HeldConfigError` if it cannot be used."""
         try:
             return cls.of_results(json.loads(text))
         except (TypeError, ValueError, RecursionError) as error:
@@ -177,7 +181,7 @@ class Experiment:
     def of_results(cls, data: Mapping) -> Experiment:
         """Make the experiment from `data`, its nested dicts in a result file, which may come from
         anybody: names, after which files are called, and the allowed ranges of the solver's and the
-        design's numbers are checked. Raises `HeldConfigError`."""
+        design's numbers are checked. Raises `HeldConfigError` if it cannot be used."""
         try:
             experiment = from_data(cls, data)
             names = [*experiment.responses, *experiment.quantities]
@@ -198,14 +202,14 @@ class Experiment:
 
     @property
     def is_sought(self) -> bool:
-        """Whether an accuracy is required, towards which runs, mesh and step are chosen in
+        """Whether the config has an `accuracy`, towards which runs, mesh and step are chosen in
         rounds."""
         return bool(self.accuracy.tolerances)
 
     @cached_property
     def scene_type(self) -> Any:
-        """The `fpm` structure, which builds scenes; raises `fpm.SceneError`, and `CampaignError`
-        for a file that only results name: they may be anybody's, and it any file of this
+        """The `fpm` structure (`SceneType`), which builds scenes. Raises `fpm.SceneError`, and
+        `CampaignError` for a file that only results name and no config: it may be any file of this
         machine."""
         file = self.scene.file
         if file and os.path.realpath(file) not in _TRUSTED:
@@ -218,23 +222,25 @@ class Experiment:
 
     @property
     def mechanics(self) -> str:
-        """Digest of the structure and of all code that computes runs; if it differs, runs do."""
+        """Digest of the structure and of all code that computes runs, part of each run's id."""
         return made_by(self.scene_type.digest)
 
     @cached_property
     def curves(self) -> list[Any]:
-        """Parsed responses (curves), `fpm.responses.Response`; raises `fpm.SceneError`."""
+        """Responses (curves over time) as `fpm.responses.Response` objects, which evaluate a run;
+        raises `fpm.SceneError`."""
         return [fpm.responses.parse(n, d, self.nominal_scene) for n, d in self.responses.items()]
 
     @cached_property
     def record(self) -> tuple[tuple[str, str], ...]:
-        """Columns to record for the responses, sorted: (variable, label "element component")."""
+        """Columns that runs must record for the responses, sorted: pairs of variable and label
+        (element and component)."""
         return tuple(sorted({need for curve in self.curves for need in curve.needs}))
 
     @cached_property
     def numbers(self) -> list[Any]:
-        """Parsed quantities (numbers of a run), `fpm.quantities.Quantity`; raises
-        `fpm.SceneError`."""
+        """Quantities (numbers of a run) as `fpm.reading.quantities.Quantity` objects, which
+        evaluate a run; raises `fpm.SceneError`."""
         if not self.quantities:
             return []
         quantities, problems = parse(self.quantities, self.curves, eventful(self.nominal_scene))
@@ -245,8 +251,8 @@ class Experiment:
     @cached_property
     def doubts(self) -> dict[str, str]:
         """Texts, by response or quantity, on why the model does not determine its value, with
-        advice: peaks of shocks depend on mesh and step, forces of joints that others make redundant
-        are arbitrary."""
+        advice; only those with one. Peaks of shocks depend on mesh and step, forces of joints that
+        others make redundant are arbitrary."""
         curves = [(curve.name, curve, True) for curve in self.curves]
         quantities = [(q.name, q.response, q.is_instantaneous) for q in self.numbers if q.response]
         undetermined = undetermined_forces(self.nominal_scene, self.curves)
@@ -267,7 +273,7 @@ class Experiment:
 
     @cached_property
     def box(self) -> Any:
-        """The `intervals.Box` that the intervals of all uncertain parameters span."""
+        """The `intervals.Box` of the uncertain parameters, in their order."""
         rows = self.intervals.values()
         return intervals.Box(list(self.intervals), [i.lower for i in rows], [i.upper for i in rows])
 
@@ -282,26 +288,29 @@ class Experiment:
 
     @cached_property
     def nominal_scene(self) -> Any:
-        """The `fpm.Scene` at nominal values, shared: do not change it; raises `fpm.SceneError`."""
+        """The `fpm.Scene` at nominal values, built once and shared: do not change it; raises
+        `fpm.SceneError`."""
         return self.build(self._nominal_values)
 
     def parameters(self, values: Mapping[str, float]) -> dict[str, Any]:
         """Return the values of all structure parameters by name for one run: defaults, replaced by
-        those of the config, then by `values` of the interval parameters."""
+        those of the config, then by `values` of the interval parameters, by name."""
         defaults = {name: p.default for name, p in self.scene_type.parameters.items()}
         return {**defaults, **self.scene.parameters, **values}
 
     def build(self, values: Mapping[str, float]) -> Any:
-        """Build and return the `fpm.Scene` of one run. values: of the interval parameters by name,
-        in their units. Raises `fpm.SceneError`."""
+        """Build the `fpm.Scene` of one run. values: of the interval parameters by name, in their
+        units. Raises `fpm.SceneError`."""
         return self.scene_type.build(**self.parameters(values))
 
 
 @dataclass(frozen=True)
 class Choose(Choosing):
-    """Parameters whose nominal values are to be chosen by the worst case. minimise, maximise:
-    goals, texts such as `upper(t)`; relative: parameters whose intervals scale with the nominal
-    value, while others keep their width (0 without an interval)."""
+    """Parameters whose nominal values are to be chosen by the worst case (section `choose`).
+    parameters: least and largest value by name; minimise, maximise: goals, texts such as `upper(t)`
+    (upper bound of the quantity t); order: of the surrogate along them; relative: those whose
+    intervals scale with the nominal value, while others keep their width (0 without an
+    interval)."""
 
     minimise: tuple[str, ...] = ()
     maximise: tuple[str, ...] = ()
@@ -309,8 +318,8 @@ class Choose(Choosing):
 
     @property
     def goals(self) -> list[tuple[float, str, str]]:
-        """Goals as (1.0 to minimise or -1.0 to maximise, `upper`, `lower` or `width`, name of the
-        quantity); for a malformed text, that text and "" in place of the last two."""
+        """Goals as tuples: 1.0 to minimise or -1.0 to maximise, `upper`, `lower` or `width`, and
+        name of the quantity; for a malformed text, that text and "" in place of the last two."""
         goals = []
         for sign, texts in ((1.0, self.minimise), (-1.0, self.maximise)):
             for text in texts:
@@ -319,7 +328,8 @@ class Choose(Choosing):
         return goals
 
     def interval(self, name: str, value: float, experiment: Experiment) -> tuple[float, float]:
-        """Return the ends of the interval of parameter `name` if its nominal value is `value`."""
+        """Return the lower and upper end of the interval of parameter `name` if its nominal value
+        is `value`; experiment: has the config's interval."""
         interval = experiment.intervals.get(name)
         if interval is None:
             return value, value
@@ -332,19 +342,17 @@ class Choose(Choosing):
 
     def ends(self, name: str, experiment: Experiment) -> tuple[float, float]:
         """Return the least and largest value of parameter `name` over all nominal values that may
-        be chosen, with its uncertainty about each."""
+        be chosen, with its uncertainty about each; experiment: has the config's interval."""
         values = [end for v in self.parameters[name] for end in self.interval(name, v, experiment)]
         return min(values), max(values)
 
 
 @dataclass(frozen=True)
 class Campaign:
-    """A whole config, checked and resolved: the experiment, which determines the runs, and the
-    sections on what is made of the runs.
-
-    published: largest difference of the bounds from those in the literature, by response; review:
-    name of the standard that the review sheet follows, None for no sheet.
-    """
+    """A whole config, checked and resolved. experiment: what determines the runs; bounds, error,
+    figures, verify, choose, jobs: sections of the config; published: largest difference of the
+    bounds in the literature, by response; review: name of the standard that the review sheet
+    follows, None for no sheet; requirements: limits by requirement and by quantity."""
 
     experiment: Experiment
     bounds: BoundsChoice
@@ -367,10 +375,8 @@ class Campaign:
 
 
 def make_design(choice: DesignChoice, box: Any) -> Any:
-    """Make the `intervals.Design` (points of the runs) of a config's `choice`, in a box.
-
-    Raises `intervals.IntervalError`.
-    """
+    """Make the `intervals.Design` (points of the runs) that the section `design` (`choice`) of a
+    config asks for, in a box (`intervals.Box`). Raises `intervals.IntervalError`."""
     if choice.method == ADAPTIVE:
         points = np.array(choice.existing, dtype=float).reshape(-1, box.dimension)
         terms = np.zeros((0, box.dimension), dtype=int)
@@ -385,8 +391,9 @@ MOST_STEPS = 10**9
 
 
 def steps_problems(solver: Solver, step: float) -> list[str]:
-    """Check that a run with the time step `step` (s) has at most `MOST_STEPS` steps: returns a
-    sentence in a list, empty if so."""
+    """Check that a run with the time step `step` (s) has at most 10**9 steps (`MOST_STEPS`):
+    returns a list, with a sentence if not, or empty. solver: section of the config, with the
+    duration."""
     if solver.duration / step <= MOST_STEPS:
         return []
     key = "duration" if solver.step == "auto" else "step"
@@ -397,7 +404,8 @@ def steps_problems(solver: Solver, step: float) -> list[str]:
 
 
 def count_runs(experiment: Experiment) -> int:
-    """Return the largest possible number of runs of a campaign; those in two roles count twice."""
+    """Return the largest possible number of runs of a campaign, without further ones at bounds and
+    limits; those in two roles count twice."""
     design = experiment.design
     if experiment.is_sought:
         return experiment.accuracy.max_runs
@@ -421,7 +429,7 @@ def plain_data(section: Any) -> Any:
 
 
 def from_data(kind: Any, data: Any) -> Any:
-    """Rebuild a section of type `kind` (dataclass) from nested dicts as `plain_data` makes them,
+    """Rebuild a section of type `kind` (a dataclass) from nested dicts as `plain_data` makes them,
     without checks: pydantic takes 0.1 s to import, and every job reads sections."""
     if is_dataclass(kind):
         hints = _hints(kind)

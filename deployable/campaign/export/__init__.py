@@ -13,10 +13,10 @@ from deployable.campaign.files import check_results
 
 @dataclass(frozen=True)
 class ExportFormat:
-    """A format in which a run is written, such as vtk. `write(run, folder, frames)` writes the
-    files and returns the paths to open, for moving pictures also with `by_stress`; summary: what
-    the format is, in words; frames: how many are written by default; takes: names of the results
-    that `write` reads besides `samples.nc`."""
+    """A format in which a run is exported, such as vtk. write: function ``write(run, folder,
+    frames)`` that simulates the run, writes the files and returns the paths to open, for moving
+    pictures also with `by_stress`; summary: what the format is, in words; frames: how many are
+    written by default; takes: names of the results that `write` reads besides `samples.nc`."""
 
     write: Callable[..., list[Path]]
     summary: str

@@ -105,8 +105,8 @@ def choose(
     Parameters
     ----------
     source
-        Folder of a campaign's results; path of a campaign's config, whose nominal run is meant;
-        or file or name of a structure, at its default parameters.
+        Folder of a campaign's results; path of a campaign's config, whose nominal run is meant; or
+        file or name of a structure, at its default parameters.
     run
         ``nominal``; of results also a run's id (hexadecimal) or the beginning of one.
     settings
@@ -125,8 +125,7 @@ def choose(
     Raises
     ------
     CampaignError
-        If there is no such run, or results were made by another version of structure or
-        mechanics.
+        If there is no such run, or results were made by another version of structure or mechanics.
     SceneError
         If the structure cannot be built.
     """
@@ -248,8 +247,8 @@ def _of_structure(source: str, settings: Mapping[str, str], duration: float) -> 
 
 
 def parsed(settings: Mapping[str, str]) -> dict[str, Any]:
-    """Parse values of parameters from texts, as in a YAML file: `"2.5"` as 2.5, `"true"` as True;
-    settings: text by name of parameter; the result: value by name."""
+    """Parse values of parameters, texts by name, as in a YAML file: `"2.5"` as 2.5, `"true"` as
+    True; returns the values by name. Raises `ConfigError` for a text that is no YAML."""
     from deployable.campaign.config.loader import parse
 
     return {

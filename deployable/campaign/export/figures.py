@@ -29,11 +29,9 @@ _STYLE = {
 
 def write_figures(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
     """Simulate a run and write figures of it as PDF, SVG and PNG into `folder`, at the width of a
-    journal's columns; returns the paths of the PDF files.
-
-    They show the structure at moments of its motion, chosen from `frames` of them, and for a run of
-    a campaign's results each response with its bounds, and what each parameter contributes.
-    """
+    journal's columns; returns the paths of the PDF files. They show the structure at moments of its
+    motion, chosen from `frames` of them, and for a run of a campaign's results each response with
+    its bounds, and what each parameter contributes."""
     import matplotlib
 
     paths = []

@@ -35,10 +35,9 @@ def write_tables(run: SelectedRun, folder: Path) -> list[Path]:
 
 
 def curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np.ndarray]:
-    """Columns (t,) of a run by heading with unit: time, responses, positions (m) and velocities
-    (m/s) of the points along x, y and z, openings of hinges (rad; m of slides), energies (J).
-    outcome: an `fpm.Outcome`; responses: `fpm.reading.responses.Response` objects to be evaluated
-    on it."""
+    """Collect the curves of a run as columns (T) by heading with unit: time, responses, positions
+    (m) and velocities (m/s) of the points along x, y and z, openings of hinges (rad; m of slides),
+    energies (J). outcome: an `fpm.Outcome`; responses: `Response` objects, evaluated on it."""
     columns = {"time (s)": outcome.time}
     columns |= {f"{r.name} ({r.unit})": r.evaluate(outcome) for r in responses}
     for name, tracks in outcome.points.items():
@@ -52,8 +51,9 @@ def curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np.ndarray]
 
 
 def bounds(folder: Folder) -> dict[str, np.ndarray]:
-    """Columns (t,) by heading with unit: time, and of each response its bounds, nominal run and
-    error. folder: a campaign's results, of which `bounds.nc` is read."""
+    """Collect the bounds of a campaign as columns (T) by heading with unit: time, and of each
+    response its bounds, nominal run and error. folder: of the results, of which `bounds.nc` is
+    read."""
     with open_netcdf(folder.bounds) as file:
         columns = {"time (s)": file["time"][:]}
         rows = zip(file["response"][:], file["response_units"][:], strict=True)
@@ -65,8 +65,8 @@ def bounds(folder: Folder) -> dict[str, np.ndarray]:
 
 
 def runs(folder: Folder) -> list[list]:
-    """Table of a campaign's runs, headings first, then a row for each run in `samples.nc`: id,
-    role, parameter values, quantities (empty where one does not occur). folder: the campaign's
+    """Make the table of a campaign's runs, headings first, then a row for each run in `samples.nc`:
+    id, role, parameter values, quantities (empty where one does not occur). folder: of the
     results."""
     with open_netcdf(folder.samples) as file:
         rows = [["run", "role", *_headings(file, "parameter", "box_units")]]
@@ -82,8 +82,8 @@ def runs(folder: Folder) -> list[list]:
 
 
 def quantities(folder: Folder) -> list[list]:
-    """Table of a campaign's quantities, headings first, then a row for each: bounds, error, and the
-    parameter values at both bounds. folder: the campaign's results, with `quantities.nc`."""
+    """Make the table of a campaign's quantities, headings first, then a row for each: bounds,
+    error, and the parameter values at both bounds. folder: of the results, with `quantities.nc`."""
     with open_netcdf(folder.quantities) as file:
         headings = _headings(file, "parameter", "box_units")
         ends = [f"{name} at the {side} end" for side in ("lower", "upper") for name in headings]

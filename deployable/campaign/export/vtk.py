@@ -106,10 +106,10 @@ def grid_text(
     points: np.ndarray, cells: list[tuple[int, np.ndarray]], of_points: Mapping, of_cells: Mapping,
     time: float,
 ) -> str:  # fmt: skip
-    """Text of a .vtu file with one unstructured grid; points (n, 3): positions (m); cells: pairs of
-    VTK's number of a cell type, such as 3 for lines, and cells (m, k) as indices of their points;
-    of_points, of_cells: data arrays by name, a row for each point or cell; time: of the frame
-    (s)."""
+    """Write the text of a .vtu file with one unstructured grid. points (n, 3): positions (m);
+    cells: pairs of VTK's number of a cell type, such as 3 for lines, and cells (m, k) as indices of
+    their points; of_points, of_cells: data arrays by name, a row for each point or cell; time: of
+    the frame (s)."""
     connectivity = np.concatenate([nodes.ravel() for _, nodes in cells]).astype(np.int64)
     sizes = np.concatenate([np.full(len(nodes), nodes.shape[1]) for _, nodes in cells])
     kinds = np.concatenate([np.full(len(nodes), kind, np.uint8) for kind, nodes in cells])

@@ -33,8 +33,9 @@ _FACTS: ContextVar[Mapping[str, str]] = ContextVar("facts of the results", defau
 
 @contextmanager
 def results_of(facts: Mapping[str, str]) -> Iterator[None]:
-    """Context manager: files that `result_file` writes inside get `facts`, texts by name such as
-    `plan` (digest of the runs), into their seals (checksum and origin)."""
+    """Context manager in which files that `result_file` writes get `facts` into their seals
+    (checksum and origin): texts by name, such as `plan`, the digest of the runs they are made
+    of."""
     token = _FACTS.set({**_FACTS.get(), **facts})
     try:
         yield
@@ -54,8 +55,8 @@ def result_file(path: str | Path, **facts: str) -> Iterator[Path]:
 
 
 def open_netcdf(path: str | Path) -> Any:
-    """Check a result in netCDF and open it as a `netCDF4.Dataset` with plain arrays, not masked
-    ones: imported faster than xarray. Raises `fpm.files.sealed.DamagedError` if the file is not as
+    """Check a result in netCDF and open it as a `netCDF4.Dataset`, imported faster than xarray,
+    with plain arrays, not masked ones. Raises `fpm.files.sealed.DamagedError` if the file is not as
     written."""
     import netCDF4
 
@@ -78,8 +79,9 @@ HISTORY: deque[Path] = deque(maxlen=9)
 
 
 def unforeseen(error: Exception) -> CampaignError | None:
-    """Make of an unexpected error the one that the user sees, which blames the content of results
-    that this process opened; None where it opened none, or Python runs with `-X dev`."""
+    """Turn an unexpected error into the one that the user sees, which blames the content of the
+    results that this process opened last; None where it opened none, or Python runs with `-X
+    dev`."""
     if not HISTORY or sys.flags.dev_mode:
         return None
     words, paths = " ".join(str(error).split())[:200], ", ".join(dict.fromkeys(map(str, HISTORY)))
@@ -91,7 +93,7 @@ def unforeseen(error: Exception) -> CampaignError | None:
 
 
 def read_json(path: str | Path) -> dict:
-    """Read the data of a result in JSON, checked and without its seal; raises
+    """Read the data of a result in JSON, checked and without its seal. Raises
     `fpm.files.sealed.DamagedError` if the file is not as written."""
     content = read_bytes(path)
     check_content(path, content, Path(path).name)
@@ -100,8 +102,8 @@ def read_json(path: str | Path) -> dict:
 
 
 def check_results(folder: Folder, names: Iterable[str]) -> None:
-    """Check files of a campaign's results: each is as written, and all are of one campaign; else
-    raises DamagedError. folder: of the results; names: of the files, such as `bounds.nc`."""
+    """Check that files of a campaign's results are as written, and all of one campaign; else raises
+    DamagedError. folder: of the results; names: of the files, such as `bounds.nc`."""
     first: tuple[Path, Experiment] | None = None
     for path in (folder / name for name in names):
         if path.suffix == ".json":
@@ -136,7 +138,7 @@ def _check_summary(path: Path, data: dict, experiment: Experiment) -> None:
 
 
 def open_dataset(path: str | Path) -> Any:
-    """Check a result in netCDF and open it as an `xarray.Dataset`; raises
+    """Check a result in netCDF and open it as an `xarray.Dataset`. Raises
     `fpm.files.sealed.DamagedError` if the file is not as written."""
     import xarray
 
@@ -181,8 +183,8 @@ def write_result(path: str | Path, text: str, **facts: str) -> None:
 
 
 def csv_text(rows: Iterable[Sequence]) -> str:
-    """CSV text of rows (sequences of texts and numbers), numbers with all their digits. A text that
-    a spreadsheet would take for a formula gets an apostrophe in front."""
+    """Write rows (sequences of texts and numbers) as CSV text, numbers with all their digits. A
+    text that a spreadsheet would take for a formula gets an apostrophe in front."""
     buffer = io.StringIO()
     csv.writer(buffer, lineterminator="\n").writerows([*map(_cell, row)] for row in rows)
     return buffer.getvalue()

@@ -1,8 +1,5 @@
-"""Checks of what results hold: variables, their dimensions, values and names.
-
-Results may come from anybody. Their readers rely on these checks, which are made once, where a file
-is opened.
-"""
+"""Checks of what results hold: variables, their dimensions, values and names. Results may come from
+anybody. Their readers rely on these checks, which are made once, where a file is opened."""
 
 from __future__ import annotations
 
@@ -114,9 +111,9 @@ def reading(path: str | os.PathLike) -> Iterator[None]:
 
 
 def experiment_of(path: str | os.PathLike) -> Experiment | None:
-    """Check the content of a result in netCDF and return the parsed config that it carries, an
-    Experiment; None for a file of which only sizes are checked, such as a motion. Raises
-    DamagedError where variables, shapes or values are not those of such a file."""
+    """Check the content of a result in netCDF and return the `Experiment` that it carries as its
+    config; None for a file of which only sizes are checked, such as a motion. Raises DamagedError
+    where variables, shapes or values are not those of such a file."""
     state = os.stat(path)
     return _checked(Path(path), state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns)
 
@@ -248,7 +245,7 @@ def _schema() -> dict:
 
 
 def data_of(path: str | os.PathLike, content: bytes) -> dict:
-    """Parse and check a result in JSON, and return its data without the seal; path: of the file,
+    """Parse and check a result in JSON, and return its data without the seal. path: of the file,
     whose name tells what it should hold; content: its bytes. Raises DamagedError where it does
     not."""
     properties = _schema()["properties"]
@@ -270,7 +267,7 @@ def _no_number(text: str) -> None:
 
 
 def matches(schema: Mapping, data: Any, path: str = "") -> None:
-    """Raise ValueError unless plain data match a JSON schema; only keywords that
+    """Raise ValueError unless plain data match a JSON schema, of which only keywords that
     `summary.schema.json` uses are known. path: where the data stand in the whole, such as
     `rows[2]`, for messages."""
     if "$ref" in schema:

@@ -31,14 +31,14 @@ CLIPPED_SHARE = 0.005
 
 
 def rgb(colour: str) -> tuple[float, float, float]:
-    """Red, green and blue, each 0 to 1, of a hexadecimal colour such as `#E69F00`."""
+    """Split a hexadecimal colour such as `#E69F00` into red, green and blue, each 0 to 1."""
     return tuple(int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
 
 
 def stress_colours(motion: xarray.Dataset) -> tuple[np.ndarray, float]:
-    """Colours (t, m, 3), 0 to 1, of a motion's m elements by equivalent stress, and the stress (Pa)
-    at which the scale ends, which 0.5 % of the values exceed. Rigid bodies are grey. motion: a
-    run's whole motion, a dataset (`fpm.motions`)."""
+    """Colour a motion's m elements by equivalent stress: colours (T, m, 3), 0 to 1, at T frames,
+    and the stress (Pa) at which the scale ends, which 0.5 % of the values exceed. Rigid bodies are
+    grey. motion: a run's whole motion, a dataset (`fpm.motions`)."""
     from matplotlib import colormaps
 
     nodes, stress = motion["element_particle"].values, motion["stress"].values

@@ -61,16 +61,17 @@ class _Buffer:
 
 
 def write_glb(motion: xarray.Dataset, path: Path) -> Path:
-    """Write a whole motion (dataset of `fpm.motions`) as one glTF file, which plays in viewers and
-    Blender; returns `path` (.glb)."""
+    """Write a whole motion (dataset of `fpm.motions`) to `path` (.glb), one glTF file that plays in
+    viewers and Blender; returns `path`."""
     with whole_file(path) as temporary:
         temporary.write_bytes(glb_of(motion))
     return path
 
 
 def glb_of(motion: xarray.Dataset, small: bool = False) -> bytes:
-    """The bytes of a glTF file (.glb) that plays a whole motion (dataset of `fpm.motions`). small:
-    round positions to 1/65534 of the motion's extent and store rotations in 16 bits."""
+    """Encode a whole motion (dataset of `fpm.motions`) as the bytes of a glTF file (.glb) that
+    plays it. small: round positions to 1/65534 of the motion's extent and store rotations in 16
+    bits."""
     buffer = _Buffer()
     content = _content(motion, buffer, small)
     text = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()
@@ -140,10 +141,8 @@ def _loads(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, dict]:
 
 def _mesh(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, Any]:
     """Bars, cables and pins as they stand in the first frame, with the particles that they follow.
-
     The vertices of bars and cables know their element or cable (`_OF`); rigid bodies, which have no
-    stress, are of -1.
-    """
+    stress, are of -1."""
     solid = solid_of_motion(motion.isel(time=slice(0, 1)))
     primitives = []
     if len(solid.nodes):

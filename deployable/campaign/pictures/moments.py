@@ -28,7 +28,7 @@ def telling_moments(motion: Any, count: int) -> np.ndarray:
 
 
 def draw_moments(motion: Any, count: int = 5, width: float = 7.5, view: View | None = None) -> Any:
-    """A matplotlib figure of a structure at several moments of its motion, side by side.
+    """Draw a structure at several moments of its motion, side by side, as a matplotlib figure.
 
     Parameters
     ----------

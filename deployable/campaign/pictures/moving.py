@@ -33,10 +33,10 @@ def write_moving(
     width: float = 4.8,
     by_stress: bool = False,
 ) -> Path:
-    """Write all frames of a motion as a moving picture to `path` (.gif or .webp), and return it.
-    motion: a run's whole motion, a dataset (`fpm.motions`); view: direction to the eye, None: that
-    of `View()`; width: of the picture (hundreds of pixels); by_stress: colour elements by their
-    equivalent stress, not by bar."""
+    """Write all frames of a motion as a moving picture of five seconds to `path` (.gif or .webp),
+    and return it. motion: a run's whole motion, a dataset (`fpm.motions`); view: direction to the
+    eye, None: that of `View()`; width: of the picture (hundreds of pixels); by_stress: colour
+    elements by their equivalent stress, not by bar."""
     from PIL import Image
 
     pictures = frames(motion, view or View(), width, by_stress)

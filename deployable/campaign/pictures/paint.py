@@ -20,9 +20,10 @@ _HALO = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6}
 def paint_solid(
     ax: Any, solid: Solid, moment: int, view: View, colours: np.ndarray | None = None
 ) -> Any:
-    """Paint a structure's visible faces into matplotlib axes and return their PolyCollection.
-    solid: the structure at some moments; moment: index of one; view: direction to the eye; colours
-    (m, 3): of its elements, red, green, blue from 0 to 1; None: one for each bar."""
+    """Paint a structure's visible faces into matplotlib axes (`ax`) and return their
+    PolyCollection. solid: the structure at some moments; moment: index of one; view: direction to
+    the eye; colours (m, 3): of its elements, red, green, blue from 0 to 1; None: one for each
+    bar."""
     from matplotlib.collections import PolyCollection
 
     faces, shades = visible_faces(solid, moment, view, colours)
@@ -33,7 +34,7 @@ def paint_solid(
 
 
 def paint_cables(ax: Any, solid: Solid, moment: int, view: View) -> Any:
-    """Paint a structure's cables into matplotlib axes, dashed where slack, and return their
+    """Paint a structure's cables into matplotlib axes (`ax`), dashed where slack, and return their
     LineCollection. solid: the structure at some moments; moment: index of one; view: direction to
     the eye."""
     from matplotlib.collections import LineCollection
@@ -52,12 +53,10 @@ def paint_cables(ax: Any, solid: Solid, moment: int, view: View) -> Any:
 def visible_faces(
     solid: Solid, moment: int, view: View, colours: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Faces of a structure that are turned to the eye, from far to near: corners (f, 4, 2) in the
-    plane of the picture (m) and shaded colours (f, 3), 0 to 1.
-
-    solid: the structure at some moments; moment: index of one; view: direction to the eye; colours
-    (m, 3): of its elements, 0 to 1; None: one for each bar.
-    """
+    """Find the faces of a structure that are turned to the eye, from far to near: corners (f, 4, 2)
+    in the plane of the picture (m) and shaded colours (f, 3), 0 to 1. solid: the structure at some
+    moments; moment: index of one; view: direction to the eye; colours (m, 3): of its elements, 0 to
+    1; None: one for each bar."""
     element, face = np.nonzero(solid.visible)
     corners = solid.corners[moment][element[:, None], FACES[face]]
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
@@ -72,9 +71,9 @@ def visible_faces(
 
 
 def paint_points(ax: Any, places: Mapping[str, np.ndarray], view: View, size: float) -> None:
-    """Draw points of a structure into matplotlib axes with their names, set off from the middle of
-    all; places: positions (3,) by name (m); view: direction to the eye; size: of the whole picture
-    (m)."""
+    """Draw points of a structure into matplotlib axes (`ax`) with their names, set off from the
+    middle of all. places: positions (3) by name (m); view: direction to the eye; size: of the whole
+    picture (m)."""
     flat = {name: view.page @ place for name, place in places.items()}
     if not flat:
         return
@@ -89,9 +88,9 @@ def paint_points(ax: Any, places: Mapping[str, np.ndarray], view: View, size: fl
 
 
 def frame_picture(ax: Any, limits: np.ndarray, view: View, signs: bool = True) -> None:
-    """Set the limits of matplotlib axes to a structure's, and draw the axes x, y, z and a length
-    scale below it. limits (2, 2): lowest and highest corner in the plane of the picture (m); view:
-    direction to the eye; signs: False leaves axes and scale out."""
+    """Set the limits of matplotlib axes (`ax`) to a structure's, and draw the directions x, y, z
+    and a length scale below it. limits (2, 2): lowest and highest corner in the plane of the
+    picture (m); view: direction to the eye; signs: False leaves directions and scale out."""
     low, high = limits
     width, height = high - low
     size = max(width, height)
@@ -123,14 +122,14 @@ def frame_picture(ax: Any, limits: np.ndarray, view: View, signs: bool = True) -
 
 
 def length_text(length: float) -> str:
-    """A length (m) as text: `0.5 m`, or in millimetres below 0.1 m: `20 mm`."""
+    """Write a length (m) with its unit: `0.5 m`, or in millimetres below 0.1 m: `20 mm`."""
     return f"{length:g} m" if length >= 0.1 else f"{1000 * length:g} mm"
 
 
 def limits_of(places: np.ndarray, view: View, margin: float = 0.08) -> np.ndarray:
-    """Lowest and highest corner (2, 2) of a picture (m, in its plane) that holds all positions.
-    places (..., 3): m; view: direction to the eye; margin: added on each side, as a share of the
-    larger extent."""
+    """Find the lowest and highest corner (2, 2) of a picture (m, in its plane) that holds all
+    positions. places (..., 3): m; view: direction to the eye; margin: added on each side, as a
+    share of the larger extent."""
     flat = places.reshape(-1, 3) @ view.page.T
     low, high = flat.min(axis=0), flat.max(axis=0)
     size = max((high - low).max(), 1e-9)

@@ -19,10 +19,10 @@ FACES = np.array([
 
 @dataclass(frozen=True)
 class CablePoints:
-    """The p points through which c cables run, one cable after the other. cable (p,): index of the
-    point's cable; particle (p,): index of the particle that carries the point; arm (p, 3): from
-    that particle to the point, in its rotating frame (m); tension (t, c): of each cable at t
-    moments (N), None where it is not known."""
+    """The p points through which c cables run, one cable after the other. cable (p): index of the
+    point's cable; particle (p): index of the particle that carries the point; arm (p, 3): from that
+    particle to the point, in its rotating frame (m); tension (T, c): of each cable at T moments
+    (N), None where it is not known."""
 
     cable: np.ndarray
     particle: np.ndarray
@@ -42,13 +42,11 @@ NO_CABLES = CablePoints(np.zeros(0, int), np.zeros(0, int), np.zeros((0, 3)))
 
 @dataclass(frozen=True)
 class Solid:
-    """The m elements of a structure with n particles at t moments, each a hexahedron between the
-    sections at its two ends.
-
-    nodes (m, 2): indices of the particles at the ends; sections (m, 2, 4, 3): the sections' corners
-    from the particle, in its rotating frame (m); position (t, n, 3): of the particles (m); frame
-    (t, n, 3, 3): their rotation matrices; elements (m,): names; cables: the cables' points.
-    """
+    """The m elements of a structure with n particles at T moments, each a hexahedron between the
+    sections at its two ends. nodes (m, 2): indices of the particles at the ends; sections (m, 2, 4,
+    3): the sections' corners from the particle, in its rotating frame (m); position (T, n, 3): of
+    the particles (m); frame (T, n, 3, 3): their rotation matrices; elements (m): names; cables: the
+    cables' points."""
 
     nodes: np.ndarray
     sections: np.ndarray
@@ -59,13 +57,13 @@ class Solid:
 
     @cached_property
     def cable_points(self) -> np.ndarray:
-        """Positions (t, p, 3) of the cables' points (m) at each moment."""
+        """Positions (T, p, 3) of the cables' points (m) at each moment."""
         particle, arm = self.cables.particle, self.cables.arm
         return self.position[:, particle] + np.einsum("tpij,pj->tpi", self.frame[:, particle], arm)
 
     @cached_property
     def places(self) -> np.ndarray:
-        """Positions (t, k, 3) (m) that a picture must hold: corners and cables' points, or all
+        """Positions (T, k, 3) (m) that a picture must hold: corners and cables' points, or all
         particles where there are no elements."""
         count = len(self.position)
         points = [self.corners.reshape(count, -1, 3), self.cable_points]
@@ -73,7 +71,7 @@ class Solid:
 
     @cached_property
     def corners(self) -> np.ndarray:
-        """Positions (t, m, 8, 3) of the elements' corners (m): four at the first end, four at the
+        """Positions (T, m, 8, 3) of the elements' corners (m): four at the first end, four at the
         second."""
         offsets = np.einsum("tmeij,mecj->tmeci", self.frame[:, self.nodes], self.sections)
         corners = offsets + self.position[:, self.nodes, None, :]
@@ -93,13 +91,13 @@ class Solid:
 
     @cached_property
     def bar(self) -> np.ndarray:
-        """Index (m,) into `bars` of the bar that each element belongs to."""
+        """Index (m) into `bars` of the bar that each element belongs to."""
         return np.array([self.bars.index(bar_of(name)) for name in self.elements], dtype=int)
 
     @cached_property
     def visible(self) -> np.ndarray:
-        """Mask (m, 6) of the elements' faces (in the order of FACES: four sides, two ends); False
-        for ends that the next element of the bar covers."""
+        """Mask (m, 6) of the elements' faces that can be seen, four sides, then two ends (the order
+        of FACES); False for ends that the next element of the bar covers."""
         stretches = np.array([name.rsplit("[", 1)[0] for name in self.elements])
         is_joined = stretches[1:] == stretches[:-1]
         is_joined &= self.nodes[1:, 0] == self.nodes[:-1, 1]
@@ -110,8 +108,8 @@ class Solid:
 
 
 def solid_of_motion(motion: Any, frames: Any = slice(None)) -> Solid:
-    """The structure of a motion as hexahedra at some of its frames. motion: a run's whole motion,
-    an open dataset (`fpm.motions`), `xarray.Dataset` or `netCDF4.Dataset`; frames: index, slice or
+    """Make the `Solid` (hexahedra) of a motion's structure at some of its frames. motion: a run's
+    whole motion, an open `xarray.Dataset` or `netCDF4.Dataset` (`fpm.motions`); frames: slice or
     indices of frames; all by default."""
     return Solid(
         nodes=values_in(motion, "element_particle"),
@@ -124,12 +122,13 @@ def solid_of_motion(motion: Any, frames: Any = slice(None)) -> Solid:
 
 
 def values_in(motion: Any, name: str) -> np.ndarray:
-    """The variable `name` of an open dataset (`xarray` or `netCDF4`) as a numpy array."""
+    """Read the variable `name` of an open dataset (`xarray` or `netCDF4`) as a numpy array."""
     return np.asarray(motion.variables[name][:])
 
 
 def solid_of_scene(scene: Any) -> Solid:
-    """The structure of an `fpm.Scene` as hexahedra where it starts, one moment."""
+    """Make the `Solid` (hexahedra) of the structure of an `fpm.Scene` where it starts, one
+    moment."""
     from fpm.motions.motion import section_corners
     from fpm.motions.motion_dataset import shapes_of
 

@@ -25,8 +25,8 @@ _MARKER = {"marker": "^", "color": "none", "markeredgecolor": "black", "markersi
 
 
 def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> Any:
-    """A matplotlib figure of a structure where it starts, with named points, axes of hinges, cables
-    and supports.
+    """Draw a structure where it starts, with named points, axes of hinges, cables and supports, as
+    a matplotlib figure.
 
     Parameters
     ----------
@@ -72,8 +72,8 @@ def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> 
 
 
 def write_structure(scene: Any, path: str | Path) -> Path:
-    """Draw the structure of an `fpm.Scene` where it starts into a file, and return `path`, which
-    ends with one of `SUFFIXES` (.png, .svg, .pdf)."""
+    """Draw the structure of an `fpm.Scene` where it starts into the file `path`, which ends with
+    one of `SUFFIXES` (.png, .svg, .pdf), and return `path`."""
     path = Path(path)
     with whole_file(path) as temporary:
         draw_structure(scene).savefig(temporary, dpi=160)

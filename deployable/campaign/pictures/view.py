@@ -26,14 +26,14 @@ class View:
 
     @cached_property
     def towards(self) -> np.ndarray:
-        """Unit vector (3,) from the structure to the eye."""
+        """Unit vector (3) from the structure to the eye."""
         a, e = np.radians([self.azimuth, self.elevation])
         return np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
 
 
 def nice_length(limit: float) -> float:
-    """Round a length down to 1, 2 or 5 times a power of ten, for a picture's scale; limit: above
-    0."""
+    """Round a length down to 1, 2 or 5 times a power of ten, for a picture's scale; limit: the
+    length, above 0."""
     power = 10.0 ** np.floor(np.log10(limit))
     return float(
         max(step for step in (1.0, 2.0, 5.0) if step * power <= limit * (1 + 1e-9)) * power

@@ -49,10 +49,8 @@ def next_plan(
 ) -> Plan:
     """Make the plan after a finished round of an `accuracy`: with more runs, a finer mesh or step,
     or a check of the errors by both; or the same plan, marked as the last, with the reason to stop.
-
     experiment: has the `accuracy`; plan: of the finished round; samples_path, bounds_path: the
-    `samples.nc` and `bounds.nc` of that round.
-    """
+    `samples.nc` and `bounds.nc` of that round."""
     target, base, state = experiment.accuracy, plan.experiment, plan.adaptive
     with open_dataset(samples_path) as samples, open_dataset(bounds_path) as bounds:
         quantities = _estimate_quantities(base, samples)
@@ -155,11 +153,8 @@ def _estimate_quantities(experiment: Experiment, samples: Any) -> dict[str, _Qua
 def _shares(
     plan: Plan, bounds: Any, quantities: Mapping[str, _QuantityEstimate]
 ) -> dict[str, dict[str, float]]:
-    """The errors of all responses and quantities by part, as shares of their widths.
-
-    Of step and mesh what the last check of the same mesh and step found; nothing where there was
-    none.
-    """
+    """The errors of all responses and quantities by part, as shares of their widths. Of step and
+    mesh what the last check of the same mesh and step found; nothing where there was none."""
     previous: Mapping[str, Mapping] = {}
     if plan.adaptive.rounds and plan.adaptive.rounds[-1].action in ("runs", "check"):
         previous = plan.adaptive.rounds[-1].shares
@@ -217,12 +212,10 @@ def _standing(plan: Plan, shares: Mapping, step_is_free: bool = True) -> Standin
 
 
 def added(nodes: int, growth: float, affordable: float) -> int:
-    """Return how many runs the next round adds, a multiple of `LANES` (eight side by side take as
-    long as one): `growth` - 1 times `nodes`, if affordable, but at least a quarter of `nodes`.
-
+    """Return how many runs the next round adds, a multiple of 8 (`LANES`: eight side by side take
+    as long as one): `growth` - 1 times `nodes`, if affordable, but at least a quarter of `nodes`.
     nodes: runs that surrogates are fitted to so far; growth: factor by which their number should
-    grow; affordable: runs that the budget allows.
-    """
+    grow; affordable: runs that the budget allows."""
     quarter, need = (LANES * max(1, round(nodes * share / LANES)) for share in (0.25, growth - 1))
     return max(quarter, min(need, LANES * int(affordable // LANES)))
 

@@ -53,13 +53,11 @@ where the errors are expected to be small enough after it."""
 
 @dataclass(frozen=True)
 class Resources:
-    """What the rounds of an `accuracy` have spent, and what the next actions would take.
-
-    runs, seconds: spent so far, checks included, the time (s of one core) by estimate; nodes: runs
-    that surrogates are fitted to; next_runs: how many would be added; checked: runs repeated in a
-    check of step or of mesh; run_seconds: of one core, for a run; elements: number set by the
-    mesh's parameter; reserved: runs kept for the answers after the rounds.
-    """
+    """What the rounds of an `accuracy` have spent, and what the next actions would take. runs,
+    seconds: spent so far, checks included, the time (s of one core) by estimate; nodes: runs that
+    surrogates are fitted to; next_runs: how many would be added; checked: runs repeated in a check
+    of step or of mesh; run_seconds: of one core, for a run; elements: number set by the mesh's
+    parameter; reserved: runs kept for the bounds of quantities after the rounds."""
 
     runs: int
     seconds: float
@@ -72,8 +70,8 @@ class Resources:
 
     def of(self, action: str) -> tuple[int, float]:
         """Return the runs and the seconds of one core that an action ("check", "runs", "step" or
-        "mesh") takes, including its own check and a last one of step and mesh, which the budget
-        must allow too."""
+        "mesh") takes, with its own check and a last one of step and mesh, which the budget must
+        allow too."""
         checked, time = self.checked, self.run_seconds
         if action == "check":
             return 2 * checked, 6 * checked * time
@@ -87,12 +85,10 @@ class Resources:
 @dataclass(frozen=True)
 class Decision:
     """The next action towards the errors that an `accuracy` allows, with the `reason` as a
-    sentence.
-
-    action: "stop"; "check" (repeat runs with finer step and mesh, to estimate the errors by both);
-    "runs" (add some); "mesh" or "step" (halve it and make all runs again). check: which of these
-    two the next round is checked for; met: whether all errors are within their tolerances.
-    """
+    sentence. action: "stop"; "check" (repeat runs with finer step and mesh, to estimate the errors
+    by both); "runs" (add some); "mesh" or "step" (halve it and make all runs again). check: for
+    which errors, of "step" and "mesh", the next round repeats runs; met: whether all errors are
+    within their tolerances."""
 
     action: str
     reason: str
@@ -102,9 +98,9 @@ class Decision:
 
 @dataclass(frozen=True)
 class Errors:
-    """Estimated errors of the bounds of the response or quantity `name`, all as fractions of the
-    width of its interval. aim: tolerance of their sum; parts: error by component: "surrogate" and,
-    if known, "step" and "mesh"."""
+    """Estimated errors of the bounds of the response or quantity `name`, as fractions of the width
+    of its interval. aim: tolerance of their sum; parts: error by component, "surrogate" and, if
+    known, "step" and "mesh"."""
 
     name: str
     aim: float
@@ -122,13 +118,13 @@ class Errors:
 
     @property
     def larger(self) -> str:
-        """Which of "mesh" and "step" has the larger error."""
+        """Which of "mesh" and "step" has the larger error; "mesh" if they are equal."""
         return "mesh" if self.parts.get("mesh", 0.0) >= self.parts.get("step", 0.0) else "step"
 
     @property
     def allowance(self) -> float:
-        """Error, as a fraction of the width, left to the surrogate: the tolerance less the errors
-        by mesh and step, but at least a quarter of the tolerance."""
+        """Error that the surrogate may have, as a fraction of the width: the tolerance less the
+        errors by mesh and step, but at least a quarter of the tolerance."""
         mesh, step = self.parts.get("mesh", 0.0), self.parts.get("step", 0.0)
         return max(self.aim - mesh - step, (1 - _FINAL_SHARE) * self.aim)
 
@@ -149,13 +145,11 @@ class Need:
 
 @dataclass(frozen=True)
 class Standing:
-    """State after a finished round of runs, from which `decide` takes the next action.
-
-    accuracy: tolerances of errors, and budget, of the config; shares: errors of responses and
-    quantities by name and component (surrogate, step, mesh), as fractions of their widths; state:
-    earlier rounds, and what this one was checked for; cost: resources spent and needed;
-    step_is_free: whether the step may be halved, since the config does not give one.
-    """
+    """State after a finished round of runs, from which `decide` takes the next action. accuracy:
+    tolerances of errors, and budget, of the config; shares: errors of responses and quantities by
+    name and component (surrogate, step, mesh), as fractions of their widths; state: earlier rounds,
+    and the errors that this one was checked for; cost: resources spent and needed; step_is_free:
+    whether the step may be halved, since the config does not give one."""
 
     accuracy: Accuracy
     shares: Shares
@@ -165,7 +159,7 @@ class Standing:
 
     @cached_property
     def unmet(self) -> list[Errors]:
-        """Errors of each response and quantity that exceeds its tolerance; unknown (NaN) ones are
+        """Errors of each response and quantity that exceed its tolerance; unknown (NaN) ones are
         left out."""
         return [error for error in self._all if error.whole > error.aim]
 
@@ -176,21 +170,19 @@ class Standing:
 
     @cached_property
     def needs(self) -> dict[str, Need]:
-        """What each response or quantity beyond its tolerance needs (`Need`: an action), by
-        name."""
+        """For each response or quantity beyond its tolerance, by name: the action that would bring
+        it within, and why that cannot be done, if so."""
         return {error.name: self._need(error) for error in self.unmet}
 
     @property
     def pursued(self) -> list[Errors]:
-        """Errors of each response and quantity beyond its tolerance for which the needed action is
-        possible."""
+        """Errors of each response and quantity beyond its tolerance for which the action that it
+        needs is possible."""
         return [error for error in self.unmet if not self.needs[error.name].why_not]
 
     def decide(self) -> Decision:
-        """Decide on the next action of the rounds; the `Decision` names it and the reason.
-
-        A check repeats the runs that decide the bounds with a finer step and mesh, to estimate the
-        errors by both.
+        """Decide on the next action of the rounds, with the reason. A check repeats the runs that
+        decide the bounds with a finer step and mesh, to estimate the errors by both.
 
         1. If all errors are within their tolerances, stop if this round was checked for the step,
            else check.
@@ -230,8 +222,8 @@ class Standing:
 
     def growth(self) -> float:
         """Return the factor (1.25 to 2) by which to increase the number of runs that surrogates are
-        fitted to, so that the surrogate errors in `pursued` fall to their allowance, at the rate at
-        which they fell last."""
+        fitted to, so that the surrogate errors in `pursued` fall to three quarters of their
+        allowance, at the rate at which they fell last."""
         factors = [
             (error.parts["surrogate"] / (_SPARE * error.allowance)) ** (1 / self._rate(error))
             for error in self.pursued

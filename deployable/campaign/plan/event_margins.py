@@ -15,12 +15,12 @@ _AT_ONCE = 256  # runs
 def margins_of(experiment: Experiment, values: np.ndarray) -> np.ndarray:
     """Compute event margins (R, q): by how much each of R runs has, or misses, each of q
     quantities, positive if the quantity exists; NaN for a quantity on which no response decides.
+    values (R, n, T): the n responses of the experiment at T instants.
 
-    values (R, n, t): the n responses at t instants. A margin is in the unit of the response that
-    decides. For the nth crossing of a level it is the least distance beyond the level that the
-    response reaches, on each side of it in turn; for settling, the distance of the response, at the
-    last instant, to the edge of its band. It is continuous where a quantity comes and goes in the
-    box, and so locates that border.
+    A margin is in the unit of the response that decides. For the nth crossing of a level it is the
+    least distance beyond the level that the response reaches, on each side of it in turn; for
+    settling, the distance of the response, at the last instant, to the edge of its band. It is
+    continuous where a quantity comes and goes in the box, and so locates that border.
     """
     names = list(experiment.responses)
     margins = np.full((len(values), len(experiment.quantities)), np.nan)
@@ -31,9 +31,9 @@ def margins_of(experiment: Experiment, values: np.ndarray) -> np.ndarray:
 
 
 def margins_of_samples(experiment: Experiment, samples: Any, rows: Sequence[int]) -> np.ndarray:
-    """Compute event margins (len(rows), q), by how much each run has each quantity, for chosen runs
-    in the open `samples.nc` (`netCDF4.Dataset` or `xarray.Dataset`); NaN if it holds no curves of
-    them. rows: indices of the runs, in order."""
+    """Compute event margins (r, q), by how much each run has each quantity (`margins_of`), of r
+    runs of an open `samples.nc` (`netCDF4.Dataset` or `xarray.Dataset`); NaN if it holds no curves
+    of them. rows: indices of the runs, in the order wanted."""
     if "values" not in samples.variables or all(q.decider is None for q in experiment.numbers):
         return np.full((len(rows), len(experiment.quantities)), np.nan)
     parts = [rows[first : first + _AT_ONCE] for first in range(0, len(rows), _AT_ONCE)]

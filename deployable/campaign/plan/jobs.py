@@ -23,7 +23,7 @@ PROGRAM, PROCESS = 600.0, 150.0
 def run_seconds(experiment: Experiment, time: TimeStep) -> float:
     """Estimate the core seconds of a run that is one of eight side by side, on the reference core
     of `fpm.scenes.effort` instead of this one, so that the rounds of an `accuracy` are the same
-    everywhere. time: the plan's time step."""
+    everywhere. time: time step of the plan."""
     instants = experiment.solver.instants
     return effort.run_seconds(
         experiment.nominal_scene, time.steps_per_instant * (instants - 1), instants
@@ -31,8 +31,8 @@ def run_seconds(experiment: Experiment, time: TimeStep) -> float:
 
 
 def runs_in_job(campaign: Campaign) -> int:
-    """Return how many runs fit a job of `jobs.minutes` (config): whole groups, at least one per
-    process."""
+    """Return how many runs fit a job of `jobs.minutes` (config): whole groups of `jobs.group`, at
+    least one per process."""
     jobs = campaign.jobs
     fitting = 60.0 * jobs.minutes * jobs.processes / seconds_of_run(campaign)
     return max(1, jobs.processes, int(fitting / jobs.group)) * jobs.group
@@ -40,8 +40,8 @@ def runs_in_job(campaign: Campaign) -> int:
 
 def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> int:
     """Return the minutes of wall-clock time to ask a queue for, for a job of `runs` runs: the start
-    of the program and twice the estimate, which with an `accuracy` is its whole budget. time: the
-    plan's time step; None: chosen here, which takes longer."""
+    of the program and twice the estimate; with an `accuracy` the estimate is its whole budget.
+    time: time step of the plan; None: chosen here, which takes longer."""
     if campaign.experiment.is_sought:
         minutes = campaign.experiment.accuracy.max_core_minutes
     else:
@@ -50,8 +50,8 @@ def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> 
 
 
 def job_megabytes(campaign: Campaign) -> int:
-    """Return the megabytes of memory to ask a queue for, for one job: of each process the program
-    and two groups of runs, one being written and one being simulated."""
+    """Return the megabytes of memory to ask a queue for, for one job: the program, and for each
+    process two groups of runs, one being written and one being simulated."""
     experiment, jobs = campaign.experiment, campaign.jobs
     run = 8 * experiment.solver.instants * (recorded(experiment) + len(experiment.responses))
     return math.ceil(PROGRAM + jobs.processes * (PROCESS + 2.0 * jobs.group * run / 1e6))
@@ -59,7 +59,8 @@ def job_megabytes(campaign: Campaign) -> int:
 
 def seconds_of_run(campaign: Campaign, time: TimeStep | None = None) -> float:
     """Return the core seconds on this machine of a run that is one of eight side by side: the
-    config's `jobs.run_seconds`, else an estimate. time: of the plan; None: chosen here."""
+    config's `jobs.run_seconds`, else an estimate. time: time step of the plan; None: chosen
+    here."""
     experiment = campaign.experiment
     if seconds := campaign.jobs.run_seconds:
         return seconds
@@ -74,10 +75,10 @@ machines must find as many batches."""
 
 
 def batch_count(campaign: Campaign, runs: int) -> int:
-    """Return into how many batches, one for each job, `runs` runs are divided: by `jobs.minutes` of
-    the config, else by `jobs.runs_per_job`; if that is `auto`, one for each 512 runs, but at most
-    the largest of 8, the number of cores, and one for each 4,096 runs up to 64; above the number of
-    cores, rounded down to a multiple of it."""
+    """Return into how many batches, one for each job of a workflow, a number `runs` of runs is
+    divided: by `jobs.minutes` of the config, else by `jobs.runs_per_job`. If that is `auto`, there
+    is one for each 512 runs, but at most the largest of 8, the number of cores, and one for each
+    4,096 runs up to 64; above the number of cores, rounded down to a multiple of it."""
     if campaign.jobs.minutes:
         return -(-runs // runs_in_job(campaign))
     if campaign.jobs.runs_per_job != "auto":

@@ -51,8 +51,8 @@ MOST_LISTED = 10_000
 class TimeStep:
     """Time step of all runs of a plan: `step` (s); `steps_per_instant`, steps between recorded
     instants; `step_limit` (s), the largest stable step, set by the element `limiting_element`;
-    `assembly_energy`, largest strain energy (J) left at the start of a run by forcing parts
-    together."""
+    `assembly_energy`, largest strain energy (J) of a run's start, where parts that do not fit are
+    forced together."""
 
     step: float
     steps_per_instant: int
@@ -63,13 +63,12 @@ class TimeStep:
 
 @dataclass(frozen=True)
 class Round:
-    """A finished round of an `accuracy`, with the `action` decided after it and the `reason`.
-
-    runs, seconds: spent so far, checks included, the time (s of one core) by estimate; error: of
-    the worst response or quantity; shares: errors by name and component (surrogate, step, mesh);
-    both as fractions of the widths; elements: value of the mesh's parameter; safety: factor on the
-    stable step, or the step (s) if the config gives it; nodes: runs that surrogates were fitted to.
-    """
+    """A finished round of an `accuracy`, with the `action` decided after it and the `reason`. runs,
+    seconds: spent so far, checks included, the time (s of one core) by estimate; error: of the
+    worst response or quantity; shares: errors by name and component (surrogate, step, mesh), both
+    as fractions of the widths; elements: value of the mesh's parameter; safety: factor on the
+    stable step, or the step (s) if the config gives it; nodes: runs that surrogates were fitted
+    to."""
 
     runs: int
     error: float
@@ -85,9 +84,9 @@ class Round:
 @dataclass(frozen=True)
 class Rounds:
     """State of an `accuracy` in a plan: the finished `rounds`, and `points` (n, k), normalized, of
-    the runs that surrogates are fitted to. met: whether all errors are within their tolerances,
-    None while rounds go on; check: which of "step" and "mesh" this plan's bounds are checked for,
-    by repeating runs with finer ones."""
+    the runs that surrogates are fitted to besides the nominal one. met: whether all errors are
+    within their tolerances, None while rounds go on; check: for which errors, of "step" and "mesh",
+    this plan's bounds are to be checked, by repeating runs with finer ones."""
 
     rounds: tuple[Round, ...]
     points: tuple[tuple[float, ...], ...]
@@ -97,9 +96,9 @@ class Rounds:
 
 @dataclass(frozen=True)
 class Plan:
-    """All runs of an experiment, and their time step (`time`). mechanics: digest of structure and
-    code that determine runs; adaptive: state of the rounds towards the config's `accuracy`, None
-    without."""
+    """All runs of an experiment, and their time step (`time`): the content of `plan.json`.
+    mechanics: digest of structure and code that determine runs; adaptive: state of the rounds
+    towards the config's `accuracy`, None without."""
 
     experiment: Experiment
     mechanics: str
@@ -114,7 +113,8 @@ class Plan:
 
     @cached_property
     def config_hash(self) -> str:
-        """Digest of the experiment; the structure's content stands for its path."""
+        """Digest of the experiment, the parts of the config that decide runs; the structure's
+        content stands for its path."""
         data = plain_data(self.experiment)
         if data["scene"]["file"]:
             data["scene"]["file"] = self.mechanics
@@ -122,12 +122,13 @@ class Plan:
 
     @cached_property
     def digest(self) -> str:
-        """Digest of experiment, time step and runs: results of this plan are known by it."""
+        """Digest of experiment, time step and runs, by which results are known to be of this
+        plan."""
         return digest([self.config_hash, self.mechanics, self.time.step, self.runs.digest])
 
     def unique_runs(self) -> Runs:
-        """Return the runs in order, without those that repeat the parameter values of an earlier
-        one."""
+        """Return the runs in order, without those that repeat an earlier one's parameter values:
+        one simulation each."""
         return self._unique
 
     @cached_property
@@ -135,13 +136,13 @@ class Plan:
         return self.runs.unique()
 
     def named(self, run: PlannedRun) -> dict[str, float]:
-        """Return the values of the interval parameters in a run, by name."""
+        """Return the values of the interval parameters in a run of this plan, by name."""
         return dict(zip(self.experiment.intervals, run.values, strict=True))
 
 
 def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
     """Make the plan of a checked experiment: the nominal run, those of its design and, unless that
-    is a Sobol sequence, validation runs. time: their time step; None: chosen by `choose_step`."""
+    is a Sobol sequence, validation runs. time: their time step; None: `choose_step` finds it."""
     box = experiment.box
     design = make_design(experiment.design, box)
     parts = [("nominal", box.to_unit(experiment.nominal)[None]), ("node", design.points)]
@@ -161,8 +162,8 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
 def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
     """Choose one time step for all runs of an experiment: the solver's safety factor times the
     largest stable step, or the config's step, shortened to divide the time between instants.
-    corners: whether stability is computed at every corner of the box, or only its centre. Raises
-    `CampaignError` for a run of more than `MOST_STEPS` steps."""
+    corners: whether stability is computed at every corner of the box too, or only at its centre.
+    Raises `CampaignError` for a run of more steps than `MOST_STEPS`."""
     solver, box = experiment.solver, experiment.box
     limit, element, energy = math.inf, "", 0.0
     for unit in [np.zeros(box.dimension), *(box.corners() if corners else ())]:
@@ -181,14 +182,14 @@ def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
 
 
 def share(items: list, part: int, parts: int) -> list:
-    """Return part number `part` (from 0) of `items`, cut in order into `parts` nearly equal
-    parts."""
+    """Return part number `part` (from 0) of `items`, a list or `Runs`, cut in order into `parts`
+    nearly equal parts."""
     return items[len(items) * part // parts : len(items) * (part + 1) // parts]
 
 
 def write_plan(plan: Plan, path: str | Path) -> None:
     """Write a plan to the file `path` as JSON (`plan.json`), a line for each run, or, of more than
-    `MOST_LISTED`, all runs packed as arrays."""
+    10,000 (`MOST_LISTED`), all runs packed as arrays."""
     head = {
         "campaign": plan.experiment.name,
         "config_hash": plan.config_hash,
@@ -207,8 +208,8 @@ def write_plan(plan: Plan, path: str | Path) -> None:
 
 
 def read_plan(path: str | Path) -> Plan:
-    """Read the plan in the file `path`; raises `fpm.files.sealed.DamagedError` if it was
-    changed."""
+    """Read the plan in the file `path`; raises `fpm.files.sealed.DamagedError` if it was changed or
+    does not hold a plan."""
     data = read_json(path)
     with reading(path):
         return _plan(path, data)

@@ -20,7 +20,7 @@ _REMEMBERED = 1 << 17  # names
 class PlannedRun:
     """One run to be made: its point in the box (`normalized` (k), -1 to 1) and `values` (k) of the
     interval parameters, in their units. id: digest that names its file; role: "nominal", "node" (of
-    the design), "held_out" (validation) or "further" (added for answers)."""
+    the design), "held_out" (validation) or "further" (added at bounds and limits)."""
 
     id: str
     role: str
@@ -29,12 +29,11 @@ class PlannedRun:
 
 
 class Runs(Sequence[PlannedRun]):
-    """Sequence of N runs, held as arrays; a `PlannedRun` is made when one is accessed.
-
-    role: indices (N,) into `ROLES` (nominal, node, held_out, ...); unit (N, k): normalized points,
-    kept as `normalized`; values (N, k): of the interval parameters; name: function that returns a
-    run's id from its values (k).
-    """
+    """Sequence of N runs, held as arrays; a `PlannedRun` is made when one is accessed, and a slice
+    or a list of indices gives another sequence. role (N): indices into `ROLES` (nominal, node,
+    held_out, ...); unit (N, k): normalized points, kept as `normalized`; values (N, k): of the
+    interval parameters, in their units; name: function that returns a run's id from its values, a
+    tuple of k numbers."""
 
     def __init__(
         self,
@@ -75,7 +74,8 @@ class Runs(Sequence[PlannedRun]):
 
     @property
     def digest(self) -> str:
-        """Digest of all roles, points and values, to their last bit."""
+        """Digest of all roles, points and values, to their last bit; equal sequences have equal
+        ones."""
         sha = hashlib.sha256(self.role.tobytes())
         sha.update(self.normalized.tobytes())
         sha.update(self.values.tobytes())
@@ -97,8 +97,8 @@ class Runs(Sequence[PlannedRun]):
 
 
 def values_of(experiment: Experiment, role: np.ndarray, unit: np.ndarray) -> np.ndarray:
-    """Return the values (N, k) of the interval parameters in runs at normalized points `unit` (N,
-    k). role (N,): indices into `ROLES`; nominal runs get the config's values exactly, which the map
+    """Compute the values (N, k) of the interval parameters in runs at normalized points `unit` (N,
+    k). role (N): indices into `ROLES`; nominal runs get the config's values exactly, which the map
     from the box might round."""
     values = experiment.box.from_unit(unit)
     values[role == ROLES.index("nominal")] = experiment.nominal
@@ -108,7 +108,7 @@ def values_of(experiment: Experiment, role: np.ndarray, unit: np.ndarray) -> np.
 def namer(
     experiment: Experiment, step: float, mechanics: str
 ) -> Callable[[tuple[float, ...]], str]:
-    """Return a function that computes a run's id from its values (k) of the interval parameters.
+    """Make a function that computes a run's id from its values (k) of the interval parameters.
     step: time step (s); mechanics: digest of the structure and of the code that computes runs."""
 
     @lru_cache(_REMEMBERED)
@@ -120,7 +120,7 @@ def namer(
 
 
 def run_id(experiment: Experiment, parameters: Mapping, step: float, mechanics: str) -> str:
-    """Return the id of a run: a digest, 16 hex digits, of all that its motion depends on.
+    """Compute the id of a run: a digest, 16 hex digits, of all that its motion depends on.
     parameters: values of all structure parameters by name; step: time step (s); mechanics: digest
     of structure and code."""
     return digest(

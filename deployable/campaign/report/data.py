@@ -21,14 +21,13 @@ MOST_LINES = 48
 
 @dataclass(frozen=True)
 class ResponseBounds:
-    """Bounds of a response over time for the page: arrays (t,) `lower`, `upper`, `nominal` (run at
+    """Bounds of a response over time for the page: arrays (T) `lower`, `upper`, `nominal` (run at
     nominal parameters) and `error` (estimated, of the bounds) in `units`; None stands for unknown.
-
-    shares (k,): each parameter's share in the mean width of the response's range, 0 to 1; widths
-    (k, t): that width when one parameter varies alone, NaN where it is not above the error of the
-    fit; abscissa: dict of the horizontal axis (`results.facts.along_of`), None: time; least: lowest
-    value that the response can have, such as 0.
-    """
+    name, long_name: of the response, the latter in words; shares (k): each parameter's share in the
+    mean width of the response's range, 0 to 1; widths (k, T): that width when one parameter varies
+    alone, NaN where it is not above the error of the fit; abscissa: dict of the horizontal axis
+    (`results.facts.along_of`), None: time; least: lowest value that the response can have, such as
+    0."""
 
     name: str
     long_name: str
@@ -61,8 +60,8 @@ class Event:
 @dataclass(frozen=True)
 class PageRun:
     """A run on the page: id (hexadecimal), role (nominal, node: fitted, held_out: tests the fit,
-    further: added by answers), parameter values (k,), and the contact events in it. curves
-    (response, t): its responses, None where they are not drawn."""
+    further: added at bounds and limits), parameter values (k), and the contact events in it. curves
+    (n, T): its n responses, None where they are not drawn."""
 
     id: str
     role: str
@@ -73,8 +72,8 @@ class PageRun:
 
 @dataclass(frozen=True)
 class MovingRun:
-    """A run that the page shows moving: `run`, its index in `PageData.runs`, a label in words, and
-    its whole motion, a dataset as `fpm.motions` makes it."""
+    """A run that the page shows moving: `run`, its index in `PageData.runs`, `label`, what it is in
+    words, and `motion`, its whole motion, a dataset as `fpm.motions` makes it."""
 
     run: int
     label: str
@@ -83,8 +82,8 @@ class MovingRun:
 
 @dataclass(frozen=True)
 class OmittedRun:
-    """A run that the page would show moving if it had room: its id (hexadecimal), and a label in
-    words."""
+    """A run that the page would show moving if it had room: its id (hexadecimal), and `label`, what
+    it is in words."""
 
     id: str
     label: str
@@ -92,7 +91,7 @@ class OmittedRun:
 
 @dataclass(frozen=True)
 class RunVerdicts:
-    """Of R runs the parameter `values` (R, k), whether they meet all requirements, `met` (R,), and
+    """Whether R runs meet all requirements, `met` (R), with their parameter `values` (R, k), and
     their quantities, `numbers` (R, q), NaN for one that does not occur."""
 
     values: np.ndarray
@@ -102,10 +101,10 @@ class RunVerdicts:
 
 @dataclass(frozen=True)
 class WhatIf:
-    """Surrogates (fitted formulas) that the page's sliders evaluate: `quantities`, of
-    `intervals.scalars` by name, and polynomials of the n responses over t instants: coefficients
-    (n, M, t) of M products of Chebyshev polynomials in the k parameters, whose orders are indices
-    (M, k); both None where the bounds are not those of polynomials."""
+    """Surrogates (fitted functions) that the page's sliders evaluate: `quantities`,
+    `ScalarSurrogate` by name, and polynomials of the n responses at T instants: coefficients (n, M,
+    T) of M products of Chebyshev polynomials in the k parameters, whose degrees are indices (M, k);
+    both None where the bounds are not those of polynomials."""
 
     quantities: Mapping[str, Any]
     indices: np.ndarray | None
@@ -114,8 +113,8 @@ class WhatIf:
 
 @dataclass(frozen=True)
 class Work:
-    """Time that a task (a name in words) took: `clock`, seconds of wall-clock time, and `cpu`,
-    seconds of processor time, None if unknown."""
+    """Time that a task (what was done, in words) took: `clock`, seconds of wall-clock time, and
+    `cpu`, seconds of processor time, None if unknown."""
 
     task: str
     clock: float
@@ -124,15 +123,13 @@ class Work:
 
 @dataclass(frozen=True)
 class PageData:
-    """All data that the page shows, as `from_results` reads them.
-
-    facts: content of `summary.json`; time (t,): s; responses: their bounds; runs: the planned ones,
-    and of those added by answers the ones that move; moving: runs shown moving, the nominal one
-    first, then those at which quantities and bounds are attained; omitted: runs for whose motion
-    the page has no room; work: times that tasks took; provenance: what computed the results, texts
-    by name; config: text of a config that repeats the campaign; verdicts: which runs meet the
-    requirements, None without quantities; what_if: formulas for the sliders, None: none.
-    """
+    """All data that a campaign's page shows, as `from_results` reads them. facts: content of
+    `summary.json`; time (T): s; responses: their bounds; runs: the planned ones, and of those added
+    at bounds and limits the ones that move; moving: runs shown moving, the nominal one first, then
+    those at which quantities and bounds are attained; omitted: runs for whose motion the page has
+    no room; work: times that tasks took; provenance: what computed the results, texts by name;
+    config: text of a config that repeats the campaign; verdicts: which runs meet the requirements,
+    None without quantities; what_if: functions for the sliders, None: none."""
 
     facts: Mapping[str, Any]
     time: np.ndarray
@@ -165,8 +162,8 @@ class PageData:
 
     @property
     def lines(self) -> list[int]:
-        """Indices in `runs` of those drawn as thin lines: neither fitted nor nominal, `MOST_LINES`
-        at most, evenly chosen."""
+        """Indices in `runs` of those drawn as thin lines: neither fitted nor nominal, at most 48
+        (`MOST_LINES`), evenly chosen."""
         runs = [i for i in self.unfitted if self.runs[i].role != "nominal"]
         indices = np.unique(np.linspace(0, len(runs) - 1, min(len(runs), MOST_LINES)).round())
         return [runs[int(i)] for i in indices] if runs else []

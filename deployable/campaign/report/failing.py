@@ -21,13 +21,11 @@ MOST_MARKS = 400
 @dataclass(frozen=True)
 class Panel:
     """A scatter plot of runs over one or two parameters, marked by whether they meet all
-    requirements; coordinates are from 0 to 1, lower to upper bound of a parameter.
-
-    x_axis, y_axis: dict of a parameter (name, units, lower, upper), y None for one parameter alone;
-    marks: x, y, whether the run meets all requirements, whether its other parameters lie within the
+    requirements; coordinates are from 0 to 1, lower to upper bound of a parameter. x_axis, y_axis:
+    dict of a parameter (name, units, lower, upper), y None for one parameter alone; marks: tuples
+    of x, y, whether the run meets all requirements, whether its other parameters lie within the
     feasible part; feasible: (x, x), (y, y) of the part of the box of parameters without failures,
-    None if there is none; runs: index of each mark's run.
-    """
+    None if there is none; runs: index of each mark's run in `PageData.verdicts`."""
 
     x_axis: Mapping[str, Any]
     y_axis: Mapping[str, Any] | None
@@ -37,7 +35,7 @@ class Panel:
 
 
 def meets(limits: Iterable[Mapping], names: Sequence[str], numbers: np.ndarray) -> np.ndarray:
-    """Mask (R,) of the runs that meet all limits of the requirements; limits: dicts in
+    """Mask (R) of the runs that meet all limits of the requirements. limits: dicts in
     `summary.json` with quantity, kind and level; names: of the q quantities; numbers (R, q): their
     values in the runs, NaN for one that does not occur, which breaks any limit but `happens:
     false`."""
@@ -97,10 +95,10 @@ def _panel(data: PageData, unit: list, runs: np.ndarray, i: int, j: int | None) 
 
 
 def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
-    """Lines of a plot in parallel coordinates, one for each of at most `MOST_MARKS` runs: its
-    index, whether it meets all requirements, its parameters scaled to 0 to 1; failing runs come
-    last, drawn above. Empty where the panels show all parameters, or all runs fail, or none does.
-    data: all that the page shows."""
+    """Make the lines of a plot in parallel coordinates, one for each of at most 400 (`MOST_MARKS`)
+    runs: its index in `PageData.verdicts`, whether it meets all requirements, its parameters scaled
+    to 0 to 1; failing runs come last, drawn above. Empty where the panels show all parameters, or
+    all runs fail, or none does. data: all that the page shows."""
     if len(data.parameters) <= MOST_PARAMETERS or not _tells_apart(data):
         return []
     unit = np.array([_unit(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)])

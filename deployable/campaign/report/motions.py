@@ -35,8 +35,9 @@ _FEW_RUNS, _FEW_FRAMES = 7, 100
 
 @dataclass(frozen=True)
 class ShownRun:
-    """A run that the page shows moving: its id (hexadecimal), parameter values (k,), and a label in
-    words. row: index in `samples.nc`; None: the run is in `further.nc`, as answers added it."""
+    """A run that the page shows moving: its id (hexadecimal), parameter values (k), and `label`,
+    what it is in words. row: index in `samples.nc`; None: it is in `further.nc`, of runs added at
+    bounds and limits."""
 
     id: str
     values: np.ndarray
@@ -45,10 +46,10 @@ class ShownRun:
 
 
 def shown_runs(folder: str | Path) -> list[ShownRun]:
-    """List the runs that a campaign's page shows moving, at most `MOST_MOVING`: the nominal one (or
-    a scan's first), then those at the bounds of the quantities, then those with the least and
-    largest value of each response at the instant at which its bounds differ most. folder: the
-    campaign's results."""
+    """List the runs that a campaign's page shows moving, at most 24 (`MOST_MOVING`): the nominal
+    one (or a scan's first), then those at the bounds of the quantities, then those with the least
+    and largest value of each response at the instant at which its bounds differ most. folder: of
+    the results."""
 
     folder = Path(folder)
     with (
@@ -80,8 +81,8 @@ def shown_runs(folder: str | Path) -> list[ShownRun]:
 
 
 def how_many_move(particles: int) -> int:
-    """How many moving runs a page has room for, 7 to `MOST_MOVING`, if each has a hundred frames;
-    particles: number of those of the structure."""
+    """Return how many moving runs a page has room for, 7 to 24 (`MOST_MOVING`), if each has a
+    hundred frames; particles: number of those of the structure."""
     room = MOST_PLACES // (_FEW_FRAMES * particles)
     return int(np.clip(room, _FEW_RUNS, MOST_MOVING))
 
@@ -135,13 +136,11 @@ def _extreme_runs(samples: xarray.Dataset, response: int, instant: int) -> tuple
 
 def motions_of(samples: xarray.Dataset, runs: Sequence[ShownRun], frames: int = 401) -> list:
     """Simulate runs of a campaign again, side by side, and return their whole motions, an
-    `xarray.Dataset` each; raises `fpm.InstabilityError` if a run fails.
-
-    samples: the open `samples.nc`; runs: which; frames: of each motion, evenly spread over time,
-    besides the instants at which a contact of the first run closes. A run whose curves are not in
-    `samples.nc` gets the variables ``curves`` (response, instant) and ``impact`` (event, 3): time
-    (s), index into ``eventful`` (names of contacts), 1 if it closes.
-    """
+    `xarray.Dataset` each; raises `fpm.InstabilityError` if a run fails. samples: the open
+    `samples.nc`; runs: which; frames: of each motion, evenly spread over time, besides the instants
+    at which a contact of the first run closes. A run whose curves are not in `samples.nc` gets the
+    variables ``curves`` (response, instant) and ``impact`` (event, 3): time (s), index into
+    ``eventful`` (names of contacts), 1 if it closes."""
     from fpm.motions.motion import whole_motion
 
     experiment = Experiment.read(samples.attrs["config"])
@@ -178,8 +177,8 @@ def _own_curves(experiment: Any, outcome: Any) -> dict:
 
 
 def motion_of(folder: str | Path, row: int) -> xarray.Dataset:
-    """The whole motion of one run: read from the folder `motions`, or simulated again where it is
-    missing or damaged. folder: the campaign's results; row: the run's index in `samples.nc`."""
+    """Return the whole motion of one run: read from the folder `motions`, or simulated again where
+    it is missing or damaged. folder: of the results; row: the run's index in `samples.nc`."""
 
     folder = Path(folder)
     with open_dataset(folder / "samples.nc") as samples:
@@ -194,12 +193,9 @@ def motion_of(folder: str | Path, row: int) -> xarray.Dataset:
 
 def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
     """Simulate the runs that a campaign's page shows, write their whole motions into `folder /
-    "motions"`, files named after the runs' ids (.nc), and return the paths.
-
-    folder: the campaign's results; frames: of each motion. Damaged motions of other runs are
-    removed. Nothing is written, and the list empty, where structure or mechanics changed since the
-    runs.
-    """
+    "motions"`, files named after the runs' ids (.nc), and return the paths. folder: of the
+    campaign's results; frames: of each motion. Damaged motions of other runs are removed. Where
+    structure or mechanics changed since the runs, nothing is written, and the list is empty."""
     from deployable.campaign.results.bounds import write_dataset
 
     folder = Path(folder)
@@ -223,7 +219,7 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
 
 def draw_nominal(folder: Folder, count: int) -> None:
     """Draw `count` moments of a campaign's nominal run side by side into
-    `figures/campaign/moments`, as `.png`, `.pdf` and `.svg`; folder: the campaign's results. Raises
+    `figures/campaign/moments`, as `.png`, `.pdf` and `.svg`. folder: of the results. Raises
     `CampaignError` where structure or mechanics changed since the runs were made."""
     with open_netcdf(folder.samples) as samples:
         experiment = Experiment.read(samples.config)

@@ -50,14 +50,14 @@ class _Arrays:
 
 
 def compressed(raw: bytes) -> str:
-    """Bytes as base64 text of a gzip stream, which the page's script inflates; equal bytes, equal
-    text."""
+    """Compress bytes as base64 text of a gzip stream, which the page's script inflates; equal
+    bytes, equal text."""
     return base64.b64encode(gzip.compress(raw, 6, mtime=0)).decode()
 
 
 def packed(data: PageData) -> str:
-    """All data of the page's script as one text (base64 of gzip). Frames are left out of the
-    motions until it has at most `PAGE` characters."""
+    """Pack all data of the page's script as one text (base64 of gzip). Frames are left out of the
+    motions until it has at most `PAGE` characters (2.45 million)."""
     text, count = _packed(data, None), max((m.motion.sizes["time"] for m in data.moving), default=0)
     while len(text) > PAGE and count > 2:
         count = max(2, int(0.97 * count * min(0.97, PAGE / len(text))))
@@ -74,7 +74,7 @@ def _packed(data: PageData, frames: int | None) -> str:
 
 def thinned(curves: Sequence[np.ndarray], most: int = MOST_INSTANTS) -> np.ndarray:
     """Choose about `most` instants (or all, if there are fewer) at which curves are drawn, with the
-    extremes of every curve; curves: arrays (t,); returns increasing indices."""
+    extremes of every curve. curves: arrays (T); returns increasing indices."""
     count = len(curves[0])
     if count <= most:
         return np.arange(count)
@@ -88,9 +88,9 @@ def thinned(curves: Sequence[np.ndarray], most: int = MOST_INSTANTS) -> np.ndarr
 
 
 def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[str, Any]:
-    """The page's data as a dict for JSON, in which each array is a dict that says where in `arrays`
-    (bytes one after the other, which this call extends) it stands; frames: kept of each motion;
-    None: all."""
+    """Make the page's data as a dict for JSON, in which each array is a dict that says where in
+    `arrays` (bytes one after the other, which this call extends) it stands. frames: kept of each
+    motion; None: all."""
     bounds = [c for r in data.responses for c in (r.lower, r.upper, r.upper - r.lower)]
     keep = thinned(bounds)
 

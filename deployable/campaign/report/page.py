@@ -35,12 +35,12 @@ _WIDE = 300  # units of the drawing, of each moment
 
 def write_page(data: PageData, path: str | Path) -> None:
     """Write a campaign's page to `path` as one HTML file, which loads nothing from the network,
-    whole or not at all; data: all that it shows (`report.read.from_results`)."""
+    whole or not at all. data: all that it shows (`report.read.from_results`)."""
     write_result(path, render(data))
 
 
 def render(data: PageData) -> str:
-    """The campaign's page as the text of one HTML file; data: all that it shows
+    """Render the campaign's page as the text of one HTML file. data: all that it shows
     (`report.read.from_results`)."""
     units = {pretty(response.units) for response in data.responses}
     units |= {pretty(parameter["units"]) for parameter in data.parameters}
@@ -68,9 +68,9 @@ def _text(name: str) -> str:
 
 
 def still_picture(motion: xarray.Dataset) -> str:
-    """An SVG element, as text, of three moments of a motion side by side, for browsers that show no
-    motion: start, middle, and the first closure of a contact (or else the end); the middle is
-    halfway by length of the particles' paths. motion: a run's whole motion (`fpm.motions`)."""
+    """Draw three moments of a motion side by side as an SVG element, a text, for browsers that show
+    no motion: start, middle (halfway by length of the particles' paths), and the first closure of a
+    contact, or else the end. motion: a run's whole motion (`fpm.motions`)."""
     frames, view = telling_moments(motion, _MOMENTS), View()
     solid = solid_of_motion(motion, frames)
     low, high = limits_of(solid.places, view, margin=0.03)

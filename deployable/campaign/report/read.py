@@ -36,10 +36,10 @@ if TYPE_CHECKING:
 
 
 def from_results(folder: str | Path) -> PageData:
-    """Read all data of a campaign's page; raises `DamagedError` for a damaged result. folder: the
-    campaign's results, with `samples.nc`, `bounds.nc` and `summary.json`; files that may be absent:
-    `sensitivities.nc`, `batches/*.json` (times of the tasks) and `motions/*.nc` (of
-    `make_motions`)."""
+    """Read all data of a campaign's page. folder: of the results, with `samples.nc`, `bounds.nc`
+    and `summary.json`, and for its quantities `quantities.nc` and `further.nc`; files that may be
+    absent: `sensitivities.nc`, `batches/*.json` (times of the tasks) and `motions/*.nc` (of
+    `make_motions`). Raises `DamagedError` for a damaged result."""
     folder = Path(folder)
     facts = read_json(folder / "summary.json")
     samples, bounds = _load(folder / "samples.nc", "values"), _load(folder / "bounds.nc")

@@ -25,13 +25,11 @@ def analyse(
     folder: Folder, choice: BoundsChoice, with_errors: Callable[[Any], Any] | None = None
 ) -> None:
     """Fit the runs of a campaign, and write `surrogate.nc`, `bounds.nc` and `sensitivities.nc` into
-    its folder of results.
-
-    A scan's samples are read in pieces, so they may be larger than memory. folder: has
-    `samples.nc`, the responses of all runs; choice: of which model (polynomial, spline, ...) the
-    bounds are; with_errors: function of the dataset of bounds, returns it with further estimates of
-    their errors; None: it is written as it is.
-    """
+    `folder`, that of its results with `samples.nc`, the responses of all runs. choice: section
+    `bounds` of the config, with the model (polynomial or spline) whose bounds are taken;
+    with_errors: function of the dataset of bounds that returns it with further estimates of their
+    errors; None: it is written as it is. A scan's samples are read in pieces, so they may be larger
+    than memory."""
     import xarray as xr
 
     from deployable import intervals
@@ -69,7 +67,7 @@ def _scanned(samples: Any) -> Any:
 def write_dataset(dataset: Any, path: str | Path, title: str) -> None:
     """Write an `xarray.Dataset` as compressed netCDF with a seal (checksum, origin), whole or not
     at all. dataset: its attribute `campaign` is the campaign's name; path: of the file; title: what
-    the dataset holds, in words; title, history and provenance become attributes of the file."""
+    the dataset holds, in words. Title, history and provenance become attributes of the file."""
     titled = f"{title}, campaign {dataset.attrs['campaign']}"
     history = f"{dataset.attrs.get('history', '')}\n{title}".strip()
     dataset = dataset.assign_attrs(title=titled, history=history, provenance=as_attribute())

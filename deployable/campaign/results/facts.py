@@ -51,12 +51,10 @@ def facts_of(
     folder: Folder, published: Mapping[str, float], requirements: bool = False, choice: bool = False
 ) -> dict[str, Any]:
     """Collect a campaign's results as plain data for JSON: the content of `summary.json`, whose
-    keys `summary.schema.json` describes.
-
-    folder: the campaign's files; published: largest difference of the bounds in the literature, by
-    name of response; requirements, choice: whether the campaign has requirements or a choice of
-    parameters, so that `requirements.json` or `choice.json` is read.
-    """
+    keys `summary.schema.json` describes. Other functions call it the facts. folder: the campaign's
+    files, which are read; published: largest difference of the bounds in the literature, by name of
+    response; requirements, choice: whether the campaign has requirements or a choice of parameters,
+    so that `requirements.json` or `choice.json` is read."""
     plan = read_plan(folder.plan)
     experiment = plan.experiment
     with open_netcdf(folder.bounds) as bounds, open_netcdf(folder.samples) as samples:
@@ -105,12 +103,10 @@ def facts_of(
 
 def mark_constant(facts: dict) -> None:
     """Set `constant` in the dicts of responses and quantities that do not vary over the box of
-    parameters, and clear their relative errors and contributions; facts: the campaign's results
-    (`facts_of`), changed in place.
-
-    They are those whose upper and lower bound differ by rounding alone, `ROUNDING` times the
-    largest value that any of them with that unit has.
-    """
+    parameters, and clear their relative errors and contributions; facts: the campaign's results as
+    plain data (`facts_of`), changed in place. They are those whose upper and lower bound differ by
+    rounding alone, `ROUNDING` (1e-12) times the largest value that any of them with that unit
+    has."""
     rows, duration = [*facts["responses"], *facts["quantities"]], facts["duration"]
     sizes = {"s": duration} | _SIZES
     sizes |= {f"{unit} s-1": size / duration for unit, size in _SIZES.items()}
@@ -136,17 +132,18 @@ def mark_constant(facts: dict) -> None:
 
 def varies(row: Mapping) -> bool:
     """Whether a response or quantity depends on the parameters: its value does, or a quantity
-    occurs in some runs and not in others. row: its dict in the facts, as `facts_of` returns
-    them."""
+    occurs in some runs and not in others. row: its dict in the results as plain data
+    (`facts_of`)."""
     if "constant" in row:
         return bool(row.get("runs_with") and row.get("runs_without"))
     return row.get("lower") is not None
 
 
 def of_bounds(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict[str, Any]:
-    """The part of the facts that `bounds.nc` and `samples.nc` hold: parameters, design of the runs,
-    contacts that close, and bounds by response; bounds, samples: those files, open; published:
-    largest difference of the bounds in the literature, by name of response."""
+    """Collect what `bounds.nc` and `samples.nc` tell as plain data, a part of `summary.json`:
+    parameters, design of the runs, contacts that close in the nominal run, and bounds by response.
+    bounds, samples: those files, open; published: largest difference of the bounds in the
+    literature, by name of response."""
     count, time = counts(samples), bounds["time"][:]
     keys = ("parameter", "box_units", "box_lower", "box_nominal", "box_upper")
     names = ("name", "units", "lower", "nominal", "upper")
@@ -225,9 +222,9 @@ def _run_counts(facts: dict) -> dict[str, int]:
 
 
 def known_error(kind: str, error: float) -> float | None:
-    """The estimated error of bounds as given, or None where it is 0 because nothing is known:
-    bounds of a scan (least bounds) that the second half of its runs did not change. kind: attribute
-    `bounds_kind` of `bounds.nc`; error: in the response's unit."""
+    """Return the estimated error of bounds unchanged, or None where it is 0 because nothing is
+    known: bounds of a scan (least and largest sample) that the second half of its runs did not
+    change. kind: attribute `bounds_kind` of `bounds.nc`; error: in the response's unit."""
     return None if kind.startswith("least") and not error else error
 
 
@@ -274,18 +271,19 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict[s
 
 
 def along_of(data: Any, i: int) -> dict[str, Any] | None:
-    """The horizontal axis of response `i` of the open file `data` (`bounds.nc`, `sensitivities.nc`)
-    where it is not time, such as a hinge's opening; else None. Keys: `words`, `unit`, `first` and
-    `last` value, and `duration` (s), the time axis' length, onto which first to last is mapped
-    linearly."""
+    """Describe the horizontal axis of response `i` (index) where it is not time, such as a hinge's
+    opening angle; None where it is time. data: an open `bounds.nc` or `sensitivities.nc`. Keys:
+    `words`, `unit`, `first` and `last` value, and `duration` (s) of the time axis, onto which first
+    to last is mapped linearly."""
     variable = data.variables.get("response_along")
     abscissa = json.loads(str(np.asarray(variable[i]))) if variable is not None else None
     return abscissa and abscissa | {"duration": float(data["time"][-1])}
 
 
 def grade(error: float | None, width: float) -> str:
-    """Word for an estimated error relative to the bounds' difference `width` (same unit): `small`
-    below 5 %, `large` from 25 %, `noticeable` between, `unknown` where error is None or width 0."""
+    """Return a word for an estimated error relative to `width`, the difference of the bounds in the
+    same unit: `small` below 5 %, `large` from 25 %, `noticeable` between, `unknown` where error is
+    None or width 0."""
     if error is None or not width > 0:
         return "unknown"
     share = error / width
@@ -318,8 +316,8 @@ def _response_errors(bounds: Any, i: int) -> dict[str, float]:
 
 
 def quantity_errors(row: Mapping) -> dict[str, float | None]:
-    """Errors of a quantity's bounds by source (surrogate, step, mesh) in its unit, their sum
-    `whole`, and `share`, the sum over the interval's width; row: the quantity's dict
+    """Collect the errors of a quantity's bounds by source (surrogate, step, mesh) in its unit,
+    their sum `whole`, and `share`, the sum over the interval's width. row: the quantity's dict
     (`quantity_rows`). None stands for unknown; empty where time step and mesh were not refined."""
     if "error_whole" not in row:
         return {}
@@ -369,13 +367,11 @@ def _is_met(errors: Mapping[str, float | None]) -> bool:
 
 
 def quantity_rows(data: Any, duration: float = np.inf) -> list[dict[str, Any]]:
-    """One dict for each quantity with its interval, errors, numbers of runs with and without it,
-    parameter values at both bounds and influences; data: the open `quantities.nc`, whose NaN become
-    None.
-
-    duration: of the runs (s), the value of `beyond` for a time that some runs lack and whose upper
-    bound reaches the end of the runs; else `beyond` is None.
-    """
+    """Make one dict for each quantity, as in `summary.json`: its interval, errors, numbers of runs
+    with and without it, parameter values at both bounds, and the influence of each parameter. data:
+    the open `quantities.nc`, whose NaN become None; duration: of the runs (s), the value of
+    `beyond` for a time that some runs lack and whose upper bound reaches the end of the runs; else
+    that is None."""
     parameters = data["parameter"][:].tolist()
     rows = []
     for i, name in enumerate(data["quantity"][:]):
@@ -439,7 +435,7 @@ def _number(value: Any) -> float | None:
 
 
 def decisive(row: Mapping) -> str | None:
-    """Name of the parameter that contributes most to the width of a quantity's interval; None where
+    """Name the parameter that contributes most to the width of a quantity's interval; None where
     none contributes, or there is one parameter alone. row: the quantity's dict
     (`quantity_rows`)."""
     shares = {name: influence["share"] or 0.0 for name, influence in row["influence"].items()}
@@ -448,9 +444,9 @@ def decisive(row: Mapping) -> str | None:
 
 
 def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
-    """Name of a quantity whose occurrence alone decides a requirement that part of the box meets:
+    """Name a quantity whose occurrence alone decides a requirement that part of the box meets, as
     it is met wherever the quantity occurs; None if there is none. row: the requirement's dict in
-    the facts; quantities: dicts of all quantities there."""
+    the results as plain data (`facts_of`); quantities: dicts of all quantities there."""
     shares = {quantity["name"]: quantity["happens"] for quantity in quantities}
     limits = {limit["quantity"] for limit in row["limits"] if limit["kind"] != "happens"}
     names = [name for name in limits if shares[name] == row["share"] < 1]
@@ -458,8 +454,8 @@ def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
 
 
 def closures(samples: Any, run: int) -> list[dict[str, Any]]:
-    """Contacts that close in one run, in order of time: dicts of `time` (s) and `contact` (name).
-    samples: the open `samples.nc`; run: index among its runs."""
+    """List the contacts that close in one run, in order of time: dicts of `time` (s) and `contact`
+    (name). samples: the open `samples.nc`; run: index of the run in it."""
     names = list(samples["contact"][:])
     keys = ("event_time", "event_closing", "event_contact")
     rows = zip(*(samples[key][run] for key in keys), strict=True)
@@ -472,8 +468,8 @@ def closures(samples: Any, run: int) -> list[dict[str, Any]]:
 
 
 def moments(rows: Iterable[Mapping]) -> dict[str, list[str]]:
-    """Names of the contacts that close, in lists by their time as text, such as `0.3100 s`; rows:
-    dicts of time and contact (`closures`)."""
+    """Group contacts that close by their time as text, such as `0.3100 s`: lists of their names,
+    each once. rows: dicts of time and contact (`closures`)."""
     contacts: dict[str, list[str]] = {}
     for row in rows:
         names = contacts.setdefault(f"{row['time']:.4f} s", [])

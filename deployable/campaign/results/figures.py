@@ -33,32 +33,20 @@ _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (8, 2)))
 
 def draw_envelopes(bounds_path: str | Path, shade_above: float, folder: str | Path) -> None:
     """Draw each response with its bounds over time into the files `<response>.png`, `.pdf` and
-    `.svg`. bounds_path: of `bounds.nc`; shade_above: error, as a share of the largest difference of
-    the bounds, above which instants are hatched; folder: of the files."""
+    `.svg`. bounds_path: of `bounds.nc`; shade_above: estimated error of the bounds, as a share of
+    their largest difference, above which instants are hatched; folder: of the files."""
     with open_netcdf(bounds_path) as bounds:
         for name in bounds["response"][:]:
             save(envelope(bounds, name, shade_above), Path(folder) / name)
 
 
 def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> Any:
-    """A matplotlib figure of one response over time: its bounds, its nominal run, and hatched where
-    the error of the bounds is large.
-
-    Below are the differences of the bounds over time where they are too small to be read off the
-    bounds. All words stand below the axes.
-
-    Parameters
-    ----------
-    bounds
-        The open `bounds.nc`.
-    name
-        Name of the response.
-    shade_above
-        Estimated error, as a share of the largest difference of the bounds, above which instants
-        are hatched. Bounds are not drawn where it exceeds `LARGE` (a quarter).
-    width
-        Width of the figure, in inches.
-    """
+    """Make a matplotlib figure of one response over time: its bounds, their error, its nominal run,
+    and hatched instants where the error is large; below, the differences of the bounds, where these
+    are too small to be read off. All words stand below the axes. bounds: the open `bounds.nc`;
+    name: of the response; shade_above: error, as a share of the largest difference of the bounds,
+    above which instants are hatched (bounds are not drawn where it exceeds a quarter, `LARGE`);
+    width: of the figure (inches)."""
     from matplotlib.figure import Figure
 
     i = list(bounds["response"][:]).index(name)
@@ -126,19 +114,17 @@ _THIN = 0.15
 
 def draw_sensitivities(path: str | Path, folder: str | Path) -> None:
     """Draw what each parameter contributes to the responses as `sensitivities.png`, `.pdf` and
-    `.svg`; path: of `sensitivities.nc`; folder: of the files."""
+    `.svg`. path: of `sensitivities.nc`; folder: of the files."""
     with open_netcdf(path) as data:
         save(shares(data), Path(folder) / "sensitivities")
 
 
 def shares(data: Any, width: float = 7.0) -> Any:
-    """A matplotlib figure of what each parameter contributes to each response; data: the open
-    `sensitivities.nc`; width: of the figure (inches).
-
-    The left plot of a response shows how wide its range is over time when one parameter varies
-    alone, the right one each parameter's share (%) in the mean of these widths. Widths that are not
-    above the error of the fit are grey, and have no share.
-    """
+    """Make a matplotlib figure of what each parameter contributes to each response. data: the open
+    `sensitivities.nc`; width: of the figure (inches). The left plot of a response shows how wide
+    its range is over time when one parameter varies alone, the right one each parameter's share (%)
+    in the mean of these widths. Widths that are not above the error of the fit are grey, and have
+    no share."""
     from matplotlib.figure import Figure
 
     names, parameters = list(data["response"][:]), list(data["parameter"][:])

@@ -26,9 +26,10 @@ OPENING_TOLERANCE = 1e-6
 
 
 def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
-    """What a review sheet needs beside the facts: `margins` by quantity (dicts of `margin_of`),
-    names of the `latches`, and `motion`, the energies of `motion_of`; folder: of the campaign;
-    quantities: dicts of all quantities in the facts."""
+    """Collect what a review sheet needs beside the facts (`facts_of`): `margins`, torque margins by
+    quantity (dicts of `margin_of`); `latches`, their names; and `motion`, the energies of
+    `motion_of`. folder: of the campaign's results; quantities: dicts of all quantities in the
+    facts."""
     plan = read_plan(folder.plan)
     experiment, scene = plan.experiment, plan.experiment.nominal_scene
     rows = {row["name"]: row for row in quantities}
@@ -50,8 +51,8 @@ def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dic
 def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
     """Energies (J) of a campaign's nominal run: `exchanged`, the largest change of any one kind
     over the run, `largest`, the largest value, and `off`, the largest error of their balance; None
-    where its trajectory was not stored. folder: the campaign's results; plan: the runs it consists
-    of (`read_plan`)."""
+    where its trajectory was not stored. folder: of the campaign's results; plan: the campaign's
+    `Plan`."""
     path = folder.runs("trajectories") / f"{plan.runs[0].id}.nc"
     if not path.exists():
         return None
@@ -67,14 +68,12 @@ def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
 def margin_of(
     experiment: Any, scenes: Sequence[Any], response: Any, row: Mapping[str, Any], sweep: Callable
 ) -> dict[str, Any]:
-    """Facts of a torque margin (driving over required torque, less 1) for its review sheet:
-    standard, factors, travel, and the budget of torques at the position where it is least.
-
-    experiment: the campaign's config, parsed; scenes: structures at the corners of the box of
-    parameters; response: the margin, parsed; row: dict of its quantity in the facts; sweep:
-    function of parameter values (k,) and the margin that returns curves of the work of all springs,
-    motors and other components along the travel.
-    """
+    """Collect the facts of a torque margin (driving over required torque, less 1) for its review
+    sheet: standard, factors, travel, and the budget of torques at the position where it is least.
+    experiment: of the campaign's plan; scenes: structures at the corners of the box of parameters;
+    response: the margin, as a `Response`; row: dict of its least value in the facts
+    (`quantity_rows`); sweep: function of parameter values (k) and the margin that returns curves of
+    the work of all springs, motors and other components along the travel."""
     definition, standard = experiment.responses[response.name], standard_of(response)
     nominal, positions = scenes[0], response.along
     openings = response.subjects[: response.subjects.index(standard)]
@@ -145,34 +144,32 @@ def _travel_sweep(experiment: Any) -> Callable:
 
 
 def standard_of(margin: Any) -> str:
-    """Key in `STANDARDS` of the standard by which a margin (response of `fpm.reading.margins`) is
-    taken."""
+    """Return the key in `STANDARDS` of the standard by which a torque margin is taken. margin: its
+    `Response`."""
     return next(word for word in margin.subjects if word in STANDARDS)
 
 
 def evidence_of(margin: Any) -> str:
-    """What the uncertainty factors of a margin (response of `fpm.reading.margins`) rest on: a word
-    of its standard such as theory or measurement."""
+    """Return what the uncertainty factors of a torque margin rest on: a word of its standard such
+    as theory or measurement. margin: its `Response`."""
     return margin.subjects[margin.subjects.index(standard_of(margin)) + 1]
 
 
 def left_out(margin: Any) -> list[str]:
-    """Names of the components, such as a spring that failed, without which a margin (response of
-    `fpm.reading.margins`) is taken."""
+    """List the components, such as a spring that failed, without which a torque margin is taken.
+    margin: its `Response`."""
     return list(margin.subjects[margin.subjects.index(standard_of(margin)) + 2 :])
 
 
 def travel_of(
     scenes: Iterable[Any], openings: Sequence[str], positions: Any, stowed: bool
 ) -> list[float] | None:
-    """First and last opening (rad; m of a slide) of the whole travel of the hinge that a margin
-    follows; None where no latch and no stop ends it.
-
-    It reaches from the start to the farthest latch, or without one to the nearest stop, and covers
-    all scenes. scenes: structures; openings: names of the hinges that move together, first the one
-    followed; positions: the margin's, with `first` and `last` opening; stowed: whether it begins at
-    `first`, not at the openings at which the scenes start.
-    """
+    """First and last opening (angle of a hinge, rad, or position of a slide, m) of the whole travel
+    of the joint that a margin follows; None where no latch and no stop ends it. It reaches from the
+    start to the farthest latch, or without one to the nearest stop, and covers all scenes. scenes:
+    structures; openings: names of the joints that move together, first the one followed; positions:
+    the margin's, with `first` and `last` opening; stowed: whether it begins at `first`, not at the
+    openings at which the scenes start."""
     sign = 1.0 if positions.last > positions.first else -1.0
     starts, ends = [], []
     for scene in scenes:
@@ -196,9 +193,9 @@ def travel_of(
 
 
 def own_settings(scene: Any, definition: Mapping[str, Any], response: Any) -> list[str]:
-    """Factors and classes in a margin's config that differ from those of the standard or the
-    structure, a text each, such as `motor 1.5 for 3`. scene: `fpm.Scene`; definition: the margin's
-    part of the config; response: the margin, parsed."""
+    """List the factors and classes in a margin's config that differ from those of the standard or
+    the structure, a text each, such as `motor 1.5 for 3`. scene: `fpm.Scene`; definition: the
+    margin's part of the config; response: the margin, as a `Response`."""
     standard = STANDARDS[standard_of(response)]
     resists, parts = standard.resists[evidence_of(response)], parts_of(scene)
     return [
@@ -212,8 +209,8 @@ def own_settings(scene: Any, definition: Mapping[str, Any], response: Any) -> li
 
 
 def weaker_classes(scene: Any, response: Any) -> list[str]:
-    """Components that the structure's file puts into a class with weaker factors than their kind
-    has in the standard, a text each. scene: `fpm.Scene`; response: a margin, parsed, of that
+    """List the components that the structure's file puts into a class with weaker factors than
+    their kind has in the standard, a text each. scene: `fpm.Scene`; response: a margin of that
     standard."""
     standard, parts = STANDARDS[standard_of(response)], parts_of(scene)
     drives, resists = standard.drives, standard.resists[evidence_of(response)]

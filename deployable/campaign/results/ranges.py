@@ -32,9 +32,10 @@ def draw_ranges(folder: Folder, place: str | Path) -> None:
 
 
 def ranges(data: Any, runs: FittedRuns, width: float = 7.0) -> Any:
-    """A matplotlib figure with one plot for each quantity: its value over one or two parameters, or
-    where there are more the width of its interval by parameter. data: the open `quantities.nc`;
-    runs: to which the surrogates are fitted (`runs_of`); width: of the figure (inches)."""
+    """Make a matplotlib figure with one plot for each quantity: its value over one or two
+    parameters, or where there are more the width of its interval by parameter. data: the open
+    `quantities.nc`; runs: those that surrogates are fitted to (`runs_of`); width: of the figure
+    (inches)."""
     from matplotlib.figure import Figure
 
     free = np.flatnonzero(data["box_upper"][:] > data["box_lower"][:])
@@ -57,17 +58,17 @@ def ranges(data: Any, runs: FittedRuns, width: float = 7.0) -> Any:
 
 
 class FittedRuns(NamedTuple):
-    """Runs that surrogates (fitted formulas) of quantities rest on: `unit` (R, k), parameters
-    scaled to -1 to 1; `numbers` (R, q), quantities; `margins` (R, q), above 0 where the run has the
-    quantity. NaN in numbers stands for a quantity that does not occur, in margins for unknown."""
+    """The R runs that surrogates (fitted functions) of quantities rest on: `unit` (R, k),
+    parameters scaled to -1 to 1; `numbers` (R, q), quantities, NaN for one that does not occur;
+    `margins` (R, q), event margins, above 0 where the run has the quantity, NaN where not known."""
 
     unit: np.ndarray
     numbers: np.ndarray
     margins: np.ndarray
 
     def surrogate(self, data: Any, q: int) -> Any:
-        """Fit the surrogate of quantity `q` (index) to these runs as the results' was; data: the
-        open `quantities.nc`, whose settings are read. Returns an object with `evaluate(points)`."""
+        """Fit the surrogate of quantity `q` (index) to these runs as the results' was: returns a
+        `ScalarSurrogate`. data: the open `quantities.nc`, whose settings are read."""
         from deployable.intervals.scalars import fit_scalar
 
         end = json.loads(data.config)["solver"]["duration"]
@@ -79,7 +80,8 @@ class FittedRuns(NamedTuple):
 
 def runs_of(folder: Folder) -> FittedRuns:
     """Read the runs that surrogates of quantities are fitted to, from a campaign's folder: those of
-    the design (`samples.nc`) and of the search for bounds (`further.nc`), which must both exist."""
+    `samples.nc` (of a large scan a part) with event margins, and of the search for bounds
+    (`further.nc`, which must exist)."""
     with open_netcdf(folder.samples) as file:
         numbers = file["quantities"][:]
         rows = fitted_rows(numbers)

@@ -29,8 +29,8 @@ STATES = (UNMET, OPEN, PARTLY, NOT_ANALYSED, MET, REPORTED)
 
 
 class Verdict(NamedTuple):
-    """Verdict of a row of the review sheet: `state`, a word such as `met`, `not met` or `undecided`
-    (STATES), and `text`, the same in a sentence."""
+    """Verdict of a row of the review sheet: `state`, one of the words in `STATES`, such as `met`,
+    `not met` or `undecided`, and `text`, the same in a sentence."""
 
     state: str
     text: str
@@ -41,8 +41,8 @@ NOTHING = Verdict(NOT_ANALYSED, NOT_ANALYSED)
 
 class Clause(NamedTuple):
     """A clause of a standard: `number`; `asks`, what it asks in our own words; `topic`, what
-    answers it: a subject of quantities such as `stress`, or a key of ANALYSES, the functions of
-    this module; empty where nothing does."""
+    decides it: a subject of quantities such as `stress`, or a key of `ANALYSES`, functions of this
+    module for clauses about no quantity; empty where nothing does."""
 
     number: str
     asks: str
@@ -95,10 +95,10 @@ that the balance shows something: its error is at most 5 % of them then."""
 
 
 def rows_of(facts: Mapping[str, Any], experiment: Any, standard: str) -> list[dict[str, str]]:
-    """All rows of the review sheet of a standard: dicts of texts with the keys `COLUMNS` (clause,
-    what it asks, how it was analysed, value, verdict, ...). facts: the campaign's results as plain
-    data (`facts_of`), with `mechanism` (`mechanism_of`); experiment: the campaign's config, parsed;
-    standard: a key of `CLAUSES`."""
+    """Make all rows of the review sheet of a standard: dicts of texts with the keys `HEADS`
+    (clause, what it asks, how it was analysed, value, verdict, ...), `state` and `of` (the
+    quantity). facts: the campaign's results as plain data (`facts_of`), with `mechanism`
+    (`mechanism_of`); experiment: of the campaign's plan; standard: a key of `CLAUSES`."""
     sheet = _Sheet(facts, experiment, standard)
     return [row for clause in CLAUSES[standard] for row in sheet.rows(clause)] + sheet.other_rows()
 
@@ -106,7 +106,7 @@ def rows_of(facts: Mapping[str, Any], experiment: Any, standard: str) -> list[di
 def head_of(
     facts: Mapping[str, Any], rows: Sequence[Mapping[str, str]], standard: str
 ) -> list[str]:
-    """Paragraphs to stand above a review sheet: how many rows have which verdict, the box of
+    """Write the paragraphs above a review sheet: how many rows have which verdict, the box of
     parameters, and how to read the numbers. facts: the campaign's results as plain data
     (`facts_of`); rows: the sheet's dicts (`rows_of`); standard: a key of `CLAUSES`."""
     ends = []
@@ -131,13 +131,13 @@ def head_of(
 
 
 def edition_of(standard: str) -> str:
-    """Title and edition of a standard as text, for headings; standard: a key of `STANDARDS`."""
+    """Write title and edition of a standard, for headings; standard: a key of `STANDARDS`."""
     return f"{STANDARDS[standard].title} ({STANDARDS[standard].edition})"
 
 
 def as_csv(rows: Iterable[Mapping[str, str]], standard: str) -> str:
-    """A review sheet as CSV text, headings first; rows: the sheet's dicts (`rows_of`); standard: a
-    key of `CLAUSES`."""
+    """Write a review sheet as CSV text, headings first. rows: the sheet's dicts (`rows_of`);
+    standard: a key of `CLAUSES`."""
     heads = {**HEADS, "standard": "standard", "state": "state"}
     titled = ({**row, "standard": edition_of(standard)} for row in rows)
     return csv_text([row[name] for name in COLUMNS] for row in (heads, *titled))
@@ -147,7 +147,7 @@ BUDGET_HEADS = ("part", "class", "acts", "moment", "factor", "weighted")
 
 
 def budgets_of(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Tables, one for each torque margin, of what drives and what resists at the position where it
+    """Make a table for each torque margin of what drives and what resists at the position where it
     is least: dicts of `title`, `heads`, `rows` and `sum`, all texts. facts: the campaign's results
     as plain data (`facts_of`), with `mechanism` (`mechanism_of`)."""
     budgets = []

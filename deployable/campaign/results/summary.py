@@ -26,20 +26,11 @@ def summarise(
     choice: bool = False, review: str | None = None,
 ) -> str:  # fmt: skip
     """Write a campaign's results as `summary.json` (facts, for programs) and `summary.md` (text,
-    for people) into its folder; returns that text.
-
-    Parameters
-    ----------
-    folder
-        The campaign's results, read and written to.
-    published
-        Largest difference of the bounds in the literature, by name of response.
-    requirements, choice
-        Whether the campaign has requirements, or seeks a best choice, and their results are read.
-    review
-        Key of the standard, in `review.CLAUSES`, by whose clauses a review sheet is written too,
-        `review.csv` and `review.md`; None: no sheet.
-    """
+    for people) into its folder; returns that text. folder: the results, read and written to;
+    published: largest difference of the bounds in the literature, by name of response;
+    requirements, choice: whether the campaign has requirements, or seeks a best choice, whose
+    results are then read; review: key of the standard, in `review.CLAUSES`, by whose clauses a
+    review sheet is written too, `review.csv` and `review.md`; None: no sheet."""
     facts = facts_of(folder, published, requirements, choice)
     if review:
         facts["mechanism"] = mechanism_of(folder, facts["quantities"])

@@ -21,9 +21,9 @@ _FOLDER = Path(__file__).parent
 
 
 def environment(units: Iterable[str] = (), html: bool = False) -> Any:
-    """A jinja2 environment, which renders the templates of this folder and of `report/`, with this
-    program's filters. units: spellings such as `m/s` that stay on one line with their number; html:
-    whether texts are escaped for HTML."""
+    """Make a jinja2 environment that renders the templates of this folder and of `report/`, with
+    this program's filters. units: spellings such as `m/s` that stay on one line with their number,
+    in HTML; html: whether texts are escaped for HTML."""
     import jinja2
 
     units = list(units)
@@ -50,9 +50,9 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
 
 
 def summary_text(facts: Mapping[str, Any], template: str = "summary.md.jinja") -> str:
-    """Render a template over the facts: by default the summary as Markdown. facts: the campaign's
-    results as plain data (`facts_of`); their texts are escaped, but for backticks in a `doubt`;
-    template: name of a file in this folder."""
+    """Render a template over the facts, by default the summary as Markdown, as text. facts: the
+    campaign's results as plain data (`facts_of`), whose texts are escaped, but for backticks in a
+    `doubt`; template: name of a file in this folder."""
     text = environment().get_template(template).render(facts=_escaped(facts))
     return text.rstrip() + "\n"
 
@@ -70,9 +70,9 @@ def _escaped(facts: Any, code: str = "") -> Any:
 
 
 def met_text(row: Mapping[str, Any]) -> str:
-    """In which part of the box of parameters a requirement is met, as text: `All`, `None`, a
+    """Write in which part of the box of parameters a requirement is met: `All`, `None`, a
     percentage, or that the runs showed no failure. row: dict of a requirement, or of one of its
-    limits, in the facts."""
+    limits, in the results as plain data (`facts_of`)."""
     if row["met"] == "undecided":
         return f"No failure found in {row['runs']} run{'s' * (row['runs'] != 1)}"
     sure = row["met"] != "some" and 100 * row["share_uncertainty"] < numbers.OPEN
@@ -81,16 +81,16 @@ def met_text(row: Mapping[str, Any]) -> str:
 
 
 def doubts(facts: Mapping[str, Any]) -> list[str]:
-    """Sentences that name the responses and quantities that the model does not determine, one for
-    each reason; facts: the campaign's results as plain data (`facts_of`), where `doubt` of a
+    """Write sentences that name the responses and quantities that the model does not determine, one
+    for each reason. facts: the campaign's results as plain data (`facts_of`), where `doubt` of a
     response or quantity is the reason."""
     rows = (*facts["responses"], *facts["quantities"])
     return doubt_texts({row["name"]: row["doubt"] for row in rows if "doubt" in row})
 
 
 def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
-    """Sentences that name the responses and quantities that the model does not determine, one for
-    each reason; doubts: the reason by name of response or quantity."""
+    """Write sentences that name the responses and quantities that the model does not determine, one
+    for each reason. doubts: the reason by name of response or quantity."""
     names: dict[str, list[str]] = {}
     for name, text in doubts.items():
         names.setdefault(text, []).append(name)
@@ -98,7 +98,7 @@ def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
 
 
 def sentence(name: str, *facts: Any) -> str:
-    """Text that a macro of `sentences.jinja` makes, for use outside of the templates; name: of the
+    """Render a macro of `sentences.jinja` as text, for use outside of the templates. name: of the
     macro; facts: its arguments in order, in which texts are escaped."""
     module = environment().get_template("sentences.jinja").module
     return getattr(module, name)(*map(_escaped, facts))

@@ -17,8 +17,8 @@ from deployable.campaign.plan.runs import namer
 @dataclass(frozen=True)
 class Counts:
     """How many different runs a campaign has: `runs`, all; `nodes`, those that were fitted;
-    `held_out`, those kept back to test the fit (and no nodes); nominal_among_them: whether the run
-    at nominal parameters is one of the latter two."""
+    `held_out`, those kept back to test the fit (and no nodes). nominal_among_them: whether the run
+    at nominal parameters is among the latter two, and so not counted beside them."""
 
     runs: int
     nodes: int
@@ -27,8 +27,8 @@ class Counts:
 
 
 def keeps_extremes(samples: Any) -> bool:
-    """Whether the open `samples.nc` holds, instead of each run's curves, only the lowest and
-    highest values of all of them."""
+    """Whether the open `samples.nc` holds only least and largest values over its runs (`jobs.keep:
+    extremes`), not each run's curves."""
     return "lower_run" in samples.variables
 
 
@@ -47,12 +47,10 @@ _FITTED = 4_000  # of more runs
 
 
 def fitted_rows(numbers: np.ndarray) -> np.ndarray:
-    """Indices of the runs that surrogates of quantities are fitted to, in increasing order.
-
-    numbers (R, q): quantities of all runs, NaN for one that does not occur. Up to `MOST_FITTED`
-    runs it is all; of more the first 4000, which fill the box of parameters, and for each quantity
-    the runs with its least and largest value and the first without it.
-    """
+    """Choose the runs that surrogates of quantities are fitted to: increasing indices. numbers (R,
+    q): quantities of all runs, NaN for one that does not occur. Up to 10,000 runs (`MOST_FITTED`)
+    it is all; of more the first 4000, which fill the box of parameters, and for each quantity the
+    runs with its least and largest value and the first without it."""
     if len(numbers) <= MOST_FITTED:
         return np.arange(len(numbers))
     rows = set(range(_FITTED))
@@ -66,15 +64,16 @@ def fitted_rows(numbers: np.ndarray) -> np.ndarray:
 
 
 def roles(samples: Any) -> list[str]:
-    """Role of each run of the open `samples.nc`: `nominal`, `node` (fitted), `held_out` (tests the
-    fit)."""
+    """Role of each run of the open `samples.nc`: `nominal`, `node` (fitted) or `held_out` (tests
+    the fit)."""
     if keeps_extremes(samples):
         return ["nominal"] + ["node"] * (samples.variables["value"].shape[0] - 1)
     return np.asarray(samples.variables["role"][:]).tolist()
 
 
 def ids(samples: Any, rows: Sequence[int] | slice) -> list[str]:
-    """Names (16 hexadecimal digits) of runs of the open `samples.nc`; rows: their indices."""
+    """Names (16 hexadecimal digits) of runs of the open `samples.nc`; rows: indices of the runs, or
+    a slice."""
     rows = rows if isinstance(rows, slice) else list(rows)
     if "run_id" in samples.variables:
         return np.asarray(samples.variables["run_id"][:])[rows].tolist()
@@ -84,7 +83,8 @@ def ids(samples: Any, rows: Sequence[int] | slice) -> list[str]:
 
 
 def counts(samples: Any) -> Counts:
-    """Count the different runs of the open `samples.nc` by their roles."""
+    """Count the different runs of the open `samples.nc` (equal parameters count once) by their
+    roles."""
     if keeps_extremes(samples):
         runs = samples.variables["value"].shape[0]
         return Counts(runs, runs - 1, 0, False)

@@ -60,31 +60,15 @@ def run_batch(
     threads: int = 1,
     processes: int = 1,
 ) -> None:
-    """Simulate a batch of a plan's runs into a store, then write the batch's manifest.
+    """Simulate a batch of a plan's runs into a store, then write the batch's manifest. The number
+    of processes and threads changes no result. Runs that the store has are skipped.
 
-    The number of processes and threads changes no result. Runs that the store has are skipped.
-
-    Parameters
-    ----------
-    plan
-        The runs, and their time step.
-    batch, batches
-        Number of the batch, from 0, and of all batches.
-    jobs
-        Section of the config: what is kept, and how many runs are integrated together.
-    folder
-        Folder of the store.
-    manifest
-        Path of the JSON file with numbers of runs and seconds.
-    tell
-        Called with each message.
-    threads, processes
-        Threads that share a group of runs, and processes that share the groups.
-
-    Raises
-    ------
-    CampaignError
-        With the runs that failed, after all others were written; then there is no manifest.
+    plan: the runs, and their time step; batch, batches: number of the batch, from 0, and of all
+    batches; jobs: section of the config, what is kept, and how many runs are integrated together;
+    folder: of the store; manifest: path of the JSON file to be written, with numbers of runs and
+    seconds; tell: called with each message; threads, processes: threads that share a group of runs,
+    and processes that share the groups. Raises `CampaignError` with the runs that failed, after all
+    others were written; then there is no manifest.
     """
     start_clocks = clocks()
     store = open_store(jobs.keep, folder, plan.experiment)
@@ -126,10 +110,8 @@ def run_batch(
 
 def spread(function: Callable, work: Sequence[tuple], processes: int) -> Iterator[Any]:
     """Call `function(*arguments)` for each tuple of arguments in `work` in forked processes, at
-    most `processes` at once, and yield the results in order of completion.
-
-    Raises what the function raises, and `CampaignError` if a process was ended from outside.
-    """
+    most `processes` at once, or here if that is 1, and yield the results, in order of completion.
+    Raises what the function raises, and `CampaignError` if a process was ended from outside."""
     processes = min(processes, len(work))
     if processes < 2:
         yield from (function(*arguments) for arguments in work)
@@ -157,10 +139,8 @@ def _call(number: int) -> Any:
 def _simulate_groups(
     simulation: Simulation, store: Any, processes: int, work: Sequence[tuple[Runs, Runs]]
 ) -> tuple[int, list[Failure], np.ndarray]:
-    """Simulate what is missing of groups and write it: how many, failures, seconds.
-
-    Progress is told by the first of several processes.
-    """
+    """Simulate what is missing of groups and write it: how many, failures, seconds. Progress is
+    told by the first of several processes."""
     own = Simulation(simulation.plan, simulation.size, simulation.threads)
     if processes == 1:
         own.after_group = simulation.after_group
@@ -192,11 +172,9 @@ def tell_again(store: Any, tell: Tell) -> None:
 
 
 def make_again(plan: Plan, store: Any, group: Runs, size: int, tell: Tell) -> None:
-    """Simulate the runs of a group that a store lacks, and write them into it.
-
-    size: how many runs are integrated together; tell: called with messages. Raises `CampaignError`
-    with the runs that failed, or if structure or code changed since the plan was made.
-    """
+    """Simulate the runs of a group that a store lacks, and write them into it. size: how many runs
+    are integrated together; tell: called with each message. Raises `CampaignError` with the runs
+    that failed, or if structure or code changed since the plan was made."""
     missing = store.missing(group)
     tell_again(store, tell)
     if not len(missing):
@@ -210,11 +188,9 @@ def make_again(plan: Plan, store: Any, group: Runs, size: int, tell: Tell) -> No
 
 class Simulation:
     """Simulates runs of a plan in groups of `size`, which `threads` share, and counts them.
-
-    Attributes: `count`: runs that succeeded; `failures`: pairs of run and reason; `seconds` (2,):
+    Attributes: `count`: runs that succeeded; `failures`: pairs of run and reason; `seconds` (2):
     spent integrating, wall-clock (mean of the threads) and processor time (their sum);
-    `after_group`: function without arguments, called after each group.
-    """
+    `after_group`: function without arguments, called after each group."""
 
     def __init__(self, plan: Plan, size: int, threads: int = 1):
         self.plan, self.size, self.threads = plan, size, threads
@@ -223,8 +199,9 @@ class Simulation:
         self.after_group: Callable[[], None] = lambda: None
 
     def take(self, totals: tuple[int, list[Failure], np.ndarray]) -> None:
-        """Add the totals of another simulation to this one's: number of runs that succeeded,
-        failures (pairs of run and reason), and seconds (2,), wall-clock and processor time."""
+        """Add the totals of another simulation to this one's: a tuple of the number of runs that
+        succeeded, failures (pairs of run and reason), and seconds (2), wall-clock and processor
+        time."""
         count, failures, seconds = totals
         self.count += count
         self.failures += failures
@@ -232,16 +209,15 @@ class Simulation:
 
     def results(self, runs: Runs, columns: Iterable[Column] = ()) -> Iterator[Result]:
         """Simulate runs and yield the `Result` of each that succeeds, in order. columns: (variable,
-        label) pairs to record besides what responses need."""
+        label) pairs to record besides what responses need, the label naming what of the structure
+        it is of."""
         for results in self.run_lots([(runs, columns)]):
             yield from results
 
     def run_lots(self, lots: Sequence[tuple[Runs, Iterable[Column]]]) -> Iterator[Iterator[Result]]:
         """Simulate several lots of runs, and yield for each an iterator of its `Result` objects, to
-        be consumed in order; meanwhile the threads integrate the next group.
-
-        lots: pairs of runs, and columns (variable, label) to record besides what responses need.
-        """
+        be consumed in order; meanwhile the threads integrate the next group. lots: pairs of runs,
+        and columns (variable, label) to record besides what responses need."""
         with ThreadPoolExecutor(self.threads) as pool:
 
             def start(group: Runs, columns: Iterable[Column]) -> list[Future]:
@@ -285,9 +261,10 @@ def _one_ahead(start: Callable, items: Iterable[tuple]) -> Iterator[Any]:
 def simulate(
     plan: Plan, runs: Sequence[PlannedRun], columns: Iterable[Column] = ()
 ) -> tuple[list[Result], list[Failure], np.ndarray]:
-    """Simulate runs of a plan side by side in this thread: returns a `Result` for each that
-    succeeds, pairs of run and reason for the others, and seconds (2,) of integration, wall-clock
-    and processor time. columns: (variable, label) pairs to record besides what responses need."""
+    """Simulate runs of a plan side by side in this thread: returns a list of a `Result` for each
+    that succeeds, a list of pairs of run and reason for the others, and seconds (2) of integration,
+    wall-clock and processor time. columns: (variable, label) pairs to record besides what responses
+    need."""
     experiment, solver = plan.experiment, plan.experiment.solver
     parameters = [experiment.parameters(plan.named(run)) for run in runs]
     with _BUILDING:
@@ -324,8 +301,8 @@ def simulate(
 
 
 def failure_text(plan: Plan, failures: Sequence[Failure]) -> str:
-    """Write a message that names the runs of a plan that failed, with parameter values and reasons.
-    failures: pairs of run and reason."""
+    """Write a message that names the runs of a plan that failed, at most 100, with parameter values
+    and reasons. failures: pairs of run and reason."""
     lines = [f"{len(failures)} of the runs failed; all others were written:"]
     for run, reason in failures[:_MOST]:
         values = ", ".join(f"{name} = {value:.9g}" for name, value in plan.named(run).items())
@@ -336,6 +313,6 @@ def failure_text(plan: Plan, failures: Sequence[Failure]) -> str:
 
 
 def clocks(cpu: Callable[[], float] = time.process_time) -> np.ndarray:
-    """Return the seconds (2,) of wall-clock and processor time since some fixed moment, to be
-    subtracted. cpu: function that reads the processor clock."""
+    """Read the clocks: seconds (2) of wall-clock and processor time since some fixed moment, to be
+    subtracted from a later reading. cpu: function that reads the processor clock."""
     return np.array([time.perf_counter(), cpu()])

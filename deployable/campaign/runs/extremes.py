@@ -52,9 +52,8 @@ EVENTS = {"event_time": ("f4", np.nan), "event_contact": ("i2", -1), "event_clos
 
 class ScanChunk:
     """What is kept of `count` runs, a chunk of a scan: extremes of the responses over the runs at
-    each instant, and quantities and impacts of each run. `mask` (count,): which runs are included
-    yet. responses, quantities: parsed, as `Experiment.curves` and `Experiment.numbers` hold
-    them."""
+    each instant, and quantities and impacts of each run. `mask` (count): which runs are included
+    yet. responses, quantities: those of the experiment, which evaluate a run."""
 
     def __init__(self, count: int, responses: Sequence[Any], quantities: Sequence[Any]):
         self.responses, self.quantities = responses, quantities
@@ -67,10 +66,8 @@ class ScanChunk:
         self.contacts: list[str] = []
 
     def take(self, rows: Sequence[int], results: Sequence[common.Result]) -> None:
-        """Include the results of runs in the chunk. rows: their indices in the chunk, increasing.
-
-        Raises ValueError if a response is not finite.
-        """
+        """Include the results of runs in the chunk. rows: their indices in the chunk, increasing;
+        results: one each. Raises ValueError if a response is not finite."""
         outcomes = [result.outcome for result in results]
         values = common.values_of(self.responses, outcomes)
         self.running = Running.of_runs(values, np.array(rows, np.int32)).merge(self.running)
@@ -95,7 +92,7 @@ class ScanChunk:
             self.events[name][row, : len(events)] = events[:, column]
 
     def write(self, path: Path) -> None:
-        """Write the chunk to the netCDF file `path`."""
+        """Write the chunk to the netCDF file `path`, without a seal (checksum)."""
         packed = {"zlib": True, "complevel": 1, "shuffle": True}
         events, curves = ("run", "event"), ("response", "time")
         variables = {
@@ -116,8 +113,8 @@ class ScanChunk:
 
     @classmethod
     def read(cls, path: Path, responses: Sequence[Any], quantities: Sequence[Any]) -> ScanChunk:
-        """Read a chunk from the netCDF file `path`. responses, quantities: parsed, of the
-        experiment. Raises `DamagedError` for malformed content."""
+        """Read a chunk from the netCDF file `path`. responses, quantities: those of the experiment,
+        which the chunk goes on with. Raises `DamagedError` for malformed content."""
         import netCDF4
 
         with reading(path), netCDF4.Dataset(path) as file:
@@ -135,10 +132,12 @@ class ScanChunk:
 
 
 class ScanExtremes(common.Store):
-    """Store with `keep: extremes`: one netCDF file for each chunk, a part of the scan's runs."""
+    """Store of runs for `jobs.keep: extremes`: one netCDF file for each chunk, a part of a scan's
+    runs."""
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
-        """Divide the runs of a scan into chunks, each with a file of its own; size: not used."""
+        """Divide the runs of a scan into chunks (4 to 128), each with a file of its own; size: not
+        used."""
         count = FEWEST
         while count < MOST and len(runs) > count * LARGE:
             count *= 2
@@ -146,7 +145,7 @@ class ScanExtremes(common.Store):
         return [runs[a:b] for a, b in pairwise(ends) if b > a]
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
-        """Return a function that counts the runs stored of these chunks, by file names alone."""
+        """Return a function that counts the stored runs of these chunks, by file names alone."""
         names = {self.file_of(group) for group in groups}
 
         def count() -> int:
@@ -160,16 +159,14 @@ class ScanExtremes(common.Store):
         return count
 
     def missing(self, group: Runs) -> Runs:
-        """Return the runs of a chunk (`group`) that are not stored yet."""
+        """Return the runs of a chunk (`group`) that are not stored yet, to be simulated."""
         chunk = self.read(group)
         return group if chunk is None else group[np.flatnonzero(~chunk.mask)]
 
     def write(self, group: Runs, results: Iterable[common.Result]) -> None:
-        """Add results, in the order of the chunk's runs, to the stored chunk as they come. The file
-        is written whenever `PAUSE` (s) has passed, and at the end.
-
-        Raises ValueError if a response is not finite.
-        """
+        """Add results, in the order of the chunk's runs (`group`), to the stored chunk as they
+        come; its file is written every two seconds and at the end. Raises ValueError if a response
+        is not finite."""
         chunk = self.read(group) or ScanChunk(len(group), self.responses, self.quantities)
         rows = {values: row for row, values in enumerate(map(tuple, group.values.tolist()))}
         results, write_time = iter(results), time.monotonic()
@@ -182,10 +179,8 @@ class ScanExtremes(common.Store):
             self._save(group, chunk)
 
     def read(self, group: Runs) -> ScanChunk | None:
-        """Read what is stored of a chunk, from its undamaged file with most runs; None without one.
-
-        Raises `DamagedError` for a file of other runs, responses or instants.
-        """
+        """Read what is stored of a chunk (`group`), from its undamaged file with most runs; None
+        without one. Raises `DamagedError` for a file of other runs, responses or instants."""
         paths = sorted(self._files(group), key=_runs_in, reverse=True)
         path = next(filter(self.is_whole, paths), None)  # a file may be replaced meanwhile
         chunk = path and ScanChunk.read(path, self.responses, self.quantities)

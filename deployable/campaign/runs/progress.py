@@ -20,8 +20,8 @@ Tell = Callable[[str], None]
 
 
 class Teller:
-    """Prints each message it is called with to text files; `move` rewrites one line on terminals,
-    and on other files prints each new text as a line of its own."""
+    """Prints each message it is called with to text files, flushed at once; `move` rewrites one
+    line on terminals, and on other files prints each new text as a line of its own."""
 
     def __init__(self, *files: TextIO):
         self.files = files
@@ -35,7 +35,8 @@ class Teller:
         self.is_open = False
 
     def move(self, text: str, last: bool = False) -> None:
-        """Replace the text of the line that is rewritten in place; last: then end that line."""
+        """Replace the text of the line that is rewritten in place; last: whether then to end that
+        line."""
         end = "\n" if last else ""
         for file in self.files:
             if file.isatty():
@@ -53,8 +54,8 @@ class Teller:
 
 class Progress:
     """Reports how many runs of a campaign are done, and the time left, estimated from those that
-    all jobs finished since this object was made. total: number of runs; count: function that
-    returns how many are done; tell: called with each message."""
+    all jobs finished since this object was made. campaign: its name; total: number of runs; count:
+    function that returns how many are done; tell: called with each message."""
 
     def __init__(self, campaign: str, total: int, count: Callable[[], int], tell: Tell):
         self.campaign, self.total, self.count, self.tell = campaign, total, count, tell
@@ -62,7 +63,7 @@ class Progress:
         self.reported = -math.inf
 
     def report(self, last: bool = True) -> None:
-        """Tell the runs done and the time left, at most once a second unless `last`."""
+        """Tell how many runs are done and the time left; without `last` at most once a second."""
         time_now = time.monotonic()
         if not last and time_now < self.reported + 1.0:
             return
@@ -79,8 +80,9 @@ class Progress:
 
 
 def warm_up(scene: Any, tell: Tell, record: Sequence = ()) -> None:
-    """Compile the kernels that a scene needs, or load them from the cache; messages go to `tell`
-    every few seconds while that lasts. record: variables to be recorded, as for `fpm.simulate`."""
+    """Compile the kernels that a scene needs, or load them from the cache, before runs are timed;
+    `tell` is called with a message every five seconds while that lasts. record: variables to be
+    recorded, (name, label) pairs as for `fpm.simulate`."""
     start, end, total = time.monotonic(), threading.Event(), compile_seconds(scene)
     move = tell.move if isinstance(tell, Teller) else tell
 

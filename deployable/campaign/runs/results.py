@@ -26,8 +26,9 @@ EVENT_VARIABLES = ("event_time", "event_contact", "event_closing")
 
 @dataclass(frozen=True)
 class Result:
-    """A run that succeeded: the planned `run`, its `fpm.Outcome`, the values of all structure
-    parameters by name, and `common`, file attributes that all runs of the plan share."""
+    """A run that succeeded: the planned `run`, its `outcome` (`fpm.Outcome`), `parameters`, the
+    values of all structure parameters by name, and `common`, file attributes that all runs of the
+    plan share."""
 
     run: PlannedRun
     outcome: Any
@@ -48,12 +49,10 @@ class Result:
 
 @dataclass(frozen=True)
 class RunRecord:
-    """What `samples.nc` holds of one run.
-
-    time (t,): instants (s); values (n, t): responses; events (e, 3): time (s), index into
-    `contacts`, 1 if it closes; contacts: names; numbers (q,): quantities, NaN if absent; overlap:
-    largest overlap of the faces of a contact at the instants (rad).
-    """
+    """What `samples.nc` holds of one run. time (T): instants (s); values (n, T): responses; events
+    (e, 3): time (s), index into `contacts`, 1 if it closes and 0 if it opens; contacts: names;
+    numbers (q): quantities, NaN if absent; overlap: largest overlap of the faces of a contact at
+    the instants (rad)."""
 
     time: np.ndarray
     values: np.ndarray
@@ -66,12 +65,10 @@ class RunRecord:
 class Store:
     """Base of the stores: a folder of run results in files named by a digest of their content, so
     that a restarted campaign finds finished runs again. experiment: its responses and quantities
-    are kept.
-
-    A file that is damaged or of another run counts as absent, and is noted in `damage` (errors by
-    path); `lacking` notes by run id the columns that its file lacks. A subclass can tell which runs
-    of a group are `missing`, `write` the results of a group and `read` its records.
-    """
+    are kept. A file that is damaged or of another run counts as absent, and is noted in `damage`
+    (errors by path); `lacking` notes by run id the columns (variable, label) that its file lacks. A
+    subclass can tell which runs of a group are `missing`, `write` the results of a group and `read`
+    its records."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         self.folder, self.experiment = folder, experiment
@@ -80,13 +77,13 @@ class Store:
         self.lacking: dict[str, set[Column]] = {}
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
-        """Divide runs, in order, into groups of `size`, the last maybe smaller, written
-        together."""
+        """Divide runs, in order, into groups that are written together, of `size` runs, the last
+        maybe fewer."""
         return groups_of(runs, size)
 
     def previous_columns(self, runs: Runs) -> set[Column]:
         """Return the columns (variable, label) that runs to be simulated again must record besides
-        what responses need, since their files had them; here none."""
+        what responses need, since their files had them; in this base none."""
         return set()
 
     def file_of(self, group: Runs) -> str:
@@ -103,7 +100,7 @@ class Store:
         return [type(self).__name__, sources.reading(), *definitions]
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
-        """Return a function that counts the runs stored of these groups, by file names alone."""
+        """Return a function that counts the stored runs of these groups, by file names alone."""
         sizes = {f"{self.file_of(group)}.nc": len(group) for group in groups}
         return lambda: sum(sizes.get(path.name, 0) for path in self.folder.glob("*.nc"))
 
@@ -122,7 +119,8 @@ class Store:
         return record
 
     def is_whole(self, path: Path) -> bool:
-        """Return whether the file `path` exists undamaged; damage is noted in `damage`."""
+        """Return whether the file `path` exists undamaged; an error of a damaged one is noted in
+        `damage`."""
         try:
             check(path, title(path))
             refuse_outside(path)
@@ -136,17 +134,18 @@ class Store:
 
 
 def title(path: Path) -> str:
-    """Return the name with which a group's file is sealed (checksummed): runs <digest>."""
+    """Return the name that the seal (checksum) of a group's file `path` carries: `runs` and the
+    file's stem."""
     return f"runs {path.stem}"
 
 
 def groups_of(runs: Runs, size: int) -> list[Runs]:
-    """Divide runs, in order, into groups of `size`; only the last may be smaller."""
+    """Divide runs, in order, into groups of `size` runs; only the last may be smaller."""
     return [runs[first : first + size] for first in range(0, len(runs), size)]
 
 
 def values_of(responses: Sequence[Any], outcomes: Sequence[Any]) -> np.ndarray:
-    """Evaluate n responses of r runs at t instants as an array (r, n, t); outcomes: `fpm.Outcome`
+    """Evaluate n responses of r runs at T instants as an array (r, n, T); outcomes: `fpm.Outcome`
     of each run. Raises ValueError if a value is not finite."""
     values = np.array([[r.evaluate(outcome) for r in responses] for outcome in outcomes])
     for i, response in enumerate(responses):
@@ -156,9 +155,9 @@ def values_of(responses: Sequence[Any], outcomes: Sequence[Any]) -> np.ndarray:
 
 
 def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
-    """Evaluate the quantities of one run as an array (q,), NaN for one that does not occur.
-    quantities: parsed; curves: the run's `fpm.files.trajectory.Curves` or `fpm.Outcome`. Raises
-    `CampaignError` if one cannot be evaluated."""
+    """Evaluate the q quantities of one run as an array (q), NaN for one that does not occur.
+    quantities: `fpm.reading.quantities.Quantity`; curves: the run's `fpm.files.trajectory.Curves`
+    or `fpm.Outcome`. Raises `CampaignError` if one cannot be evaluated."""
     try:
         return np.array([quantity.evaluate(curves) for quantity in quantities], dtype=float)
     except ValueError as error:
@@ -167,7 +166,8 @@ def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
 
 def padded(events: Sequence[np.ndarray], least: int = 0) -> np.ndarray:
     """Stack the event tables (e, 3) of r runs into one array (r, most, 3), filled up with NaN;
-    most: largest number of events of a run, or `least` if that is more."""
+    most: largest number of events of a run, or `least` if that is more. Columns: time (s), index of
+    the contact, 1 if it closes."""
     most = max(least, *map(len, events))
     tables = np.full((len(events), most, len(EVENT_VARIABLES)), np.nan)
     for row, table in zip(tables, events, strict=True):
@@ -177,13 +177,13 @@ def padded(events: Sequence[np.ndarray], least: int = 0) -> np.ndarray:
 
 def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str]) -> float:
     """Return the largest overlap (rad) of the faces of hinge contacts, 0 if none. openings: curves
-    (t,) (rad) by name; contacts: names, of which those without an opening are skipped."""
+    (T) (rad) of the gap by name; contacts: names, of which those without an opening are skipped."""
     return max((float(-openings[name].min()) for name in contacts if name in openings), default=0.0)
 
 
 def write_dimension(file: Any, dimension: str, names: Iterable[str], long_name: str) -> None:
-    """Define a dimension in an open `netCDF4.Dataset`, with `names` as its coordinate variable,
-    described by `long_name`."""
+    """Define a dimension in an open `netCDF4.Dataset` (`file`), one entry for each of `names`,
+    which become its coordinate variable; long_name: that variable's description."""
     names = np.array([str(name) for name in names], dtype=object)
     file.createDimension(dimension, len(names))
     variable = file.createVariable(dimension, str, (dimension,))
@@ -193,11 +193,9 @@ def write_dimension(file: Any, dimension: str, names: Iterable[str], long_name: 
 
 
 def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapping) -> None:
-    """Write dimensions that have names, and variables, to the netCDF file `path`.
-
-    names: coordinate names by dimension; variables: by name a tuple of type, dimensions, values and
-    options of netCDF4's `createVariable`.
-    """
+    """Write dimensions that have names, and variables, to the netCDF file `path`. names: coordinate
+    names by dimension; variables: by name a tuple of type, dimensions, values and options of
+    netCDF4's `createVariable`."""
     import netCDF4
 
     with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
@@ -211,8 +209,8 @@ def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapp
 
 
 def names_of(holder: Any) -> dict[str, list[str]]:
-    """Return names of the responses and quantities of a store or chunk, by "response" and
-    "quantity"."""
+    """Return the names of the responses and quantities of a store or chunk (`holder`), by
+    "response" and "quantity"."""
     return {
         "response": [response.name for response in holder.responses],
         "quantity": [quantity.name for quantity in holder.quantities],

@@ -37,10 +37,9 @@ from fpm.reading.variables import VARIABLES
 
 
 class Trajectories(Store):
-    """Store with `keep: trajectories`: one netCDF file for each run, with all that it recorded.
-
-    Changed responses are read from stored files again, unless they need other recorded variables.
-    """
+    """Store of runs for `jobs.keep: trajectories`: one netCDF file for each run, with all that it
+    recorded. Changed responses are read from stored files again, unless they need other recorded
+    variables."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         super().__init__(folder, experiment)
@@ -49,27 +48,27 @@ class Trajectories(Store):
         self._code = sources.reading()
 
     def path(self, run: PlannedRun) -> Path:
-        """Return the path of a run's file."""
+        """Return the path of a run's file, `<run id>.nc`."""
         return self.folder / f"{run.id}.nc"
 
     def missing(self, group: Runs) -> Runs:
-        """Return the runs of a group that are not stored, or whose file lacks a variable that
-        responses need."""
+        """Return the runs of a group to be simulated: those without a stored file, and those whose
+        file lacks a variable that responses need."""
         return group[[i for i, run in enumerate(group) if self._curves(run) is None]]
 
     def previous_columns(self, runs: Runs) -> set[Column]:
-        """Return the columns (variable, label) recorded in the files of these runs that lack
+        """Return the columns (variable, label) recorded in the files of these runs, which lack
         others, so that a new simulation can record them again."""
         return set().union(*(self._columns.get(run.id, ()) for run in runs))
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
-        """Return a function that counts the runs stored of these groups, by file names alone."""
+        """Return a function that counts the stored runs of these groups, by file names alone."""
         names = {self.path(run).name for group in groups for run in group}
         return lambda: sum(path.name in names for path in self.folder.glob("*.nc"))
 
     def write(self, group: Runs, results: Iterable[Result]) -> None:
-        """Write each result, as it comes, to its run's file; `group` is not used. ValueError if a
-        number is not finite."""
+        """Write each result, as it comes, to the file of its run; `group` is not used. Raises
+        ValueError if a number is not finite."""
         for result in results:
             contents = trajectory.contents(result.outcome, attributes=result.attributes)
             trajectory.write(contents, self.path(result.run))
@@ -110,12 +109,12 @@ class Trajectories(Store):
 
 
 class Responses(Store):
-    """Store with `keep: responses`: one netCDF file for each group of runs, with their responses
-    (single precision), events and quantities."""
+    """Store of runs for `jobs.keep: responses`: one netCDF file for each group of runs, with their
+    responses (single precision), events and quantities."""
 
     def path(self, group: Runs) -> Path:
-        """Return the path of a group's file, named by its runs, responses and the code that
-        evaluates them."""
+        """Return the path of a group's file, named by its runs, and its responses and quantities
+        with the code that evaluates them."""
         return self.folder / f"{self.file_of(group)}.nc"
 
     def missing(self, group: Runs) -> Runs:
@@ -131,8 +130,8 @@ class Responses(Store):
         return group[:0] if ids == [run.id for run in group] else group
 
     def write(self, group: Runs, results: Iterable[Result]) -> None:
-        """Write the results of a group's runs to its file, no file if none succeeded; ValueError if
-        a number is not finite."""
+        """Write the results of a group's runs to its file, no file if none succeeded. Raises
+        ValueError if a number is not finite."""
         if not (results := list(results)):
             return
         outcomes = [result.outcome for result in results]
@@ -187,7 +186,7 @@ STORES = {"trajectories": Trajectories, "responses": Responses, "extremes": Scan
 
 def open_store(keep: str, folder: str | Path, experiment: Experiment) -> Any:
     """Return the store of runs in a folder that `keep` (config: `jobs.keep`) asks for:
-    "trajectories", "responses" or "extremes". experiment: has the responses and quantities."""
+    "trajectories", "responses" or "extremes". experiment: its responses and quantities are kept."""
     return STORES[keep](Path(folder), experiment)
 
 
@@ -203,10 +202,8 @@ def pack(store: str | Path, bundle: str | Path) -> None:
 
 def unpack(bundles: Iterable[str | Path], store: str | Path) -> None:
     """Extract the result files in tar files, `bundles`, into the folder `store`, unless they exist.
-
     Raises `CampaignError` for a file that is no tar file. Damaged runs are found later, by their
-    seals.
-    """
+    seals."""
     for bundle in bundles:
         try:
             with tarfile.open(bundle) as file:

@@ -46,11 +46,10 @@ _LONG_NAMES = {
 def gather(
     plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, tell: Tell = lambda text: None
 ) -> None:
-    """Write `samples.nc` to `path` from the stored chunks of a scan with `keep: extremes`.
-
-    folder: of the store; jobs: section; tell: called with messages. One chunk at a time is in
-    memory. Missing or damaged ones are simulated again; raises `CampaignError` if runs fail.
-    """
+    """Write `samples.nc` to `path` from the stored chunks (parts) of a scan with `jobs.keep:
+    extremes`: least and largest responses over quarters of its runs. plan: the runs; jobs: section
+    of the config; folder: of the store; tell: called with each message. One chunk at a time is in
+    memory. Missing or damaged ones are simulated again; raises `CampaignError` if runs fail."""
     import netCDF4
 
     store, runs = open_store("extremes", folder, plan.experiment), plan.unique_runs()

@@ -60,12 +60,10 @@ ATTRIBUTES = {
 def gather(
     plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, tell: Tell = lambda text: None
 ) -> None:
-    """Write the responses and quantities of all runs of a plan, from a store, to `path`
-    (`samples.nc`).
-
-    folder: of the store; jobs: section; tell: called with messages. One group of runs at a time is
-    in memory. Missing or damaged runs are simulated again; raises `CampaignError` if runs fail.
-    """
+    """Write the responses and quantities of all runs of a plan, from their store, to `path`
+    (`samples.nc`). jobs: section of the config; folder: of the store; tell: called with each
+    message. One group of runs at a time is in memory. Missing or damaged runs are simulated again;
+    raises `CampaignError` if runs fail."""
     import netCDF4
 
     store = open_store(jobs.keep, folder, plan.experiment)
@@ -108,8 +106,9 @@ def _write_runs(file: Any, plan: Plan) -> None:
 
 
 def write_places(file: Any, runs: Runs, **packing: Any) -> None:
-    """Write the points of runs in the box, as normalized coordinates (-1 to 1) and parameter
-    values, into an open `netCDF4.Dataset`. packing: options of netCDF4's `createVariable`."""
+    """Write the points of runs in the box, as variables `normalized` (-1 to 1) and `value`
+    (parameter values), into an open `netCDF4.Dataset`. packing: options of netCDF4's
+    `createVariable`."""
     dims = ("run", "parameter")
     text = "coordinates in the box, -1 to 1"
     _numbers(file, "normalized", dims, runs.normalized, text, packing, units="1")
@@ -117,8 +116,8 @@ def write_places(file: Any, runs: Runs, **packing: Any) -> None:
 
 
 def write_box(file: Any, plan: Plan) -> list[str]:
-    """Write the parameter box, and the attributes of a samples file, of a plan into an open
-    `netCDF4.Dataset`; returns the units of the interval parameters."""
+    """Write the parameter box of a plan, and the attributes of a samples file, into an open
+    `netCDF4.Dataset`; returns the units of the interval parameters, in order."""
     experiment = plan.experiment
     names, parameters = list(experiment.intervals), experiment.scene_type.parameters
     units = [parameters[name].unit for name in names]
@@ -165,8 +164,8 @@ def _define_curves(file: Any, record: RunRecord, parameters: Iterable[str]) -> N
 
 
 def write_time(file: Any, instants: np.ndarray, contacts: Sequence[str]) -> None:
-    """Write the instants (t,) (s), and the names of contacts, stops and latches, into an open
-    `netCDF4.Dataset`."""
+    """Write the instants (T) (s), and the names of contacts, stops and latches, as coordinates
+    `time` and `contact` into an open `netCDF4.Dataset`."""
     file.createDimension("time", len(instants))
     time = file.createVariable("time", "f8", ("time",))
     time[:] = instants
@@ -177,7 +176,8 @@ def write_time(file: Any, instants: np.ndarray, contacts: Sequence[str]) -> None
 
 def write_names(file: Any, dimension: str, items: Sequence[Any]) -> None:
     """Write names, units and long names of responses or quantities into an open `netCDF4.Dataset`.
-    dimension: "response" or "quantity"; items: the parsed responses or quantities."""
+    dimension: "response" or "quantity"; items: `Response` or `Quantity` objects of the
+    experiment."""
     write_dimension(file, dimension, [item.name for item in items], f"name of the {dimension}")
     for key, values in (
         ("units", [item.unit for item in items]),

@@ -16,10 +16,10 @@ RULES = str(WORKFLOW / "rules" / "campaign.smk")
 
 
 def campaigns() -> dict[str, Path]:
-    """The files of the shipped campaigns, by name."""
+    """The paths of the shipped campaigns' configs, by name."""
     return {path.stem: path for path in sorted(CONFIG.glob("*.yaml"))}
 
 
 def structures() -> dict[str, Path]:
-    """The files of the shipped structures, by name."""
+    """The paths of the shipped structures' files, by name."""
     return {path.stem: path for path in sorted(CONFIG.glob("structures/*.yaml"))}

@@ -1,9 +1,6 @@
 """The stages of a campaign, as a table: each takes files of its folder, and sections of the config,
-to others.
-
-`campaign.run` calls them one after another, `python -m deployable STAGE` one alone, for the rules
-of the workflow.
-"""
+to others. `campaign.run` calls them one after another, `python -m deployable STAGE` one alone, for
+the rules of the workflow."""
 
 from __future__ import annotations
 
@@ -54,16 +51,14 @@ OPTIONS = {
 @dataclass(frozen=True)
 class Stage:
     """A stage of a campaign: `name` (of its command and module), `about` (what it does, a
-    sentence), and the files that it reads and writes.
+    sentence), and the files that it reads and writes. The function `work` of its module is imported
+    when the stage runs: a process loads what it needs.
 
     sections: names of the config sections that it depends on; takes: names of the result files that
     it reads; leaves: function of a campaign that returns the names of those it writes, `{batch}`
     for the number of a batch; options: of its command, keys of `OPTIONS`; is_sought: True if only
     campaigns with an `accuracy` have it, False if only others, None if all; draws: whether it only
     shows results.
-
-    The function `work` of its module is imported when the stage runs: a process loads what it
-    needs.
     """
 
     name: str
@@ -76,14 +71,16 @@ class Stage:
     draws: bool = False
 
     def work(self, folder: Folder, tell: Tell, **arguments: Any) -> None:
-        """Do the work of the stage, without sealing files. folder: of the campaign's results; tell:
-        called with each message; arguments: its sections and options by name."""
+        """Do the work of the stage, and write its files without naming in their seals what they are
+        made of. folder: of the campaign's results; tell: called with each message; arguments: its
+        sections and options by name."""
         import_module(f"{__name__}.{self.name}").work(folder, tell, **arguments)
 
     def run(self, folder: Folder, tell: Tell, **arguments: Any) -> None:
-        """Do the work of the stage in a folder of results, and seal the files that it writes. tell:
-        called with each message; arguments: its sections and options by name. Raises
-        `CampaignError` for trouble with files, also if they are not of one plan."""
+        """Do the work of the stage in a folder of results, and seal the files that it writes with
+        what they are made of. tell: called with each message; arguments: its sections and options
+        by name. Raises `CampaignError` for trouble with files, also if those that it reads are not
+        of one plan."""
         sections = {name: arguments[name] for name in self.sections}
         try:
             refuse_links(folder.whole)
@@ -108,15 +105,15 @@ class Stage:
         return digest([program_digest(), json.loads(as_json(**sections)), mechanics])
 
     def inputs(self, campaign: Campaign) -> list[str]:
-        """Return the names of all result files that the stage may read; if it only shows results,
-        with plan, samples, bounds, summary and answers."""
+        """List the names of all result files that the stage may read; if it only shows results,
+        with plan, samples, bounds, summary and those of quantities, requirements and choice."""
         shown_files = [PLAN, *BOUNDS_FILES, *_answered(campaign)] if self.draws else []
         return list(dict.fromkeys([*self.takes, *shown_files]))
 
     def sections_in(self, config: str) -> dict[str, Any]:
-        """Return the config sections that the stage depends on, by name. config: path of a YAML
-        file, or the JSON of the sections that the workflow passes, with the file (`structure`) that
-        the user's config names. Raises `CampaignError`."""
+        """Read the config sections that the stage depends on, by name. config: path of a YAML file,
+        or the JSON of the sections that the workflow passes, with the path of the user's structure
+        (`structure`). Raises `CampaignError`."""
         if not config.lstrip().startswith("{"):  # jobs of the workflow load no checks of a config
             check = import_module("deployable.campaign.config.check")
             return self.sections_of(check.load_config([config]))
@@ -129,7 +126,7 @@ class Stage:
             raise CampaignError(text) from None
 
     def sections_of(self, campaign: Campaign) -> dict[str, Any]:
-        """Return the config sections, of a campaign, that the stage depends on, by name."""
+        """Return the config sections of a campaign that the stage depends on, by name."""
         return {name: getattr(campaign, name) for name in self.sections}
 
 
@@ -148,7 +145,8 @@ def plan_of(folder: Folder, names: Sequence[str]) -> dict[str, str]:
 
 
 def drawings(experiment: Experiment) -> list[str]:
-    """Return the names of the figures that `figures` draws of the whole campaign."""
+    """List the names of the figures of a whole campaign that the stage `figures` draws:
+    `sensitivities`, `ranges`."""
     has_contributions = len(experiment.intervals) > 1 and experiment.design.order is not None
     return ["sensitivities"] * has_contributions + ["ranges"] * bool(experiment.quantities)
 
@@ -197,5 +195,5 @@ STAGES = {
 
 
 def stages_of(campaign: Campaign) -> list[Stage]:
-    """Return the stages that a campaign consists of, in the order in which they run."""
+    """List the stages that a campaign consists of, in the order in which they run."""
     return [s for s in STAGES.values() if s.is_sought in (None, campaign.experiment.is_sought)]

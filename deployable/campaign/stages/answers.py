@@ -16,9 +16,10 @@ def work(
     folder: Folder, tell: Tell, requirements: Any, choose: Any, published: Any, review: Any,
     verify: Any, jobs: Any, threads: int = 1,
 ) -> None:  # fmt: skip
-    """Answer what a campaign asks: bound quantities, assess requirements, find the best choice,
-    with the runs that this takes, and write the results and the summary into `folder`. tell: called
-    with each message; threads: how many simulate; the others: sections of the config."""
+    """Do the work of the stage `answers`: bound quantities, assess requirements, find the best
+    choice, with the runs that this takes, and write the results and the summary into `folder`.
+    tell: called with each message; threads: how many simulate; the others: sections of the
+    config."""
     if read_plan(folder.plan).experiment.quantities:
         quantities.answer(folder, requirements, verify, jobs, tell, threads)
     if requirements:

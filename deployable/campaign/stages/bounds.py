@@ -18,17 +18,19 @@ def work(
     folder: Folder, tell: Tell, bounds: Any, verify: Any, jobs: Any, threads: int = 1,
     bundles: Any = (),
 ) -> None:  # fmt: skip
-    """Gather the responses of all runs, fit the surrogate and write its bounds (`bounds.nc`), with
-    the influence of each parameter, and errors by mesh and step if `verify` or the plan asks. tell:
-    called with messages; bundles: tar files of runs; threads: how many simulate; others:
-    sections."""
+    """Do the work of the stage `bounds`: gather the responses of all runs, fit the surrogate and
+    write its bounds (`bounds.nc`) into `folder`, with the influence of each parameter, and errors
+    by mesh and step if `verify` or the plan asks. tell: called with each message; bundles: tar
+    files of runs to be extracted first; threads: how many simulate; the others: sections of the
+    config."""
     unpack(bundles, folder.runs(jobs.keep))
     bound(folder, tell, bounds, verify, jobs, threads)
 
 
 def bound(folder: Folder, tell: Tell, bounds: Any, verify: Any, jobs: Any, threads: int) -> None:
-    """Gather the runs of the plan in `folder`, fit the surrogate, write its bounds with errors.
-    bounds, verify, jobs: sections; tell: called with messages; threads: how many simulate."""
+    """Gather the runs of the plan in `folder`, fit the surrogate, and write its bounds with errors
+    there. bounds, verify, jobs: sections of the config; tell: called with each message; threads:
+    how many simulate."""
     plan = read_plan(folder.plan)
     collect = gather_extremes if jobs.keep == "extremes" else gather
     collect(plan, jobs, folder.runs(jobs.keep), folder.samples, tell)

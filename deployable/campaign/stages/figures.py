@@ -14,9 +14,9 @@ from deployable.campaign.stages import ANSWERS, PLAN, SAMPLES, drawings
 
 
 def work(folder: Folder, tell: Tell, error: Any) -> None:
-    """Draw into `folder` each response with its bounds, the influence of each parameter, and the
-    range of each quantity. tell: not used; error: section of the config, where errors are
-    shaded."""
+    """Do the work of the stage `figures`: draw into `folder` each response with its bounds, the
+    influence of each parameter, and the range of each quantity. tell: not used; error: section of
+    the config, where errors are shaded."""
     experiment = read_plan(folder.plan).experiment
     names = drawings(experiment)
     if "ranges" in names:

@@ -13,9 +13,10 @@ from deployable.campaign.stages import ANSWERS, FRAMES, SAMPLES
 
 
 def work(folder: Folder, tell: Tell, figures: Any, frames: int = FRAMES) -> None:
-    """Write the page of a campaign (`report.html`) into its folder of results, with moving pictures
-    of some runs, and draw some moments of the nominal run. tell: called with each message; figures:
-    section of the config; frames: number of each motion, at least 2."""
+    """Do the work of the stage `page`: write the page of a campaign (`report.html`) into its folder
+    of results, with moving pictures of some runs, and draw some moments of the nominal run. tell:
+    called with each message; figures: section of the config; frames: number of each motion, at
+    least 2."""
     if frames < 2:
         raise CampaignError(f"--frames {frames}: allowed: 2 and more")
     if read_json(folder / "summary.json")["quantities"]:

@@ -10,8 +10,9 @@ from deployable.campaign.runs.progress import Tell
 
 
 def work(folder: Folder, tell: Tell, experiment: Any) -> None:
-    """Choose the runs of a campaign and their common time step, and write `plan.json` into
-    `folder`. tell: called with each message; experiment: all settings that decide the runs."""
+    """Do the work of the stage `plan`: choose the runs of a campaign and their common time step,
+    and write `plan.json` into `folder`. tell: called with each message; experiment: all settings
+    that decide the runs."""
     warn(tell, experiment)
     plan = make_plan(experiment)
     write_plan(plan, folder.plan)

@@ -19,9 +19,10 @@ def work(
     folder: Folder, tell: Tell, experiment: Any, bounds: Any, verify: Any, jobs: Any,
     threads: int = 1,
 ) -> None:  # fmt: skip
-    """Simulate in rounds until an accuracy is met or its budget is spent, and leave plan, runs,
-    samples and bounds of the last round in `folder`. tell: called with each message; experiment,
-    bounds, verify, jobs: sections of the config; threads: how many simulate."""
+    """Do the work of the stage `rounds`: simulate in rounds until an accuracy is met or its budget
+    is spent, and leave plan, samples and bounds of the last round in `folder`. tell: called with
+    each message; experiment, bounds, verify, jobs: sections of the config; threads: how many
+    simulate."""
     number = 0
     while not _plan_round(place := folder.round(number), tell, experiment):
         with results_of(plan_of(place, (PLAN,))):

@@ -15,10 +15,10 @@ def work(
     folder: Folder, tell: Tell, jobs: Any, batch: int = 0, batches: int = 1, threads: int = 1,
     processes: int = 1, bundle: Any = None,
 ) -> None:  # fmt: skip
-    """Simulate one batch of the planned runs, except those stored in `folder` already. tell: called
-    with each message; jobs: section of the config; batch: its number, from 0, of `batches`;
-    processes: divide the batch; threads: divide each group of runs; bundle: path of a tar file to
-    write with the runs, None for none."""
+    """Do the work of the stage `simulate`: simulate one batch of the planned runs, except those
+    stored in `folder` already. tell: called with each message; jobs: section of the config; batch:
+    its number, from 0, of `batches`; processes: that divide the batch; threads: that divide each
+    group of runs; bundle: path of a tar file to write with the runs, None for none."""
     plan = read_plan(folder.plan)
     store, manifest = folder.runs(jobs.keep), folder.batch(batch)
     run_batch(plan, batch, batches, jobs, store, manifest, tell, threads, processes)

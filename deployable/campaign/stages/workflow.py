@@ -37,29 +37,27 @@ class Workflow:
 
     @classmethod
     def from_files(cls, paths: Sequence[str | Path], overrides: Mapping | None = None) -> Workflow:
-        """Make the workflow of the config in YAML files; later files and `overrides` (`--config`)
-        win.
-
-        Raises `ConfigError`.
-        """
+        """Make the workflow of the config in YAML files; later files win over earlier ones, and
+        `overrides` (Snakemake's `--config`) over all. Raises `ConfigError`."""
         return cls(load_config([_relative(path) for path in paths], retyped(overrides or {})))
 
     @classmethod
     def from_module(cls, config: Mapping) -> Workflow:
-        """Make the workflow of the `config` that a Snakemake workflow passes which uses this one as
-        a module; paths in it are relative to the working folder. Raises `ConfigError`."""
+        """Make the workflow of the `config` that is passed by a Snakemake workflow which uses this
+        one as a module; paths in it are relative to the working folder. Raises `ConfigError`."""
         return cls(load_config([], retyped(config), "the config of the module"))
 
     def sections(self, stage: str) -> str:
-        """Return the config sections that a stage, by name, depends on, as JSON; with `structure`,
-        the path of the user's structure, since a stage reads no file that only results name."""
+        """Write the config sections that a stage, by name, depends on, as JSON for its command;
+        with `structure`, the path of the user's structure, since a stage reads no file that only
+        results name."""
         file = self.campaign.experiment.scene.file
         structure = {"structure": file} if file else {}
         return as_json(**STAGES[stage].sections_of(self.campaign), **structure)
 
     @cache  # noqa: B019 - there is one campaign in a process
     def batch_count(self) -> int:
-        """Return how many batches of runs there are, each simulated by a job of its own."""
+        """Return into how many batches the runs are divided, each simulated by a job of its own."""
         return batch_count(self.campaign, count_runs(self.campaign.experiment))
 
     @cache  # noqa: B019
@@ -76,8 +74,8 @@ class Workflow:
 
     def stale(self) -> dict[str, str]:
         """Return the paths of results that must be made again, with the reasons: damaged, or made
-        from another config, program or plan. Their seals tell this wherever they were made, while
-        Snakemake knows only what it made here itself."""
+        from another config, program or plan; damage is noted in `damage`, too. Seals tell this
+        wherever files were made, while Snakemake knows only what it made here itself."""
         folder, plan, reasons = self.folder, None, {}
         self._damaged_motions(folder, reasons)
         for stage in stages_of(self.campaign):
@@ -96,20 +94,21 @@ class Workflow:
         return reasons
 
     def files_of(self, stage: Stage) -> list[Path]:
-        """Return the paths of the files that a stage writes; of batches, those that exist."""
+        """List the paths of the files that a stage writes; of batches, those that exist."""
         names = stage.leaves(self.campaign)
         if any("{batch}" in name for name in names):
             return sorted(self.folder.path.glob("batches/*.json"))
         return [self.folder / name for name in names]
 
     def inputs(self, stage: str) -> list[str]:
-        """Return patterns of the files that a stage, by name, reads, for its Snakemake rule:
+        """List patterns of the files that a stage, by name, reads, for its Snakemake rule:
         `{stage}/<name>`, where the wildcard `{stage}` stands for the folder of results."""
         return [f"{{stage}}/{name}" for name in STAGES[stage].inputs(self.campaign)]
 
     def outputs(self, stage: str, *kinds: str) -> list[str]:
-        """Return patterns `{stage}/<name>` of the files that a stage, by name, writes, for its
-        Snakemake rule. kinds: only names with one of these endings; without any, all."""
+        """List patterns `{stage}/<name>` of the files that a stage, by name, writes, for its
+        Snakemake rule, where the wildcard `{stage}` stands for the folder of results. kinds:
+        endings of wanted names; without any, all."""
         names = STAGES[stage].leaves(self.campaign)
         return [f"{{stage}}/{name}" for name in names if name.endswith(kinds or "")]
 
@@ -123,16 +122,16 @@ class Workflow:
                 reasons[str(folder.report)] = str(error)
 
     def results(self) -> list[str]:
-        """Return the paths of the files meant for the reader: summary, figures and page."""
+        """List the paths of the files meant for the reader: summary, figures and page."""
         last = [stage for stage in stages_of(self.campaign) if stage.draws]
         names = ["summary.json", "summary.md", *(n for s in last for n in s.leaves(self.campaign))]
         return [str(self.folder / name) for name in names]
 
     def other_report(self, results: Path = Path("results")) -> str:
-        """A message that another campaign than this one was the last to be run, by the times of
-        `<campaign>/report.html` in the folder `results`; "" if this one was, or none has a report.
-
-        For `snakemake --report` without `--configfile`, which would be about this campaign."""
+        """Write a message that another campaign than this one was the last to be run, by the times
+        of `<campaign>/report.html` in the folder `results`; "" if this one was, or none has a
+        report. For `snakemake --report` without `--configfile`, which would be about this
+        campaign."""
         reports = {path.parent.name: path.stat().st_mtime for path in results.glob("*/report.html")}
         last = max(reports, key=reports.get, default=self.name)
         if last == self.name:
@@ -143,8 +142,8 @@ class Workflow:
         )
 
     def last_words(self) -> str:
-        """Return the last message of the stage `page`, which file to open; empty without its log
-        file."""
+        """Read the last message of the stage `page`, which file to open, from its log; "" without
+        one."""
         log = self.folder / "logs/page.log"
         return log.read_text(encoding="utf-8").strip() if log.exists() else ""
 

@@ -14,7 +14,7 @@ _ANGLES = {"degree": "°", "rad": " rad"}
 
 
 def pretty(units: str) -> str:
-    """Units as people write them, from names with powers: `m s-1` as `m/s`, `kg m2 s-2` as `kg
+    """Write units as people do, from names with powers: `m s-1` as `m/s`, `kg m2 s-2` as `kg
     m²/s²`; no unit as `1`."""
     numerator, denominator = [], []
     for name, power in re.findall(r"([A-Za-z%]+)(-?\d+)?", units):
@@ -25,7 +25,7 @@ def pretty(units: str) -> str:
 
 
 def number(value: float, digits: int = 3) -> str:
-    """A number as text: `0.0618`, `−2.5`, `1.2 × 10⁹`; digits: most significant digits."""
+    """Write a number as text: `0.0618`, `−2.5`, `1.2 × 10⁹`; digits: most significant digits."""
     text = f"{value + 0.0:.{digits}g}"  # no -0
     if "e" not in text:
         return text.replace("-", "−")
@@ -35,15 +35,15 @@ def number(value: float, digits: int = 3) -> str:
 
 
 def quantity(value: float | None, units: str, digits: int = 3, missing: str = "unknown") -> str:
-    """A number with its unit as text, such as `2.5 m/s`; units: as in files (`m s-1`); digits: most
-    significant digits; missing: the text where value is None."""
+    """Write a number with its unit as text, such as `2.5 m/s`; units: as in files (`m s-1`);
+    digits: most significant digits; missing: the text where value is None."""
     return missing if value is None else with_unit(number(value, digits), units)
 
 
 def measured(value: float, error: float | None, units: str) -> str:
-    """A number with its error as text, both rounded to the first digit of the error: `0.062 ± 0.005
-    m`; units: as in files (`m s-1`). The number alone, with three digits, where the error is None
-    or below a thousandth of it."""
+    """Write a number with its error, both rounded to the first digit of the error: `0.062 ± 0.005
+    m`; units: as in files (`m s-1`). The number alone, with three digits, where the error is None,
+    0 or below a thousandth of it."""
     if not error or error < 1e-3 * abs(value):
         return quantity(value, units)
     places = -_power(error)
@@ -52,8 +52,9 @@ def measured(value: float, error: float | None, units: str) -> str:
 
 
 def earliest(row: Mapping[str, Any]) -> str:
-    """Lower bound of a quantity with its unit as text, such as `0.31 s`, rounded at the first digit
-    of its error. row: the quantity's dict in the facts (`facts_of`)."""
+    """Write the lower bound of a quantity with its unit, such as `0.31 s`, rounded at the first
+    digit of its error. row: the quantity's dict in `summary.json` (`facts_of`): lower, upper,
+    error, units."""
     return with_unit(_ends(row)[0], row["units"])
 
 
@@ -64,15 +65,15 @@ def with_unit(text: str, units: str) -> str:
 
 
 def percent(share: float) -> str:
-    """A fraction as text in whole per cent, below one per cent with two digits: `0.0749` as `7 %`,
+    """Write a fraction in whole per cent, below one per cent with two digits: `0.0749` as `7 %`,
     `0.000002` as `0.0002 %`."""
     return f"{number(100 * share, 2) if abs(share) < 0.01 else round(100 * share)} %"
 
 
 def share(share: float, open_: float = 0.0) -> str:
-    """A share of the box's volume in per cent as text with its uncertainty, never rounded to all or
+    """Write a share of the box's volume in per cent with its uncertainty, never rounded to all or
     nothing: `81 ± 2 %`, `at least 98 %`. share: from 0 to 1; open_: half-width of its uncertainty,
-    likewise, rounded up to one digit."""
+    likewise, rounded up to one digit, left out below 0.05 per cent."""
     percent, half_width = 100 * share, 100 * open_
     if half_width < OPEN:
         if 0 < percent < 0.01 or 99.99 < percent < 100:
@@ -95,12 +96,10 @@ OPEN = 0.05
 
 
 def interval(row: Mapping[str, Any]) -> str:
-    """A quantity's interval with its unit as text, `0.31 to 0.34 s`; empty where there is none.
-    row: the quantity's dict in the facts (`facts_of`).
-
-    Bounds are rounded at the first digit of their error, or two digits below that of their
-    difference where the error is less or unknown.
-    """
+    """Write a quantity's interval with its unit, `0.31 to 0.34 s`; empty where there is none. row:
+    the quantity's dict in `summary.json` (`facts_of`): lower, upper, error, units, beyond. Bounds
+    are rounded at the first digit of their error, or two digits below that of their difference
+    where the error is less or unknown."""
     if row["lower"] is None:
         return ""
     ends = _ends(row)
@@ -124,7 +123,7 @@ def _ends(row: Mapping[str, Any]) -> list[str]:
 
 
 def capitalised(text: str) -> str:
-    """A sentence with its first letter made a capital, the rest as it is."""
+    """Make the first letter of a sentence a capital, the rest as it is."""
     return text[:1].upper() + text[1:]
 
 
@@ -134,17 +133,17 @@ def _power(value: float) -> int:
 
 
 def place(values: Mapping[str, float | None], parameters: Iterable[Mapping[str, Any]]) -> str:
-    """Parameter values as text, such as `k = 2.5 N/m, L = 1 m`; values: by name, None is left out;
-    parameters: dicts with `name` and `units`, as in the facts (`facts_of`)."""
+    """Write parameter values, such as `k = 2.5 N/m, L = 1 m`; values: by name, None is left out;
+    parameters: dicts with `name` and `units`, as in `summary.json` (`facts_of`)."""
     units = {parameter["name"]: parameter["units"] for parameter in parameters}
     values = {name: value for name, value in values.items() if value is not None}
     return ", ".join(f"{name} = {quantity(values[name], units[name], 4)}" for name in values)
 
 
 def spread(parameter: Mapping[str, Any]) -> str:
-    """The interval of a parameter as text: `± 1 %` of its nominal value (of angles `± 2°`) if that
-    is the middle, else both bounds. parameter: dict with lower, nominal, upper and units
-    (`facts_of`)."""
+    """Write the interval of a parameter: `± 1 %` of its nominal value (of angles `± 2°`) if that is
+    the middle, else both bounds. parameter: dict with lower, nominal, upper and units, as in
+    `summary.json` (`facts_of`)."""
     nominal, units = parameter["nominal"], parameter["units"]
     minus, plus = nominal - parameter["lower"], parameter["upper"] - nominal
     if abs(plus - minus) < 1e-6 * abs(nominal):
@@ -155,16 +154,16 @@ def spread(parameter: Mapping[str, Any]) -> str:
 
 
 def escaped(text: str, code: str = "") -> str:
-    """A text from outside, such as a name, as one line that Markdown and terminals show unchanged;
-    code: characters not to escape, such as a backtick."""
+    """Escape a text from outside, such as a name, as one line that Markdown and terminals show
+    unchanged; code: characters not to escape, such as a backtick."""
     line = "".join(sign for sign in " ".join(text.split()) if sign.isprintable())
     return line.translate({ord(sign): f"\\{sign}" for sign in "|<>`*[]\\&~$" if sign not in code})
 
 
 def unbroken(text: str, units: Iterable[str]) -> str:
     """Replace spaces of a text by no-break spaces between numbers and their units, signs, powers of
-    ten or names (`k = 2`). units: spellings such as `m/s`, besides those of seconds, radians, per
-    cent."""
+    ten or names (`k = 2`), and hyphens before numbers by minus signs. units: spellings such as
+    `m/s`, besides those of seconds, radians, per cent."""
     pattern = "|".join(sorted(map(re.escape, {*units, "s", "rad", "%"}), key=len, reverse=True))
     text = re.sub(rf"(?<=[\d⁰-⁹]) (?=(?:{pattern})(?!\w))", _NO_BREAK, text)
     for unit in units:
@@ -175,16 +174,17 @@ def unbroken(text: str, units: Iterable[str]) -> str:
 
 
 def coded(text: str, units: Iterable[str] = ()) -> Any:
-    """A sentence as HTML (`markupsafe.Markup`): escaped, what stands between backticks as `<code>`,
-    and no-break spaces between numbers and units. units: spellings such as `m/s`."""
+    """Turn a sentence into HTML (`markupsafe.Markup`): escaped, what stands between backticks as
+    `<code>`, and no-break spaces between numbers and units. units: spellings such as `m/s`."""
     from markupsafe import Markup, escape
 
     return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", unbroken(str(escape(text)), units)))
 
 
 def position(row: Mapping[str, Any], time: float) -> str:
-    """A time (s) as text with unit, or for a response over another axis, such as a hinge's opening,
-    the value of that axis then. row: the response's dict in the facts (`facts_of`)."""
+    """Write a time (s) with its unit, or for a response over another axis, such as a hinge's
+    opening, the value of that axis then. row: the response's dict in `summary.json`
+    (`facts_of`)."""
     if axis := row.get("along"):
         length = axis["last"] - axis["first"]
         return quantity(axis["first"] + length * time / axis["duration"], axis["unit"], 4)
@@ -192,7 +192,7 @@ def position(row: Mapping[str, Any], time: float) -> str:
 
 
 def duration_text(seconds: float) -> str:
-    """Seconds as text in hours, minutes and seconds: `95` as `1 min 35 s`."""
+    """Write seconds in hours, minutes and seconds: `95` as `1 min 35 s`."""
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     if hours:
@@ -201,7 +201,7 @@ def duration_text(seconds: float) -> str:
 
 
 def size_text(size: float) -> str:
-    """A number of bytes as text in kB, MB or GB: `5.5 MB`."""
+    """Write a number of bytes in kB, MB or GB (powers of 1000): `5.5 MB`."""
     for unit in ("kB", "MB"):
         size /= 1000
         if size < 1000:

@@ -29,8 +29,9 @@ _LEVERAGE = 1 - 1e-8  # above it a run alone decides a coefficient, and nothing 
 @dataclass(frozen=True)
 class Kriging:
     """A polynomial `trend` plus a correction through the runs at points (N, k) in [-1, 1]^k:
-    kriging of the residuals with an exponential covariance of correlation length `length`, whose
-    extreme values are at runs, so that noise does not swing beyond them; weights (N, 1)."""
+    kriging of the residuals with the covariance exp(-distance / length), whose extreme values are
+    at runs, so that noise does not swing beyond them. weights (N, 1): of the runs; length: in
+    normalized coordinates."""
 
     trend: Surrogate
     points: np.ndarray
@@ -42,7 +43,7 @@ class Kriging:
         return self.trend.evaluate(unit) + _fading(unit, self.points, self.length) @ self.weights
 
     def formula(self) -> Formula:
-        """The function as a table, `Formula`, which other programs can evaluate."""
+        """Write the function as a table that other programs can evaluate."""
         scales = np.full(self.points.shape[1], 1 / self.length)
         fading = {"points": self.points, "scales": scales, "weights": self.weights[:, 0]}
         return replace(polynomial(self.trend), kernel="fading", **fading)
@@ -51,12 +52,10 @@ class Kriging:
 @dataclass(frozen=True)
 class RootFunction:
     """A function of k normalized parameters and of the root of an event margin, which is above 0
-    where an event occurs and 0 on the border of that part of the box: its time ends there like a
-    root.
-
-    function: of k + 1 coordinates, the last one 2 sqrt(margin / scale) - 1; margin: fit
-    that gives the event margin (P) at points (P, k); scale: largest event margin.
-    """
+    where an event occurs and 0 on the border of that part of the box: the event's time ends there
+    like a root. function: of k + 1 coordinates, the last one 2 sqrt(margin / scale) - 1; margin:
+    fit that gives the event margin (P) at points (P, k); scale: largest event margin, in its
+    unit."""
 
     function: Surrogate | Spline | Kriging
     margin: Fit
@@ -70,26 +69,27 @@ class RootFunction:
     @property
     def trend(self) -> RootFunction:
         """Copy without the kriging correction that brings a polynomial to single runs, to compare
-        parts of the box; a copy of what has none."""
+        parts of the box with each other; an equal copy where there is none."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
     def formula(self) -> Formula:
-        """The function as a table, `Formula`, which other programs can evaluate."""
+        """Write the function as a table that other programs can evaluate."""
         return replace(_formula(self.function), root=self.margin.formula(), root_scale=self.scale)
 
 
 def root_coordinates(margins: np.ndarray, scale: float) -> np.ndarray:
     """Map event margins (P), which are above 0 where an event occurs, to coordinates (P) in [-1,
-    1]: 2 sqrt(margin / scale) - 1, cut off at margins of 0 and `scale` (in their unit)."""
+    1], 2 sqrt(margin / scale) - 1: -1 at margins of 0 and below, 1 at `scale` (in their unit) and
+    above."""
     return 2.0 * np.sqrt(np.clip(margins / scale, 0.0, 1.0)) - 1.0
 
 
 def root_fit(
     points: np.ndarray, values: np.ndarray, margin: Fit, margins: np.ndarray
 ) -> Fit | None:
-    """The best fit to values (N) of runs at `points` (N, k) in [-1, 1]^k as a function of the
-    points and of the roots of event margins, positive at the runs (N); None where none is, or for
-    too few runs. margin: gives the event margin at other points."""
+    """Fit values (N) of runs at `points` (N, k) in [-1, 1]^k as a function of the points and of the
+    roots of event margins (N), above 0 where an event occurs; None where no margin is positive, or
+    for at most 4 runs. margin: fit that gives the event margin at other points."""
     scale = float(margins.max(initial=0.0))
     if not scale > 0 or len(values) <= _LEAST_RUNS:
         return None
@@ -106,8 +106,9 @@ def _fading(unit: np.ndarray, points: np.ndarray, length: float) -> np.ndarray:
 @dataclass(frozen=True)
 class Fit:
     """A function fitted to the values (N) of runs at `points` (N, k) in [-1, 1]^k. left_out (N):
-    leave-one-out errors, the value of each run less that of the function fitted to all the others;
-    infinite for a run that no others predict. kind: type of function, in words."""
+    leave-one-out errors, the value of each run less that of the function fitted to all the others,
+    infinite for a run that no others predict; kind: type of function, in words; function: returns
+    values (P, 1)."""
 
     points: np.ndarray
     values: np.ndarray
@@ -129,7 +130,7 @@ class Fit:
     @property
     def trend(self) -> Fit:
         """Copy without the kriging correction that brings a polynomial to single runs, to compare
-        parts of the box; a copy of what has none."""
+        parts of the box with each other; an equal copy where there is none."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
@@ -142,7 +143,7 @@ class Fit:
         return float(np.sqrt(np.mean(self.left_out**2)))
 
     def formula(self) -> Formula:
-        """The fitted function as a table, `Formula`, which other programs can evaluate."""
+        """Write the fitted function as a table that other programs can evaluate."""
         return _formula(self.function)
 
 
@@ -151,12 +152,10 @@ def _formula(function: Surrogate | Spline | Kriging | RootFunction) -> Formula:
 
 
 def best_fit(points: np.ndarray, values: np.ndarray) -> Fit:
-    """The fit to values (N) of runs at `points` (N, k) in [-1, 1]^k with the least leave-one-out
-    errors, by their root mean square; raises IntervalError without values, or if one is not finite.
-
-    Tried are polynomials by least squares, of every total degree that the runs can test, and the
-    spline through all runs. Runs that are nearly the same count once.
-    """
+    """Fit the function with the least leave-one-out errors (root mean square) to values (N) of runs
+    at `points` (N, k) in [-1, 1]^k; IntervalError without values, or if one is not finite. Tried
+    are polynomials by least squares, of every total degree that the runs can test, and the spline
+    through all runs. Runs that are nearly the same count once."""
     points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
     if not len(values) or not np.isfinite(values).all():
         raise IntervalError("values", "none or not finite", "a finite number for at least one run")

@@ -39,8 +39,8 @@ _LEVELS = (-0.7, -0.35, 0.0, 0.35, 0.7)  # of the function, at which runs are so
 
 @dataclass(frozen=True)
 class Occurrence:
-    """In which part of the box of parameters an event occurs, by runs at `points` (N, k) in [-1,
-    1]^k, and by `happens` (N), whether it occurs in each."""
+    """In which part of the box of parameters an event occurs, by a smooth border between runs.
+    points (N, k) in [-1, 1]^k: of the runs; happens (N): whether it occurs in each."""
 
     points: np.ndarray
     happens: np.ndarray
@@ -51,21 +51,23 @@ class Occurrence:
         return bool(self.happens.any() and not self.happens.all())
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Whether the event occurs (P), by the decision function, at `unit` (P, k) in [-1, 1]^k."""
+        """Mask (P) of the points `unit` (P, k) in [-1, 1]^k at which the event occurs, by the
+        decision function (`certainty`)."""
         return self.certainty(unit) >= 0
 
     def certainty(self, unit: np.ndarray) -> np.ndarray:
         """Decision function (P), no probability, at points `unit` (P, k) in [-1, 1]^k: above 0
-        where the event occurs, below 0 where not, undecided below `doubt` in size; infinite where
-        all runs agree."""
+        where the event occurs, below 0 where not, undecided where its size is below `doubt`;
+        infinite where all runs agree."""
         unit = np.asarray(unit, dtype=float)
         if not self.is_mixed:
             return np.full(len(unit), np.inf if self.happens.all() else -np.inf)
         return self._border(unit)
 
     def doubt(self, unit: np.ndarray) -> np.ndarray:
-        """Half-width (P) of the undecided band at points `unit` (P, k) in [-1, 1]^k: where
-        abs(certainty) is below it, the runs do not determine whether the event occurs."""
+        """Half-width (P) of the undecided band at points `unit` (P, k) in [-1, 1]^k: where the
+        decision function (`certainty`) is smaller in size, the runs do not determine whether the
+        event occurs."""
         if not self.is_mixed:
             return np.zeros(len(unit))
         certain = self._certain
@@ -77,14 +79,15 @@ class Occurrence:
         return np.maximum(np.minimum(*nearest), max(1.0, float(-certain.min())))
 
     def run_certainty(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
-        """Decision function (R) at R runs by their results: `numbers` (R), values of the quantity,
-        or event margins (R), above 0 where it occurs. Here NaN: known is only whether it occurs."""
+        """Decision function (R) at R runs by their own results, to compare runs of two meshes: here
+        NaN, as only whether the event occurs is known. numbers (R): values of the quantity; margins
+        (R): event margins, above 0 where it occurs."""
         return np.full(len(numbers), np.nan)
 
     @cached_property
     def open(self) -> float:
-        """Volume fraction of the box, about, where the runs do not determine whether the event
-        occurs."""
+        """Volume fraction of the box, estimated by 8192 points, where the runs do not determine
+        whether the event occurs."""
         spread = self._spread()
         return float((np.abs(self.certainty(spread)) < self.doubt(spread)).mean())
 
@@ -103,8 +106,8 @@ class Occurrence:
 
     @cached_property
     def surface_points(self) -> np.ndarray:
-        """Points (P, k) in [-1, 1]^k on the border of where the event occurs, just inside; none
-        where all runs agree."""
+        """Points (P, k) in [-1, 1]^k on the border of where the event occurs (limit-state surface),
+        just inside; none where all runs agree."""
         return self._level_points((0.0,)) if self.is_mixed else self.points[:0]
 
     def _open_places(self) -> np.ndarray:
@@ -147,7 +150,8 @@ class Occurrence:
         return _matern(unit, points) @ weights
 
     def formula(self) -> Formula:
-        """The decision function as a table, `Formula`, where runs do not all agree."""
+        """Write the decision function as a table that other programs can evaluate; takes runs that
+        do not all agree (`is_mixed`)."""
         points, weights = self._support_vectors
         k = points.shape[1]
         constant, scales = np.zeros((1, k), dtype=int), np.full(k, np.sqrt(5) / _LENGTH)
@@ -203,13 +207,11 @@ def _matern(unit: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class FittedOccurrence(Occurrence):
-    """Occurrence of an event by a fitted function: where `fit`, of an event margin, is not below 0,
-    or, with `latest` (end of the runs, s), where `fit`, of a time, is not above; `error`: the
-    fit's.
-
-    An event margin, or the time left before the runs end, locates the border of where the event
-    occurs better than whether it occurs does.
-    """
+    """In which part of the box of parameters an event occurs, by a fitted function: where `fit`, of
+    an event margin, is not below 0, or, with `latest` (end of the runs, s), where `fit`, of the
+    event's time, is not above that. error: that of the fit, in its unit. An event margin, or the
+    time left before the runs end, locates the border of where the event occurs better than whether
+    it occurs does."""
 
     fit: Fit
     error: float
@@ -217,29 +219,32 @@ class FittedOccurrence(Occurrence):
 
     def agrees(self, slack: float = 0.0) -> bool:
         """Whether the decision function has the right sign in every run: in runs with the event at
-        least minus `error`, in those without below `slack` (in the unit of the function)."""
+        least minus `error`, in those without below `slack` (in its unit)."""
         certainty = self.certainty(self.points)
         agreement = certainty[self.happens] >= -self.error
         return bool(agreement.all() and (certainty[~self.happens] < slack).all())
 
     def certainty(self, unit: np.ndarray) -> np.ndarray:
-        """Fitted event margin (P), or time left before `latest` (P) s, at points `unit` (P, k) in
-        [-1, 1]^k: above 0 where the event occurs."""
+        """Decision function (P) at points `unit` (P, k) in [-1, 1]^k, above 0 where the event
+        occurs: the fitted event margin, or, if the fit is of a time, the time left before `latest`
+        (s)."""
         values = self.fit.evaluate(unit)
         return values if self.latest is None else self.latest - values
 
     def formula(self) -> Formula:
-        """The decision function as a table, `Formula`, which other programs can evaluate."""
+        """Write the decision function as a table that other programs can evaluate."""
         formula = self.fit.formula()
         return formula if self.latest is None else formula.shortfall(self.latest)
 
     def run_certainty(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
-        """Decision function (R) at R runs by their own results: event margins (R), or the times
-        left before `latest` (R) s if the fit is of a time; numbers (R): these times."""
+        """Decision function (R) at R runs by their own results: their event margins (R), or, if the
+        fit is of a time, the time left before `latest` (s); numbers (R): the runs' values of that
+        time (s)."""
         return margins if self.latest is None else self.latest - numbers
 
     def doubt(self, unit: np.ndarray) -> np.ndarray:
-        """The error (P) of the fit, the same at all points `unit` (P, k)."""
+        """Half-width (P) of the undecided band at points `unit` (P, k): the error of the fit,
+        everywhere."""
         return np.full(len(unit), self.error)
 
     @property

@@ -18,13 +18,12 @@ _AT_ONCE = 64  # lines
 
 @dataclass(frozen=True)
 class Limit:
-    """A limit that a quantity must satisfy, and what is known of the quantity: its `surrogate`.
-
-    kind: "at_most" or "at_least" a `level`, or "happens", with level 1 if the event must occur and
-    0 if it must not; run_error: error of the runs themselves, as by mesh and step, in the
-    quantity's unit; border: their error in the decision function, `Occurrence.certainty`, infinite
-    if finer runs differ in whether the event occurs.
-    """
+    """A limit that a quantity (a number of each run) must satisfy, and what is known of the
+    quantity: its `surrogate`, None where only values of runs are compared (`slack_of`). kind:
+    "at_most" or "at_least" a `level`, in the quantity's unit, or "happens", with level 1 if the
+    event must occur and 0 if it must not; run_error: error of the runs themselves, as by mesh and
+    step, in the quantity's unit; border: their error in the decision function that tells where the
+    event occurs (`Occurrence.certainty`), infinite if finer runs differ in whether it does."""
 
     surrogate: ScalarSurrogate | None
     kind: str
@@ -33,9 +32,9 @@ class Limit:
     border: float = 0.0
 
     def conditions(self, unit: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Functions that are not below 0 where the limit is satisfied, as pairs of values (P) and
-        errors (P) at points `unit` (P, k) in [-1, 1]^k: that the quantity exists, or must not, and
-        its distance from the level."""
+        """Functions that are not below 0 where the limit is satisfied, at points `unit` (P, k) in
+        [-1, 1]^k: a list of pairs of values (P) and errors (P), first of whether the quantity
+        exists (or must not), then, where it has values, of its distance from the level."""
         surrogate = self.surrogate
         certain = surrogate.occurrence.certainty(unit)
         doubt = surrogate.occurrence.doubt(unit) + self.border
@@ -51,13 +50,14 @@ class Limit:
 
     @property
     def error(self) -> float:
-        """Estimated error of the quantity: that of its surrogate plus that of the runs."""
+        """Estimated error of the quantity's values, in its unit: that of its surrogate plus that of
+        the runs."""
         return self.surrogate.error + self.run_error
 
     def slack_of(self, values: np.ndarray) -> np.ndarray:
-        """Limit margin (...) of values (...) of the quantity, NaN where it does not exist: distance
-        from the level, below 0 where the limit is violated. Without a value it is minus infinity;
-        "happens" is satisfied or violated by infinity."""
+        """Limit margins (...) of values (...) of the quantity, NaN where it does not exist:
+        distance from the level, below 0 where the limit is violated; minus infinity without a
+        value. Of a limit "happens" it is plus or minus infinity."""
         values = np.asarray(values, dtype=float)
         is_number = np.isfinite(values)
         if self.kind == "happens":
@@ -66,13 +66,15 @@ class Limit:
         return np.where(is_number, sign * (self.level - np.where(is_number, values, 0.0)), -np.inf)
 
     def worst(self, lower: np.ndarray, upper: np.ndarray) -> tuple[float, np.ndarray]:
-        """Least limit margin (distance from the level, below 0 where violated) over the part of the
-        box from `lower` to `upper` (k each, in [-1, 1]), and the point (k) where."""
+        """Least limit margin over the part of the box from `lower` to `upper` (k each, in [-1, 1]),
+        and the point (k) where: the distance from the level, below 0 where violated, infinite for
+        "happens"."""
         return self._end(lower, upper, worst=True)
 
     def best(self, lower: np.ndarray, upper: np.ndarray) -> tuple[float, np.ndarray]:
-        """Largest limit margin (distance from the level, below 0 where violated) over the part of
-        the box from `lower` to `upper` (k each, in [-1, 1]), and the point (k) where."""
+        """Largest limit margin over the part of the box from `lower` to `upper` (k each, in [-1,
+        1]), and the point (k) where: the distance from the level, below 0 where violated, infinite
+        for "happens"."""
         return self._end(lower, upper, worst=False)
 
     def _end(self, lower: np.ndarray, upper: np.ndarray, worst: bool) -> tuple[float, np.ndarray]:
@@ -92,15 +94,15 @@ class Limit:
 
 
 def sub_box(nominal: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper corner (k each, in [-1, 1]) of the box [-1, 1]^k shrunk towards a nominal
-    point (k); share: scale factor of all its sides, from 0 to 1."""
+    """Shrink the box [-1, 1]^k towards a nominal point (k) in it: returns the lower and the upper
+    corner (k each); share: scale factor of all its sides, from 0 (the point) to 1."""
     nominal = np.asarray(nominal, dtype=float)
     return nominal + share * (-1.0 - nominal), nominal + share * (1.0 - nominal)
 
 
 def share_reaching(nominal: np.ndarray, unit: np.ndarray) -> np.ndarray:
     """Least scale factors (P) at which the box [-1, 1]^k, shrunk towards a nominal point (k) by
-    `sub_box`, still contains each of the points `unit` (P, k)."""
+    `sub_box`, still contains each of the points `unit` (P, k) in it."""
     offset = np.asarray(unit, dtype=float) - nominal
     room = np.where(offset > 0, 1.0 - nominal, 1.0 + nominal)
     return np.divide(np.abs(offset), room, out=np.zeros_like(offset), where=room > 0).max(axis=1)
@@ -109,13 +111,11 @@ def share_reaching(nominal: np.ndarray, unit: np.ndarray) -> np.ndarray:
 def share_of_box(
     limits: Sequence[Limit], free: np.ndarray, lower: np.ndarray = -1.0, upper: np.ndarray = 1.0
 ) -> tuple[float, float]:
-    """Volume fraction of the box in which all limits are satisfied, and its uncertainty: the change
-    if all errors were to one side. free (k): mask of directions with a width; lower, upper (k
-    each): corners, in [-1, 1]^k, of the part of the box that counts, by default all.
-
-    On one line in one dimension, on many lines spread over the box in several; borders of where
-    limits are satisfied are found on each by linear interpolation.
-    """
+    """Volume fraction of the box in which all limits are satisfied, and its uncertainty: how far it
+    changes at most if all errors were to one side. free (k): mask of directions with a width;
+    lower, upper (k each): corners, in [-1, 1]^k, of the part of the box that counts, by default
+    all. Measured on one line in one dimension, on many lines spread over the box in several;
+    borders of where limits are satisfied are found on each by linear interpolation."""
     free = np.asarray(free, dtype=bool)
     # The lines go along the direction with the largest differences.
     single = free.sum() == 1
@@ -171,9 +171,9 @@ def _steepest(limits: Sequence[Limit], free: np.ndarray) -> int:
 def largest_share(
     limits: Sequence[Limit], nominal: np.ndarray, steps: int = 24
 ) -> tuple[float, int | None, np.ndarray | None]:
-    """Largest scale factor (0 to 1) of the box, shrunk towards the nominal point (k) in [-1, 1]^k,
-    at which all of it satisfies every limit; then, if it is below 1, the index of the limit that is
-    violated first beyond it and the point (k) where. steps: bisections for the factor."""
+    """Largest scale factor (0 to 1) at which all of the box, shrunk towards the nominal point (k)
+    in [-1, 1]^k, satisfies every limit; with the index of the limit that is violated first beyond
+    it and the point (k) where, both None if it is 1. steps: bisections for the factor."""
 
     def first_violation(share: float) -> tuple[float, int, np.ndarray] | None:
         worst = [(*limit.worst(*sub_box(nominal, share)), i) for i, limit in enumerate(limits)]
@@ -207,16 +207,18 @@ ENDS = ("upper", "lower", "width")
 
 @dataclass(frozen=True)
 class Goal:
-    """An objective to be minimised over choices: `kind`, the bound ("upper", "lower") or the
-    "width" of a quantity over the box that a choice leaves, times `sign`, -1 to maximise it."""
+    """An objective of a choice of parameters: the bound ("upper", "lower") or the "width" (`kind`)
+    of a quantity's range over the box that the choice leaves, by its surrogate. sign: 1 to minimise
+    it, -1 to maximise it."""
 
     surrogate: ScalarSurrogate
     kind: str
     sign: float = 1.0
 
     def value(self, lower: np.ndarray, upper: np.ndarray) -> tuple[float, np.ndarray]:
-        """Objective, without the sign, over the part of the box from `lower` to `upper` (k each, in
-        [-1, 1]), and the points where its bound is attained, (1, k), or both of a width, (2, k)."""
+        """Value of the objective, without the sign, over the part of the box from `lower` to
+        `upper` (k each, in [-1, 1]), and the points where its bound is attained, (1, k), of a width
+        where both are, (2, k)."""
         if self.kind == "width":
             interval = self.surrogate.range(lower, upper, climbs=1)
             return interval.width, np.array([interval.argmin, interval.argmax])
@@ -226,11 +228,12 @@ class Goal:
 
 @dataclass(frozen=True)
 class Choice:
-    """Chosen nominal `values` (c), and how good they are in the worst case over the box about them.
-    goals (g): values of the objectives; slack: least margin of all limits, infinite without any;
-    slacks (l): of each limit, attained at points `worst` (l, k) in [-1, 1]^k; goal_points: where
-    each objective's bounds are attained, (1, k), of a width (2, k); safety: least limit margin over
-    its estimated error, infinite without a limit of a level."""
+    """Chosen parameter `values` (c), in their units, and how good they are in the worst case over
+    the box about them. goals (g): values of the objectives; slack: least margin of all limits,
+    infinite without any; slacks (l): least margin of each limit, attained at points `worst` (l, k)
+    in [-1, 1]^k; goal_points: g arrays of the points where each objective's bounds are attained,
+    (1, k), of a width (2, k); safety: least limit margin over its estimated error, infinite without
+    a limit of a level."""
 
     values: np.ndarray
     goals: np.ndarray
@@ -252,8 +255,9 @@ class Choice:
 
 
 def judge(values: np.ndarray, goals: Sequence[Goal], limits: Sequence[Limit], box: BoxOf) -> Choice:
-    """Evaluate objectives and limits in the worst case for chosen parameter values (c);
-    box(values): lower and upper corner (k each, in [-1, 1]) of the box that they leave."""
+    """Evaluate objectives and limits in the worst case for chosen parameter values (c); box:
+    function of these values that returns the lower and upper corner (k each, in [-1, 1]) of the box
+    that they leave."""
     lower, upper = box(values)
     goal_values = [goal.value(lower, upper) for goal in goals]
     limit_values = [limit.worst(lower, upper) for limit in limits]
@@ -280,12 +284,11 @@ def best_choice(
 ) -> tuple[Choice, list[Choice]]:
     """Choose values that satisfy every limit by its error with the best first objective (robust
     optimisation); if none do, those with the largest margins over their errors, or, if no choice
-    satisfies all limits, that violate them least; returned with all choices of the first grid.
-
-    ranges: least and largest of each chosen value (c pairs); box(values): lower and upper corner (k
-    each, in [-1, 1]) of the box that they leave. Tried are a grid (a Sobol sequence from three
-    choices on), then finer and finer grids about the best.
-    """
+    satisfies all limits, that violate them least. Returns that choice, and all choices of the first
+    grid. ranges: least and largest of each chosen value (c pairs); box: function of the values (c)
+    that returns the lower and upper corner (k each, in [-1, 1]) of the box that they leave. Tried
+    are a grid (a Sobol sequence from three values on), then finer and finer grids about the
+    best."""
 
     def rank(choice: Choice) -> tuple[int, float]:
         if not choice.is_allowed:

@@ -38,7 +38,8 @@ _TRUSTED = 3.0  # times its error: so far the surrogate must exceed all runs to 
 class BoundEstimate(NamedTuple):
     """Lower or upper bound of a quantity. value: the extreme run's, or the surrogate's where that
     goes farther by several times its own error; error: by how much the bound may be off, by what
-    the surrogate leaves possible; points (P, k) in [-1, 1]^k: where further runs may extend it."""
+    the surrogate leaves possible, not negative; points (P, k) in [-1, 1]^k: where further runs may
+    extend it, none where it is settled."""
 
     value: float
     error: float
@@ -51,12 +52,11 @@ def estimate_bounds(
     values: np.ndarray,
     mispredictions: Sequence[float] = (0.0, 0.0),
 ) -> tuple[BoundEstimate, ...]:
-    """The lower and the upper bound of a quantity, from its surrogate and the values (N) of runs at
-    `points` (N, k) in [-1, 1]^k, NaN where a run has none; an empty tuple where all are.
-
-    mispredictions: for the lower and the upper bound, by how much the last run where the surrogate
-    attains it differed from the surrogate; 0 without one, infinite where it had no value.
-    """
+    """Estimate the lower and the upper bound of a quantity from its surrogate and the values (N) of
+    runs at `points` (N, k) in [-1, 1]^k, NaN where a run has none: two estimates, in this order; an
+    empty tuple where no run has a value. mispredictions: for the lower and the upper bound, by how
+    much the last run made at that end of the surrogate differed from it; 0 without such a run,
+    infinite where it had no value."""
     if surrogate.fit is None:
         return ()
     surrogate_range = surrogate.range()
@@ -92,12 +92,10 @@ def _estimate(
     tolerance: float,
     misprediction: float = 0.0,
 ) -> BoundEstimate:
-    """The upper (sign 1) or lower (sign -1) bound of a quantity that has a fit.
-
-    surrogate_range: the surrogate's over the box; attained: the extreme value of all runs, and its
-    unit point (k). Gains below `tolerance` are not sought. misprediction: by how much the last run
-    at a bound of the surrogate differed from it; infinite where it had no number.
-    """
+    """The upper (sign 1) or lower (sign -1) bound of a quantity that has a fit. surrogate_range:
+    the surrogate's over the box; attained: the extreme value of all runs, and its unit point (k).
+    Gains below `tolerance` are not sought. misprediction: by how much the last run at a bound of
+    the surrogate differed from it; infinite where it had no number."""
     value, argument = attained
     end, peak = surrogate_range.low, surrogate_range.argmin
     if sign > 0:

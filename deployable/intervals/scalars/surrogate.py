@@ -1,5 +1,5 @@
-"""The surrogate of a number over the box: a fit, and where there is such a number at all; its
-range over a part of the box, and which parameter widens that."""
+"""The surrogate of a number over the box: a fit, and where there is such a number at all; its range
+over a part of the box, and which parameter widens that."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ Function = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class Extremes:
-    """Least and largest value, `low` and `high`, of a function over a part of the box, and where,
-    `argmin` and `argmax` (k) in [-1, 1]^k; NaN where it has no value there."""
+    """Least and largest value (`low`, `high`) of a function over a part of the box, and where
+    (`argmin`, `argmax`, k each, in [-1, 1]); all NaN where it has no value there."""
 
     low: float
     high: float
@@ -34,7 +34,7 @@ class Extremes:
 
     @property
     def width(self) -> float:
-        """Difference of the largest and the least value."""
+        """Difference of the largest and the least value, NaN without values."""
         return self.high - self.low
 
 
@@ -45,9 +45,10 @@ def extremes(
     extra_points: np.ndarray | None = None,
     climbs: int = _CLIMBS,
 ) -> Extremes:
-    """Least and largest value that a function attains over the part of the box from `lower` to
-    `upper` (k each, in [-1, 1]). function: of points (P, k), gives (P), NaN without a value;
-    extra_points (P, k): tried, too; climbs: number of best points from which a search goes on."""
+    """Find the least and largest value that a function attains over the part of the box from
+    `lower` to `upper` (k each, in [-1, 1]). function: takes points (P, k) and returns values (P),
+    NaN where it has none; extra_points (P, k): tried beside those spread over the part; climbs:
+    number of best points from which a search goes on, 0 for none."""
     low, argmin = extreme(function, -1.0, lower, upper, extra_points, climbs)
     high, argmax = extreme(function, 1.0, lower, upper, extra_points, climbs)
     return Extremes(low, high, argmin, argmax)
@@ -61,14 +62,12 @@ def extreme(
     extra_points: np.ndarray | None = None,
     climbs: int = _CLIMBS,
 ) -> tuple[float, np.ndarray]:
-    """The largest (sign 1) or least (sign -1) value that a function attains over the part of the
-    box from `lower` to `upper` (k each, in [-1, 1]), and where (k); NaN if it has none there.
-
-    The best of points spread over the part, its faces and corners, and of those `extra_points` (P,
-    k) that lie in it; from the best `climbs` of them a quasi-Newton search goes on (L-BFGS-B),
-    which takes a smooth function. `function` takes points (P, k) and gives values (P), NaN where it
-    has none.
-    """
+    """Find the largest (sign 1) or least (sign -1) value that a function attains over the part of
+    the box from `lower` to `upper` (k each, in [-1, 1]), and where (k); both NaN if it has none
+    there. function: takes points (P, k) and returns values (P), NaN where it has none. The best of
+    points spread over the part, its faces and corners, and of those `extra_points` (P, k) that lie
+    in it; from the best `climbs` of them (on a line one, at 0 none) a quasi-Newton search goes on
+    (L-BFGS-B), which takes a smooth function."""
     lower, upper = np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
     middle, half = (lower + upper) / 2, (upper - lower) / 2
     trial = np.clip(middle + half * _spread(tuple(half > 0)), lower, upper)
@@ -121,9 +120,10 @@ def _spread(free: tuple[bool, ...]) -> np.ndarray:
 
 @dataclass(frozen=True)
 class ScalarSurrogate:
-    """Surrogate of a quantity (a number of each run) over the box: `fit`, its value as a function
-    of the parameters (None: no run has one), and `occurrence`, in which part of the box it exists.
-    least: physical lower bound; latest: of a time, the end of the runs, which no value passes."""
+    """Surrogate of a quantity (a number of each run, as the time of an event) over the box. Made by
+    `fit_scalar`. fit: its value as a function of the normalized parameters, None: no run has one;
+    occurrence: in which part of the box it exists; least: physical lower bound; latest: of a time,
+    the end of the runs (s), which no value passes; both infinite where there is none."""
 
     fit: Fit | None
     occurrence: Occurrence
@@ -144,30 +144,33 @@ class ScalarSurrogate:
     @property
     def trend(self) -> ScalarSurrogate:
         """Copy without the kriging correction that brings a polynomial to single runs, to compare
-        parts of the box with each other."""
+        parts of the box with each other; splines, and surrogates without a fit, stay as they
+        are."""
         return self if self.fit is None else replace(self, fit=self.fit.trend)
 
     @property
     def is_censored(self) -> bool:
         """Whether the quantity is a time that in a part of the box comes after the runs have ended,
-        so that its largest value within them is `latest`."""
+        so that the largest value they can have is the end of the runs, `latest`."""
         return isinstance(self.occurrence, FittedOccurrence) and self.occurrence.latest is not None
 
     def predict(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P) of the fit at points `unit` (P, k) in [-1, 1]^k, clipped to the physical
-        bounds; also where the quantity does not exist."""
+        """Values (P) of the fit at points `unit` (P, k) in [-1, 1]^k, clipped to `least` and
+        `latest`; also where the quantity does not exist. Takes a surrogate whose `fit` is not
+        None."""
         return np.clip(self.fit.evaluate(np.asarray(unit, dtype=float)), self.least, self.latest)
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P) at points `unit` (P, k) in [-1, 1]^k, NaN where the quantity has none."""
+        """Values (P) of the quantity at points `unit` (P, k) in [-1, 1]^k, NaN where it does not
+        exist."""
         if self.fit is None:
             return np.full(len(unit), np.nan)
         return np.where(self.occurrence.evaluate(unit), self.predict(unit), np.nan)
 
     def formulas(self) -> tuple[Formula | None, Formula | bool]:
-        """Two tables, `Formula`, which other programs can evaluate: of the fit, None without one;
-        and of a function that is at least 0 where the quantity exists; in the place of the latter
-        True or False if the quantity exists in all runs or in none."""
+        """Two tables that other programs can evaluate: of the fit, None without one; and of the
+        decision function, at least 0 where the quantity exists, or True or False if it exists in
+        all runs or in none."""
         sure = not self.occurrence.is_mixed
         return (
             None if self.fit is None else self.fit.formula(),
@@ -177,9 +180,9 @@ class ScalarSurrogate:
     def range(
         self, lower: np.ndarray | None = None, upper: np.ndarray | None = None, **options: int
     ) -> Extremes:
-        """Range attained by the surrogate over the part of the box from `lower` to `upper` (k each,
-        in [-1, 1]), by default the whole; NaN without values. options: `climbs`, number of best
-        points from which a search goes on (`extreme`)."""
+        """Range that the surrogate attains over the part of the box from `lower` to `upper` (k
+        each, in [-1, 1]; None: the whole), and where; NaN without values. options: `climbs`, number
+        of best points from which a search goes on."""
         if lower is None and upper is None and not options:
             return self._whole_range
         return self._search_range(lower, upper, **options)
@@ -199,8 +202,8 @@ class ScalarSurrogate:
         self, sign: float, lower: np.ndarray, upper: np.ndarray, climbs: int = 1
     ) -> tuple[float, np.ndarray]:
         """Upper (sign 1) or lower (sign -1) bound of the surrogate over the part of the box from
-        `lower` to `upper` (k each, in [-1, 1]), and the point (k) where it is attained; climbs:
-        number of best points from which a search goes on."""
+        `lower` to `upper` (k each, in [-1, 1]), and the point (k) where it is attained; both NaN
+        without values. climbs: number of best points from which a search goes on."""
         part = self._part(lower, upper)
         return extreme(self.evaluate, sign, *part, self._trial_points, climbs)
 
@@ -222,13 +225,13 @@ class ScalarSurrogate:
         return lower, np.where(free, side if upper is None else upper, 0.0)
 
     def nowhere(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
-        """The point (k) in the part of the box from `lower` to `upper` (k each, in [-1, 1]) where
-        the quantity most certainly does not exist; None if it exists all over the part."""
+        """Find the point (k) in the part of the box from `lower` to `upper` (k each, in [-1, 1])
+        where the quantity most certainly does not exist; None if it exists all over the part."""
         return self._place(lower, upper, False)
 
     def somewhere(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
-        """The point (k) in the part of the box from `lower` to `upper` (k each, in [-1, 1]) where
-        the quantity most certainly exists; None if it exists nowhere in the part."""
+        """Find the point (k) in the part of the box from `lower` to `upper` (k each, in [-1, 1])
+        where the quantity most certainly exists; None if it exists nowhere in the part."""
         return self._place(lower, upper, True)
 
     def _place(self, lower: np.ndarray, upper: np.ndarray, happens: bool) -> np.ndarray | None:
@@ -250,10 +253,11 @@ def fit_scalar(
     """Fit the surrogate of a quantity to values (N) of runs at `points` (N, k) in [-1, 1]^k, NaN
     where the quantity does not exist in a run, as the time of an event that does not occur.
 
-    latest: of a time, when runs end; least: physical lower bound; margin (N): event margin, above 0
-    where the event occurs, NaN where not known. The border between runs with and without a value is
-    the one that leaves least volume undecided: by the runs alone, where the fit reaches `latest`,
-    or where a fit to `margin`, if known of all runs, vanishes.
+    latest: of a time, when runs end (s), else None; least: physical lower bound, None without one;
+    margin (N): event margin, how far a run is from having the event, above 0 where it occurs, NaN
+    where not known. The border between runs with and without a value is the one that leaves least
+    volume undecided: by the runs alone, where the fit reaches `latest`, or where a fit to `margin`,
+    if known of all runs, vanishes.
     """
     points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
     happens = np.isfinite(values)
@@ -296,10 +300,10 @@ def _occurrence(
 
 @dataclass(frozen=True)
 class Influence:
-    """Widths of a quantity's range by parameter (k): `alone`, if only this one varies; `share`,
-    this over the sum for all parameters, without those below the error of the fit; `fixed` and
-    `halved`, if all vary but this one keeps its nominal value, or half its interval about it.
-    `width`: of the whole box."""
+    """Widths of a quantity's range, by parameter: `alone` (k), if only this one varies; `share`
+    (k), that over the sum for all parameters, widths not above the fit's error counted as 0;
+    `fixed` and `halved` (k), if all vary but this one keeps its nominal value, or half its interval
+    about it. `width`: of the whole box. All but `share` in the quantity's unit."""
 
     width: float
     alone: np.ndarray
@@ -309,8 +313,9 @@ class Influence:
 
 
 def influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
-    """Influence of each parameter on the width of a quantity's range, by the trend of its
-    surrogate, without further runs; nominal (k): nominal point of the parameters in [-1, 1]^k."""
+    """Compute the influence of each parameter on the width of a quantity's range, by its surrogate
+    (without kriging corrections), so without further runs. nominal (k): nominal values of the
+    parameters, normalized to [-1, 1]."""
     surrogate = surrogate.trend
     nominal = np.asarray(nominal, dtype=float)
     k = len(nominal)

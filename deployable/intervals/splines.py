@@ -199,13 +199,13 @@ def choose_scales(points: np.ndarray, values: np.ndarray) -> np.ndarray:
     their spread; at most 400 runs and 200 columns are used."""
     spread = _spread(points)
     scales = spread.astype(float)
-    if spread.sum() < 2:
+    if spread.sum() < 2 or not np.ptp(values, axis=0).any():
         return scales
     rows = np.unique(np.linspace(0, len(points) - 1, min(len(points), _SCALE_RUNS)).astype(int))
     columns = np.unique(np.linspace(0, values.shape[1] - 1, 200).astype(int))
     points, values = points[rows], values[rows][:, columns]
     values = values[:, np.ptp(values, axis=0) > 0]
-    values = values / (np.ptp(values, axis=0) if values.size else 1.0)
+    values = values / np.ptp(values, axis=0)
 
     def loss(trial):
         system = _system(points, trial)

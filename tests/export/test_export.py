@@ -120,6 +120,7 @@ def test_what_cannot_be_exported_is_refused_with_what_is_allowed(results, tmp_pa
         (["pendulum", "--set", "L=-1"], "L = -1 is not allowed"),
         (["pendulum", "--set", "M=1"], "parameter M of scene pendulum"),
         (["pendulum", "--set", "L=["], "this is not YAML"),
+        (["pendulum", "--frames", "0"], "--frames 0; allowed: 1 or more"),
         (["absent.yaml"], "absent.yaml"),
         (["sarrus"], "bennett, boom"),
     ):

@@ -136,6 +136,11 @@ def test_runs_of_many_parameters_are_lines_along_all(opened):
         np.testing.assert_allclose(places, unit, atol=1e-4)
     assert render(data).count("<polyline") == 30
     assert lines(opened) == []
+    # Of many runs, some of each kind are drawn.
+    many = np.arange(2000) % 100 == 0
+    values = np.resize(values, (2000, count))
+    drawn = [each for _, each, _ in lines(replace(data, verdicts=RunVerdicts(values, many, None)))]
+    assert len(drawn) == 400 and sum(drawn) == 20
 
 
 def test_what_choices_cost_leaves_out_those_that_end_with_the_runs(opened):

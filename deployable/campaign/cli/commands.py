@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -54,7 +55,9 @@ def add_to(commands: argparse._SubParsersAction, command: Callable) -> None:
     command(commands, "keys", _keys.__doc__, _keys)
     structure = command(commands, "structure", _structure.__doc__, _structure)
     structure.add_argument("structure", help="file, .yaml or .py (which is run), or known name")
-    structure.add_argument("--duration", type=float, default=1.0, help="of a run (%(default)s s)")
+    structure.add_argument(
+        "--duration", type=_seconds, default=1.0, help="of a run (%(default)s s)"
+    )
     structure.add_argument(
         "--picture", type=Path, help=".png, .svg or .pdf to draw into (exports/<name>.png)"
     )
@@ -152,6 +155,13 @@ def _keys(options: argparse.Namespace) -> int:
     """Print all keys of a config as a page of Markdown."""
     print(table(whole()), end="")
     return 0
+
+
+def _seconds(text: str) -> float:
+    seconds = float(text)
+    if not 0 < seconds < math.inf:
+        raise argparse.ArgumentTypeError(f"{text} is not allowed; allowed: a time above 0 (s)")
+    return seconds
 
 
 def _structure(options: argparse.Namespace) -> int:

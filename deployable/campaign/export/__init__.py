@@ -116,6 +116,8 @@ def export(
     form = FORMATS[kind]
     if colour != "bars" and kind not in MOVIES:
         raise CampaignError(f"--colour {colour} is not for {kind}; allowed: {', '.join(MOVIES)}")
+    if frames is not None and frames < 1:
+        raise CampaignError(f"--frames {frames}; allowed: 1 or more")
     if run.folder:
         extras = ("quantities.nc",) * (kind == "csv" and run.folder.quantities.exists())
         check_results(run.folder, ("samples.nc", *form.takes, *extras))

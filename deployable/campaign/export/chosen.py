@@ -3,6 +3,7 @@ structure's."""
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -132,8 +133,10 @@ def choose(
     path = Path(source)
     for file in trusted:
         trust(file)
+    if duration is not None and not 0 < duration < math.inf:
+        raise CampaignError(f"--duration {duration:g}; allowed: a time above 0 (s)")
     if path.is_dir():
-        if settings or duration:
+        if settings or duration is not None:
             raise CampaignError(
                 f"{source}: the runs of a campaign are as they are; parameters and duration can be "
                 "set where its config stands in place of its folder"
@@ -150,7 +153,7 @@ def choose(
         )
     if path.suffix in (".yaml", ".yml") and _is_campaign(path):
         return _of_config(path, settings or {}, duration)
-    return _of_structure(source, settings or {}, duration or 1.0)
+    return _of_structure(source, settings or {}, 1.0 if duration is None else duration)
 
 
 def _of_results(folder: Folder, run: str) -> SelectedRun:
@@ -198,7 +201,7 @@ def _of_config(path: Path, settings: Mapping[str, str], duration: float | None) 
     from deployable.campaign.plan.plan import choose_step
 
     experiment = load_config([path]).experiment
-    if duration:
+    if duration is not None:
         solver = experiment.solver
         instants = round(duration / solver.duration * (solver.instants - 1)) + 1
         solver = replace(solver, duration=duration, instants=max(2, instants))

@@ -31,6 +31,7 @@ from deployable.intervals.scalars import (
 )
 
 _CANDIDATES = 4096  # points at which the spline is asked for more
+_UNKNOWN = 1e6  # share of a width: an error that is not known, or larger
 _CHECKED = 8  # places at which a check makes runs, of the responses
 
 
@@ -132,7 +133,7 @@ class _QuantityEstimate(NamedTuple):
         if not width > 0:
             return 0.0, 0.0
         error = max(self.surrogate.usual_error, *(estimate.error for estimate in self.bounds))
-        return float(min(error / width, 1e6)), float(width)
+        return float(min(error / width, _UNKNOWN)), float(width)
 
 
 def _estimate_quantities(experiment: Experiment, samples: Any) -> dict[str, _QuantityEstimate]:
@@ -176,8 +177,8 @@ def _parts(previous: Mapping, new: dict, row: Any, name: str, width: float) -> d
     """The surrogate's share, and those of step and mesh, new ones or else those known before."""
     for part in ("step", "mesh"):
         if name.format(part) in row:
-            value = float(row[name.format(part)])
-            new[part] = value / width if width > 0 and np.isfinite(value) else 0.0
+            share = float(row[name.format(part)]) / width if width > 0 else 0.0
+            new[part] = share if share < _UNKNOWN else _UNKNOWN  # NaN, too
         elif part in previous:
             new[part] = previous[part]
     return new

@@ -65,9 +65,7 @@ def panels(data: PageData) -> list[Panel]:
     free.sort(key=lambda k: -abs(unit[k][met].mean() - unit[k][~met].mean()))
     axes = sorted(free[:MOST_PARAMETERS])
     pairs = list(combinations(axes, 2)) or [(axes[0], None)]
-    count = min(MOST_MARKS, len(met))
-    runs = np.linspace(0, len(met) - 1, count).round().astype(int)
-    runs = runs[np.argsort(~met[runs], kind="stable")]  # what fails lies above
+    runs = _drawn_runs(met)
     return [_panel(data, unit, runs, *pair) for pair in pairs]
 
 
@@ -104,8 +102,20 @@ def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
     unit = np.array([_unit(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)])
     return [
         (int(run), bool(data.verdicts.met[run]), unit[:, run].round(4).tolist())
-        for run in np.argsort(~data.verdicts.met, kind="stable")[-MOST_MARKS:]
+        for run in _drawn_runs(data.verdicts.met)
     ]
+
+
+def _drawn_runs(met: np.ndarray) -> np.ndarray:
+    """Indices of at most `MOST_MARKS` runs: first those that meet all, then those that fail, which
+    so are drawn above; evenly spread ones where a kind has more than half, and room that the other
+    kind leaves."""
+    kinds, most = [np.flatnonzero(met), np.flatnonzero(~met)], MOST_MARKS // 2
+    counts = [max(most, MOST_MARKS - len(other)) for other in reversed(kinds)]
+    return np.concatenate([
+        runs[np.linspace(0, len(runs) - 1, min(count, len(runs))).round().astype(int)]
+        for runs, count in zip(kinds, counts, strict=True)
+    ])  # fmt: skip
 
 
 def prices(facts: Mapping[str, Any]) -> Panel | None:

@@ -21,14 +21,13 @@ from fpm.elements import (
     TorqueMotor,
     TorsionSpring,
 )
+from fpm.elements.joints.rigid import AT_START
 from fpm.elements.openings.friction import DEFLECTION, SLIDE_DEFLECTION
 from fpm.elements.openings.opening import unit_of
 from fpm.structures.keys import ChoiceKey, ListKey, NumberKey, OpeningKey, ReferenceKey
 from fpm.structures.statement import CLASS, JOINT, SLIDE, acting, element, key_of, statement, whole
 
 TURNING = replace(JOINT, types=("revolute", "universal"))
-AT_START = 1e-9
-"""What holds exactly holds where the joint is at the start, to this angle (rad)."""
 
 
 def _at_start(build, hinge: int) -> float:

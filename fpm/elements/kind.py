@@ -106,7 +106,8 @@ class ElementType:
     acts_as: component of the moments on openings, in recordings, that is its own; joins: whether
     each element joins its `particles`; moves_free: whether it moves all particles that no other
     type moves; resists_as: class of its part in what resists a slow motion (fpm/travel), "": none;
-    called: its word in messages."""
+    called: its word in messages; cost: core time of
+    an element in a step (ns)."""
 
     stores: ClassVar[Energy | None] = None  # the energy it stores (hook `stored`)
     gives: ClassVar[Energy | None] = None  # the work it gives; kinds with the same share an account
@@ -123,6 +124,7 @@ class ElementType:
     resists_as: ClassVar[str] = "HA"  # class of its part in slow travel (fpm/travel); "": none
 
     called: ClassVar[str] = ""  # in messages; kinds that are called alike are one to a user
+    cost: ClassVar[float] = 100.0  # core time of one of its elements in a step (ns; effort.py)
 
     # -- of one element -----------------------------------------------------------------------
 
@@ -225,14 +227,6 @@ class ElementType:
         return None
 
     @classmethod
-    def shut(cls, scene: SceneData, inverse: np.ndarray) -> Any:
-        """Motions that the type rules out in the only position in which it acts (a closed contact),
-        for the stable step: orthonormal sparse columns (dofs, c) in coordinates scaled with the
-        roots of masses; None: it acts in all positions. inverse (dofs,): inverse masses and
-        inertias."""
-        return None
-
-    @classmethod
     def kernels(cls) -> ModuleType:
         """The module with the type's kernels: named as the module of the type, or of one that it
         derives from, with `_kernels` behind. Raises NotImplementedError where there is none."""
@@ -287,27 +281,21 @@ class ElementType:
         return 0.0
 
     @classmethod
+    def cost_in(cls, scene: SceneData) -> float:
+        """Core time (ns) of all elements of the type in a time step of eight runs of the scene side
+        by side (scenes/effort.py): `cost` for each."""
+        return cls.cost * len(cls.names(scene))
+
+    @classmethod
     def reads_impulses(cls, scene: SceneData) -> bool:
         """Whether elements of the type in the scene need the impulses of joints in each step."""
         return False
-
-    @classmethod
-    def weight(cls, scene: SceneData, particle: int, time: np.ndarray) -> np.ndarray:
-        """Force (3,) or (t, 3) N, in global axes, that acts on a particle only because of its mass.
-        The ground's mass means nothing: its reaction leaves this force out. particle: index; time
-        (t,): s."""
-        return np.zeros(3)
 
     @classmethod
     def recorded(cls, part: Any, scene: SceneData, lane: int) -> dict[str, Series]:
         """Recorded series of one sample after a run, by names of variables in a trajectory file.
         part: arrays of the type's kernels; scene: the sample's; lane: its index in the batch."""
         return {}
-
-    @classmethod
-    def prescribe(cls, scene: SceneData, time: float, motion: Any) -> None:
-        """Write the velocities and spins that the type prescribes at a time (s) into `motion`
-        (Motion, fpm/files/outcome.py), which has those of all particles; by default none."""
 
 
 def _row(element: ElementType, columns: list) -> list[float]:

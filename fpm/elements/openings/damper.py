@@ -21,3 +21,4 @@ class Damper(OnHinge):
     acts_as = "damper"
     called = "damper"
     resists_as = ""
+    cost = 70.0

@@ -19,6 +19,7 @@ class TorsionSpring(OnHinge):
     acts_as = "spring"
     called = "torsion spring"
     resists_as = "S"
+    cost = 70.0
 
     def title(self, scene):
         """Name in messages; springs on slides are no torsion springs."""

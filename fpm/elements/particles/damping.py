@@ -19,6 +19,7 @@ class Damping(ElementType):
 
     takes = Energy("damping_work", "damping_work", "energy taken out by damping")
     moves_free = True
+    cost = 6.0  # of each particle
 
     @classmethod
     def of(cls, scene):
@@ -29,6 +30,10 @@ class Damping(ElementType):
     def topology_of(cls, scene):
         """None: scenes may run side by side whether they are damped or not."""
         return None
+
+    @classmethod
+    def cost_in(cls, scene):
+        return cls.cost * len(scene.position)
 
     @classmethod
     def pack(cls, batch):

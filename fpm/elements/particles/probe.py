@@ -21,6 +21,8 @@ class Probe(ElementType):
     moments: bool = False
     impulses: bool = False
 
+    cost = 0.0
+
     @staticmethod
     def of_scene(scene) -> "Probe":
         """The probe of a scene (what is recorded on request), or one that records nothing."""

@@ -9,6 +9,7 @@ that the kinds give them; all others are fixed.
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -282,6 +283,12 @@ def read(path: str | os.PathLike) -> "xarray.Dataset":
         return dataset.load()
 
 
+def _texts(variables: Mapping[str, classic.NetcdfVariable], name: str) -> list[str]:
+    """Values of a variable of text; none where it is not in the file, as its dimension is empty."""
+    rows = variables[name].values if name in variables else ()
+    return [row.tobytes().rstrip(b"\0").decode() for row in rows]
+
+
 def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
     """Read the curves and events of the trajectory file at `path`, a hundred times faster than as a
     dataset. run: id of the run that it must be of, None: any. Raises OSError if there is no file,
@@ -290,10 +297,7 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
     sealed.check_content(path, content, run and _name(run))
     attributes, variables = classic.read(path, content)
 
-    def names(name: str) -> list[str]:
-        # What has an empty dimension is not in the file.
-        rows = variables[name].values if name in variables else ()
-        return [row.tobytes().rstrip(b"\0").decode() for row in rows]
+    names = partial(_texts, variables)
 
     def values(name: str) -> np.ndarray:
         return variables[name].values
@@ -315,7 +319,7 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
             columns={
                 (name, label): v.values[:, i]
                 for name, v in variables.items()
-                if len(v.dims) == 2 and v.dims[0] in ("time", LED_OVER)
+                if v.dims[:-1] in (("time",), (LED_OVER,))
                 for i, label in enumerate(names(v.dims[1]))
             },
             events=np.stack(events, axis=1) if events else np.zeros((0, len(columns))),

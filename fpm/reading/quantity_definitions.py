@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 
@@ -88,7 +89,7 @@ def _kind_of(key: str, definition: object) -> str:
 
 def _places(key: str, event: object, target: object, elements: list[Eventful]) -> tuple[str, ...]:
     """Names of the elements whose events count: all that have it, or those that are stated."""
-    events = list(dict.fromkeys(e for element in elements for e in element.events))
+    events = [*dict.fromkeys(chain(*(element.events for element in elements)))]
     _one_of(f"{key}.event", event, events, "none: this scene has no events")
     candidates = [element for element in elements if event in element.events]
     places = [element.name for element in candidates]

@@ -8,7 +8,6 @@ import numpy as np
 
 from fpm.assembly.conditions import ParticlePoses
 from fpm.elements import (
-    Beams,
     Cable,
     ElementType,
     Load,
@@ -122,7 +121,7 @@ def components_of(scene) -> list[Component]:
     standards, and the friction of cables. Each is named as its action in the structure's file, and
     by its element too where an action has several; else by its element, with a number."""
     components, count = [], Counter()
-    kinds = [k for k in kinds_of([scene]) if k.resists_as and k is not Beams and acts(k)]
+    kinds = [k for k in kinds_of([scene]) if k.resists_as and acts(k)]
     action_counts = Counter(name for (k, _), name in scene.action_names.items() if k in kinds)
     bearings = {bearing_name(scene, hinge) for hinge in scene.bearings}
     for kind in kinds:

@@ -126,6 +126,7 @@ class Beams(ElementType):
 
     stores = Energy("strain", "strain_energy", "strain energy of the beam elements")
     watches = (BEND, STRAIN)
+    resists_as = ""
     cost = 105.0  # of each element, with one of its particles
 
     @staticmethod

@@ -27,7 +27,7 @@ Springs, cables, gravity and loads act from the start of a run, not before."""
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 import numpy as np
 
@@ -98,7 +98,7 @@ def assemble(scene, hold: Sequence[str] = ()) -> None:
     gaps = conditions.gaps(start)
     worst, gap, tilt = conditions.worst(gaps)
     with np.errstate(over="ignore", invalid="ignore"):  # what grows beyond all numbers is refused
-        poses, rounds = _settle(scene, start, conditions, elastic)
+        poses, rounds = _RestSearch(scene, start, conditions, elastic).settle()
     if scene.unstrained is None:  # else it was assembled before
         scene.unstrained, scene.unstrained_position = scene.frame, scene.position
     scene.position, scene.frame = poses.position, poses.frame
@@ -107,54 +107,93 @@ def assemble(scene, hold: Sequence[str] = ()) -> None:
     scene.assembly = Assembly(elastic.energy(poses), worst, gap, tilt, rounds, openings)
 
 
-def _settle(scene, start: ParticlePoses, conditions: Conditions, elastic: Elastic):
-    """Poses in stable balance from the start on, and the number of rounds."""
-    size = float(np.ptp(scene.position, axis=0).max()) or 1.0
-    scales = np.tile(np.repeat([size, 1.0], 3), len(scene.position))
-    free = np.flatnonzero(~scene.fixed.ravel())
-    weight = conditions.weight(size)
-    open_before = conditions.worst(conditions.gaps(start))
-    is_closed = np.abs(weight * conditions.gaps(start)).max(initial=0.0) <= GAP_TOL
-    if not len(free) and is_closed:
-        return start, 0
+class _RestSearch:
+    """Search of poses in stable balance of a scene's particles, the joints closed. start: where it
+    begins; conditions, elastic: of the scene."""
 
-    no_gaps, no_force = np.zeros(len(weight)), np.zeros(len(scales))
+    def __init__(self, scene, start: ParticlePoses, conditions: Conditions, elastic: Elastic):
+        self._scene, self._start = scene, start
+        self._conditions = conditions
+        self._elastic, self._unstressed = elastic, elastic.unstressed
+        self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
+        self._scales = np.tile(np.repeat([self._size, 1.0], 3), len(scene.position))
+        self._free = np.flatnonzero(~scene.fixed.ravel())
+        self._weight = conditions.weight(self._size)
+        self._open_before = conditions.worst(conditions.gaps(start))
+        self._no_gaps, self._no_force = np.zeros(len(self._weight)), np.zeros(len(self._scales))
 
-    def system(poses, bars, impulses, share):
-        return linearised(
-            scene, poses, conditions, bars, impulses, scales, free, weight, share=share
-        )
+    def settle(self) -> tuple[ParticlePoses, int]:
+        """The stable poses, and the number of rounds; raises MisfitError where none are found."""
+        if not len(self._free) and self._gap(self._start) <= GAP_TOL:
+            return self._start, 0
+        state, impulses, count = self._rest(self._start)
+        self._check_strains(state)
+        step = self._falling(state, impulses) if len(self._elastic.nodes) else None
+        if step is None:
+            return state, count
+        sides = [self._follow(state, impulses, direction) for direction in (step, -step)]
+        sides = sorted((side for side in sides if side), key=lambda side: side[0])
+        energy_here = self._elastic.energy(state)
+        if sides and not self._differ(sides, energy_here):
+            self._check_strains(sides[0][1])
+            return sides[0][1], count + sum(side[2] for side in sides)
+        requirement = "a stable position; this one snaps, and none was found downhill of it"
+        if sides:
+            requirement = (
+                f"a stable position; this one snaps to either of two with {sides[0][0]:.4g} J, as "
+                "a straight bar pressed beyond its buckling load: `curvature` of the bar says to "
+                "which"
+            )
+        raise MisfitError("assembly", f"{energy_here:.4g} J in an unstable position", requirement)
 
-    def rest(poses):
+    def _differ(self, sides: Sequence[tuple], energy: float) -> bool:
+        """Whether the ends of both sides, lower first, have one energy, that of the poses between
+        them being another, in different poses."""
+        (low, low_poses, _), (high, high_poses, _) = sides[0], sides[-1]
+        shift = np.abs(low_poses.position - high_poses.position).max()
+        return high - low <= SAME_TOL * (energy - low) and shift > SAME_TOL * self._size
+
+    def _system(self, poses, bars, impulses, share):
+        rules = self._scales, self._free, self._weight
+        return linearised(self._scene, poses, self._conditions, bars, impulses, *rules, share=share)
+
+    def _lacks(self, poses) -> np.ndarray:
+        return -self._weight * self._conditions.gaps(poses)
+
+    def _gap(self, poses) -> float:
+        return float(np.abs(self._lacks(poses)).max(initial=0.0))
+
+    def _rest(self, poses):
         """Newton's method: poses in balance, the impulses there and the rounds."""
         tries = [(ROUNDS, MASS_SHARE, np.inf), (SOFT_ROUNDS, SOFT_SHARE, SOFT_NEAR)]
-        tries = tries if len(free) else []
+        tries = tries[: 1 + (len(self._elastic.nodes) > 0)] if len(self._free) else []
         count, largest, state = 0, 0.0, poses
-        for most, share, radius in tries if len(elastic.nodes) else tries[:1]:
-            state, impulses, largest = poses, np.zeros(len(weight)), np.inf
+        for most, share, radius in tries:
+            state, impulses, largest = poses, self._no_gaps, np.inf
             for _ in range(most):
                 count += 1
-                bars = elastic if largest <= radius else elastic.unstressed
-                solve, gradient = system(state, bars, impulses, share)
-                step, change = solve(-gradient, -weight * conditions.gaps(state))
+                bars = self._elastic if largest <= radius else self._unstressed
+                solve, gradient = self._system(state, bars, impulses, share)
+                step, change = solve(-gradient, self._lacks(state))
                 largest = float(np.abs(step).max(initial=0.0))
                 if not np.isfinite(largest):
                     break
                 part = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
-                state, impulses = state.displace(part * scales * step), impulses + part * change
-                gap = float(np.abs(weight * conditions.gaps(state)).max(initial=0.0))
-                if part == 1.0 and largest <= STEP_TOL and gap <= GAP_TOL:
+                state = state.displace(part * self._scales * step)
+                impulses = impulses + part * change
+                if part == 1.0 and largest <= STEP_TOL and self._gap(state) <= GAP_TOL:
                     return state, impulses, count
-        _refuse(conditions, state, open_before, f"moving by {largest:.2g} in round {count}")
+        self._refuse(state, f"moving by {largest:.2g} in round {count}")
 
-    def falling(poses, impulses):
+    def _falling(self, poses, impulses):
         """The motion (6n,) along which the energy falls to both sides at the second order, or None.
         Such is the image of a vector on which the inverse of a round's matrix is negative; what
         rounding alone made negative is left out."""
-        solve, _ = system(poses, elastic, impulses, SOFT_SHARE)
-        steps = _negative(lambda force: solve(force / scales, no_gaps)[0], len(scales))
-        _, stiffness = elastic.derivatives(poses)
-        _, curvature = conditions.derivatives(poses, weight * impulses)
+        solve, _ = self._system(poses, self._elastic, impulses, SOFT_SHARE)
+        scales = self._scales
+        steps = _negative(lambda force: solve(force / scales, self._no_gaps)[0], len(scales))
+        _, stiffness = self._elastic.derivatives(poses)
+        _, curvature = self._conditions.derivatives(poses, self._weight * impulses)
         motions = scales[:, None] * steps
         largest = abs(stiffness.multiply(scales[:, None]).multiply(scales)).max()
         falls = np.sum(motions * ((stiffness + curvature) @ motions), axis=0)
@@ -162,76 +201,80 @@ def _settle(scene, start: ParticlePoses, conditions: Conditions, elastic: Elasti
         step = (steps / np.abs(steps).max(axis=0, initial=0.0)).sum(axis=1)
         return step if step.any() else None
 
-    def closing(poses):
+    def _closing(self, poses):
         """The poses next to these at which the joints are closed, or None."""
         for _ in range(CLOSINGS):
-            lacks = weight * conditions.gaps(poses)
-            if np.abs(lacks).max(initial=0.0) <= GAP_TOL:
+            if self._gap(poses) <= GAP_TOL:
                 return poses
-            step, _ = system(poses, elastic.unstressed, no_gaps, MASS_SHARE)[0](no_force, -lacks)
+            solve, _ = self._system(poses, self._unstressed, self._no_gaps, MASS_SHARE)
+            step, _ = solve(self._no_force, self._lacks(poses))
             if not np.abs(step).max() <= FARTHEST:
                 return None
-            poses = poses.displace(scales * step)
+            poses = poses.displace(self._scales * step)
         return None
 
-    def downhill(poses, step):
+    def _downhill(self, poses, step):
         """From unstable poses along a motion and on by Gauss and Newton's method, each round with
         less energy than before."""
-        energy = elastic.energy(poses)
+        energy = self._elastic.energy(poses)
         for _ in range(SOFT_ROUNDS):
             part = min(1.0, FARTHEST / np.abs(step).max())
             for _ in range(HALVINGS):
-                trial = closing(poses.displace(part * scales * step))
-                if trial is not None and elastic.energy(trial) < energy:
+                trial = self._closing(poses.displace(part * self._scales * step))
+                if trial is not None and self._elastic.energy(trial) < energy:
                     break
                 part /= 2
             else:
                 break
-            poses, energy = trial, elastic.energy(trial)
-            solve, gradient = system(poses, elastic.unstressed, no_gaps, SOFT_SHARE)
-            step, _ = solve(-gradient, no_gaps)
+            poses, energy = trial, self._elastic.energy(trial)
+            solve, gradient = self._system(poses, self._unstressed, self._no_gaps, SOFT_SHARE)
+            step, _ = solve(-gradient, self._no_gaps)
             if not np.abs(step).max() > SOFT_NEAR:
                 break
         return poses
 
-    def follow(poses, impulses, step):
+    def _follow(self, poses, impulses, step):
         """Stable poses downhill of unstable ones to the side of a motion, and the rounds; or None
         where none were reached."""
         count = 0
         for _ in range(FALLS):
             try:
-                poses, impulses, rounds = rest(downhill(poses, step))
+                poses, impulses, rounds = self._rest(self._downhill(poses, step))
             except MisfitError:
                 return None
             count += rounds
-            step = falling(poses, impulses)
+            step = self._falling(poses, impulses)
             if step is None:
-                return elastic.energy(poses), poses, count
+                return self._elastic.energy(poses), poses, count
         return None
 
-    state, impulses, count = rest(start)
-    _check_strains(elastic, state, open_before)
-    step = falling(state, impulses) if len(elastic.nodes) else None
-    if step is None:
-        return state, count
-    energy_here = elastic.energy(state)
-    sides = [follow(state, impulses, direction) for direction in (step, -step)]
-    sides = sorted((side for side in sides if side), key=lambda side: side[0])
-    if not sides:
-        requirement = "a stable position; this one snaps, and none was found downhill of it"
-    elif (
-        len(sides) == 2
-        and sides[1][0] - sides[0][0] <= SAME_TOL * (energy_here - sides[0][0])
-        and np.abs(sides[0][1].position - sides[1][1].position).max() > SAME_TOL * size
-    ):
-        requirement = (
-            f"a stable position; this one snaps to either of two with {sides[0][0]:.4g} J, as a "
-            "straight bar pressed beyond its buckling load: `curvature` of the bar says to which"
-        )
-    else:
-        _check_strains(elastic, sides[0][1], open_before)
-        return sides[0][1], count + sum(side[2] for side in sides)
-    raise MisfitError("assembly", f"{energy_here:.4g} J in an unstable position", requirement)
+    def _check_strains(self, poses: ParticlePoses) -> None:
+        """Check strains against the limits of a run; raises MisfitError where beams are strained
+        more."""
+        name, gap, tilt = self._open_before
+        pairs = zip((BEND, STRAIN), self._elastic.largest(poses), strict=True)
+        for (watch, value), condition in zip(pairs, ("bent or twisted", "strained"), strict=True):
+            if value > watch.most:
+                limit = f"by {value:.2g}, at most {watch.most:g} is allowed"
+                allowed = f"parts that can be forced together; beams would be {condition} {limit}"
+                raise MisfitError(f"joint {name}", _gap_text(gap, tilt), allowed)
+
+    def _refuse(self, poses: ParticlePoses, moving: str) -> NoReturn:
+        """Raise MisfitError for the joint that stays open; where none does, for the one with the
+        largest misfit, or for the element that is still `moving`."""
+        gaps = self._conditions.gaps(poses)
+        name, gap, tilt = self._conditions.worst(np.where(np.isfinite(gaps), gaps, np.inf))
+        allowed = "parts that can be forced together, with this joint closed"
+        if not max(gap, tilt) > OPEN:
+            name, gap, tilt = self._open_before
+            allowed = (
+                "parts that come to rest when forced together (of their size, or rad, by "
+                f"{STEP_TOL:g} in a round); a mechanism may need a joint that is held, a bar "
+                "without stress that is bent far may need more elements"
+            )
+            if not max(gap, tilt) > 0:
+                raise MisfitError("assembly", moving, allowed)
+        raise MisfitError(f"joint {name}", _gap_text(gap, tilt), allowed)
 
 
 def _negative(apply, count: int) -> np.ndarray:
@@ -318,42 +361,6 @@ def masses(scene, poses: ParticlePoses):
 def _reopened(scene, hinge):
     """A hinge with the opening of the scene's current poses."""
     return replace(hinge, opening=opening_at(scene, hinge))
-
-
-def _check_strains(
-    elastic: Elastic, poses: ParticlePoses, start_gaps: tuple[str, float, float]
-) -> None:
-    """Check strains against the limits of a run; raises MisfitError beyond them."""
-    bend, strain = elastic.largest(poses)
-    name, gap, tilt = start_gaps
-    for watch, value, condition in ((BEND, bend, "bent or twisted"), (STRAIN, strain, "strained")):
-        if value > watch.most:
-            raise MisfitError(
-                f"joint {name}", _gap_text(gap, tilt), "parts that can be forced together; beams "
-                f"would be {condition} by {value:.2g}, at most {watch.most:g} is allowed",
-            )  # fmt: skip
-
-
-def _refuse(
-    conditions: Conditions, poses: ParticlePoses, start_gaps: tuple[str, float, float], moving: str
-) -> None:
-    """Raise MisfitError for the joint that stays open; where none does, for the one with the
-    largest misfit, or for the element that is still `moving`."""
-    gaps = conditions.gaps(poses)
-    name, gap, tilt = conditions.worst(np.where(np.isfinite(gaps), gaps, np.inf))
-    if not max(gap, tilt) > OPEN:
-        name, gap, tilt = start_gaps
-        is_open = max(gap, tilt) > 0
-        raise MisfitError(
-            f"joint {name}" if is_open else "assembly", _gap_text(gap, tilt) if is_open else moving,
-            "parts that come to rest when forced together (of their size, or rad, by "
-            f"{STEP_TOL:g} in a round); a mechanism may need a joint that is held, a bar without "
-            "stress that is bent far may need more elements",
-        )  # fmt: skip
-    raise MisfitError(
-        f"joint {name}", _gap_text(gap, tilt), "parts that can be forced together, with this joint "
-        "closed",
-    )  # fmt: skip
 
 
 def _gap_text(gap: float, tilt: float) -> str:

@@ -99,23 +99,19 @@ SHARED = {
     "given": Batch.given_by,
     "taken": Batch.taken_by,
 }
-"""Fields of kernels' arrays that are parts of arrays which all element types share: field name, and
-the method of Batch that returns the type's part."""
+"""What stands under some names in the tuples of all kernels: shares of what is common."""
 
 
 class ElementType:
-    """Base class of an element type: a dataclass, of which a scene holds one object for each
-    element. A subclass overrides what it provides; every attribute has a neutral default.
-
-    Class attributes: stores, gives, takes: energies (Energy) that its elements store, give as work
-    and take out, None: none; types with the same one share an account. events: names of its events,
-    in the order of their numbers in kernels. watches: failure criteria; of several exceeded ones
-    the last counts. reads: types whose arrays its kernels need in every step. acts_as: the
-    component (of PARTS in opening.py, as "spring") under which its moments on joints are recorded.
-    joins: whether each element holds its `particles` together, by a `name`. moves_free: whether its
-    kernels move all particles that no other type moves. resists_as: class of standards ("FR"
-    friction, ...) of its part in what resists a slow motion (fpm/travel), "": none. called: the
-    type's word in messages, as "latch"."""
+    """Base class of an element type. A subclass overrides what it provides; every attribute has a
+    neutral default. stores, gives, takes: energies that its elements store, give as work, take out
+    (Energy; None: none; types with the same share an account); events: names of its events;
+    watches: failure criteria (Watch); reads: types whose arrays its kernels need in every step;
+    acts_as: component of the moments on openings, in recordings, that is its own; joins: whether
+    each element joins its `particles`; moves_free: whether it moves all particles that no other
+    type moves; resists_as: class of its part in what resists a slow motion (fpm/travel), "": none;
+    called: its word in messages; cost: core time of
+    an element in a step (ns)."""
 
     stores: ClassVar[Energy | None] = None  # the energy it stores (hook `stored`)
     gives: ClassVar[Energy | None] = None  # the work it gives; kinds with the same share an account
@@ -132,6 +128,7 @@ class ElementType:
     resists_as: ClassVar[str] = "HA"  # class of its part in slow travel (fpm/travel); "": none
 
     called: ClassVar[str] = ""  # in messages; kinds that are called alike are one to a user
+    cost: ClassVar[float] = 100.0  # core time of one of its elements in a step (ns; effort.py)
 
     # -- of one element -----------------------------------------------------------------------
 
@@ -241,15 +238,6 @@ class ElementType:
         return None
 
     @classmethod
-    def shut(cls, scene: SceneData, inverse: np.ndarray) -> Any:
-        """Return the motions that this type's elements in a scene rule out in the one position in
-        which its stiffness acts (as of a contact: closed), for the stable time step: orthonormal
-        columns (dofs, c), a sparse matrix, in coordinates multiplied by the roots of masses; None:
-        it acts in all positions. inverse (dofs,): inverse masses (1/kg) and inertias (1/kg m²), 6
-        of each particle."""
-        return None
-
-    @classmethod
     def kernels(cls) -> ModuleType:
         """Return the module with the type's kernels: that named as the module of the type, or of a
         class it derives from, followed by `_kernels`. Else NotImplementedError."""
@@ -306,17 +294,16 @@ class ElementType:
         return 0.0
 
     @classmethod
+    def cost_in(cls, scene: SceneData) -> float:
+        """Core time (ns) of all elements of the type in a time step of eight runs of the scene side
+        by side (scenes/effort.py): `cost` for each."""
+        return cls.cost * len(cls.names(scene))
+
+    @classmethod
     def reads_impulses(cls, scene: SceneData) -> bool:
         """Return whether elements of this type in the scene need the impulses by which joints are
         closed, summed over each step; they are summed only where some type does."""
         return False
-
-    @classmethod
-    def weight(cls, scene: SceneData, particle: int, time: np.ndarray) -> np.ndarray:
-        """Return the force (N), (3,) or (t, 3) in global axes, by which this type acts on a
-        particle of a scene in proportion to its mass; by default 0. It is left out of reactions of
-        held particles, whose mass means nothing. particle: index; time (t,): instants (s)."""
-        return np.zeros(3)
 
     @classmethod
     def recorded(cls, part: Any, scene: SceneData, lane: int) -> dict[str, Series]:
@@ -324,12 +311,6 @@ class ElementType:
         trajectory file; by default none. part: arrays of the type's kernels; scene: the sample's;
         lane: index of the sample among those simulated side by side."""
         return {}
-
-    @classmethod
-    def prescribe(cls, scene: SceneData, time: float, motion: Any) -> None:
-        """Write the velocities (m/s) and spins (rad/s) that this type's elements in a scene
-        prescribe at a time (s) over those in `motion`, an object with arrays `velocity` and `spin`,
-        (n, 3), of all particles; by default none."""
 
 
 def _row(element: ElementType, columns: list) -> list[float]:

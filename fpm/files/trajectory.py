@@ -8,6 +8,7 @@ that the kinds give them; all others are fixed."""
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -20,17 +21,17 @@ if TYPE_CHECKING:
     import xarray
 
 CONVENTIONS = "CF-1.8"
-"""Conventions that files follow as far as they fit: simulated time begins at no date."""
+"""Those that files follow as far as they fit: simulated time begins at no date (docs/data.md)."""
 
 _PARAMETER = "parameter_"
 
 LED_OVER = "travel_position"
-"""Name of the dimension of what is recorded of openings moved slowly: their positions."""
+"""The dimension of what is recorded of travels: positions of an opening that is led slowly."""
 CODE = "code"
 """Attribute of a variable that was recorded on request: digest of the code that read it."""
 
 Column = tuple[str, str]
-"""Variable and label of a column of what is recorded beside points and energies."""
+"""Of what is recorded beside points and energies: a variable, and a label along its dimension."""
 
 IMPACTS = {"closes": "opens", "hits": "leaves", "latches": "latches"}
 """Events at which velocities change all at once, and those that end what they begin."""
@@ -84,8 +85,8 @@ class Curves:
     def times(self, event: str, places: Iterable[str]) -> np.ndarray:
         """Return the times (s), increasing, at which any of some elements had an event. event: its
         name, such as "latches"; places: the elements' names."""
-        numbers = [e.events.index(event) if e.name in places and event in e.events else -1
-                   for e in self.eventful]  # fmt: skip
+        names = [e.events if e.name in places else () for e in self.eventful]
+        numbers = [own.index(event) if event in own else -1 for own in names]
         rows = self.events[:, 2] == np.array(numbers)[self.events[:, 1].astype(int)]
         return np.sort(self.events[rows, 0])
 
@@ -280,6 +281,12 @@ def read(path: str | os.PathLike) -> "xarray.Dataset":
         return dataset.load()
 
 
+def _texts(variables: Mapping[str, classic.NetcdfVariable], name: str) -> list[str]:
+    """Values of a variable of text; none where it is not in the file, as its dimension is empty."""
+    rows = variables[name].values if name in variables else ()
+    return [row.tobytes().rstrip(b"\0").decode() for row in rows]
+
+
 def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
     """Return the curves and events in the trajectory file at `path`, a hundred times faster than as
     a dataset. run: id of the run that it must be of, None: any. Raises OSError if there is no file,
@@ -288,10 +295,7 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
     sealed.check_content(path, content, run and _name(run))
     attributes, variables = classic.read(path, content)
 
-    def names(name: str) -> list[str]:
-        # What has an empty dimension is not in the file.
-        rows = variables[name].values if name in variables else ()
-        return [row.tobytes().rstrip(b"\0").decode() for row in rows]
+    names = partial(_texts, variables)
 
     def values(name: str) -> np.ndarray:
         return variables[name].values
@@ -313,7 +317,7 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
             columns={
                 (name, label): v.values[:, i]
                 for name, v in variables.items()
-                if len(v.dims) == 2 and v.dims[0] in ("time", LED_OVER)
+                if v.dims[:-1] in (("time",), (LED_OVER,))
                 for i, label in enumerate(names(v.dims[1]))
             },
             events=np.stack(events, axis=1) if events else np.zeros((0, len(columns))),

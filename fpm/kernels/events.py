@@ -1,5 +1,6 @@
 """Events: levels that a quantity of an element crosses."""
 
+from fpm.kernels.lanes import absolute, where_negative
 from fpm.kernels.vectors import kernel
 
 
@@ -25,3 +26,15 @@ def note_crossing(log, lane, element, previous, value, timing):
     if (value < 0.0) != (previous < 0.0):
         time = timing.time - timing.step * value / (value - previous)
         note(log, lane, time, element, 1.0 if value < 0.0 else 0.0)
+
+
+@kernel
+def edge(new, old):
+    """Return what to add to the overlap or stretch `new` of a spring that begins at 0, as that of a
+    cable, in the step in which it passes 0; else 0. new, old: now and a step ago (rad or m, as the
+    result). From -b to s such a spring does the work k s²/2, but the mean of the forces 0 and k s
+    at both ends does k s (s + b)/2. Half of the difference is taken off now, half by the step that
+    follows: the energy is then kept to the third order in the step instead of the second. For that
+    one step, a cable that has turned slack pushes a little."""
+    product = new * old
+    return where_negative(product, 0.5 * product / absolute(new - old), 0.0)

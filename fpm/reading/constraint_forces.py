@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fpm.assembly.conditions import ParticlePoses, conditions_of, dependence, scaled
-from fpm.elements import kinds_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.particles.drive import Drive
+from fpm.elements.particles.gravity import Gravity
 from fpm.reading.recording import Recording, Sides
 from fpm.scenes.scene import Scene
 
@@ -96,11 +96,14 @@ def reactions_of(scene: Scene) -> dict[str, Reaction]:
 
 
 def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return the force (t, 3) N of a support or drive on the structure, and its moment (t, 3) N m
-    about its point, in global axes. run: what was recorded; name: a key of `reactions_of`. Of a
-    held particle they are the rate of its momentum less all other forces and those of joints, along
-    and about the held axes. Several supports on one particle are one. A particle that is held
-    entirely and is neither on a bar nor a named body is the ground, which has no weight."""
+    """Force (t, 3) N of a support or drive on the structure, and its moment (t, 3) N m about its
+    point, in global axes; run: what was recorded; name: a key of `reactions_of`.
+
+    Of a particle that is held: the rate of its momentum less all other forces and those of joints,
+    along and about the axes that are held. Several supports on one particle are one. A particle
+    that is held entirely and is neither on a bar nor a named body is the ground, which has no
+    weight (`Gravity.weight`).
+    """
     scene, support = run.scene, reactions_of(run.scene)[name]
     particle = support.beam.particle
     force, moment = np.zeros((2, len(run.time), 3))
@@ -115,8 +118,7 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
         reaction_force, couple = (a - b - c for a, b, c in zip(*terms, strict=True))
         reaction_force, couple = reaction_force * fixed[:3], couple * fixed[3:]
         if _is_ground(scene, particle):
-            weights = [kind.weight(scene, particle, run.time) for kind in kinds_of([scene])]
-            reaction_force = reaction_force + sum(weights)
+            reaction_force = reaction_force + Gravity.weight(scene, particle)
         force = force + reaction_force
         moment = couple - np.cross(run.arm(support.beam), reaction_force)
     return force, moment

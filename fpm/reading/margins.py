@@ -22,7 +22,7 @@ MOST = 99.0
 """Largest margin that is given: where next to nothing resists, margins have no end."""
 
 TINY = 1e-300
-"""Least requirement (N m), for division: where nothing acts the margin is -1."""
+"""N m, so that where nothing acts nothing is divided by zero: the margin is -1 there."""
 
 ROUNDING = 1e-12
 """Margins below this value are rounding: what acts is known to 1e-6 of itself."""
@@ -127,6 +127,31 @@ def led_curves(scene, responses: Iterable[Any]) -> Any:
 def read(spec: Any) -> Any:
     """Return the response for the definition of a torque or force margin in a config. spec: the
     definition (`responses.Definition`); raises SceneError for wrong keys and values."""
+    path, abscissa = _path_of(spec)
+    standard = STANDARDS[spec.one_of(STANDARDS, "standard")]
+    evidence = spec.data.get("evidence", next(iter(standard.resists)))
+    resists = standard.resists[spec.one_of(standard.resists, "evidence", evidence)]
+    resists = resists | _numbers(spec, "uncertainty_factors")
+    drives = standard.drives | _numbers(spec, "actuation_factors")
+    classes = _classes_of(spec)
+    columns = [(OPENING, path.label()), *((WORK, path.label(part)) for part in classes)]
+    factors = [(drives[name], resists[name], name) for name in classes.values()]
+    rate = _number(spec, "accelerate", spec.data.get("accelerate", 0.0))
+    if rate:
+        columns.append((INERTIA, path.label()))
+        factors.append((0.0, resists["TD"] * rate, "TD"))
+    deliver = _number(spec, "deliver", spec.data.get("deliver", 0.0))
+    if not (factors or deliver):
+        allowed = "an opening on whose way something acts that a margin counts; here nothing does"
+        raise _error(spec, spec.kind, path.openings[0], allowed)
+    text = f"margin of {path.openings[0]}, {standard.title}, {evidence}"
+    subjects = (*path.openings, spec.data["standard"], evidence, *_names(spec, "without"))
+    load = (deliver, resists["TL"])
+    return spec.response(subjects, "", "1", text, tuple(columns), abscissa, (load, *factors))
+
+
+def _path_of(spec) -> tuple[OpeningPath, Abscissa]:
+    """The way of the openings that are moved, and what the margin is a function of."""
     openings = (spec.data[spec.kind], *_names(spec, "with"))
     hinges = {hinge.name: hinge for hinge in spec.scene.hinges}
     for name in openings:
@@ -143,39 +168,24 @@ def read(spec: Any) -> Any:
     first, last = (float(hinge.opening) if end is None else end for end in ends)
     if first == last:
         raise _error(spec, "to", spec.data["to"], "another opening than `from`")
-    path = OpeningPath(openings, *ends, stand)
-    standard = STANDARDS[spec.one_of(STANDARDS, "standard")]
-    evidence = spec.data.get("evidence", next(iter(standard.resists)))
-    resists = standard.resists[spec.one_of(standard.resists, "evidence", evidence)]
-    resists = resists | _numbers(spec, "uncertainty_factors")
-    drives = standard.drives | _numbers(spec, "actuation_factors")
+    own = ", from each run's start" if ends[0] is None else ""
+    abscissa = Abscissa(f"opening of {openings[0]}{own}", unit, first, last)
+    return OpeningPath(openings, *ends, stand), abscissa
+
+
+def _classes_of(spec) -> dict[str, str]:
+    """Class of each component that counts, by name: all but those left out."""
     parts = parts_of(spec.scene)
     inactive = [spec.one_of(parts, "without", name) for name in _names(spec, "without")]
     classes = parts | {
         spec.one_of(parts, "classes", part): spec.one_of(CLASSES, f"classes.{part}", name)
         for part, name in _mapping(spec, "classes").items()
     }
-    parts = [part for part in parts if part not in inactive]
     for part in reeled(spec.scene):
-        if part in parts:
+        if part in parts and part not in inactive:
             allowed = f"{part} among them: a curve of time reels it, and a travel has no time"
             raise _error(spec, "without", inactive, allowed)
-    columns = [(OPENING, path.label()), *((WORK, path.label(part)) for part in parts)]
-    factors = [(drives[classes[part]], resists[classes[part]], classes[part]) for part in parts]
-    rate = _number(spec, "accelerate", spec.data.get("accelerate", 0.0))
-    if rate:
-        columns.append((INERTIA, path.label()))
-        factors.append((0.0, resists["TD"] * rate, "TD"))
-    deliver = _number(spec, "deliver", spec.data.get("deliver", 0.0))
-    if not (factors or deliver):
-        allowed = "an opening on whose way something acts that a margin counts; here nothing does"
-        raise _error(spec, spec.kind, openings[0], allowed)
-    text = f"margin of {openings[0]}, {standard.title}, {evidence}"
-    own = ", from each run's start" if ends[0] is None else ""
-    abscissa = Abscissa(f"opening of {openings[0]}{own}", unit, first, last)
-    subjects = (*openings, spec.data["standard"], evidence, *inactive)
-    load = (deliver, resists["TL"])
-    return spec.response(subjects, "", "1", text, tuple(columns), abscissa, (load, *factors))
+    return {part: classes[part] for part in parts if part not in inactive}
 
 
 class BudgetRow(NamedTuple):

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 
@@ -57,8 +58,8 @@ def _parse(name, definition, responses, elements, quantities) -> Quantity:
         "way": lambda key, value: _one_of(key, value, DIRECTIONS),
         "at": lambda key, value: _moment(key, value, quantities),
     }
-    fields = {field: read[field](f"{key}.{field}", definition[field])
-              for field in KINDS[kind].keys if field in definition}  # fmt: skip
+    own = [field for field in KINDS[kind].keys if field in definition]
+    fields = {field: read[field](f"{key}.{field}", definition[field]) for field in own}
     unit = KINDS[kind].unit or response.unit
     if kind == "smallest_at":
         unit = response.along.unit if response.along else "s"
@@ -86,7 +87,7 @@ def _kind_of(key: str, definition: object) -> str:
 
 def _places(key: str, event: object, target: object, elements: list[Eventful]) -> tuple[str, ...]:
     """Names of the elements whose events count: all that have it, or those that are stated."""
-    events = list(dict.fromkeys(e for element in elements for e in element.events))
+    events = [*dict.fromkeys(chain(*(element.events for element in elements)))]
     _one_of(f"{key}.event", event, events, "none: this scene has no events")
     candidates = [element for element in elements if event in element.events]
     places = [element.name for element in candidates]

@@ -85,8 +85,7 @@ def parse(name: str, definition: Mapping[str, Any], scene: Scene) -> Response:
         raise SceneError(f"responses.{name}", definition, f"exactly one of {', '.join(KINDS)}")
     kind = next(k for k in KINDS if k in definition)
     mandatory, optional = KINDS[kind].mandatory, KINDS[kind].optional
-    missing = [key for key in mandatory if key not in definition]
-    if missing or set(definition) - {kind, *mandatory, *optional}:
+    if not {kind, *mandatory} <= set(definition) <= {kind, *mandatory, *optional}:
         keys = f" and {', '.join(mandatory)}" if mandatory else ""
         options = f", perhaps with {', '.join(optional)}" if optional else ""
         lone = "" if mandatory or optional else " alone"

@@ -8,7 +8,7 @@ are looked at, and the fastest one counts:
 
 - all that always acts, with all hinges cut;
 - for a type that acts in one position only, as contacts do at opening zero: the same with its
-  elements, there, without the motions that are ruled out there (ElementType.shut). To cut these
+  elements, there, without the motions that are ruled out there (Contact.shut). To cut these
   hinges too would double the frequency of a stiff contact: the particles beside it turn about the
   hinge line, not about their own axes.
 
@@ -25,7 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements import kinds_of
+from fpm.elements import Contact, kinds_of
 from fpm.elements.kind import Deformations
 from fpm.elements.particles.turning import turns_of
 from fpm.scenes.scene import Scene
@@ -134,8 +134,7 @@ def _limit(scene: Scene, step: float = np.inf) -> StableStep:
     deformations, kind_of, names = deformation_modes(scene, step)
     modes, element, inverse = _scaled(scene, deformations)
     kinds = kinds_of([scene])
-    blocked = {number: kind.shut(scene, inverse) for number, kind in enumerate(kinds)}
-    blocked = {number: columns for number, columns in blocked.items() if columns is not None}
+    blocked = {kinds.index(kind): kind.shut(scene, inverse) for kind in kinds if kind is Contact}
     acting = ~np.isin(kind_of, list(blocked))
     cases = [(modes[acting], element[acting])]
     for number, columns in blocked.items():

@@ -88,17 +88,19 @@ def simulate(
     record = tuple(dict.fromkeys(record))
     if record:
         scenes = [prepared(scene, record) for scene in scenes]
-    if not (np.isfinite(duration) and duration > 0):
+    if not 0 < duration < np.inf:
         raise SceneError("duration", duration, "a positive number (s)")
     if instants < 2:
         raise SceneError("instants", instants, "at least 2")
-    if step is not None and not (np.isfinite(step) and step > 0):
+    if step is not None and not 0 < step < np.inf:
         raise SceneError("step", step, "a positive number (s), or None")
     pack.check_topology(scenes)
     scenes = [consistent_scene(scene) for scene in scenes]
-    limits = [stable_step(scene) for scene in scenes] if step is None else [None] * len(scenes)
-    max_step = safety * min(limit.step for limit in limits) if step is None else step
-    division = divide_time(duration, instants, max_step)
+    limits = [None] * len(scenes)
+    if step is None:
+        limits = [stable_step(scene) for scene in scenes]
+        step = safety * min(limit.step for limit in limits)
+    division = divide_time(duration, instants, step)
     times = duration / (instants - 1) * np.arange(instants)
 
     outcomes = []

@@ -64,7 +64,7 @@ def outcome_of(
         limit=limit,
         failure=failure,
         largest=largest,
-        final=_final(scene, batch.kinds, world, lane, steps * division.step),
+        final=_final(scene, world, lane, steps * division.step),
     )
 
 
@@ -119,7 +119,7 @@ def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityE
     )
 
 
-def _final(scene: Scene, kinds, world, lane: int, time: float) -> Motion:
+def _final(scene: Scene, world, lane: int, time: float) -> Motion:
     """Motion of all particles at the last instant, at `time` (s), from momenta half a step before
     (kept) and after it."""
     state, start = world.state[:, :, lane], world.start_state[:, :, lane]
@@ -130,6 +130,5 @@ def _final(scene: Scene, kinds, world, lane: int, time: float) -> Motion:
     velocity = 0.5 * (start[:, layout.V : layout.V + 3] + state[:, layout.V : layout.V + 3])
     spin = np.einsum("nij,nj->ni", frame, local) * ~scene.fixed[:, 3:]
     motion = Motion(start[:, layout.X : layout.X + 3].copy(), frame, velocity, spin)
-    for kind in kinds:
-        kind.prescribe(scene, time, motion)
+    Drive.prescribe(scene, time, motion)
     return motion

@@ -24,46 +24,53 @@ def describe(structure: SceneType, duration: float = 1.0) -> str:
     """Return a text of several lines on a structure at its default values: parameters, points,
     joints, mass, mobility, stable step, and what a run of `duration` (s) costs."""
     scene = structure.build()
-    cost, mobility = report.cost(scene, duration), report.mobility(scene)
     rows = [[name, *_row(p, name == structure.mesh)] for name, p in structure.parameters.items()]
-    start = scene.assembly.openings if scene.assembly else [h.opening for h in scene.hinges]
-    joints = [f"{h.name} ({_opening(h, was)})" for h, was in zip(scene.hinges, start, strict=True)]
-    joints += [f"{j.name} ({j.type})" for j in scene.kinds.get(Joint, []) if j.type != "held"]
     points = [f"{name} {_place(scene, beam)}" for name, beam in scene.points.items()]
-    lists = {
-        "bars": bars_of(scene) if scene.beams else (),
-        "bodies": scene.bodies,
-        "supports": scene.supports or (() if scene.fixed.any() else ["none: it floats"]),
-        "joints": joints or ["none"],
-        "cables": [_cable(scene, cable) for cable in scene.cables],
-        "on joints": acting(scene),
-    }
-    facts = {
-        "mass": f"{report.mass(scene):.6g} kg",
-        "its centre": _vector(report.centre(scene)),
-        "mobility": f"{_count_text(mobility.degrees, 'way')} to move: "
-        f"{_count_text(mobility.parts, 'moving part')}, {mobility.conditions} conditions, "
-        f"{mobility.redundant} of them redundant",
-        "redundant": ", ".join(report.redundant(scene)),
-        "assembled": _forced(scene) if scene.assembly is not None else "",
-        "stable step": _step(cost),
-        "": _remedy(structure, scene, cost),
-        "a run": f"{len(scene.elements)} elements, {cost.steps} steps for {duration:g} s, "
-        f"{cost.element_steps:.3g} steps of elements, about {cost.seconds:.2g} s of a core "
-        "(one of eight side by side)",
-    }
     lines = [
         f"{structure.name}: {structure.description}" if structure.description else structure.name,
         "",
         *_table([["parameter", "default", "unit", "allowed", "description"], *rows]),
         "",
         *_listed("points", points or ["none"]),
-        *(line for title, names in lists.items() if names for line in _listed(title, names)),
+        *(line for title, names in _lists(scene) if names for line in _listed(title, names)),
         "",
-        *(f"{title:14}{text}" for title, text in facts.items() if text),
+        *(f"{title:14}{text}" for title, text in _facts(structure, scene, duration) if text),
         *(f"warning       {text}" for text in warnings(scene)),
     ]
     return "\n".join(lines)
+
+
+def _lists(scene: Scene) -> Iterator[tuple[str, Iterable[str]]]:
+    """Titles, and what there is of each in a scene."""
+    start = scene.assembly.openings if scene.assembly else [h.opening for h in scene.hinges]
+    joints = [f"{h.name} ({_opening(h, was)})" for h, was in zip(scene.hinges, start, strict=True)]
+    joints += [f"{j.name} ({j.type})" for j in scene.kinds.get(Joint, []) if j.type != "held"]
+    yield "bars", bars_of(scene) if scene.beams else ()
+    yield "bodies", scene.bodies
+    yield "supports", scene.supports or (() if scene.fixed.any() else ["none: it floats"])
+    yield "joints", joints or ["none"]
+    yield "cables", [_cable(scene, cable) for cable in scene.cables]
+    yield "on joints", acting(scene)
+
+
+def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tuple[str, str]]:
+    """Titles, and what is to be said on the whole, "" where there is nothing."""
+    cost, mobility = report.cost(scene, duration), report.mobility(scene)
+    yield "mass", f"{report.mass(scene):.6g} kg"
+    yield "its centre", _vector(report.centre(scene))
+    freedom, parts = (
+        _count_text(mobility.degrees, "way"),
+        _count_text(mobility.parts, "moving part"),
+    )
+    conditions = f"{mobility.conditions} conditions, {mobility.redundant} of them redundant"
+    yield "mobility", f"{freedom} to move: {parts}, {conditions}"
+    yield "redundant", ", ".join(report.redundant(scene))
+    yield "assembled", _forced(scene) if scene.assembly is not None else ""
+    yield "stable step", _step(cost)
+    yield "", _remedy(structure, scene, cost)
+    steps = f"{cost.steps} steps for {duration:g} s, {cost.element_steps:.3g} steps of elements"
+    seconds = f"about {cost.seconds:.2g} s of a core (one of eight side by side)"
+    yield "a run", f"{len(scene.elements)} elements, {steps}, {seconds}"
 
 
 def _opening(hinge: Hinge, given_opening: float) -> str:

@@ -84,30 +84,33 @@ def _support(scene: Scene) -> Iterator[str]:
 
 def _latch(scene: Scene, latch: Latch | RigidLatch, duration: float | None) -> Iterator[str]:
     """What keeps a latch from catching: a stop, springs that push away or rest before it, time."""
-    hinge, name = scene.hinges[latch.hinge], latch.label(scene)
+    hinge = scene.hinges[latch.hinge]
     start, travel = hinge.opening, latch.angle - hinge.opening
-    head = f"latch {name} at {opening_text(hinge, latch.angle)}"
+    head = f"latch {latch.label(scene)} at {opening_text(hinge, latch.angle)}"
     for stop in Stop.of(scene):
         side = {"above": 1, "below": -1}[stop.side]
         if stop.hinge == latch.hinge and 0 < side * (stop.angle - start) < side * travel:
             yield f"{head} is beyond the stop at {opening_text(hinge, stop.angle)}: it cannot catch"
-    drives = {"motor", "loop", "release"}
-    elements = [(kind.acts_as, e) for kind in kinds_of([scene]) for e in kind.of(scene)
-          if kind.acts_as and latch.hinge in e.acts_on()]  # fmt: skip
-    pushes = [_moment(e, start) for role, e in elements if role == "spring"]
-    if abs(travel) < 1e-9 or not pushes or drives & {role for role, _ in elements}:
-        return
-    push, unit = sum(pushes), "N" if hinge.slides else "N m"
+    kinds = [kind for kind in kinds_of([scene]) if kind.acts_as]
+    elements = [e for kind in kinds for e in kind.of(scene) if latch.hinge in e.acts_on()]
+    springs = [e for e in elements if e.acts_as == "spring"]
+    is_led = not {"motor", "loop", "release"}.isdisjoint(e.acts_as for e in elements)
+    if springs and abs(travel) >= 1e-9 and not is_led:
+        yield from _springs(scene, hinge, springs, travel, head, duration)
+
+
+def _springs(scene, hinge, springs, travel: float, head: str, duration) -> Iterator[str]:
+    """What keeps springs alone from moving a hinge on by `travel` (rad, m) to a latch, `head`."""
+    start, end = hinge.opening, hinge.opening + travel
+    push, end_push = (sum(_moment(spring, x) for spring in springs) for x in (start, end))
+    unit = "N" if hinge.slides else "N m"
     if push * travel < 0:
         yield (
             f"the springs on {hinge.name} push away from {head}, with {abs(push):.4g} {unit}: turn "
             "its `axis` around, or change their `rest`"
         )
         return
-    end = start + travel
-    if all(isinstance(e, TorsionSpring) for role, e in elements if role == "spring") and (
-        sum(_moment(e, end) for role, e in elements if role == "spring") * travel < 0
-    ):
+    if end_push * travel < 0 and all(isinstance(spring, TorsionSpring) for spring in springs):
         yield f"{head} is beyond where the springs on {hinge.name} rest: only momentum gets there"
     least = np.sqrt(2 * abs(travel) * _inertia(scene, hinge) / abs(push)) if push else np.inf
     is_alone = not (np.any(scene.gravity) or scene.velocity.any() or scene.spin.any())

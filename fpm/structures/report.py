@@ -11,7 +11,7 @@ from fpm.assembly.conditions import ParticlePoses, conditions_of, dependence
 from fpm.scenes.effort import machine, run_seconds
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import SceneType
-from fpm.scenes.timestep import stable_step
+from fpm.scenes.timestep import SAFETY, stable_step
 
 
 class Mobility(NamedTuple):
@@ -132,7 +132,7 @@ def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, fl
     return sorted(changes, key=lambda change: -change[2])[:3]
 
 
-def cost(scene: Scene, duration: float, safety: float = 0.9) -> RunCost:
+def cost(scene: Scene, duration: float, safety: float = SAFETY) -> RunCost:
     """Return an estimate of what a run of a scene costs. duration: simulated time (s); safety:
     share of the stable step that is taken."""
     limit = stable_step(scene)

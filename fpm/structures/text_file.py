@@ -101,8 +101,8 @@ def loads(text: str, source: str = "structure") -> SceneType:
     problems = Problems(source)
     node = read(text, problems)
     if len(OF_CAMPAIGNS & node.entries.keys()) > 1:
-        problems.say(0, "this is a campaign's file: use `check` or `run` with it; allowed: a "
-                     "structure's, such as the one its `scene` names")  # fmt: skip
+        remedy = "use `check` or `run` with it; allowed: a structure's, such as the one its `scene`"
+        problems.say(0, f"this is a campaign's file: {remedy} names")
         problems.stop()
     table = as_meant(node, KEYS, problems)
     parameters = table.entries.get("parameters", Node({}))
@@ -113,11 +113,8 @@ def loads(text: str, source: str = "structure") -> SceneType:
     name, description, mesh = (_text(table, key, problems) for key in TEXTS)
     if name and not NAME.fullmatch(name):
         problems.refuse(table.lines["name"], "name", name, NAMED)
-    whole = [n for n, p in values.items() if p.whole]
-    if mesh and mesh not in whole and (mesh in values or mesh not in parameters.entries):
-        allowed = f"{did_you_mean(mesh, whole)}; allowed: a parameter with `whole: true`"
-        line = table.entries["mesh"].line
-        problems.say(line, f"mesh: {mesh!r} is not allowed{allowed}: {commas(whole)}")
+    if mesh:
+        _check_mesh(table.entries["mesh"], values, parameters.entries, problems)
     if len(values) < len(parameters.entries):
         problems.stop()  # every use of a parameter left out would be a problem of its own
     file = _File(table, values, source)
@@ -135,6 +132,14 @@ def loads(text: str, source: str = "structure") -> SceneType:
         mesh=mesh or None,
         content=hashlib.sha256(content).hexdigest()[:16],
     )
+
+
+def _check_mesh(mesh: Node, values: Mapping, parameters: Mapping, problems: Problems) -> None:
+    """Refuse a mesh that is no whole parameter; nothing is said of one that is refused itself."""
+    name, whole = mesh.value, [n for n, p in values.items() if p.whole]
+    if name not in whole and (name in values or name not in parameters):
+        allowed = f"{did_you_mean(name, whole)}; allowed: a parameter with `whole: true`"
+        problems.say(mesh.line, f"mesh: {name!r} is not allowed{allowed}: {commas(whole)}")
 
 
 def _text(table: Node, key: str, problems: Problems) -> str:

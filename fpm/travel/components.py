@@ -8,7 +8,6 @@ import numpy as np
 
 from fpm.assembly.conditions import ParticlePoses
 from fpm.elements import (
-    Beams,
     Cable,
     ElementType,
     Load,
@@ -20,7 +19,7 @@ from fpm.elements import (
 from fpm.travel.acting import ElementForces, acts
 
 STRAIN = "strain of bars"
-"""Name of the component that is no element: the elastic strain of bars."""
+"""The component that is no element: the elastic strain of bars."""
 
 DRAGS = ("FR", "HY")
 """Classes of what only resists (ElementType.resists_as)."""
@@ -38,10 +37,8 @@ def parts_of(scene) -> dict[str, str]:
 def springs_of(scene) -> list[str]:
     """Return the names of a scene's components of virtual work that are springs on joints, by
     tables too."""
-    return [
-        part.name for part in components_of(scene)
-        if isinstance(part.balanced, TorsionSpring | TableSpring) and part.resists_as == "S"
-    ]  # fmt: skip
+    springs = [part for part in components_of(scene) if part.resists_as == "S"]
+    return [p.name for p in springs if isinstance(p.balanced, TorsionSpring | TableSpring)]
 
 
 def classes_of_kinds(scene) -> dict[str, str]:
@@ -123,7 +120,7 @@ def components_of(scene) -> list[Component]:
     margin standards, and the friction of cables. Each is named as its action in the structure's
     file, and by its element too where an action has several; else by its element, with a number."""
     components, count = [], Counter()
-    kinds = [k for k in kinds_of([scene]) if k.resists_as and k is not Beams and acts(k)]
+    kinds = [k for k in kinds_of([scene]) if k.resists_as and acts(k)]
     action_counts = Counter(name for (k, _), name in scene.action_names.items() if k in kinds)
     bearings = {bearing_name(scene, hinge) for hinge in scene.bearings}
     for kind in kinds:

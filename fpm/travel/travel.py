@@ -67,68 +67,82 @@ def lead(
     number of evenly spaced positions, at least 2; None: as many as it takes, with those at which a
     moment bends. Raises SceneError where the opening does not decide the motion of all, MisfitError
     where it cannot be moved to a value in balance."""
-    path = Path(scene, [openings] if isinstance(openings, str) else openings, stand)
+    names = [openings] if isinstance(openings, str) else openings
     count = positions or POSITIONS
-    spacing = (last - first) / (count - 1)
-    values = np.linspace(path.opening, first, 1 + math.ceil(abs((first - path.opening) / spacing)))
-    parts = [(part.name, VirtualWork(scene, part)) for part in components_of(scene)]
-    for value in values:
-        path.move_to(float(value))
-        for _, part in parts:  # openings are counted from one place to the next
-            part.compute_work(path.poses, path.tangent)
-    path.check()
-    acting = [*path.balance.acting, *(acting for _, part in parts for acting in part.acting)]
-    names = [name for name, _ in parts] + [bearing_name(scene, hinge) for hinge in scene.bearings]
-    works = len(names)
-    rubbing = sorted({friction.hinge for friction in Friction.of(scene)} | set(scene.bearings))
-
-    def measure(position: float, state):
-        """Virtual works, strain, inertia, openings, rates; position: fraction of the travel."""
-        if state is not None:
-            path.restore(state[0])
-            for elements, history in zip(acting, state[1], strict=True):
-                elements.restore(history)
-        path.move_to(float(first + position * (last - first)))
-        tangent = np.sign(spacing) * path.tangent
-        motion = APPROACH * abs(last - first) * tangent
-        for _, part in parts:
-            part.approach(path.poses, motion)
-        row = [part.compute_work(path.poses, tangent) for _, part in parts]
-        friction = sum((part.friction_forces() for _, part in parts), np.zeros(len(tangent)))
-        row += path.in_bearings(friction)
-        row.append(path.balance.strain(path.poses))
-        row.append(tangent @ (masses(scene, path.poses) @ tangent))
-        row += [*path.update_openings(), *path.rates(rubbing)]
-        return np.array(row), (path.state(), [elements.copy_history() for elements in acting])
-
-    def measure_error(expected: np.ndarray, values: np.ndarray, distance: float) -> float:
-        """Largest error of expected values, over the error that is allowed."""
-        errors, acts = np.abs(values - expected), np.abs(values[:works]).sum()
-        most = TOLERANCE * max(acts, SMALLEST_FRACTION * largest)
-        errors[len(parts) : works] *= TOLERANCE / BEARING_TOLERANCE
-        inertia = errors[works + 1] / (10 * TOLERANCE * values[works + 1])
-        strain = errors[works] / (distance * abs(last - first) * most)
-        work = errors[:works].max(initial=0.0) / most
-        return max(work, inertia, strain * (distance > STRAIN_DISTANCE))
-
-    samples = SampledTravel(measure)
+    sweep = _Sweep(scene, Path(scene, names, stand), first, last, (last - first) / (count - 1))
+    samples = SampledTravel(sweep.measure)
     for position in np.linspace(0.0, 1.0, count):
         samples.add(float(position))
     if positions is None:
-        _add_bends(scene, samples, works + 2)
-        largest = max(np.abs(values[:works]).sum() for values in samples.values) + TINY
-        if not samples.refine(measure_error):
-            raise SceneError(
-                f"opening {path.name}", f"from {first:.6g} to {last:.6g}", "a way on which what "
-                "acts bends or jumps at some places only: it needs more than "
-                f"{MAX_POSITIONS} positions"
-            )  # fmt: skip
+        _add_bends(scene, samples, sweep.works + 2)
+        sweep.largest = max(np.abs(values[: sweep.works]).sum() for values in samples.values) + TINY
+        if not samples.refine(sweep.measure_error):
+            travel = f"from {first:.6g} to {last:.6g}"
+            allowed = "a way on which what acts bends or jumps at some places only: it needs more"
+            allowed += f" than {MAX_POSITIONS} positions"
+            raise SceneError(f"opening {names[0]}", travel, allowed)
     fractions, values = samples.arrays()
-    work = dict(zip(names, values[:, :works].T, strict=True))
-    energy, inertia = values[:, works : works + 2].T
+    work = dict(zip(sweep.names, values[:, : sweep.works].T, strict=True))
+    energy, inertia = values[:, sweep.works : sweep.works + 2].T
     if scene.beams:  # at the balance it is least, so that it is more exact than its forces
         work[STRAIN] = -slopes(fractions, energy) / abs(last - first)
     return Travel(first + fractions * (last - first), work, inertia)
+
+
+class _Sweep:
+    """Measures of a scene on a path from an opening `first` to `last`, to which it is led in steps
+    of `spacing`. names: of the components, the bearings last; works: how many; largest: sum of the
+    sizes of their works at any position, to which errors relate."""
+
+    def __init__(self, scene, path: Path, first: float, last: float, spacing: float):
+        self._scene, self._path, self._first, self._travel = scene, path, first, last - first
+        self._parts = [VirtualWork(scene, part) for part in components_of(scene)]
+        steps = 1 + math.ceil(abs((first - path.opening) / spacing))
+        for value in np.linspace(path.opening, first, steps):
+            path.move_to(float(value))
+            for part in self._parts:  # openings are counted from one place to the next
+                part.compute_work(path.poses, path.tangent)
+        path.check()
+        self._elements = [*path.balance.acting, *(a for part in self._parts for a in part.acting)]
+        self.names = [part.name for part in components_of(scene)]
+        self.names += [bearing_name(scene, hinge) for hinge in scene.bearings]
+        self.works, self.largest = len(self.names), TINY
+        frictions = {friction.hinge for friction in Friction.of(scene)}
+        self._rubbing = sorted(frictions | set(scene.bearings))
+
+    def measure(self, position: float, state):
+        """Virtual works, strain, inertia, openings, rates; position: fraction of the travel."""
+        path = self._path
+        if state is not None:
+            path.restore(state[0])
+            for elements, history in zip(self._elements, state[1], strict=True):
+                elements.restore(history)
+        path.move_to(float(self._first + position * self._travel))
+        tangent = np.sign(self._travel) * path.tangent
+        motion = APPROACH * abs(self._travel) * tangent
+        for part in self._parts:
+            part.approach(path.poses, motion)
+        row = [part.compute_work(path.poses, tangent) for part in self._parts]
+        friction = sum((part.friction_forces() for part in self._parts), np.zeros(len(tangent)))
+        row += path.in_bearings(friction)
+        row.append(path.balance.strain(path.poses))
+        row.append(tangent @ (masses(self._scene, path.poses) @ tangent))
+        row += [*path.update_openings(), *path.rates(self._rubbing)]
+        return np.array(row), (
+            path.state(),
+            [elements.copy_history() for elements in self._elements],
+        )
+
+    def measure_error(self, expected: np.ndarray, values: np.ndarray, distance: float) -> float:
+        """Largest error of expected values, over the error that is allowed."""
+        works, errors = self.works, np.abs(values - expected)
+        acts = np.abs(values[:works]).sum()
+        most = TOLERANCE * max(acts, SMALLEST_FRACTION * self.largest)
+        errors[len(self._parts) : works] *= TOLERANCE / BEARING_TOLERANCE
+        inertia = errors[works + 1] / (10 * TOLERANCE * values[works + 1])
+        strain = errors[works] / (distance * abs(self._travel) * most)
+        work = errors[:works].max(initial=0.0) / most
+        return max(work, inertia, strain * (distance > STRAIN_DISTANCE))
 
 
 def _add_bends(scene, samples: SampledTravel, openings: int) -> None:
@@ -138,9 +152,8 @@ def _add_bends(scene, samples: SampledTravel, openings: int) -> None:
     bends = [(openings + hinge, angle) for hinge, angle in sorted(set(_bends(scene)))]
     rates = openings + len(scene.hinges)
     sizes = np.abs(np.array(samples.values)[:, rates:]).max(axis=0)
-    moving = np.flatnonzero(
-        sizes > MOTION_TOLERANCE * sizes.max(initial=0.0)
-    )  # what rests turns by rounding
+    # What rests turns by rounding.
+    moving = np.flatnonzero(sizes > MOTION_TOLERANCE * sizes.max(initial=0.0))
     bends += [(rates + int(i), 0.0) for i in moving]
     for column, angle in bends:
         for ends in list(pairwise(samples.positions)):

@@ -6,21 +6,30 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from flaps import bare
 
 from deployable.campaign.config.sections import scene_type
 from evidence.extremes.joints import parallelogram
 from evidence.scaling.joints import chain, pairs
 from fpm import structures
-from fpm.elements import KINDS, Joint
+from fpm.elements import Damper, Joint
 from fpm.elements.joints.joint_pattern import elimination, neighbours, pattern
 from fpm.scenes import effort
 
 STRUCTURES = Path(__file__).parents[2] / "config" / "structures"
 
 
-def test_every_kind_has_its_cost():
-    apart = {"Beams", "Cable", "Damping", "Joint", "Probe", "Viscosity"}
-    assert {kind.__name__ for kind in KINDS} == apart | set(effort.KIND_COSTS)
+class Dear(Damper):
+    cost = 1e4
+
+
+def test_a_kind_states_its_cost():
+    scenes = [bare(), bare(), bare()]
+    scenes[1].add(Damper(0, 1.0))
+    scenes[2].add(Dear(0, 1.0))
+    without, damped, dear = map(effort.step_seconds, scenes)
+    assert damped - without == pytest.approx(1e-9 * Damper.cost)
+    assert dear - without == pytest.approx(1e-5)
 
 
 @pytest.mark.parametrize("scene", [chain(6), pairs(True), parallelogram(5, 1.0)])
@@ -38,7 +47,7 @@ def test_eliminations_are_counted_as_they_are_done(scene):
         done += sum(n**2 * count[k] / 2 for k, _ in some)
         for i, k, *_ in found.updates[found.update_start[j] : found.update_start[j + 1]]:
             done += n * count[i] * count[k] * (0.5 if i == k else 1.0)
-    assert effort.elimination_of(scene) == (count.sum(), pytest.approx(done))
+    assert Joint.elimination(scene) == (count.sum(), pytest.approx(done))
 
 
 def test_joints_on_one_body_cost_more_than_those_of_a_chain():

@@ -33,6 +33,7 @@ class Viscosity(ElementType):
     share: float
 
     takes = Damping.takes
+    cost = 20.0  # of each beam element
     resists_as = ""
 
     def check(self, scene):

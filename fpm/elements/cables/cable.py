@@ -30,6 +30,9 @@ REEL_WORK = Energy("reel", "reel_work", "work of reeling cables in")
 
 FRICTION_LOSS = Energy("cable_friction", "cable_friction_loss", "energy lost by friction of cables")
 
+RUBBING = 300.0
+"""Core time (ns) of a stretch with friction in a step."""
+
 
 def _crowded(values: dict[str, float]) -> tuple[str, str]:
     return (
@@ -55,6 +58,7 @@ class Cable(ElementType):
 
     called = "cable"
     resists_as = "S"
+    cost = 60.0
 
     stores = Energy("cable", "cable_energy", "strain energy of the cables")
     gives = REEL_WORK
@@ -151,6 +155,14 @@ class Cable(ElementType):
     @classmethod
     def names(cls, scene):
         return [cable.title(scene) for cable in cls.of(scene)]
+
+    @classmethod
+    def cost_in(cls, scene):
+        """Core time (ns) of all cables of a scene in a time step: `cost` for each stretch between
+        two points, RUBBING with friction."""
+        costs = [cls.cost if cable.friction is None else RUBBING for cable in cls.of(scene)]
+        counts = [len(cable.beams) - 1 for cable in cls.of(scene)]
+        return float(np.dot(costs, counts))
 
     @classmethod
     def led(cls, scene):

@@ -2,7 +2,8 @@
 
 Where such a cable turns tight or slack within a step, all its stretches do so at one time, which
 the lengths at both ends of the step tell, as if they had changed evenly. What slips does so after
-that, or before it, and the forces are corrected as `missing` does those of other cables."""
+that, or before it, and the forces are corrected as `edge` does those of other cables.
+"""
 
 from typing import NamedTuple
 

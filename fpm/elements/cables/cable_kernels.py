@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.kernels.curves import curve_value
-from fpm.kernels.events import note_crossing
+from fpm.kernels.events import edge, note_crossing
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import absolute, any_negative, load, sqrt, store, where_negative
+from fpm.kernels.lanes import any_negative, load, sqrt, store, where_negative
 from fpm.kernels.layout import F, M, X
 from fpm.kernels.rotation import frame
 from fpm.kernels.vectors import add3, cross, dot, get3, kernel, larger, put3, to_global
@@ -94,18 +94,6 @@ def unstrained_now(part, world, timing, c):
 
 
 @kernel
-def missing(new, old):
-    """Return the correction (m) to add to the elongation `new` of a cable that turned tight or
-    slack in the step that ends now; 0 otherwise. new, old: length less unstrained length now and a
-    step ago (m). The force at either end of that step is not that of the way between them, k s²/2
-    on the way from -b to s. Half of what is missing is added at the later end, and the energy is
-    then kept through the turn to third order in the step; for that one step, a cable that has
-    turned slack pushes a little."""
-    product = new * old
-    return where_negative(product, 0.5 * product / absolute(new - old), 0.0)
-
-
-@kernel
 def find_pull(part, world, timing, c):
     """Store elongation (m) and tension (N) of cable c, which has one tension all along (no
     friction). part: arrays of all cables; world: solver state; timing: times of this step (s)."""
@@ -116,7 +104,7 @@ def find_pull(part, world, timing, c):
     rest = unstrained_now(part, world, timing, c)
     stretch, last = length - rest, load(part.state, c, LONGER_BEFORE)
     stiffness = load(part.cables, c, EA) / rest
-    pull = stiffness * (where_negative(stretch, 0.0, stretch) + missing(stretch, last))
+    pull = stiffness * (where_negative(stretch, 0.0, stretch) + edge(stretch, last))
     store(part.state, c, LONGER, stretch)
     store(part.state, c, UNSTRAINED, rest)
     store(part.state, c, WINCH, pull * (1.0 + 0.5 * stretch / rest))

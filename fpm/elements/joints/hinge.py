@@ -124,6 +124,7 @@ class Hinge(JointBase):
     offset: float = 0.0
 
     holds_opening = False  # as a joint that is an opening (joint.py)
+    cost = 390.0  # solved alone
     gaps: ClassVar = {
         "hinge_gap": "largest gap of a hinge, or to where it is held",
         "hinge_axis_gap": "largest angle between hinge axes",

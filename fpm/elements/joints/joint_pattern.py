@@ -5,6 +5,7 @@ Walker, Proc. IEEE 55 (1967) 1801) keeps what it fills in small: a chain or a tr
 nothing, a loop one block a joint. Found once for all scenes of a topology."""
 
 from collections.abc import Sequence
+from itertools import chain, product
 
 import numpy as np
 
@@ -63,17 +64,15 @@ def pattern(counts, slots, movable, followers: list[list[int]]) -> tuple[Pattern
         for k in (j, *followers[j]):
             offsets[k, j] = entries
             entries += int(count[k] * count[j])
-    meets = []
-    for k, j in offsets:
-        for side1, slot in enumerate(slots[k]):
-            for side2, slot2 in enumerate(slots[j]):
-                if slot == slot2 >= 0 and movable[slot]:
-                    meets.append((k, j, side1, side2, offsets[k, j]))
+    meets = [
+        (k, j, side1, side2, offset)
+        for ((k, j), offset), side1, side2 in product(offsets.items(), range(2), range(2))
+        if slots[k][side1] == slots[j][side2] >= 0 and movable[slots[k][side1]]
+    ]
     updates = [
         [
             (i, k, offsets[i, j], offsets[k, j], offsets[i, k])
-            for i in members
-            for k in members
+            for i, k in product(members, members)
             if k <= i
         ]
         for j, members in enumerate(followers)
@@ -85,9 +84,9 @@ def pattern(counts, slots, movable, followers: list[list[int]]) -> tuple[Pattern
         diagonal=_table([offsets[j, j] for j in range(len(count))]),
         meets=_table(meets, 5),
         below_start=np.cumsum([0, *map(len, blocks)]),
-        followers=_table([block for row in blocks for block in row], 2),
+        followers=_table([*chain(*blocks)], 2),
         update_start=np.cumsum([0, *map(len, updates)]),
-        updates=_table([update for row in updates for update in row], 5),
+        updates=_table([*chain(*updates)], 5),
     )
     return result, entries
 

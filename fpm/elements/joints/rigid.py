@@ -52,7 +52,7 @@ from fpm.elements.openings.release import AnyRelease
 from fpm.errors import SceneError
 
 AT_START = 1e-9
-"""A rigid motor begins where its hinge is, to this angle (rad)."""
+"""What holds exactly begins where its hinge is, to this opening (rad, m)."""
 
 CONSTANT = np.zeros(1), np.ones(1)
 """Times (s) and values of the curve that stands for the index -1: constant 1."""

@@ -26,6 +26,8 @@ class Turn(ElementType):
     """Condition by which an opening (angle of a hinge, length of a slide) is held exactly; there is
     one for every element that does so (HoldsHinge), and none is stated by itself."""
 
+    cost = 200.0
+
     @classmethod
     def of(cls, scene):
         """The elements (HoldsHinge) of a scene, of all types, that hold an opening exactly, a list;

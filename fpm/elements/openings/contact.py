@@ -26,6 +26,7 @@ class Contact(OnHinge):
     acts_as = "contact"
     called = "contact"
     resists_as = "S"
+    cost = 70.0
 
     @classmethod
     def shut(cls, scene, inverse):

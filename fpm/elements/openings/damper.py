@@ -24,3 +24,4 @@ class Damper(OnHinge):
     acts_as = "damper"
     called = "damper"
     resists_as = ""
+    cost = 70.0

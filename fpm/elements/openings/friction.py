@@ -153,10 +153,13 @@ class Friction(OnHinge):
         for tables ("start", "points") or joint forces ("bearing") that no element has. batch: the
         scenes that are simulated side by side."""
 
+        def bristle(f, scene):
+            most = f.bristle_deflection * (f.shares or (float(f.load is None),))[0]
+            locking = 0.0 if f.load is None else 1.0 / f.bristle_deflection
+            return f.stiffness, most, f.damping_in(scene), locking
+
         def bristles(scene):
-            return [[f.stiffness, f.bristle_deflection * (f.shares or (float(f.load is None),))[0],
-                     f.damping_in(scene), 0.0 if f.load is None else 1.0 / f.bristle_deflection]
-                    for f in cls.of(scene)]  # fmt: skip
+            return [bristle(f, scene) for f in cls.of(scene)]
 
         if name == "bearing":
             return _bearing_force(batch, cls)

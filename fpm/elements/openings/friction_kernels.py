@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.openings.losses_kernels import LOSS, JointForce, edge, follow_rate, force_of, lose
+from fpm.elements.openings.losses_kernels import LOSS, JointForce, follow_rate, force_of, lose
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
+from fpm.kernels.events import edge
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, load, store, where_negative
 from fpm.kernels.vectors import kernel, larger

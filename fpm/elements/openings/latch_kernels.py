@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.openings.losses_kernels import RATE, edge, follow_rate, lose, onset, press
+from fpm.elements.openings.losses_kernels import RATE, follow_rate, lose, onset, press
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
-from fpm.kernels.events import note
+from fpm.kernels.events import edge, note
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, any_negative, load, store, where_negative
 from fpm.kernels.vectors import kernel

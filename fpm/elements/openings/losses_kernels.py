@@ -7,6 +7,7 @@ import numpy as np
 from fpm.elements.joints.hinge_arrays import ON_TWO
 from fpm.elements.joints.joint_arrays import DIRECTION
 from fpm.elements.openings.opening_kernels import NEW, OLD
+from fpm.kernels.events import edge
 from fpm.kernels.lanes import absolute, load, sqrt, store, where_negative
 from fpm.kernels.vectors import dot, get3, kernel, vector
 
@@ -85,17 +86,6 @@ def force_of(bearing, i, timing):
     # The first kick is half a step.
     kick = timing.step if timing.time > 1.5 * timing.step else 0.5 * timing.step
     return (1.0 / kick) * sqrt(dot(impulse, impulse))
-
-
-@kernel
-def edge(new, old):
-    """Return what to add to the overlap `new` of a spring that begins at overlap 0, in the step in
-    which it passes 0 (so that the work of the step is right); else 0. new, old: overlap now and a
-    step ago (rad or m, as the result). From -b to s such a spring does the work k s²/2, but the
-    mean of the forces 0 and k s at both ends does k s (s + b)/2. Half of the difference is taken
-    off now, half by the step that follows."""
-    product = new * old
-    return where_negative(product, 0.5 * product / absolute(new - old), 0.0)
 
 
 @kernel

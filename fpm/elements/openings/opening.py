@@ -16,6 +16,7 @@ import numpy as np
 from fpm.elements.cross import cross
 from fpm.elements.fields import index
 from fpm.elements.kind import Deformations, ElementType, Energy, Series
+from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.probe import Probe
 from fpm.elements.particles.turning import turns_of
 from fpm.errors import SceneError
@@ -49,6 +50,7 @@ class Opening(ElementType):
     hinge of a scene has one, of the hinge's index; `of` returns the scene's hinges."""
 
     resists_as = ""
+    cost = 30.0
 
     @classmethod
     def of(cls, scene):
@@ -314,8 +316,7 @@ def moving_at_start(scene) -> SimpleNamespace:
     spin = np.where(scene.fixed[:, 3:], 0.0, scene.spin)
     motion = SimpleNamespace(velocity=np.where(scene.fixed[:, :3], 0.0, scene.velocity), spin=spin)
     motion.position, motion.frame = scene.position.copy(), scene.frame.copy()
-    for kind in scene.kinds:
-        kind.prescribe(scene, 0.0, motion)
+    Drive.prescribe(scene, 0.0, motion)
     return motion
 
 

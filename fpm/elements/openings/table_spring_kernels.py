@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.openings.losses_kernels import edge
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
+from fpm.kernels.events import edge
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, where_negative
 

@@ -20,6 +20,7 @@ class TorsionSpring(OnHinge):
     acts_as = "spring"
     called = "torsion spring"
     resists_as = "S"
+    cost = 70.0
 
     def title(self, scene):
         """Return what messages call the spring: "torsion spring" (on slides "spring") and the

@@ -18,6 +18,7 @@ class Damping(ElementType):
 
     takes = Energy("damping_work", "damping_work", "energy taken out by damping")
     moves_free = True
+    cost = 6.0  # of each particle
 
     @classmethod
     def of(cls, scene):
@@ -28,6 +29,10 @@ class Damping(ElementType):
     def topology_of(cls, scene):
         """Return None: scenes can be simulated side by side whether they are damped or not."""
         return None
+
+    @classmethod
+    def cost_in(cls, scene):
+        return cls.cost * len(scene.position)
 
     @classmethod
     def pack(cls, batch):

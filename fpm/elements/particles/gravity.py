@@ -18,6 +18,7 @@ class Gravity(ElementType):
     gives = LOAD_WORK
     resists_as = "I"
     called = "weight"
+    cost = 5.0  # of each particle
 
     @classmethod
     def of(cls, scene):
@@ -30,14 +31,18 @@ class Gravity(ElementType):
         return None
 
     @classmethod
+    def cost_in(cls, scene):
+        return cls.cost * len(scene.position)
+
+    @classmethod
     def held_up(cls, scene):
         """Return the weight (N) of all particles of a scene together, a force that joints may have
         to bear at rest; the tolerance of the energy balance follows from it."""
         return float(scene.mass.sum() * np.linalg.norm(scene.gravity))
 
     @classmethod
-    def weight(cls, scene, particle, time):
-        """Return the weight (3,), N, global, of a particle (index); time: not used."""
+    def weight(cls, scene, particle):
+        """Weight (3,) N of the particle of index `particle`, in global axes."""
         return scene.mass[particle] * scene.gravity
 
     @classmethod

@@ -21,6 +21,8 @@ class Probe(ElementType):
     moments: bool = False
     impulses: bool = False
 
+    cost = 0.0
+
     @staticmethod
     def of_scene(scene) -> "Probe":
         """Return the probe of a scene (what else its run records), or one that records nothing."""

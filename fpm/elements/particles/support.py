@@ -22,6 +22,8 @@ class Support(ElementType):
     translations: str = "xyz"
     rotations: str = "xyz"
 
+    cost = 60.0
+
     def add_to(self, scene):
         """Mark the axes of the particles as held in Scene.fixed; the support itself is not kept in
         the scene. Raises SceneError for letters other than x, y, z."""

@@ -21,14 +21,13 @@ from fpm.elements import (
     TorqueMotor,
     TorsionSpring,
 )
+from fpm.elements.joints.rigid import AT_START
 from fpm.elements.openings.friction import DEFLECTION, SLIDE_DEFLECTION
 from fpm.elements.openings.opening import unit_of
 from fpm.structures.keys import ChoiceKey, ListKey, NumberKey, OpeningKey, ReferenceKey
 from fpm.structures.statement import CLASS, JOINT, SLIDE, acting, element, key_of, statement, whole
 
 TURNING = replace(JOINT, types=("revolute", "universal"))
-AT_START = 1e-9
-"""What holds exactly holds where the joint is at the start, to this angle (rad)."""
 
 
 def _at_start(build, hinge: int) -> float:
@@ -96,7 +95,7 @@ whole(Damper)
     sticks=ChoiceKey(
         "bristle", "`exactly`: without any deflection", options=("bristle", "exactly")
     ),
-)  # fmt: skip
+)
 def friction(build, args):
     """Dry (Coulomb) friction in a joint.
 
@@ -150,10 +149,8 @@ def bearing(build, args):
     joint = scene.hinges[args.joint].joint
     parts = sum(names.count(joint) for names in build.joints_of.values())
     if parts > 2:  # which of them press on each other is the pin's design, and not known
-        build.refuse(
-            "joint", f"{joint} (of {parts} parts)", "a joint of two parts: state the pin as joints "
-            "of those two that rub on each other, each with its bearing"
-        )  # fmt: skip
+        pin = "state the pin as joints of those two that rub on each other, each with its bearing"
+        build.refuse("joint", f"{joint} (of {parts} parts)", f"a joint of two parts: {pin}")
     if args.load is None:
         scene.bearings[args.joint] += lever
         return
@@ -187,9 +184,10 @@ def stop(build, args):
     Latch,
     excluded=("one_sided", "name"),
     left_out={"stiffness": "it holds exactly"},
-    holds=ChoiceKey("both ways", "`one way`: only against going back",
-                 options=("both ways", "one way")),
-)  # fmt: skip
+    holds=ChoiceKey(
+        "both ways", "`one way`: only against going back", options=("both ways", "one way")
+    ),
+)
 def latch(build, args):
     """Catches a joint at an opening and holds it from then on.
 

@@ -111,7 +111,7 @@ def _drawn_runs(met: np.ndarray) -> np.ndarray:
     so are drawn above; evenly spread ones where a kind has more than half, and room that the other
     kind leaves."""
     kinds, most = [np.flatnonzero(met), np.flatnonzero(~met)], MOST_MARKS // 2
-    counts = [max(most, MOST_MARKS - len(other)) for other in reversed(kinds)]
+    counts = [max(most, MOST_MARKS - len(rest)) for rest in reversed(kinds)]
     return np.concatenate([
         runs[np.linspace(0, len(runs) - 1, min(count, len(runs))).round().astype(int)]
         for runs, count in zip(kinds, counts, strict=True)

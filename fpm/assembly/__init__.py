@@ -31,7 +31,7 @@ from typing import NamedTuple, NoReturn
 
 import numpy as np
 
-from fpm.assembly.conditions import Conditions, ParticlePoses, conditions_of, scaled
+from fpm.assembly.conditions import Conditions, ParticlePoses, conditions_of, scaled, tilts
 from fpm.assembly.elastic import Elastic, elastic_of
 from fpm.elements.bars.beam_limits import BEND, STRAIN
 from fpm.elements.openings.opening import opening_at
@@ -72,8 +72,8 @@ class MisfitError(SceneError):
 
 class Assembly(NamedTuple):
     """Result of forcing parts together. energy: strain energy (J) after it; joint, gap, tilt: name
-    of the joint that was open most before, and by how much (m; sine of the angle between directions
-    that should agree); rounds: of Newton's method; openings: of hinges before (rad, m)."""
+    of the joint that was open most before, and by how much (m; angle, rad, between directions that
+    should agree); rounds: of Newton's method; openings: of hinges before (rad, m)."""
 
     energy: float
     joint: str
@@ -95,32 +95,50 @@ def assemble(scene, hold: Sequence[str] = ()) -> None:
         return
     start = ParticlePoses(scene.position.copy(), scene.frame.copy())
     conditions, elastic = conditions_of(scene, hold), elastic_of(scene)
-    gaps = conditions.gaps(start)
-    worst, gap, tilt = conditions.worst(gaps)
+    search = _RestSearch(scene, start, conditions, elastic, hold)
     with np.errstate(over="ignore", invalid="ignore"):  # what grows beyond all numbers is refused
-        poses, rounds = _RestSearch(scene, start, conditions, elastic).settle()
+        poses, rounds = search.settle()
+    flips = {name: angle for name, angle in tilts(scene, poses, hold).items() if angle > np.pi / 2}
+    if flips:  # the residuals, cosines of right angles, are 0 there too
+        allowed = "directions of both parts that agree; reverse that of one part"
+        raise MisfitError(f"joint {min(flips)}", "opposite directions of its parts", allowed)
     if scene.unstrained is None:  # else it was assembled before
         scene.unstrained, scene.unstrained_position = scene.frame, scene.position
     scene.position, scene.frame = poses.position, poses.frame
     openings = tuple(hinge.opening for hinge in scene.hinges)
     scene.hinges = [_reopened(scene, hinge) for hinge in scene.hinges]
-    scene.assembly = Assembly(elastic.energy(poses), worst, gap, tilt, rounds, openings)
+    scene.assembly = Assembly(elastic.energy(poses), *search.open_before, rounds, openings)
 
 
 class _RestSearch:
     """Search of poses in stable balance of a scene's particles, the joints closed. start: where it
-    begins; conditions, elastic: of the scene."""
+    begins; conditions, elastic: of the scene; hold: names of hinges that keep their openings;
+    open_before: name, gap (m) and tilt (rad) of the joint that is open most there."""
 
-    def __init__(self, scene, start: ParticlePoses, conditions: Conditions, elastic: Elastic):
-        self._scene, self._start = scene, start
+    def __init__(
+        self,
+        scene,
+        start: ParticlePoses,
+        conditions: Conditions,
+        elastic: Elastic,
+        hold: Sequence[str],
+    ):
+        self._scene, self._start, self._hold = scene, start, hold
         self._conditions = conditions
         self._elastic, self._unstressed = elastic, elastic.unstressed
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
         self._scales = np.tile(np.repeat([self._size, 1.0], 3), len(scene.position))
         self._free = np.flatnonzero(~scene.fixed.ravel())
         self._weight = conditions.weight(self._size)
-        self._open_before = conditions.worst(conditions.gaps(start))
+        self.open_before = self._worst(start)
         self._no_gaps, self._no_force = np.zeros(len(self._weight)), np.zeros(len(self._scales))
+
+    def _worst(self, poses: ParticlePoses) -> tuple[str, float, float]:
+        """Name, gap (m) and tilt (rad) of the joint that is open most."""
+        gaps = self._conditions.gaps(poses)
+        name, gap, tilt = self._conditions.worst(np.where(np.isfinite(gaps), gaps, np.inf))
+        angle = tilts(self._scene, poses, self._hold).get(name, np.nan)
+        return name, gap, angle if tilt > 0 and np.isfinite(angle) else tilt
 
     def settle(self) -> tuple[ParticlePoses, int]:
         """The stable poses, and the number of rounds; raises MisfitError where none are found."""
@@ -251,7 +269,7 @@ class _RestSearch:
     def _check_strains(self, poses: ParticlePoses) -> None:
         """Check strains against the limits of a run; raises MisfitError where beams are strained
         more."""
-        name, gap, tilt = self._open_before
+        name, gap, tilt = self.open_before
         pairs = zip((BEND, STRAIN), self._elastic.largest(poses), strict=True)
         for (watch, value), condition in zip(pairs, ("bent or twisted", "strained"), strict=True):
             if value > watch.most:
@@ -262,11 +280,10 @@ class _RestSearch:
     def _refuse(self, poses: ParticlePoses, moving: str) -> NoReturn:
         """Raise MisfitError for the joint that stays open; where none does, for the one with the
         largest misfit, or for the element that is still `moving`."""
-        gaps = self._conditions.gaps(poses)
-        name, gap, tilt = self._conditions.worst(np.where(np.isfinite(gaps), gaps, np.inf))
+        name, gap, tilt = self._worst(poses)
         allowed = "parts that can be forced together, with this joint closed"
         if not max(gap, tilt) > OPEN:
-            name, gap, tilt = self._open_before
+            name, gap, tilt = self.open_before
             allowed = (
                 "parts that come to rest when forced together (of their size, or rad, by "
                 f"{STEP_TOL:g} in a round); a mechanism may need a joint that is held, a bar "

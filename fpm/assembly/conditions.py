@@ -213,9 +213,7 @@ def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
             arms, zero = np.array([beam.arm for beam in hinge.beams]), np.zeros(3)
             rows.append((name, hinge.particles, BODY_FIXED, hinge.axes[0], zero, arms, 1.0, zero))
             continue
-        axis, zero = hinge.axes[0], hinge.references[0]
-        reference = np.cos(hinge.opening) * zero + np.sin(hinge.opening) * np.cross(axis, zero)
-        normal = np.cross(axis, reference)
+        normal = np.cross(hinge.axes[0], _opened_reference(hinge))
         rows.append(
             (name, hinge.particles, NORMAL, normal, hinge.references[1], no_arms, 1.0, no_arms[0])
         )
@@ -226,6 +224,35 @@ def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
         np.array(c, k).reshape(s) for c, k, s in zip(columns, kinds, shapes, strict=True) if k
     ]
     return Conditions(list(columns[0]), *arrays)
+
+
+def tilts(scene, poses: ParticlePoses, hold: Sequence[str] = ()) -> dict[str, float]:
+    """Return, by name of a joint, the largest angle (rad, 0 to π) between directions of its two
+    parts that agree where it is closed, at poses of all particles of a scene. hold: names of hinges
+    whose opening is to stay as stated, whose references count, too."""
+    directions = []
+    for joint in (*(j for hinge in scene.hinges for j in as_joints(hinge)), *_joints_of(scene)):
+        if joint.type not in ("held", "spherical", "universal"):
+            directions.append((joint.name, joint.particles, joint.axes))
+        if joint.type not in ("held", "spherical", "universal", "revolute"):
+            directions.append((joint.name, joint.particles, joint.references))
+    for hinge in scene.hinges:
+        if hinge.name in hold and not hinge.slides:
+            pair = _opened_reference(hinge), hinge.references[1]
+            directions.append((hinge.name, hinge.particles, pair))
+    angles: dict[str, float] = {}
+    for name, particles, pair in directions:
+        first, second = (poses.frame[p] @ axis for p, axis in zip(particles, pair, strict=True))
+        angle = np.arctan2(np.linalg.norm(np.cross(first, second)), first @ second)
+        angles[name] = max(angles.get(name, 0.0), float(angle))
+    return angles
+
+
+def _opened_reference(hinge) -> np.ndarray:
+    """The direction (3,) on a hinge's first part with which the reference of the second agrees at
+    the opening that is stated."""
+    axis, zero = hinge.axes[0], hinge.references[0]
+    return np.cos(hinge.opening) * zero + np.sin(hinge.opening) * np.cross(axis, zero)
 
 
 def _joints_of(scene) -> list[Joint]:

@@ -84,6 +84,28 @@ def test_a_bar_whose_axis_is_not_that_of_its_bearing_is_twisted():
     assert scene.assembly.energy == pytest.approx(GJ * turn**2 / 2, rel=1e-4)
 
 
+@pytest.mark.parametrize("turn", [2.5, np.pi])
+def test_axes_that_come_to_lie_opposite_are_refused(turn):
+    """Directions at right angles to the axis are so to the opposite one, too."""
+    scene = fpm.Scene("flipped")
+    ground, body = (int(p) for p in scene.add_particles([(0, 0, 0), (0.5, 0, 0)], 1.0, 1.0))
+    scene.fix(ground)
+    axes = [(0, 0, 1), (0, np.sin(turn), np.cos(turn))]
+    scene.add_hinge("pin", (ground, body), (0, 0, 0), axes)
+    with pytest.raises(MisfitError, match="joint pin = 'opposite directions of its parts'"):
+        assemble(scene)
+
+
+def test_a_tilt_before_the_assembly_is_an_angle():
+    scene = fpm.Scene("tilted")
+    ground, body = (int(p) for p in scene.add_particles([(0, 0, 0), (0.5, 0, 0)], 1.0, 1.0))
+    scene.fix(ground)
+    axes = [(0, 0, 1), (0, np.sin(1.0), np.cos(1.0))]
+    scene.add_hinge("pin", (ground, body), (0, 0, 0), axes)
+    assemble(scene)
+    assert scene.assembly.tilt == pytest.approx(1.0, rel=1e-12)
+
+
 def test_a_truss_with_a_bar_too_long_shares_the_strain():
     """The other two bars are a spring of k/2 along the first, which is one of k."""
     slack = 1e-4

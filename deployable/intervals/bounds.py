@@ -220,7 +220,8 @@ def hausdorff(
     lower: np.ndarray, upper: np.ndarray, reference_lower: np.ndarray, reference_upper: np.ndarray
 ) -> np.ndarray:
     """Hausdorff distance (...) of intervals from reference intervals, one by one: the larger of the
-    differences of their lower and of their upper bounds; all arrays (...)."""
+    differences of their lower bounds (`lower`, `reference_lower`) and of their upper ones (`upper`,
+    `reference_upper`); all arrays (...)."""
     return np.maximum(np.abs(lower - reference_lower), np.abs(upper - reference_upper))
 
 
@@ -275,9 +276,9 @@ def compare_runs(lower: np.ndarray, upper: np.ndarray, values: np.ndarray) -> di
     Parameters
     ----------
     lower, upper
-        Bounds (T).
+        Bounds (T) of one response.
     values
-        Responses (H, T) of H runs at the same T instants.
+        That response (H, T) in H runs at the same T instants.
 
     Returns
     -------

@@ -40,8 +40,9 @@ class Model:
         raise NotImplementedError
 
     def range(self) -> Range:
-        """Range of the n responses over the box at T instants: bounds (n, T), and the points (n, T,
-        k) in [-1, 1]^k where they are attained."""
+        """Range of the n responses over the box at T instants: outer bounds (n, T), guaranteed for
+        the model where it can be enclosed, else the attained ones; attained bounds (n, T); and the
+        points (n, T, k) in [-1, 1]^k where the latter are attained."""
         raise NotImplementedError
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
@@ -75,8 +76,8 @@ class PolynomialModel(Model):
         self.attributes = {"design_runs": design.runs}
 
     def range(self) -> Range:
-        """Enclosed and attained range (n, T) of the polynomials over the box, and where (n, T,
-        k)."""
+        """Range of the polynomials over the box: bounds (n, T) guaranteed for them, attained bounds
+        (n, T), and the points (n, T, k) in [-1, 1]^k where the latter are attained."""
         return surrogate_range(self.surrogate, self.tolerance)
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
@@ -127,7 +128,8 @@ class ScanModel(Model):
         }
 
     def range(self) -> Range:
-        """Least and largest values (n, T) of all runs, and the points (n, T, k) of these runs."""
+        """Least and largest values (n, T) of all runs, as outer and as attained bounds, and the
+        points (n, T, k) in [-1, 1]^k of these runs."""
         total = self.total
         return attained(total.low, total.high, self.unit[total.low_run], self.unit[total.high_run])
 
@@ -206,7 +208,8 @@ class SplineModel(Model):
         return np.argsort(self.order)
 
     def range(self) -> Range:
-        """Range (n, T) that the spline or a run attains over the box, and where (n, T, k)."""
+        """Range (n, T) that the spline or a run attains over the box, and the points (n, T, k) in
+        [-1, 1]^k where; its outer bounds are these, too."""
         bounds = spline_range(self.spline)
         argmin, argmax = bounds.argmin[..., self._inverse], bounds.argmax[..., self._inverse]
         return replace(bounds, argmin=argmin, argmax=argmax)

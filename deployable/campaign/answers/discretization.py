@@ -55,12 +55,12 @@ def check_bounds(
     threads: int = 1,
     components: tuple = COMPONENTS,
 ) -> Any:
-    """Add errors by time step and mesh to a campaign's response bounds: simulates the runs that
-    decide them again with finer ones, and returns a copy of the dataset with error components
-    (`intervals.add_errors`). folder: of the results, with plan and samples; bounds: the dataset;
-    jobs: section of the config; tell: called with each message; threads: how many simulate;
-    components: "step", "mesh" or both. With an `accuracy` it also gets
-    ``quantity_error_<component>`` (quantity), in their units."""
+    """Add errors by time step and mesh to a campaign's response bounds: runs at a few points where
+    these are attained are simulated again with half the step, then on a finer mesh. Returns a copy
+    of the dataset with error components (`intervals.add_errors`). folder: of the results, with plan
+    and samples; bounds: the dataset; jobs: section of the config; tell: called with each message;
+    threads: number that simulate; components: "step", "mesh" or both. With an `accuracy` it also
+    gets ``quantity_error_<component>`` (quantity), in their units."""
     from deployable import intervals
 
     model = ModelEvaluator.from_folder(folder, jobs, tell, threads)
@@ -108,9 +108,10 @@ def estimate_discretization_errors(
     """Estimate the errors by time step and mesh of the bounds of all q quantities: a dict of arrays
     (q, 2), for lower and upper bound, in their units, by "step" and "mesh". They are the changes
     when the runs at the bounds are refined, extrapolated by the order at the bound that changes
-    most. bounds: of each quantity, as `converge_bounds` returns them; components: "step", "mesh" or
-    both. Where an event does not occur in the refined run at a bound, the nearest run with it is
-    taken. NaN for quantities without a value; no "mesh" if no parameter sets it."""
+    most. model: holds the runs, and simulates finer ones; bounds: of each quantity, as
+    `converge_bounds` returns them; components: "step", "mesh" or both. Where an event does not
+    occur in the refined run at a bound, the nearest run with it is taken. NaN for quantities
+    without a value; no "mesh" if no parameter sets it."""
     points = np.array([point for b in bounds for point in (b.argmin, b.argmax)])
     values = np.array([value for b in bounds for value in (b.lower, b.upper)])
     q, errors = np.repeat(np.arange(len(bounds)), 2), {}

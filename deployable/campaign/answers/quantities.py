@@ -224,9 +224,9 @@ def coordinates(model: ModelEvaluator) -> dict:
 
 def attributes_of(model: ModelEvaluator) -> dict:
     """Make the attributes, by name, of the netCDF files of quantities: conventions, campaign,
-    scene, config with its hash, digest of the mechanics (code and structure), `runs` (how many
-    distinct runs the results rest on) and `further_runs` (how many were added at bounds and
-    limits)."""
+    scene, config with its hash, digest of the mechanics (code and structure), `runs` (number of
+    distinct runs that the results rest on) and `further_runs` (number of those added at bounds and
+    limit-state surfaces). model: has the runs and their plan."""
     return {
         "Conventions": CONVENTIONS,
         "campaign": model.experiment.name,

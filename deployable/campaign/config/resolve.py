@@ -76,8 +76,10 @@ BRIEFLY = {"duration": 1e-3, "instants": 201}
 
 def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
     """Turn the section `margins` (torque margins of joints) of a config into responses, quantities
-    of their least values, and requirements that these be at least 0; returns the new config and a
-    sentence for each problem. solver: that section as the user wrote it, without defaults."""
+    of their least values, and requirements that these be at least 0, unless the config has one of
+    them; returns the new config and a sentence for each problem. solver: that section as the user
+    wrote it, without defaults: if neither it has a duration nor the config another response or
+    quantity, the motion is simulated briefly."""
     if not (config.responses or config.quantities or "duration" in solver):
         brief = {key: value for key, value in BRIEFLY.items() if key not in solver}
         config = replace(config, solver=replace(config.solver, **brief))

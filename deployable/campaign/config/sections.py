@@ -139,8 +139,10 @@ class DesignChoice(DesignSection):
 class Accuracy:
     """Target and budget of runs that are added until errors are small; without tolerances none are.
     tolerances: of the estimated errors of responses and quantities by name, as fractions of the
-    widths of their intervals; max_runs, max_core_minutes: budget; mesh: name of the parameter that
-    sets the mesh and may be refined, "" for none."""
+    widths of their intervals; max_runs: most runs in all, of all rounds and meshes, with those of
+    checks and further ones, not those of a choice; max_core_minutes: most minutes of one core for
+    rounds and checks, as estimated; mesh: name of the parameter that sets the mesh and may be
+    refined, "" for none."""
 
     tolerances: dict[str, float] = field(default_factory=dict)
     max_runs: int = 0
@@ -293,8 +295,9 @@ class Experiment:
         return self.build(self._nominal_values)
 
     def parameters(self, values: Mapping[str, float]) -> dict[str, Any]:
-        """Return the values of all structure parameters by name for one run: defaults, replaced by
-        those of the config, then by `values` of the interval parameters, by name."""
+        """Return the values of all structure parameters by name for one run, each in its
+        parameter's unit: defaults, replaced by those of the config, then by `values` of the
+        interval parameters, by name."""
         defaults = {name: p.default for name, p in self.scene_type.parameters.items()}
         return {**defaults, **self.scene.parameters, **values}
 
@@ -328,8 +331,9 @@ class Choose(Choosing):
         return goals
 
     def interval(self, name: str, value: float, experiment: Experiment) -> tuple[float, float]:
-        """Return the lower and upper end of the interval of parameter `name` if its nominal value
-        is `value`; experiment: has the config's interval."""
+        """Return the lower and upper end of the interval of parameter `name`, in its unit, if its
+        nominal value is `value`; both are `value` if the config gives it no interval. experiment:
+        has the config's interval."""
         interval = experiment.intervals.get(name)
         if interval is None:
             return value, value
@@ -404,8 +408,8 @@ def steps_problems(solver: Solver, step: float) -> list[str]:
 
 
 def count_runs(experiment: Experiment) -> int:
-    """Return the largest possible number of runs of a campaign, without further ones at bounds and
-    limits; those in two roles count twice."""
+    """Return the largest possible number of runs of a campaign (`experiment`), without further ones
+    at bounds and limit-state surfaces; the nominal run counts even if it is one of the design."""
     design = experiment.design
     if experiment.is_sought:
         return experiment.accuracy.max_runs

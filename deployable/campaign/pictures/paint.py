@@ -124,7 +124,8 @@ def length_text(length: float) -> str:
 def limits_of(places: np.ndarray, view: View, margin: float = 0.08) -> np.ndarray:
     """Find the lowest and highest corner (2, 2) of a picture (m, in its plane) that holds all
     positions. places (..., 3): m; view: direction to the eye; margin: added on each side, as a
-    share of the larger extent."""
+    fraction of the larger extent; a thin structure gets at least 0.35 of that in the other
+    direction."""
     flat = places.reshape(-1, 3) @ view.page.T
     low, high = flat.min(axis=0), flat.max(axis=0)
     size = max((high - low).max(), 1e-9)

@@ -59,9 +59,10 @@ class Event:
 
 @dataclass(frozen=True)
 class PageRun:
-    """A run on the page: id (hexadecimal), role (nominal, node: fitted, held_out: tests the fit,
-    further: added at bounds and limits), parameter values (k), and the contact events in it. curves
-    (n, T): its n responses, None where they are not drawn."""
+    """A run on the page. id: hexadecimal; role: `nominal`, `node` (the surrogate is fitted to it),
+    `held_out` (tests the fit) or `further` (added at bounds and limit-state surfaces); values (k):
+    of the parameters, each in its own unit; curves (n, T): its n responses, None where they are not
+    drawn; events: contacts that close or open in it, in order of time."""
 
     id: str
     role: str
@@ -124,12 +125,13 @@ class Work:
 @dataclass(frozen=True)
 class PageData:
     """All data that a campaign's page shows, as `from_results` reads them. facts: content of
-    `summary.json`; time (T): s; responses: their bounds; runs: the planned ones, and of those added
-    at bounds and limits the ones that move; moving: runs shown moving, the nominal one first, then
-    those at which quantities and bounds are attained; omitted: runs for whose motion the page has
-    no room; work: times that tasks took; provenance: what computed the results, texts by name;
-    config: text of a config that repeats the campaign; verdicts: which runs meet the requirements,
-    None without quantities; what_if: functions for the sliders, None: none."""
+    `summary.json`; time (T): s; responses: their bounds; runs: the planned ones (of a large scan
+    those that move), then of those added at bounds and limit-state surfaces the ones that move;
+    moving: runs shown moving, the nominal one first, then those at which quantities and bounds are
+    attained; omitted: runs for whose motion the page has no room; work: times that tasks took;
+    provenance: what computed the results, texts by name; config: text of a config that repeats the
+    campaign; verdicts: which runs meet the requirements, None without quantities; what_if:
+    functions for the sliders, None: none."""
 
     facts: Mapping[str, Any]
     time: np.ndarray

@@ -120,9 +120,10 @@ def _drawn_runs(met: np.ndarray) -> np.ndarray:
 
 def prices(facts: Mapping[str, Any]) -> Panel | None:
     """Make the plot of the parameter values that were tried for the best choice: over its two
-    goals, or over its first parameter and the one goal; None without a choice, or where fewer than
-    two were tried. Those are left out whose latest time is the end of the runs, which is no bound.
-    facts: the campaign's results as plain data (`facts_of`)."""
+    goals, or over its first parameter and the one goal; None without a choice, or if fewer than two
+    remain or one has no value. Left out are those whose goal, the latest time of an event, is
+    within 5 % of the end of the runs, as it may be later. facts: the campaign's results as plain
+    data (`facts_of`)."""
     choice = facts.get("choice")
     if choice is None:
         return None

@@ -210,8 +210,8 @@ def own_settings(scene: Any, definition: Mapping[str, Any], response: Any) -> li
 
 def weaker_classes(scene: Any, response: Any) -> list[str]:
     """List the components that the structure's file puts into a class with weaker factors than
-    their kind has in the standard, a text each. scene: `fpm.Scene`; response: a margin of that
-    standard."""
+    their kind has in a standard, a text each: component, its class, that of its kind. scene:
+    `fpm.Scene`; response: a torque margin (`Response`), whose standard is meant."""
     standard, parts = STANDARDS[standard_of(response)], parts_of(scene)
     drives, resists = standard.drives, standard.resists[evidence_of(response)]
     return [

@@ -52,7 +52,7 @@ class RunRecord:
     """What `samples.nc` holds of one run. time (T): instants (s); values (n, T): responses; events
     (e, 3): time (s), index into `contacts`, 1 if it closes and 0 if it opens; contacts: names;
     numbers (q): quantities, NaN if absent; overlap: largest overlap of the faces of a contact at
-    the instants (rad)."""
+    the instants (rad), below 0 where all stay apart, 0 without contacts."""
 
     time: np.ndarray
     values: np.ndarray
@@ -105,8 +105,9 @@ class Store:
         return lambda: sum(sizes.get(path.name, 0) for path in self.folder.glob("*.nc"))
 
     def checked(self, record: RunRecord) -> RunRecord:
-        """Check that a record has the experiment's shapes and finite values, and return it
-        unchanged; raises ValueError otherwise."""
+        """Check a record that was read from a file, and return it unchanged; raises ValueError
+        unless it has the instants, responses and quantities of the experiment, finite responses
+        (quantities may be NaN: absent), and events of its own contacts only."""
         shapes = [np.shape(array) for array in (record.time, record.values, record.numbers)]
         count, instants = len(self.responses), self.experiment.solver.instants
         if shapes != [(instants,), (count, instants), (len(self.quantities),)]:
@@ -176,8 +177,9 @@ def padded(events: Sequence[np.ndarray], least: int = 0) -> np.ndarray:
 
 
 def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str]) -> float:
-    """Return the largest overlap (rad) of the faces of hinge contacts, 0 if none. openings: curves
-    (T) (rad) of the gap by name; contacts: names, of which those without an opening are skipped."""
+    """Return the largest overlap (rad) of the faces of hinge contacts, below 0 where all stay
+    apart, 0 without contacts. openings: curves (T) (rad) of the gap by name; contacts: names, of
+    which those without an opening are skipped."""
     return max((float(-openings[name].min()) for name in contacts if name in openings), default=0.0)
 
 

@@ -52,8 +52,9 @@ class Trajectories(Store):
         return self.folder / f"{run.id}.nc"
 
     def missing(self, group: Runs) -> Runs:
-        """Return the runs of a group to be simulated: those without a stored file, and those whose
-        file lacks a variable that responses need."""
+        """Return the runs of a group to be simulated: those without an undamaged stored file, and
+        those whose file lacks a variable that responses need, or has it by another version of the
+        code."""
         return group[[i for i, run in enumerate(group) if self._curves(run) is None]]
 
     def previous_columns(self, runs: Runs) -> set[Column]:

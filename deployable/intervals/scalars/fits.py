@@ -155,7 +155,8 @@ def best_fit(points: np.ndarray, values: np.ndarray) -> Fit:
     """Fit the function with the least leave-one-out errors (root mean square) to values (N) of runs
     at `points` (N, k) in [-1, 1]^k; IntervalError without values, or if one is not finite. Tried
     are polynomials by least squares, of every total degree that the runs can test, and the spline
-    through all runs. Runs that are nearly the same count once."""
+    through all runs; a polynomial that misses runs gets a correction through them (`Kriging`). Runs
+    that are nearly the same count once."""
     points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
     if not len(values) or not np.isfinite(values).all():
         raise IntervalError("values", "none or not finite", "a finite number for at least one run")

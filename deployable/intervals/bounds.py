@@ -209,9 +209,8 @@ def add_errors(
 
 
 def share_of(error: np.ndarray, time: np.ndarray, area: np.ndarray) -> np.ndarray:
-    """Relative errors (n) of n responses, numbers: errors (n, T) integrated over time (T, s),
-    divided by `area` (n), the integrals over time of upper less lower bound; 0 where these are
-    0."""
+    """Relative errors (n) of n responses: errors (n, T) integrated over time (T, s), divided by
+    `area` (n), the integrals over time of upper less lower bound; 0 where these are 0."""
     integrals = np.trapezoid(error, time)
     return np.divide(integrals, area, out=np.zeros_like(integrals), where=area > 0)
 
@@ -254,7 +253,7 @@ def compare_bounds(
         integral of the distance over the integral of the reference's width; NaN or infinite for
         zero width.
     width_ratio
-        integral of the width over that of the reference, likewise.
+        integral of the width over that of the reference; NaN or infinite for zero width.
     """
     distance = hausdorff(lower, upper, reference_lower, reference_upper)
     width = np.trapezoid(reference_upper - reference_lower, time)

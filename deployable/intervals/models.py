@@ -100,12 +100,12 @@ class ScanModel(Model):
     """Bounds by the runs alone, without a fit: all of them, whatever the design (ignored); they may
     be more than memory holds.
 
-    A scan looks from the inside: its bounds grow with every sample and are never wider than the
-    truth. How much they grew from the first half of the samples to all of them is its error: of the
-    order of what is still missing, neither a bound nor blind, as the samples are not on a grid. How
-    much they grew with the last quarter alone is in the dataset too, and which share of the box can
-    be expected to leave the bounds at one instant (`estimates.share_outside`). Samples are read in
-    chunks of runs, unless the dataset has the running bounds of each quarter.
+    The bounds grow with every run and are never wider than the true ones. How much they grew from
+    the first half of the runs to all of them is their error: an estimate of what is still missing,
+    no limit. How much they grew with the last quarter alone is in the dataset too, and which share
+    of the box can be expected to leave the bounds at one instant (`estimates.share_outside`).
+    Samples are read in chunks of runs, unless the dataset has the least and largest values of each
+    quarter.
     """
 
     kind = "least and largest sample"
@@ -172,9 +172,8 @@ class SplineModel(Model):
       (there the spline need not extrapolate), and in several directions over the runs next to where
       each bound is attained, one more than there are directions;
     - of runs that were sought where the bounds are decided (`design.method` "adaptive"), in up to
-      three directions the mean over all of them, of a power as high as there are directions: any of
-      them may be next to a bound. In more directions no run is near most corners, and the largest
-      counts as of other runs.
+      three directions, instead the mean over all of them, of a power as high as there are
+      directions: any of them may be next to a bound.
 
     Added is the largest difference between a run and the spline through all.
     """

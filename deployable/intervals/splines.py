@@ -37,13 +37,13 @@ class Spline:
     run's values, such as responses and instants. Made by `fit_spline`.
 
     points (N, k): those of the runs, no two nearly the same; scales (k): factors of the coordinates
-    before distances are taken, 0 where all the runs agree; weights (N + 1 + f, ...): of the runs,
-    then the constant and the slopes of the f other directions (on a line (2 N, ...): values and
-    second derivatives at the runs); left_out (N, ...): value of each run less that of the spline
-    through all others, infinite where these give no spline; values (N, ...): of the runs; lowest,
-    highest (...) and argmin, argmax (..., k): extreme values of all runs given, repeated ones too,
-    and their points; misfit (...): largest difference of the spline and a run, by rounding and by
-    runs that are nearly the same.
+    before distances are taken, 0 for one that is the same in all runs; weights (N + 1 + f, ...): of
+    the runs, then the constant and the slopes of the f other coordinates (on a line (2 N, ...):
+    values and second derivatives at the runs); left_out (N, ...): value of each run less that of
+    the spline through all others, infinite where these give no spline; values (N, ...): of the
+    runs; lowest, highest (...) and argmin, argmax (..., k): extreme values of all runs given,
+    repeated ones too, and their points; misfit (...): largest difference of the spline and a run,
+    by rounding and by runs that are nearly the same.
     """
 
     points: np.ndarray

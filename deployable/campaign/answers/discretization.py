@@ -168,8 +168,8 @@ def estimate_fraction_errors(
     """Return the errors by mesh and step that volume fractions of the box depend on, two arrays
     (q): of each quantity's values, in its unit, and of the decision function, whose sign tells
     whether it occurs; infinite where refined runs disagree on that by an unknown amount, 0 if
-    `errors` is empty. bounds: as `converge_bounds` returns them; errors: those of
-    `estimate_discretization_errors`."""
+    `errors` is empty. model: holds the runs, and simulates finer ones; bounds: as `converge_bounds`
+    returns them; errors: those of `estimate_discretization_errors`."""
     numbers, shifts = np.zeros(len(bounds)), np.zeros(len(bounds))
     if not errors:
         return numbers, shifts

@@ -205,7 +205,7 @@ def further_dataset(model: ModelEvaluator) -> Any:
 def coordinates(model: ModelEvaluator) -> dict:
     """Make the coordinates of the netCDF files of quantities: tuples of dimension, values and
     attributes by name, for names and units of the model's quantities and interval parameters, and
-    the ends of the intervals."""
+    lower, upper and nominal value of each interval."""
     experiment = model.experiment
     quantities, parameters = experiment.numbers, experiment.scene_type.parameters
     names, rows = list(experiment.intervals), experiment.intervals.values()

@@ -433,8 +433,9 @@ def plain_data(section: Any) -> Any:
 
 
 def from_data(kind: Any, data: Any) -> Any:
-    """Rebuild a section of type `kind` (a dataclass) from nested dicts as `plain_data` makes them,
-    without checks: pydantic takes 0.1 s to import, and every job reads sections."""
+    """Rebuild a section of type `kind` (a dataclass) from nested dicts and lists, which become
+    tuples, as `plain_data` makes them, without checks: pydantic takes 0.1 s to import, and every
+    job reads sections."""
     if is_dataclass(kind):
         hints = _hints(kind)
         return kind(**{name: from_data(hints[name], value) for name, value in data.items()})

@@ -23,11 +23,11 @@ MOST_LINES = 48
 class ResponseBounds:
     """Bounds of a response over time for the page: arrays (T) `lower`, `upper`, `nominal` (run at
     nominal parameters) and `error` (estimated, of the bounds) in `units`; None stands for unknown.
-    name, long_name: of the response, the latter in words; shares (k): each parameter's share in the
-    mean width of the response's range, 0 to 1; widths (k, T): that width when one parameter varies
-    alone, NaN where it is not above the error of the fit; abscissa: dict of the horizontal axis
-    (`results.facts.along_of`), None: time; least: lowest value that the response can have, such as
-    0."""
+    name, long_name: of the response, the latter in words; widths (k, T): of the response's range
+    when one parameter varies alone, NaN where not above the error of the fit; shares (k): these
+    integrated over time, as fractions (0 to 1) of their sum over all parameters; abscissa: dict of
+    the horizontal axis (`results.facts.along_of`), None: time; least: lowest value that the
+    response can have, such as 0."""
 
     name: str
     long_name: str

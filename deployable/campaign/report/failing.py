@@ -55,8 +55,8 @@ def _tells_apart(data: PageData) -> bool:
 
 def panels(data: PageData) -> list[Panel]:
     """Make the plots of failing and feasible runs, one for each pair of the (at most three)
-    parameters by which these differ most; empty where all runs fail, or none does. data: all that
-    the page shows."""
+    parameters whose mean values in both differ most; empty where all runs fail, or none does. data:
+    all that the page shows."""
     if not _tells_apart(data):
         return []
     unit = [_unit(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)]

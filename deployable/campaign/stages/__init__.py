@@ -146,7 +146,7 @@ def plan_of(folder: Folder, names: Sequence[str]) -> dict[str, str]:
 
 def drawings(experiment: Experiment) -> list[str]:
     """List the names of the figures of a whole campaign that the stage `figures` draws:
-    `sensitivities`, `ranges`."""
+    `sensitivities`, with several intervals and a polynomial, and `ranges`, with quantities."""
     has_contributions = len(experiment.intervals) > 1 and experiment.design.order is not None
     return ["sensitivities"] * has_contributions + ["ranges"] * bool(experiment.quantities)
 

@@ -52,9 +52,8 @@ def measured(value: float, error: float | None, units: str) -> str:
 
 
 def earliest(row: Mapping[str, Any]) -> str:
-    """Write the lower bound of a quantity with its unit, such as `0.31 s`, rounded at the first
-    digit of its error. row: the quantity's dict in `summary.json` (`facts_of`): lower, upper,
-    error, units."""
+    """Write the lower bound of a quantity with its unit, such as `0.31 s`, rounded as `interval`
+    does. row: the quantity's dict in `summary.json` (`facts_of`): lower, upper, error, units."""
     return with_unit(_ends(row)[0], row["units"])
 
 

@@ -68,8 +68,8 @@ class RootFunction:
 
     @property
     def trend(self) -> RootFunction:
-        """Copy without the kriging correction that brings a polynomial to single runs, to compare
-        parts of the box with each other; an equal copy where there is none."""
+        """Copy without the kriging correction, which takes a polynomial through single runs, to
+        compare parts of the box with each other; an equal copy where there is none."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
     def formula(self) -> Formula:
@@ -129,8 +129,8 @@ class Fit:
 
     @property
     def trend(self) -> Fit:
-        """Copy without the kriging correction that brings a polynomial to single runs, to compare
-        parts of the box with each other; an equal copy where there is none."""
+        """Copy without the kriging correction, which takes a polynomial through single runs, to
+        compare parts of the box with each other; an equal copy where there is none."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:

@@ -107,7 +107,7 @@ class Occurrence:
     @cached_property
     def surface_points(self) -> np.ndarray:
         """Points (P, k) in [-1, 1]^k on the border of where the event occurs (limit-state surface),
-        just inside; none where all runs agree."""
+        on the side where it does; none where all runs agree."""
         return self._level_points((0.0,)) if self.is_mixed else self.points[:0]
 
     def _open_places(self) -> np.ndarray:

@@ -143,9 +143,9 @@ class ScalarSurrogate:
 
     @property
     def trend(self) -> ScalarSurrogate:
-        """Copy without the kriging correction that brings a polynomial to single runs, to compare
-        parts of the box with each other; splines, and surrogates without a fit, stay as they
-        are."""
+        """Copy without the kriging correction, which takes a polynomial through single runs, to
+        compare parts of the box with each other; splines, and surrogates without a fit, stay as
+        they are."""
         return self if self.fit is None else replace(self, fit=self.fit.trend)
 
     @property

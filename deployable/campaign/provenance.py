@@ -32,8 +32,9 @@ _ROOT = Path(__file__).parents[2]
 
 
 def program_digest() -> str:
-    """Digest of all code of the program and of `fpm`, as hexadecimal text; comments and formatting
-    do not change it. Results made by one digest are not mixed with those by another."""
+    """Digest (32 hexadecimal digits) of all code of the program and of `fpm`; comments, docstrings
+    and formatting do not change it. Results made by one digest are not mixed with those by
+    another."""
     return f"{PROGRAM.digest()}{sources.MECHANICS.digest()}"
 
 

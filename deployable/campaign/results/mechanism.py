@@ -70,10 +70,10 @@ def margin_of(
 ) -> dict[str, Any]:
     """Collect the facts of a torque margin (driving over required torque, less 1) for its review
     sheet: standard, factors, travel, and the budget of torques at the position where it is least.
-    experiment: of the campaign's plan; scenes: structures at the corners of the box of parameters;
-    response: the margin, as a `Response`; row: dict of its least value in the facts
-    (`quantity_rows`); sweep: function of parameter values (k) and the margin that returns curves of
-    the work of all springs, motors and other components along the travel."""
+    experiment: of the campaign's plan; scenes: the nominal structure, then those at corners of the
+    box of parameters; response: the margin, as a `Response`; row: dict of its least value in the
+    facts (`quantity_rows`); sweep: function of parameter values (k) and the margin that returns
+    curves of the work of all springs, motors and other components along the travel."""
     definition, standard = experiment.responses[response.name], standard_of(response)
     nominal, positions = scenes[0], response.along
     openings = response.subjects[: response.subjects.index(standard)]

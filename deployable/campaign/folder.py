@@ -56,7 +56,7 @@ class Folder:
 
     @property
     def stage_folders(self) -> tuple[Path, ...]:
-        """All folders that the stages (steps from config to page) write to, without those of stored
+        """All folders that stages (steps from config to page) write to, but for those of stored
         runs."""
         return self.path, self.figures, self.overviews, self / "batches", self.motions
 

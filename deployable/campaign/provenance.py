@@ -33,8 +33,7 @@ _ROOT = Path(__file__).parents[2]
 
 def program_digest() -> str:
     """Digest (32 hexadecimal digits) of all code of the program and of `fpm`; comments, docstrings
-    and formatting do not change it. Results made by one digest are not mixed with those by
-    another."""
+    and formatting do not change it. Results of different digests are not mixed."""
     return f"{PROGRAM.digest()}{sources.MECHANICS.digest()}"
 
 
@@ -74,8 +73,7 @@ def program() -> dict[str, str]:
 
 
 def as_attribute() -> str:
-    """The texts of `program` as JSON on one line, for the attribute `provenance` of a netCDF
-    file."""
+    """The texts of `program` as JSON on one line, for the attribute `provenance` of files."""
     return json.dumps(program())
 
 

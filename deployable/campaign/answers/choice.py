@@ -98,7 +98,7 @@ def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray
     box, at which, by the surrogates, an event does not occur that must (or the reverse, or a
     limited quantity is absent), so that a trial is ruled out whose first goal is better than that
     of the best choice. best, trials: `intervals.scalars.Choice`, the best and all that were tried;
-    choose: section of the config. Of at most four such trials, those nearest to the best, in this
+    choose: section of the config. Of at most four such trials, the nearest to the best, in
     order."""
     sign = choose.goals[0][0]
     better = [

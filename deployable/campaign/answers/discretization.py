@@ -92,8 +92,7 @@ class RefinementLevel(NamedTuple):
     def ratio(self, coarse: np.ndarray, fine: np.ndarray, third: np.ndarray) -> np.ndarray:
         """Return the ratio of successive changes under refinement, |coarse to medium| / |medium to
         fine|: 2**p at order p. coarse, fine, third: values (n), or curves (..., T), whose changes
-        count by their mean over T, of the original plan, of the plan `finer` and of the plan
-        `third`."""
+        count by their mean over T, of the original plan, of `finer` and of `third`."""
         levels = (coarse, fine, third) if self.ends_finest else (third, coarse, fine)
         return refinement_ratio(*(_mean_size(change) for change in np.diff(levels, axis=0)))
 

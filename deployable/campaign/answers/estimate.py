@@ -130,7 +130,7 @@ def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
 def runs_there(campaign: Campaign, folder: Folder) -> str:
     """Return text for users: how many runs of a campaign its folder of results has stored, and why
     others must be made again; empty where it has none, and with an `accuracy`, whose runs are not
-    known yet."""
+    known."""
     keep = campaign.jobs.keep
     if campaign.experiment.is_sought or not folder.runs(keep).is_dir():
         return ""

@@ -73,8 +73,9 @@ def assess_limits(
     errors: np.ndarray | None = None,
 ) -> LimitAssessment:
     """Assess limits (`specs`, as the config sets them) over the box by the surrogates of all
-    quantities, and in the runs that `model` holds. errors (2, q): by mesh and step, of each
-    quantity's value and of the decision function, whose sign tells whether it occurs; None: 0."""
+    quantities, and in the runs of `model`, to say where requirements are met. errors (2, q): by
+    mesh and step, of each quantity's value and of the decision function, whose sign tells whether
+    it occurs; None: 0."""
     from deployable.intervals.scalars import Limit, largest_share, share_reaching
 
     errors = np.zeros((2, len(surrogates))) if errors is None else errors

@@ -204,7 +204,7 @@ class Experiment:
 
     @property
     def is_sought(self) -> bool:
-        """Whether the config has an `accuracy`, towards which runs, mesh and step are chosen in
+        """Whether the config has an `accuracy`, for which runs, mesh and step are chosen in
         rounds."""
         return bool(self.accuracy.tolerances)
 
@@ -451,6 +451,6 @@ _hints = cache(get_type_hints)
 
 def digest(data: Any) -> str:
     """Return 16 hex digits (start of the SHA-256) that identify plain data or a section by its
-    JSON; equal data, floats to the last bit, have equal digests."""
+    JSON; equal data, floats to the last bit, have equal digests. Runs and plans are named by it."""
     text = json.dumps(plain_data(data), sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -22,8 +22,7 @@ def paint_solid(
 ) -> Any:
     """Paint a structure's visible faces into matplotlib axes (`ax`) and return their
     PolyCollection. solid: the structure at some moments; moment: index of one; view: direction to
-    the eye; colours (m, 3): of its elements, red, green, blue from 0 to 1; None: one for each
-    bar."""
+    the eye; colours (m, 3): of its elements, red, green, blue, 0 to 1; None: one for each bar."""
     from matplotlib.collections import PolyCollection
 
     faces, shades = visible_faces(solid, moment, view, colours)

@@ -74,8 +74,7 @@ class Runs(Sequence[PlannedRun]):
 
     @property
     def digest(self) -> str:
-        """Digest of all roles, points and values, to their last bit; equal sequences have equal
-        ones."""
+        """Digest of all roles, points and values, to the last bit; of equal sequences the same."""
         sha = hashlib.sha256(self.role.tobytes())
         sha.update(self.normalized.tobytes())
         sha.update(self.values.tobytes())

@@ -49,8 +49,7 @@ class ResponseBounds:
 
 @dataclass(frozen=True)
 class Event:
-    """A contact (by name) that closes, or opens where `closing` is False, at `time` (s) of a
-    run."""
+    """A contact (by name) that closes, or opens if `closing` is False, at `time` (s) of a run."""
 
     time: float
     contact: str
@@ -157,8 +156,8 @@ class PageData:
 
     @property
     def unfitted(self) -> tuple[int, ...]:
-        """Indices in `runs` of those that no surrogate was fitted to; the nominal one may be among
-        them."""
+        """Indices in `runs` of those that no surrogate was fitted to; perhaps the nominal one,
+        too."""
         fitted_ids = {run.id for run in self.runs if run.role in ("node", FURTHER)}
         return tuple(i for i, run in enumerate(self.runs) if run.id not in fitted_ids)
 

@@ -203,8 +203,7 @@ def _mark_largest(
 
 
 def without_formulas(figure: Any) -> None:
-    """Change all texts of a matplotlib figure so that dollar signs are drawn, and start no
-    formula."""
+    """Change all texts of a matplotlib figure so that dollar signs start no formula."""
     from matplotlib.text import Text
 
     for text in figure.findobj(Text):

@@ -132,11 +132,11 @@ class ScanChunk:
 
 
 class ScanExtremes(common.Store):
-    """Store of runs for `jobs.keep: extremes`: one netCDF file for each chunk, a part of a scan's
+    """Store of runs for `jobs.keep: extremes`: a netCDF file for each chunk, a part of a scan's
     runs."""
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
-        """Divide the runs of a scan into chunks (4 to 128), each with a file of its own; size: not
+        """Divide the runs of a scan into chunks (4 to 128), each with its own file; size: not
         used."""
         count = FEWEST
         while count < MOST and len(runs) > count * LARGE:

@@ -77,8 +77,8 @@ class Store:
         self.lacking: dict[str, set[Column]] = {}
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
-        """Divide runs, in order, into groups that are written together, of `size` runs, the last
-        maybe fewer."""
+        """Divide runs, in order, into groups that are written together, of `size` runs or, the
+        last, fewer."""
         return groups_of(runs, size)
 
     def previous_columns(self, runs: Runs) -> set[Column]:
@@ -120,8 +120,7 @@ class Store:
         return record
 
     def is_whole(self, path: Path) -> bool:
-        """Return whether the file `path` exists undamaged; an error of a damaged one is noted in
-        `damage`."""
+        """Return whether the file `path` exists undamaged; damage is noted in `damage`."""
         try:
             check(path, title(path))
             refuse_outside(path)
@@ -135,8 +134,8 @@ class Store:
 
 
 def title(path: Path) -> str:
-    """Return the name that the seal (checksum) of a group's file `path` carries: `runs` and the
-    file's stem."""
+    """Return the name that the seal (checksum) of a group's file `path` carries: `runs` and its
+    stem."""
     return f"runs {path.stem}"
 
 
@@ -212,7 +211,7 @@ def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapp
 
 def names_of(holder: Any) -> dict[str, list[str]]:
     """Return the names of the responses and quantities of a store or chunk (`holder`), by
-    "response" and "quantity"."""
+    "response" and "quantity", the names of dimensions in its file."""
     return {
         "response": [response.name for response in holder.responses],
         "quantity": [quantity.name for quantity in holder.quantities],

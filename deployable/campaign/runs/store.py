@@ -59,7 +59,7 @@ class Trajectories(Store):
 
     def previous_columns(self, runs: Runs) -> set[Column]:
         """Return the columns (variable, label) recorded in the files of these runs, which lack
-        others, so that a new simulation can record them again."""
+        columns that responses need, so that a new simulation can record them again."""
         return set().union(*(self._columns.get(run.id, ()) for run in runs))
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:

@@ -94,7 +94,7 @@ class Workflow:
         return reasons
 
     def files_of(self, stage: Stage) -> list[Path]:
-        """List the paths of the files that a stage writes; of batches, those that exist."""
+        """List the paths of the files that a stage writes; of batches only those that exist."""
         names = stage.leaves(self.campaign)
         if any("{batch}" in name for name in names):
             return sorted(self.folder.path.glob("batches/*.json"))

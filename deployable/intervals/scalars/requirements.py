@@ -50,8 +50,8 @@ class Limit:
 
     @property
     def error(self) -> float:
-        """Estimated error of the quantity's values, in its unit: that of its surrogate plus that of
-        the runs."""
+        """Estimated error of the quantity's values, in its unit: that of its surrogate plus the
+        runs'."""
         return self.surrogate.error + self.run_error
 
     def slack_of(self, values: np.ndarray) -> np.ndarray:

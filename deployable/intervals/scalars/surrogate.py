@@ -161,8 +161,8 @@ class ScalarSurrogate:
         return np.clip(self.fit.evaluate(np.asarray(unit, dtype=float)), self.least, self.latest)
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P) of the quantity at points `unit` (P, k) in [-1, 1]^k, NaN where it does not
-        exist."""
+        """Values (P) of the quantity at points `unit` (P, k) in [-1, 1]^k, NaN where it is
+        absent."""
         if self.fit is None:
             return np.full(len(unit), np.nan)
         return np.where(self.occurrence.evaluate(unit), self.predict(unit), np.nan)

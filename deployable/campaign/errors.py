@@ -39,8 +39,7 @@ class CampaignError(Exception):
 
 
 class HeldConfigError(CampaignError):
-    """A config that a result file carries cannot be used by this program; `str()` is the
-    message."""
+    """A result file carries a config that this program cannot use; `str()` is the message."""
 
 
 def of_files(error: Exception, folder: Path) -> CampaignError | None:

@@ -56,7 +56,7 @@ class Folder:
 
     @property
     def stage_folders(self) -> tuple[Path, ...]:
-        """All folders that the stages (steps from config to page) write to, without those of stored
+        """All folders that stages (steps from config to page) write to, but for those of stored
         runs."""
         return self.path, self.figures, self.overviews, self / "batches", self.motions
 
@@ -81,7 +81,7 @@ class Folder:
         return Folder(self / f"rounds/{number}")
 
     def previous(self) -> Folder | None:
-        """The folder of the round before the one that this folder is of; None for the first round.
-        Takes a round's folder."""
+        """The folder of the previous round, None for the first; call it on the folder of a round
+        only."""
         number = int(self.path.name)
         return Folder(self.path.parent / str(number - 1)) if number else None

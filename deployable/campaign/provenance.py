@@ -32,14 +32,15 @@ _ROOT = Path(__file__).parents[2]
 
 
 def program_digest() -> str:
-    """Digest of all code of the program and of `fpm`, as hexadecimal text; comments and formatting
-    do not change it. Results made by one digest are not mixed with those by another."""
+    """Digest (32 hexadecimal digits) of all code of the program and of `fpm`; comments, docstrings
+    and formatting do not change it. Results of different digests are not mixed."""
     return f"{PROGRAM.digest()}{sources.MECHANICS.digest()}"
 
 
 def made_by(structure: str) -> str:
     """Digest (16 hexadecimal digits) of all code that decides what is stored of a run, part of the
-    run's id; structure: digest of the structure's files."""
+    run's id; structure: digest of the structure's files and of the mechanics
+    (`SceneType.digest`)."""
     text = f"{structure} {PROGRAM.digest(include=RUN_CODE, exclude=LOG_CODE)}"
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
@@ -72,8 +73,7 @@ def program() -> dict[str, str]:
 
 
 def as_attribute() -> str:
-    """The texts of `program` as JSON on one line, for the attribute `provenance` of a netCDF
-    file."""
+    """The texts of `program` as JSON on one line, for the attribute `provenance` of files."""
     return json.dumps(program())
 
 

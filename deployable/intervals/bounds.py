@@ -209,9 +209,8 @@ def add_errors(
 
 
 def share_of(error: np.ndarray, time: np.ndarray, area: np.ndarray) -> np.ndarray:
-    """Relative errors (n) of n responses, numbers: errors (n, T) integrated over time (T, s),
-    divided by `area` (n), the integrals over time of upper less lower bound; 0 where these are
-    0."""
+    """Relative errors (n) of n responses: errors (n, T) integrated over time (T, s), divided by
+    `area` (n), the integrals over time of upper less lower bound; 0 where these are 0."""
     integrals = np.trapezoid(error, time)
     return np.divide(integrals, area, out=np.zeros_like(integrals), where=area > 0)
 
@@ -220,7 +219,8 @@ def hausdorff(
     lower: np.ndarray, upper: np.ndarray, reference_lower: np.ndarray, reference_upper: np.ndarray
 ) -> np.ndarray:
     """Hausdorff distance (...) of intervals from reference intervals, one by one: the larger of the
-    differences of their lower and of their upper bounds; all arrays (...)."""
+    differences of their lower bounds (`lower`, `reference_lower`) and of their upper ones (`upper`,
+    `reference_upper`); all arrays (...)."""
     return np.maximum(np.abs(lower - reference_lower), np.abs(upper - reference_upper))
 
 
@@ -253,7 +253,7 @@ def compare_bounds(
         integral of the distance over the integral of the reference's width; NaN or infinite for
         zero width.
     width_ratio
-        integral of the width over that of the reference, likewise.
+        integral of the width over that of the reference; NaN or infinite for zero width.
     """
     distance = hausdorff(lower, upper, reference_lower, reference_upper)
     width = np.trapezoid(reference_upper - reference_lower, time)
@@ -275,9 +275,9 @@ def compare_runs(lower: np.ndarray, upper: np.ndarray, values: np.ndarray) -> di
     Parameters
     ----------
     lower, upper
-        Bounds (T).
+        Bounds (T) of one response.
     values
-        Responses (H, T) of H runs at the same T instants.
+        That response (H, T) in H runs at the same T instants.
 
     Returns
     -------

@@ -38,8 +38,8 @@ def roots(order: int) -> np.ndarray:
 
 def lobatto(order: int) -> np.ndarray:
     """The n + 1 extreme points of the Chebyshev polynomial of degree n in [-1, 1], ascending;
-    order: n (0: the point 0). They contain -1 and 1, and those of order n are among those of order
-    2n."""
+    order: n, 0 gives the point 0. From n = 1 on they contain -1 and 1, and those of order n are
+    among those of order 2n."""
     return _sine(2 * np.arange(order + 1) - order, order) if order else np.zeros(1)
 
 

@@ -221,8 +221,9 @@ def scan_points(
 
 def spread_points(free: np.ndarray, count: int, seed: int = 1) -> np.ndarray:
     """Points (about `count`, k) in [-1, 1]^k from which extreme values are sought: corners and a
-    Sobol sequence, half of it pushed to faces; along a line if only one direction has a width. free
-    (k): mask of the directions with a width, 0 in the others; seed: of the sequence."""
+    Sobol sequence, half of it pushed to faces; along a line if only one direction has a width, one
+    point if none has. free (k): mask of the directions with a width, 0 in the others; seed: of the
+    sequence."""
     dimension = int(np.sum(free))
     if dimension == 0:
         return np.zeros((1, len(free)))
@@ -241,8 +242,8 @@ def fit(design: Design, values: np.ndarray) -> Surrogate:
     """Fit the polynomials of `design` to `values` (N, ...) of runs at its N points, in their order;
     returns a `Surrogate`. IntervalError for values that are not finite, a design without order, or
     points that do not determine all coefficients. Tensor grids take one small matrix for each
-    direction; the other designs a QR factorisation: a solve where there are as many points as
-    coefficients, least squares where there are more."""
+    direction; other designs a QR factorisation, for least squares if there are more points than
+    coefficients."""
     values = np.asarray(values, dtype=float)
     if values.shape[:1] != (design.runs,):
         raise IntervalError("values", values.shape, f"{design.runs} rows, one for each point")

@@ -68,7 +68,7 @@ def richardson_error(change: np.ndarray, ratio: np.ndarray | None = None) -> np.
 def refinement_ratio(change: np.ndarray, finer_change: np.ndarray) -> np.ndarray:
     """Ratio (...) of two successive changes of a result as its mesh or step is halved twice: sizes
     `change` (...) of the first, over `finer_change` (...) of the second; NaN where both are zero or
-    not known."""
+    one is not known, infinite where only the second is zero."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.divide(change, finer_change)
 
@@ -139,8 +139,8 @@ def overruled(
     A decay cannot be told from order 1, nor where every second coefficient is zero; a polynomial
     that is exact then has a tail as large as its last coefficients. But the next two coefficients
     along each direction follow from the residuals, if there are enough runs to determine them. Then
-    the tail is at most `MAX_TAIL_RATIO` (10) times the sum of their sizes, or the largest residual;
-    with fewer runs it stays as it is.
+    the tail is at most 10 times (`MAX_TAIL_RATIO`) the larger of the sum of their sizes and the
+    largest residual; with fewer runs it stays as it is.
     """
     highest = surrogate.degrees
     next_two = [

@@ -40,8 +40,9 @@ class Model:
         raise NotImplementedError
 
     def range(self) -> Range:
-        """Range of the n responses over the box at T instants: bounds (n, T), and the points (n, T,
-        k) in [-1, 1]^k where they are attained."""
+        """Range of the n responses over the box at T instants: outer bounds (n, T), guaranteed for
+        the model where it can be enclosed, else the attained ones; attained bounds (n, T); and the
+        points (n, T, k) in [-1, 1]^k where the latter are attained."""
         raise NotImplementedError
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
@@ -75,8 +76,8 @@ class PolynomialModel(Model):
         self.attributes = {"design_runs": design.runs}
 
     def range(self) -> Range:
-        """Enclosed and attained range (n, T) of the polynomials over the box, and where (n, T,
-        k)."""
+        """Range of the polynomials over the box: bounds (n, T) guaranteed for them, attained bounds
+        (n, T), and the points (n, T, k) in [-1, 1]^k where the latter are attained."""
         return surrogate_range(self.surrogate, self.tolerance)
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
@@ -99,12 +100,12 @@ class ScanModel(Model):
     """Bounds by the runs alone, without a fit: all of them, whatever the design (ignored); they may
     be more than memory holds.
 
-    A scan looks from the inside: its bounds grow with every sample and are never wider than the
-    truth. How much they grew from the first half of the samples to all of them is its error: of the
-    order of what is still missing, neither a bound nor blind, as the samples are not on a grid. How
-    much they grew with the last quarter alone is in the dataset too, and which share of the box can
-    be expected to leave the bounds at one instant (`estimates.share_outside`). Samples are read in
-    chunks of runs, unless the dataset has the running bounds of each quarter.
+    The bounds grow with every run and are never wider than the true ones. How much they grew from
+    the first half of the runs to all of them is their error: an estimate of what is still missing,
+    no limit. How much they grew with the last quarter alone is in the dataset too, and which share
+    of the box can be expected to leave the bounds at one instant (`estimates.share_outside`).
+    Samples are read in chunks of runs, unless the dataset has the least and largest values of each
+    quarter.
     """
 
     kind = "least and largest sample"
@@ -127,7 +128,8 @@ class ScanModel(Model):
         }
 
     def range(self) -> Range:
-        """Least and largest values (n, T) of all runs, and the points (n, T, k) of these runs."""
+        """Least and largest values (n, T) of all runs, as outer and as attained bounds, and the
+        points (n, T, k) in [-1, 1]^k of these runs."""
         total = self.total
         return attained(total.low, total.high, self.unit[total.low_run], self.unit[total.high_run])
 
@@ -170,9 +172,8 @@ class SplineModel(Model):
       (there the spline need not extrapolate), and in several directions over the runs next to where
       each bound is attained, one more than there are directions;
     - of runs that were sought where the bounds are decided (`design.method` "adaptive"), in up to
-      three directions the mean over all of them, of a power as high as there are directions: any of
-      them may be next to a bound. In more directions no run is near most corners, and the largest
-      counts as of other runs.
+      three directions, instead the mean over all of them, of a power as high as there are
+      directions: any of them may be next to a bound.
 
     Added is the largest difference between a run and the spline through all.
     """
@@ -206,7 +207,8 @@ class SplineModel(Model):
         return np.argsort(self.order)
 
     def range(self) -> Range:
-        """Range (n, T) that the spline or a run attains over the box, and where (n, T, k)."""
+        """Range (n, T) that the spline or a run attains over the box, and the points (n, T, k) in
+        [-1, 1]^k where; its outer bounds are these, too."""
         bounds = spline_range(self.spline)
         argmin, argmax = bounds.argmin[..., self._inverse], bounds.argmax[..., self._inverse]
         return replace(bounds, argmin=argmin, argmax=argmax)

@@ -56,8 +56,7 @@ def surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
     the shape of its values. tolerance: gap of both, over the attained width, that is small enough.
     In one dimension (or where only one direction matters) it is exact to rounding. In several, the
     outer range is the tightest of the enclosures of `enclosures`, the inner one is attained
-    (`inner_range`); subdivision goes on until the gap is small enough, or its budget is spent. The
-    gap is in the result either way."""
+    (`inner_range`); subdivision goes on until the gap is small enough, or its budget is spent."""
     indices = surrogate.multi_indices
     shape = surrogate.coefficients.shape[1:]
     k = indices.shape[1]

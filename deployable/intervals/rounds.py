@@ -18,8 +18,8 @@ _CELLS = 8  # of each direction: places in one cell are told apart no further
 @dataclass(frozen=True)
 class BoundPoints:
     """A few points `unit` (P, k) in [-1, 1]^k that stand for all points where bounds are attained;
-    `lower`, `upper` (n, T): for each bound of n responses at T instants, the index of the one
-    nearest to its own."""
+    `lower`, `upper` (n, T): index in `unit` of the point nearest to where the lower, or the upper,
+    bound of each of n responses at T instants is attained."""
 
     unit: np.ndarray
     lower: np.ndarray

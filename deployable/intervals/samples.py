@@ -39,8 +39,7 @@ _RUNNING = ("lower", "upper", "lower_run", "upper_run")
 class Running:
     """Least and largest values of a stream of runs, merged batch by batch: `low`, `high` (...), for
     each response and instant, and `low_run`, `high_run` (...), the numbers of the runs that have
-    them. Of equal values that of the run with the least number counts, so that neither the order
-    nor the grouping of runs changes the result."""
+    them; of equal values the least number, so that neither order nor grouping of runs matters."""
 
     low: np.ndarray
     high: np.ndarray

@@ -56,7 +56,7 @@ def line_rows(x: np.ndarray, knots: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 def solve_line(knots: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Fit T natural cubic splines on a line to values (N, T) at knots (N, any order): returns their
-    second derivatives (N, T) there, and leave-one-out errors (N, T), infinite for fewer than three
+    second derivatives (N, T) there, and leave-one-out errors (N, T), infinite for fewer than 3
     knots."""
     order = np.argsort(knots)
     h = np.diff(knots[order])

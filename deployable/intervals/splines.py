@@ -37,13 +37,13 @@ class Spline:
     run's values, such as responses and instants. Made by `fit_spline`.
 
     points (N, k): those of the runs, no two nearly the same; scales (k): factors of the coordinates
-    before distances are taken, 0 where all the runs agree; weights (N + 1 + f, ...): of the runs,
-    then the constant and the slopes of the f other directions (on a line (2 N, ...): values and
-    second derivatives at the runs); left_out (N, ...): value of each run less that of the spline
-    through all others, infinite where these give no spline; values (N, ...): of the runs; lowest,
-    highest (...) and argmin, argmax (..., k): extreme values of all runs given, repeated ones too,
-    and their points; misfit (...): largest difference of the spline and a run, by rounding and by
-    runs that are nearly the same.
+    before distances are taken, 0 for one that is the same in all runs; weights (N + 1 + f, ...): of
+    the runs, then the constant and the slopes of the f other coordinates (on a line (2 N, ...):
+    values and second derivatives at the runs); left_out (N, ...): value of each run less that of
+    the spline through all others, infinite where these give no spline; values (N, ...): of the
+    runs; lowest, highest (...) and argmin, argmax (..., k): extreme values of all runs given,
+    repeated ones too, and their points; misfit (...): largest difference of the spline and a run,
+    by rounding and by runs that are nearly the same.
     """
 
     points: np.ndarray
@@ -194,9 +194,10 @@ def _solve(points, scales, flat) -> tuple[np.ndarray, np.ndarray]:
 def choose_scales(points: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Choose scales (k), factors of the coordinates before distances are taken, for a spline
     through values (N, T) at `points` (N, k) in [-1, 1]^k: those of least leave-one-out errors,
-    found by doubling and halving each; 0 where all runs agree. The response may change over a tenth
-    of one interval and hardly over all of another; distances should tell. Columns count relative to
-    their spread; at most 400 runs and 200 columns are used."""
+    found by doubling and halving each; 0 in directions in which the points do not differ. The
+    response may change over a tenth of one interval and hardly over all of another; distances
+    should tell. Columns count relative to their spread; at most 400 runs and 200 columns are
+    used."""
     spread = _spread(points)
     scales = spread.astype(float)
     if spread.sum() < 2 or not np.ptp(values, axis=0).any():

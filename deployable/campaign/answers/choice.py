@@ -95,10 +95,11 @@ def answer(
 
 def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray]:
     """Find points to simulate next, before a choice is final: normalized points (k), -1 to 1 in the
-    box, at which only the surrogate says that a limited event occurs (or does not), and so rules
-    out a trial with a better first goal than the best choice. best, trials:
-    `intervals.scalars.Choice`, the best and all that were tried; choose: section of the config. The
-    trials nearest to the best come first."""
+    box, at which, by the surrogates, an event does not occur that must (or the reverse, or a
+    limited quantity is absent), so that a trial is ruled out whose first goal is better than that
+    of the best choice. best, trials: `intervals.scalars.Choice`, the best and all that were tried;
+    choose: section of the config. Of at most four such trials, the nearest to the best, in
+    order."""
     sign = choose.goals[0][0]
     better = [
         trial
@@ -129,7 +130,8 @@ def widened(experiment: Experiment, choose: Choose) -> Experiment:
 def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
     """Make the points (N, k), -1 to 1 in the box, of the runs that surrogates over all choices are
     fitted to: a sparse grid and four validation runs. experiment: with the intervals of `widened`;
-    choose: section of the config, whose `order` the grid has along chosen parameters."""
+    choose: section of the config, whose `order` the grid has along chosen parameters; along others
+    it has that of the experiment's design, at least 2."""
     from deployable.intervals import held_out_points, make_design
 
     order, box = experiment.design.order, experiment.box
@@ -189,9 +191,9 @@ def _error(
 
 def deciding(trials: Sequence[Any], error: float) -> list[bool]:
     """Tell which chosen parameters matter, one flag each: whether tried choices that differ only in
-    it differ by more than `error` in the first goal or, if no choice is allowed, in the least
-    margin to a limit. trials: `intervals.scalars.Choice`, all that were tried; error: in the unit
-    of that goal."""
+    it (all, if no two do) differ by more than `error` in the first goal, or only some of them are
+    allowed; if no choice is allowed, in the least margin to a limit. trials:
+    `intervals.scalars.Choice`, all that were tried; error: in the unit of what is compared."""
     allowed = [trial.is_allowed for trial in trials]
     worth = np.array([
         trial.slack if not any(allowed) else trial.goals[0] if trial.is_allowed else np.inf

@@ -55,12 +55,12 @@ def check_bounds(
     threads: int = 1,
     components: tuple = COMPONENTS,
 ) -> Any:
-    """Add errors by time step and mesh to a campaign's response bounds: simulates the runs that
-    decide them again with finer ones, and returns a copy of the dataset with error components
-    (`intervals.add_errors`). folder: of the results, with plan and samples; bounds: the dataset;
-    jobs: section of the config; tell: called with each message; threads: how many simulate;
-    components: "step", "mesh" or both. With an `accuracy` it also gets
-    ``quantity_error_<component>`` (quantity), in their units."""
+    """Add errors by time step and mesh to a campaign's response bounds: runs at a few points where
+    these are attained are simulated again with half the step, then on a finer mesh. Returns a copy
+    of the dataset with error components (`intervals.add_errors`). folder: of the results, with plan
+    and samples; bounds: the dataset; jobs: section of the config; tell: called with each message;
+    threads: number that simulate; components: "step", "mesh" or both. With an `accuracy` it also
+    gets ``quantity_error_<component>`` (quantity), in their units."""
     from deployable import intervals
 
     model = ModelEvaluator.from_folder(folder, jobs, tell, threads)
@@ -92,8 +92,7 @@ class RefinementLevel(NamedTuple):
     def ratio(self, coarse: np.ndarray, fine: np.ndarray, third: np.ndarray) -> np.ndarray:
         """Return the ratio of successive changes under refinement, |coarse to medium| / |medium to
         fine|: 2**p at order p. coarse, fine, third: values (n), or curves (..., T), whose changes
-        count by their mean over T, of the original plan, of the plan `finer` and of the plan
-        `third`."""
+        count by their mean over T, of the original plan, of `finer` and of `third`."""
         levels = (coarse, fine, third) if self.ends_finest else (third, coarse, fine)
         return refinement_ratio(*(_mean_size(change) for change in np.diff(levels, axis=0)))
 
@@ -108,9 +107,10 @@ def estimate_discretization_errors(
     """Estimate the errors by time step and mesh of the bounds of all q quantities: a dict of arrays
     (q, 2), for lower and upper bound, in their units, by "step" and "mesh". They are the changes
     when the runs at the bounds are refined, extrapolated by the order at the bound that changes
-    most. bounds: of each quantity, as `converge_bounds` returns them; components: "step", "mesh" or
-    both. Where an event does not occur in the refined run at a bound, the nearest run with it is
-    taken. NaN for quantities without a value; no "mesh" if no parameter sets it."""
+    most. model: holds the runs, and simulates finer ones; bounds: of each quantity, as
+    `converge_bounds` returns them; components: "step", "mesh" or both. Where an event does not
+    occur in the refined run at a bound, the nearest run with it is taken. NaN for quantities
+    without a value; no "mesh" if no parameter sets it."""
     points = np.array([point for b in bounds for point in (b.argmin, b.argmax)])
     values = np.array([value for b in bounds for value in (b.lower, b.upper)])
     q, errors = np.repeat(np.arange(len(bounds)), 2), {}
@@ -167,8 +167,8 @@ def estimate_fraction_errors(
     """Return the errors by mesh and step that volume fractions of the box depend on, two arrays
     (q): of each quantity's values, in its unit, and of the decision function, whose sign tells
     whether it occurs; infinite where refined runs disagree on that by an unknown amount, 0 if
-    `errors` is empty. bounds: as `converge_bounds` returns them; errors: those of
-    `estimate_discretization_errors`."""
+    `errors` is empty. model: holds the runs, and simulates finer ones; bounds: as `converge_bounds`
+    returns them; errors: those of `estimate_discretization_errors`."""
     numbers, shifts = np.zeros(len(bounds)), np.zeros(len(bounds))
     if not errors:
         return numbers, shifts

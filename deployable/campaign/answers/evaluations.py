@@ -33,11 +33,11 @@ class ModelEvaluator:
     box. `unit` (R, k): normalized points, -1 to 1; `numbers` (R, q): quantities, NaN if absent;
     `margins` (R, q): event margins, by how much each event occurs, above 0 if so, NaN if not known.
     `further`: planned runs that were added, at most `max_further`; `simulated`: how many were not
-    stored before. Of a large scan only some runs are held: `unfitted` counts the others,
-    `unfitted_with` (q) those with each quantity.
+    stored before. Of a large scan only some runs are taken: `unfitted` counts the others,
+    `unfitted_with` (q) those of them with each quantity.
 
     plan: sets scene, step and mesh; jobs: section of the config; folder: of the results; tell:
-    called with each message; threads: how many simulate. A new evaluator holds no runs (see
+    called with each message; threads: number that simulate. A new evaluator has no runs (see
     `from_folder`).
     """
 
@@ -96,8 +96,8 @@ class ModelEvaluator:
         return self.experiment.box.to_unit(self.experiment.nominal)
 
     def nearest(self, point: np.ndarray) -> tuple[int, float]:
-        """Return the index of the held run nearest to a normalized point (k), and its distance: the
-        largest difference of a coordinate."""
+        """Return the index of the evaluator's run nearest to a normalized point (k), and its
+        distance: the largest difference of a coordinate."""
         distances = np.abs(self.unit - point).max(axis=1)
         row = int(distances.argmin())
         return row, float(distances[row])
@@ -114,9 +114,10 @@ class ModelEvaluator:
         return {"at": values, "ran": ran, "simulated": number(value)}
 
     def add(self, points: Sequence[np.ndarray]) -> np.ndarray:
-        """Simulate runs at normalized points (P, k) that have none yet, add them to the held ones,
-        and return the index (P) of the run at each, or of the nearest once `max_further` runs are
-        added. Raises `CampaignError` if a run fails."""
+        """Simulate runs at normalized points (P, k) that have none yet, add them to the evaluator's
+        (`unit`, `numbers`, `margins`, `further`), and return the index (P) of the run at each
+        point, or of the nearest once `max_further` runs are added. Raises `CampaignError` if a run
+        fails."""
         additions: list[np.ndarray] = []
         for point in points:
             present = np.array([*self.unit, *additions]).reshape(-1, self.unit.shape[1])
@@ -133,13 +134,13 @@ class ModelEvaluator:
 
     @property
     def distinct_rows(self) -> np.ndarray:
-        """Increasing indices of the held runs, each point of the box once: the nominal run may be
-        one of the design, too."""
+        """Increasing indices of the evaluator's runs, one for each different point: the nominal run
+        may be one of the design, too."""
         return np.sort(np.unique(np.round(self.unit, 9) + 0.0, axis=0, return_index=True)[1])
 
     def surrogates(self) -> list[Any]:
-        """Fit a surrogate (`intervals.scalars.ScalarSurrogate`) of each quantity to the held runs;
-        returns a list in the order of quantities."""
+        """Fit a surrogate (`intervals.scalars.ScalarSurrogate`) of each quantity to the evaluator's
+        runs; returns a list in the order of quantities."""
         from deployable.intervals.scalars import fit_scalar
 
         end = self.experiment.solver.duration
@@ -152,7 +153,7 @@ class ModelEvaluator:
     def evaluate(self, plan: Plan, points: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """Return quantities and event margins, (P, q) each, of runs at normalized points (P, k),
         with mesh and step of `plan`, which may be finer than the evaluator's own. They are
-        simulated unless stored, and not added to the held runs."""
+        simulated unless stored, and do not become the evaluator's own runs."""
         records = self.records(plan, runs_at(plan, points))
         margins = margins_of(self.experiment, np.array([record.values for record in records]))
         return np.array([record.numbers for record in records]), margins

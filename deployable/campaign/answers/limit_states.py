@@ -27,9 +27,10 @@ def estimate_limit_state_error(
 ) -> tuple[float, float]:
     """Estimate two errors by step and mesh, from runs near the border in the box between occurrence
     and absence of the quantity of index `q`: of that border, as a change of the decision function
-    whose sign tells which, and of the quantity's value near it, NaN if no run has it. occurrence:
-    of the quantity's surrogate; finest: plan with the finest step and mesh. If it occurs in all
-    runs, or none, the first is the change of their event margins, 0 where they have none."""
+    whose sign tells which, and of the quantity's value near it, NaN if no run has it. model: holds
+    the runs, and simulates finer ones; occurrence: `intervals.scalars.Occurrence` of the quantity's
+    surrogate; finest: plan with the finest step and mesh. If the quantity occurs in all runs, or
+    none, the first is the change of their event margins; 0 and NaN where these are not known."""
     happens = np.isfinite(model.numbers[:, q])
     if occurrence.is_mixed:
         scores, score = occurrence.certainty(model.unit), occurrence.run_certainty

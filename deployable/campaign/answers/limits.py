@@ -73,8 +73,9 @@ def assess_limits(
     errors: np.ndarray | None = None,
 ) -> LimitAssessment:
     """Assess limits (`specs`, as the config sets them) over the box by the surrogates of all
-    quantities, and in the runs that `model` holds. errors (2, q): by mesh and step, of each
-    quantity's value and of the decision function, whose sign tells whether it occurs; None: 0."""
+    quantities, and in the runs of `model`, to say where requirements are met. errors (2, q): by
+    mesh and step, of each quantity's value and of the decision function, whose sign tells whether
+    it occurs; None: 0."""
     from deployable.intervals.scalars import Limit, largest_share, share_reaching
 
     errors = np.zeros((2, len(surrogates))) if errors is None else errors
@@ -107,9 +108,10 @@ def assess_limits(
 
 def is_shown(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
     """Whether limit `i` (index) of an assessment, broken in no run, surely holds in the whole box:
-    its margin exceeds the estimated errors, and the event margin (by how much an event occurs, or
-    not), fitted over the box, keeps its sign by more than its error. Without event margins the runs
-    prove nothing between them. `result`: the assessment, of runs that `model` holds."""
+    its margin exceeds the estimated errors, and, if the quantity may be absent, the event margin
+    (by how much it occurs), fitted over the box, keeps its sign by more than its error. False where
+    that margin is not known: runs prove nothing between them; True for a box without width. model:
+    has the runs; result: the assessment."""
     from deployable.intervals.scalars import fit_scalar
 
     limit, q = result.limits[i], result.specs[i].quantity

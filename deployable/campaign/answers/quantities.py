@@ -205,7 +205,7 @@ def further_dataset(model: ModelEvaluator) -> Any:
 def coordinates(model: ModelEvaluator) -> dict:
     """Make the coordinates of the netCDF files of quantities: tuples of dimension, values and
     attributes by name, for names and units of the model's quantities and interval parameters, and
-    the ends of the intervals."""
+    lower, upper and nominal value of each interval."""
     experiment = model.experiment
     quantities, parameters = experiment.numbers, experiment.scene_type.parameters
     names, rows = list(experiment.intervals), experiment.intervals.values()
@@ -224,9 +224,9 @@ def coordinates(model: ModelEvaluator) -> dict:
 
 def attributes_of(model: ModelEvaluator) -> dict:
     """Make the attributes, by name, of the netCDF files of quantities: conventions, campaign,
-    scene, config with its hash, digest of the mechanics (code and structure), `runs` (how many
-    distinct runs the results rest on) and `further_runs` (how many were added at bounds and
-    limits)."""
+    scene, config with its hash, digest of the mechanics (code and structure), `runs` (number of
+    distinct runs that the results rest on) and `further_runs` (number of those added at bounds and
+    limit-state surfaces). model: has the runs and their plan."""
     return {
         "Conventions": CONVENTIONS,
         "campaign": model.experiment.name,

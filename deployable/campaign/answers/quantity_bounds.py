@@ -22,7 +22,7 @@ class QuantityBounds:
     box (`Extremes`); lower, upper: extreme values of the runs, NaN if none has the quantity;
     argmin, argmax (k): normalized points of these runs; estimates: `BoundEstimate` of the lower and
     the upper bound, empty without a value; unconverged (2): whether the surrogate goes below
-    `lower`, above `upper`."""
+    `lower`, above `upper` by more than 0.1 % of the width."""
 
     surrogate: Any
     surrogate_range: Any
@@ -36,7 +36,8 @@ class QuantityBounds:
     @property
     def outer(self) -> tuple[float, float]:
         """Lower and upper bound as reported, in the quantity's unit: a run's value, or the
-        surrogate's where it goes farther by several times its own error; NaN without a value."""
+        surrogate's where it goes farther by several times its own error; the upper one of a time
+        that may lie beyond the runs: their end. NaN without a value."""
         return tuple(e.value for e in self.estimates) or (np.nan, np.nan)
 
     @property

@@ -39,8 +39,8 @@ IGNORED = "/results/\n/exports/\n/report.html\n/.snakemake/\n"
 
 
 def starts() -> list[str]:
-    """List the names that a new folder can start from: shipped campaigns, and structures that have
-    none."""
+    """List the names that a new folder can start from: shipped campaigns, and shipped structures
+    that none of these is about."""
     campaigns = shipped.campaigns()
     scenes = [load(path)["scene"] for path in campaigns.values()]
     scene_names = {scene.get("name") or Path(scene["file"]).stem for scene in scenes}
@@ -50,7 +50,7 @@ def starts() -> list[str]:
 def make_folder(folder: str | Path, start: str) -> None:
     """Make `folder` with what `snakemake` and `python -m deployable run` need to run a campaign.
     start: one of `starts()`, or a structure's YAML file. Raises `CampaignError`, before writing, if
-    one of the files exists."""
+    one of the files exists or `start` is not known."""
     folder = Path(folder)
     campaign, structures = _start_files(start)
     paths = [folder / name for name in ("Snakefile", CAMPAIGN, "profiles", *structures)]
@@ -84,10 +84,11 @@ def _start_files(start: str) -> tuple[str, dict[str, Path]]:
 
 
 def campaign_of(path: Path, name: str) -> str:
-    """Write the YAML text of a first campaign for the structure in the file `path`, called `name`
-    there, and return it. Its first real parameter that has a value is known to 1 %; the speeds of
-    all points and the openings of all hinges are recorded for a second; quantities ask when its
-    latches catch, requirements whether all do. Raises `CampaignError`."""
+    """Write the YAML text of a first campaign for the structure in the file `path`, and return it;
+    name: of that file in the campaign. The first real parameter that has a value gets an interval
+    of 1 % about it; the speeds of all points and the openings of all hinges are recorded for a
+    second; quantities ask when its latches catch, requirements whether all do. Raises
+    `CampaignError` if the structure cannot be read, or has no such parameter."""
     try:
         scene = scene_type("", str(path))
     except fpm.SceneError as error:

@@ -47,7 +47,7 @@ def load_config(
     Returns
     -------
     Campaign
-        All sections, with numbers in SI units.
+        All sections, with numbers in SI units, those of parameters in the parameters' units.
 
     Raises
     ------

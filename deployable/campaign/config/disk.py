@@ -30,8 +30,8 @@ def bytes_of_run(campaign: Campaign) -> float:
 
 
 def recorded(experiment: Experiment) -> int:
-    """Return how many curves over time the trajectory of a run has, apart from its responses, to
-    estimate its size."""
+    """Return how many curves over time the trajectory of a run has, responses not counted, by which
+    its size is estimated. experiment: has the scene and the recorded columns."""
     scene = experiment.nominal_scene
     return 6 * len(scene.points) + len(scene.hinges) + _OTHER_CURVES + len(experiment.record)
 

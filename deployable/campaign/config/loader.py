@@ -189,8 +189,7 @@ def look(arguments: Sequence[str] | None = None) -> None:
     end the process with status 1 and a message if one cannot be read, is not YAML, or asks for
     Python in it to be run, or if the working folder cannot be written to. Snakemake reads them
     before any rule of ours, tells neither the line of an error nor which file is missing, and would
-    run what a key `__use_yte__` holds; workflow/profiles/default, which it reads earlier still,
-    calls this."""
+    run what a key `__use_yte__` holds; so workflow/profiles/default calls this."""
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("--configfile", "--configfiles", nargs="*", default=[], dest="files")
     parser.add_argument("--directory", "-d", default=".")

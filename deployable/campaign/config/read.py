@@ -18,7 +18,8 @@ from fpm.structures.reading import commas
 def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
     """Check a raw config by the models of its sections: returns the `Config`, a copy of the valid
     part of `raw`, and a sentence for each problem. Invalid keys are left out, so that the rest can
-    be checked too; the config is None if the rest is none, or a number is infinite."""
+    be checked too; the config is None if that rest is not valid either, or a number is infinite or
+    NaN."""
     endless: dict[str, Any] = {}
     right, problems = _as_meant(_plain(raw, "", endless))
     problems += [f"{key}: {value} is not allowed; allowed: a finite number"

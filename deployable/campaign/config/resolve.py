@@ -76,8 +76,10 @@ BRIEFLY = {"duration": 1e-3, "instants": 201}
 
 def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
     """Turn the section `margins` (torque margins of joints) of a config into responses, quantities
-    of their least values, and requirements that these be at least 0; returns the new config and a
-    sentence for each problem. solver: that section as the user wrote it, without defaults."""
+    of their least values, and requirements that these be at least 0, unless the config requires
+    something of them itself; returns the new config and a sentence for each problem. solver:
+    section `solver` as the user wrote it; without a duration in it, and other responses or
+    quantities in the config, motions are 1 ms long."""
     if not (config.responses or config.quantities or "duration" in solver):
         brief = {key: value for key, value in BRIEFLY.items() if key not in solver}
         config = replace(config, solver=replace(config.solver, **brief))
@@ -157,7 +159,7 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
 def choose_of(choosing: Choosing, intervals: Mapping[str, IntervalSpec]) -> Choose:
     """Resolve the section `choose` of a config (nominal values to be chosen), `choosing` as the
     user wrote it, and return it with all its goals as tuples. intervals: section of the config, by
-    parameter, which tells whose widths scale with the nominal value."""
+    parameter, which tells whose intervals are relative, and so scale with the nominal value."""
     relative = [
         n for n in choosing.parameters if n in intervals and intervals[n].relative is not None
     ]

@@ -275,8 +275,7 @@ def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
 
 
 def answer_problems(campaign: Campaign) -> list[str]:
-    """Check the sections `requirements` and `choose` of a campaign: returns a sentence for each
-    problem."""
+    """Check the sections `requirements` and `choose` of a campaign: returns a sentence for each."""
     problems = []
     quantities = campaign.experiment.quantities
     for name, limits in campaign.requirements.items():

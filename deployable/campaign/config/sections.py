@@ -139,8 +139,10 @@ class DesignChoice(DesignSection):
 class Accuracy:
     """Target and budget of runs that are added until errors are small; without tolerances none are.
     tolerances: of the estimated errors of responses and quantities by name, as fractions of the
-    widths of their intervals; max_runs, max_core_minutes: budget; mesh: name of the parameter that
-    sets the mesh and may be refined, "" for none."""
+    widths of their intervals; max_runs: most runs in all, of all rounds and meshes, with those of
+    checks and further ones, not those of a choice; max_core_minutes: most minutes of one core for
+    rounds and checks, as estimated; mesh: name of the parameter that sets the mesh and may be
+    refined, "" for none."""
 
     tolerances: dict[str, float] = field(default_factory=dict)
     max_runs: int = 0
@@ -202,7 +204,7 @@ class Experiment:
 
     @property
     def is_sought(self) -> bool:
-        """Whether the config has an `accuracy`, towards which runs, mesh and step are chosen in
+        """Whether the config has an `accuracy`, for which runs, mesh and step are chosen in
         rounds."""
         return bool(self.accuracy.tolerances)
 
@@ -293,8 +295,9 @@ class Experiment:
         return self.build(self._nominal_values)
 
     def parameters(self, values: Mapping[str, float]) -> dict[str, Any]:
-        """Return the values of all structure parameters by name for one run: defaults, replaced by
-        those of the config, then by `values` of the interval parameters, by name."""
+        """Return the values of all structure parameters by name for one run, each in its
+        parameter's unit: defaults, replaced by those of the config, then by `values` of the
+        interval parameters, by name."""
         defaults = {name: p.default for name, p in self.scene_type.parameters.items()}
         return {**defaults, **self.scene.parameters, **values}
 
@@ -328,8 +331,9 @@ class Choose(Choosing):
         return goals
 
     def interval(self, name: str, value: float, experiment: Experiment) -> tuple[float, float]:
-        """Return the lower and upper end of the interval of parameter `name` if its nominal value
-        is `value`; experiment: has the config's interval."""
+        """Return the lower and upper end of the interval of parameter `name`, in its unit, if its
+        nominal value is `value`; both are `value` if the config gives it no interval. experiment:
+        has the config's interval."""
         interval = experiment.intervals.get(name)
         if interval is None:
             return value, value
@@ -404,8 +408,8 @@ def steps_problems(solver: Solver, step: float) -> list[str]:
 
 
 def count_runs(experiment: Experiment) -> int:
-    """Return the largest possible number of runs of a campaign, without further ones at bounds and
-    limits; those in two roles count twice."""
+    """Return the largest possible number of runs of a campaign (`experiment`), without further ones
+    at bounds and limit-state surfaces; the nominal run counts even if it is one of the design."""
     design = experiment.design
     if experiment.is_sought:
         return experiment.accuracy.max_runs
@@ -429,8 +433,9 @@ def plain_data(section: Any) -> Any:
 
 
 def from_data(kind: Any, data: Any) -> Any:
-    """Rebuild a section of type `kind` (a dataclass) from nested dicts as `plain_data` makes them,
-    without checks: pydantic takes 0.1 s to import, and every job reads sections."""
+    """Rebuild a section of type `kind` (a dataclass) from nested dicts and lists, which become
+    tuples, as `plain_data` makes them, without checks: pydantic takes 0.1 s to import, and every
+    job reads sections."""
     if is_dataclass(kind):
         hints = _hints(kind)
         return kind(**{name: from_data(hints[name], value) for name, value in data.items()})
@@ -446,6 +451,6 @@ _hints = cache(get_type_hints)
 
 def digest(data: Any) -> str:
     """Return 16 hex digits (start of the SHA-256) that identify plain data or a section by its
-    JSON; equal data, floats to the last bit, have equal digests."""
+    JSON; equal data, floats to the last bit, have equal digests. Runs and plans are named by it."""
     text = json.dumps(plain_data(data), sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:16]

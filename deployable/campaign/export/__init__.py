@@ -109,7 +109,7 @@ def export(
     Raises
     ------
     CampaignError
-        If the format has no such colour, or the run fails.
+        If the format has no such colour, `frames` is below 1, or the run fails.
     DamagedError
         If results of the run's campaign are damaged.
     """

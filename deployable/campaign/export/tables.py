@@ -52,8 +52,8 @@ def curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np.ndarray]
 
 def bounds(folder: Folder) -> dict[str, np.ndarray]:
     """Collect the bounds of a campaign as columns (T) by heading with unit: time, and of each
-    response its bounds, nominal run and error. folder: of the results, of which `bounds.nc` is
-    read."""
+    response, in its unit, lower bound, upper bound, nominal run and estimated error, those that
+    there are. folder: of the results, of which `bounds.nc` is read."""
     with open_netcdf(folder.bounds) as file:
         columns = {"time (s)": file["time"][:]}
         rows = zip(file["response"][:], file["response_units"][:], strict=True)
@@ -82,8 +82,11 @@ def runs(folder: Folder) -> list[list]:
 
 
 def quantities(folder: Folder) -> list[list]:
-    """Make the table of a campaign's quantities, headings first, then a row for each: bounds,
-    error, and the parameter values at both bounds. folder: of the results, with `quantities.nc`."""
+    """Make the table of a campaign's quantities, headings first, then a row for each: name, units,
+    lower bound, nominal value, upper bound, estimated error of the surrogate (all in those units),
+    fraction of the box's volume in which it occurs, and the values of all parameters (in their own
+    units) at the lower, then at the upper bound; cells are empty where there is no number. folder:
+    of the results, with `quantities.nc`."""
     with open_netcdf(folder.quantities) as file:
         headings = _headings(file, "parameter", "box_units")
         ends = [f"{name} at the {side} end" for side in ("lower", "upper") for name in headings]

@@ -56,7 +56,7 @@ def result_file(path: str | Path, **facts: str) -> Iterator[Path]:
 
 def open_netcdf(path: str | Path) -> Any:
     """Check a result in netCDF and open it as a `netCDF4.Dataset`, imported faster than xarray,
-    with plain arrays, not masked ones. Raises `fpm.files.sealed.DamagedError` if the file is not as
+    with plain, not masked, arrays. Raises `fpm.files.sealed.DamagedError` if the file is not as
     written."""
     import netCDF4
 

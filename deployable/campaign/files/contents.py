@@ -267,8 +267,8 @@ def _no_number(text: str) -> None:
 
 
 def matches(schema: Mapping, data: Any, path: str = "") -> None:
-    """Raise ValueError unless plain data match a JSON schema, of which only keywords that
-    `summary.schema.json` uses are known. path: where the data stand in the whole, such as
+    """Raise ValueError unless plain data of a result match a JSON schema. Keywords that
+    `summary.schema.json` does not use are ignored. path: where the data stand in the whole, such as
     `rows[2]`, for messages."""
     if "$ref" in schema:
         matches(_schema()["$defs"][schema["$ref"].rpartition("/")[2]], data, path)

@@ -18,8 +18,8 @@ numbers lie in other datasets."""
 
 def refuse_outside(path: str | Path) -> None:
     """Raise DamagedError if a netCDF-4 file may lead to other files (links, external storage,
-    virtual datasets), or has groups, as no result does. Where the HDF5 library is not found,
-    nothing is checked."""
+    virtual datasets), or has groups, as no result does. Without the HDF5 library nothing is
+    checked."""
     if (hdf5 := _library()) is None:
         return
     file = hdf5.H5Fopen(os.fsencode(path), 0, 0)

@@ -50,8 +50,8 @@ def stress_colours(motion: xarray.Dataset) -> tuple[np.ndarray, float]:
 
 
 def draw_scale(figure: Any, top: float) -> None:
-    """Draw the colour scale of stresses, from 0 to `top` (Pa), into the upper right corner of a
-    matplotlib figure."""
+    """Draw the colour scale of stresses, from 0 to `top` (Pa), at the upper right of a matplotlib
+    figure."""
     from matplotlib.ticker import EngFormatter
 
     ax = figure.add_axes((0.58, 0.94, 0.32, 0.018))

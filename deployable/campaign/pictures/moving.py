@@ -66,8 +66,7 @@ def frames(
 ) -> Iterator[np.ndarray]:
     """Draw the frames of a motion one after the other, as images (height, width, 3) of bytes.
     motion: a run's whole motion, a dataset (`fpm.motions`); view: direction to the eye; width: of
-    the image (hundreds of pixels); by_stress: colour elements by their equivalent stress, not by
-    bar."""
+    the image (hundreds of pixels); by_stress: colour elements by equivalent stress, not by bar."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

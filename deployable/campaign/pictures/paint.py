@@ -22,8 +22,7 @@ def paint_solid(
 ) -> Any:
     """Paint a structure's visible faces into matplotlib axes (`ax`) and return their
     PolyCollection. solid: the structure at some moments; moment: index of one; view: direction to
-    the eye; colours (m, 3): of its elements, red, green, blue from 0 to 1; None: one for each
-    bar."""
+    the eye; colours (m, 3): of its elements, red, green, blue, 0 to 1; None: one for each bar."""
     from matplotlib.collections import PolyCollection
 
     faces, shades = visible_faces(solid, moment, view, colours)
@@ -124,7 +123,8 @@ def length_text(length: float) -> str:
 def limits_of(places: np.ndarray, view: View, margin: float = 0.08) -> np.ndarray:
     """Find the lowest and highest corner (2, 2) of a picture (m, in its plane) that holds all
     positions. places (..., 3): m; view: direction to the eye; margin: added on each side, as a
-    share of the larger extent."""
+    fraction of the larger extent; a thin structure gets at least 0.35 of that in the other
+    direction."""
     flat = places.reshape(-1, 3) @ view.page.T
     low, high = flat.min(axis=0), flat.max(axis=0)
     size = max((high - low).max(), 1e-9)

@@ -31,8 +31,7 @@ class CablePoints:
 
     @cached_property
     def stretches(self) -> np.ndarray:
-        """Pairs (s, 2) of indices of successive points of a cable, the ends of its straight
-        stretches."""
+        """Pairs (s, 2) of indices of successive points of a cable, its straight stretches."""
         first = np.flatnonzero(self.cable[1:] == self.cable[:-1])
         return np.stack([first, first + 1], axis=1)
 
@@ -71,7 +70,7 @@ class Solid:
 
     @cached_property
     def corners(self) -> np.ndarray:
-        """Positions (T, m, 8, 3) of the elements' corners (m): four at the first end, four at the
+        """Positions (T, m, 8, 3) of the elements' corners (m): four at the first end, then at the
         second."""
         offsets = np.einsum("tmeij,mecj->tmeci", self.frame[:, self.nodes], self.sections)
         corners = offsets + self.position[:, self.nodes, None, :]
@@ -127,8 +126,7 @@ def values_in(motion: Any, name: str) -> np.ndarray:
 
 
 def solid_of_scene(scene: Any) -> Solid:
-    """Make the `Solid` (hexahedra) of the structure of an `fpm.Scene` where it starts, one
-    moment."""
+    """Make the `Solid` (hexahedra) of a structure, an `fpm.Scene`, where it starts: one moment."""
     from fpm.motions.motion import section_corners
     from fpm.motions.motion_dataset import shapes_of
 

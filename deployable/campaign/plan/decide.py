@@ -186,10 +186,10 @@ class Standing:
 
         1. If all errors are within their tolerances, stop if this round was checked for the step,
            else check.
-        2. A response or quantity is given up if step or mesh alone exceed its tolerance and cannot
-           be made finer (the config gives them, the budget is too small, or a finer mesh hardly
-           helps), or if the surrogate's error did not fall with four times the runs. If all that
-           are beyond their tolerances are given up, stop, after a check as in 1.
+        2. A response or quantity is given up if step and mesh together reach its tolerance and the
+           larger cannot be made finer (the config gives it, the budget is too small, or a finer
+           mesh hardly helps), or if the surrogate's error did not fall with four times the runs. If
+           all that are beyond their tolerances are given up, stop, after a check as in 1.
         3. Else, if step and mesh take more than half of a tolerance (three quarters once there were
            rounds with other actions), halve the larger of the two.
         4. Else add `cost.next_runs` runs, and check in the same round if these are expected to

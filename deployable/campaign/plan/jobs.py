@@ -31,17 +31,18 @@ def run_seconds(experiment: Experiment, time: TimeStep) -> float:
 
 
 def runs_in_job(campaign: Campaign) -> int:
-    """Return how many runs fit a job of `jobs.minutes` (config): whole groups of `jobs.group`, at
-    least one per process."""
+    """Return how many runs of a campaign fit a job of `jobs.minutes` (config): whole groups of
+    `jobs.group` runs, at least one group for each process."""
     jobs = campaign.jobs
     fitting = 60.0 * jobs.minutes * jobs.processes / seconds_of_run(campaign)
     return max(1, jobs.processes, int(fitting / jobs.group)) * jobs.group
 
 
 def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> int:
-    """Return the minutes of wall-clock time to ask a queue for, for a job of `runs` runs: the start
-    of the program and twice the estimate; with an `accuracy` the estimate is its whole budget.
-    time: time step of the plan; None: chosen here, which takes longer."""
+    """Return the minutes of wall-clock time to ask a queue for, for a job of `runs` runs: those to
+    start the program and twice the estimate, which `jobs.processes` (config) share; with an
+    `accuracy` the estimate is its whole budget. time: time step of the plan; None: chosen here,
+    which takes longer."""
     if campaign.experiment.is_sought:
         minutes = campaign.experiment.accuracy.max_core_minutes
     else:
@@ -76,9 +77,10 @@ machines must find as many batches."""
 
 def batch_count(campaign: Campaign, runs: int) -> int:
     """Return into how many batches, one for each job of a workflow, a number `runs` of runs is
-    divided: by `jobs.minutes` of the config, else by `jobs.runs_per_job`. If that is `auto`, there
-    is one for each 512 runs, but at most the largest of 8, the number of cores, and one for each
-    4,096 runs up to 64; above the number of cores, rounded down to a multiple of it."""
+    divided: of as many runs as fit `jobs.minutes` of the config, else of `jobs.runs_per_job`. If
+    that is `auto`, there is one for each 512 runs, but at most the largest of 8, the number of
+    cores, and one for each 4,096 runs up to 64; above the number of cores, rounded down to a
+    multiple of it."""
     if campaign.jobs.minutes:
         return -(-runs // runs_in_job(campaign))
     if campaign.jobs.runs_per_job != "auto":

@@ -113,8 +113,8 @@ class Plan:
 
     @cached_property
     def config_hash(self) -> str:
-        """Digest of the experiment, the parts of the config that decide runs; the structure's
-        content stands for its path."""
+        """Digest of the experiment, the parts of the config that decide runs; of a structure's file
+        not the path counts but `mechanics`, the digest of structure and code."""
         data = plain_data(self.experiment)
         if data["scene"]["file"]:
             data["scene"]["file"] = self.mechanics
@@ -122,8 +122,7 @@ class Plan:
 
     @cached_property
     def digest(self) -> str:
-        """Digest of experiment, time step and runs, by which results are known to be of this
-        plan."""
+        """Digest of experiment, time step and runs, by which results are known to be of it."""
         return digest([self.config_hash, self.mechanics, self.time.step, self.runs.digest])
 
     def unique_runs(self) -> Runs:
@@ -183,7 +182,7 @@ def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
 
 def share(items: list, part: int, parts: int) -> list:
     """Return part number `part` (from 0) of `items`, a list or `Runs`, cut in order into `parts`
-    nearly equal parts."""
+    nearly equal ones."""
     return items[len(items) * part // parts : len(items) * (part + 1) // parts]
 
 

@@ -20,7 +20,7 @@ _REMEMBERED = 1 << 17  # names
 class PlannedRun:
     """One run to be made: its point in the box (`normalized` (k), -1 to 1) and `values` (k) of the
     interval parameters, in their units. id: digest that names its file; role: "nominal", "node" (of
-    the design), "held_out" (validation) or "further" (added at bounds and limits)."""
+    the design), "held_out" (validation) or "further" (added at bounds and limit-state surfaces)."""
 
     id: str
     role: str
@@ -74,8 +74,7 @@ class Runs(Sequence[PlannedRun]):
 
     @property
     def digest(self) -> str:
-        """Digest of all roles, points and values, to their last bit; equal sequences have equal
-        ones."""
+        """Digest of all roles, points and values, to the last bit; of equal sequences the same."""
         sha = hashlib.sha256(self.role.tobytes())
         sha.update(self.normalized.tobytes())
         sha.update(self.values.tobytes())

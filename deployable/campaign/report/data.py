@@ -23,11 +23,11 @@ MOST_LINES = 48
 class ResponseBounds:
     """Bounds of a response over time for the page: arrays (T) `lower`, `upper`, `nominal` (run at
     nominal parameters) and `error` (estimated, of the bounds) in `units`; None stands for unknown.
-    name, long_name: of the response, the latter in words; shares (k): each parameter's share in the
-    mean width of the response's range, 0 to 1; widths (k, T): that width when one parameter varies
-    alone, NaN where it is not above the error of the fit; abscissa: dict of the horizontal axis
-    (`results.facts.along_of`), None: time; least: lowest value that the response can have, such as
-    0."""
+    name, long_name: of the response, the latter in words; widths (k, T): of the response's range
+    when one parameter varies alone, NaN where not above the error of the fit; shares (k): these
+    integrated over time, as fractions (0 to 1) of their sum over all parameters; abscissa: dict of
+    the horizontal axis (`results.facts.along_of`), None: time; least: lowest value that the
+    response can have, such as 0."""
 
     name: str
     long_name: str
@@ -49,8 +49,7 @@ class ResponseBounds:
 
 @dataclass(frozen=True)
 class Event:
-    """A contact (by name) that closes, or opens where `closing` is False, at `time` (s) of a
-    run."""
+    """A contact (by name) that closes, or opens if `closing` is False, at `time` (s) of a run."""
 
     time: float
     contact: str
@@ -59,9 +58,10 @@ class Event:
 
 @dataclass(frozen=True)
 class PageRun:
-    """A run on the page: id (hexadecimal), role (nominal, node: fitted, held_out: tests the fit,
-    further: added at bounds and limits), parameter values (k), and the contact events in it. curves
-    (n, T): its n responses, None where they are not drawn."""
+    """A run on the page. id: hexadecimal; role: `nominal`, `node` (the surrogate is fitted to it),
+    `held_out` (tests the fit) or `further` (added at bounds and limit-state surfaces); values (k):
+    of the parameters, each in its own unit; curves (n, T): its n responses, None where they are not
+    drawn; events: contacts that close or open in it, in order of time."""
 
     id: str
     role: str
@@ -124,12 +124,13 @@ class Work:
 @dataclass(frozen=True)
 class PageData:
     """All data that a campaign's page shows, as `from_results` reads them. facts: content of
-    `summary.json`; time (T): s; responses: their bounds; runs: the planned ones, and of those added
-    at bounds and limits the ones that move; moving: runs shown moving, the nominal one first, then
-    those at which quantities and bounds are attained; omitted: runs for whose motion the page has
-    no room; work: times that tasks took; provenance: what computed the results, texts by name;
-    config: text of a config that repeats the campaign; verdicts: which runs meet the requirements,
-    None without quantities; what_if: functions for the sliders, None: none."""
+    `summary.json`; time (T): s; responses: their bounds; runs: the planned ones (of a large scan
+    those that move), then of those added at bounds and limit-state surfaces the ones that move;
+    moving: runs shown moving, the nominal one first, then those at which quantities and bounds are
+    attained; omitted: runs for whose motion the page has no room; work: times that tasks took;
+    provenance: what computed the results, texts by name; config: text of a config that repeats the
+    campaign; verdicts: which runs meet the requirements, None without quantities; what_if:
+    functions for the sliders, None: none."""
 
     facts: Mapping[str, Any]
     time: np.ndarray
@@ -155,8 +156,8 @@ class PageData:
 
     @property
     def unfitted(self) -> tuple[int, ...]:
-        """Indices in `runs` of those that no surrogate was fitted to; the nominal one may be among
-        them."""
+        """Indices in `runs` of those that no surrogate was fitted to; perhaps the nominal one,
+        too."""
         fitted_ids = {run.id for run in self.runs if run.role in ("node", FURTHER)}
         return tuple(i for i, run in enumerate(self.runs) if run.id not in fitted_ids)
 

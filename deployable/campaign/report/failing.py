@@ -55,8 +55,8 @@ def _tells_apart(data: PageData) -> bool:
 
 def panels(data: PageData) -> list[Panel]:
     """Make the plots of failing and feasible runs, one for each pair of the (at most three)
-    parameters by which these differ most; empty where all runs fail, or none does. data: all that
-    the page shows."""
+    parameters whose mean values in both differ most; empty where all runs fail, or none does. data:
+    all that the page shows."""
     if not _tells_apart(data):
         return []
     unit = [_unit(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)]
@@ -120,9 +120,10 @@ def _drawn_runs(met: np.ndarray) -> np.ndarray:
 
 def prices(facts: Mapping[str, Any]) -> Panel | None:
     """Make the plot of the parameter values that were tried for the best choice: over its two
-    goals, or over its first parameter and the one goal; None without a choice, or where fewer than
-    two were tried. Those are left out whose latest time is the end of the runs, which is no bound.
-    facts: the campaign's results as plain data (`facts_of`)."""
+    goals, or over its first parameter and the one goal; None without a choice, or if fewer than two
+    remain or one has no value. Left out are those whose goal, the latest time of an event, is
+    within 5 % of the end of the runs, as it may be later. facts: the campaign's results as plain
+    data (`facts_of`)."""
     choice = facts.get("choice")
     if choice is None:
         return None

@@ -37,7 +37,7 @@ _FEW_RUNS, _FEW_FRAMES = 7, 100
 class ShownRun:
     """A run that the page shows moving: its id (hexadecimal), parameter values (k), and `label`,
     what it is in words. row: index in `samples.nc`; None: it is in `further.nc`, of runs added at
-    bounds and limits."""
+    bounds and limit-state surfaces."""
 
     id: str
     values: np.ndarray
@@ -138,9 +138,9 @@ def motions_of(samples: xarray.Dataset, runs: Sequence[ShownRun], frames: int = 
     """Simulate runs of a campaign again, side by side, and return their whole motions, an
     `xarray.Dataset` each; raises `fpm.InstabilityError` if a run fails. samples: the open
     `samples.nc`; runs: which; frames: of each motion, evenly spread over time, besides the instants
-    at which a contact of the first run closes. A run whose curves are not in `samples.nc` gets the
-    variables ``curves`` (response, instant) and ``impact`` (event, 3): time (s), index into
-    ``eventful`` (names of contacts), 1 if it closes."""
+    at which a contact of the first run closes or opens. A run whose curves are not in `samples.nc`
+    gets the variables ``curves`` (response, instant) and ``impact`` (event, 3): time (s), index
+    into ``eventful`` (names of contacts), 1 if it closes."""
     from fpm.motions.motion import whole_motion
 
     experiment = Experiment.read(samples.attrs["config"])

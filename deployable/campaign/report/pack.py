@@ -50,8 +50,8 @@ class _Arrays:
 
 
 def compressed(raw: bytes) -> str:
-    """Compress bytes as base64 text of a gzip stream, which the page's script inflates; equal
-    bytes, equal text."""
+    """Compress bytes as base64 text of a gzip stream, which the page's script inflates; equal for
+    equal bytes."""
     return base64.b64encode(gzip.compress(raw, 6, mtime=0)).decode()
 
 

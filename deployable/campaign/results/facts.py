@@ -105,8 +105,8 @@ def mark_constant(facts: dict) -> None:
     """Set `constant` in the dicts of responses and quantities that do not vary over the box of
     parameters, and clear their relative errors and contributions; facts: the campaign's results as
     plain data (`facts_of`), changed in place. They are those whose upper and lower bound differ by
-    rounding alone, `ROUNDING` (1e-12) times the largest value that any of them with that unit
-    has."""
+    rounding alone: by at most `ROUNDING` (1e-12) times the largest value that any of them with that
+    unit has, at least 1 rad, 1 mm or the duration."""
     rows, duration = [*facts["responses"], *facts["quantities"]], facts["duration"]
     sizes = {"s": duration} | _SIZES
     sizes |= {f"{unit} s-1": size / duration for unit, size in _SIZES.items()}

@@ -122,9 +122,9 @@ def draw_sensitivities(path: str | Path, folder: str | Path) -> None:
 def shares(data: Any, width: float = 7.0) -> Any:
     """Make a matplotlib figure of what each parameter contributes to each response. data: the open
     `sensitivities.nc`; width: of the figure (inches). The left plot of a response shows how wide
-    its range is over time when one parameter varies alone, the right one each parameter's share (%)
-    in the mean of these widths. Widths that are not above the error of the fit are grey, and have
-    no share."""
+    its range is over time when one parameter varies alone, the right one these widths integrated
+    over time, in per cent of their sum over all parameters. Widths that are not above the error of
+    the fit are grey, and count as 0."""
     from matplotlib.figure import Figure
 
     names, parameters = list(data["response"][:]), list(data["parameter"][:])
@@ -203,8 +203,7 @@ def _mark_largest(
 
 
 def without_formulas(figure: Any) -> None:
-    """Change all texts of a matplotlib figure so that dollar signs are drawn, and start no
-    formula."""
+    """Change all texts of a matplotlib figure so that dollar signs start no formula."""
     from matplotlib.text import Text
 
     for text in figure.findobj(Text):

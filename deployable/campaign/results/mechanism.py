@@ -70,10 +70,10 @@ def margin_of(
 ) -> dict[str, Any]:
     """Collect the facts of a torque margin (driving over required torque, less 1) for its review
     sheet: standard, factors, travel, and the budget of torques at the position where it is least.
-    experiment: of the campaign's plan; scenes: structures at the corners of the box of parameters;
-    response: the margin, as a `Response`; row: dict of its least value in the facts
-    (`quantity_rows`); sweep: function of parameter values (k) and the margin that returns curves of
-    the work of all springs, motors and other components along the travel."""
+    experiment: of the campaign's plan; scenes: the nominal structure, then those at corners of the
+    box of parameters; response: the margin, as a `Response`; row: dict of its least value in the
+    facts (`quantity_rows`); sweep: function of parameter values (k) and the margin that returns
+    curves of the work of all springs, motors and other components along the travel."""
     definition, standard = experiment.responses[response.name], standard_of(response)
     nominal, positions = scenes[0], response.along
     openings = response.subjects[: response.subjects.index(standard)]
@@ -210,8 +210,8 @@ def own_settings(scene: Any, definition: Mapping[str, Any], response: Any) -> li
 
 def weaker_classes(scene: Any, response: Any) -> list[str]:
     """List the components that the structure's file puts into a class with weaker factors than
-    their kind has in the standard, a text each. scene: `fpm.Scene`; response: a margin of that
-    standard."""
+    their kind has in a standard, a text each: component, its class, that of its kind. scene:
+    `fpm.Scene`; response: a torque margin (`Response`), whose standard is meant."""
     standard, parts = STANDARDS[standard_of(response)], parts_of(scene)
     drives, resists = standard.drives, standard.resists[evidence_of(response)]
     return [

@@ -72,8 +72,8 @@ def roles(samples: Any) -> list[str]:
 
 
 def ids(samples: Any, rows: Sequence[int] | slice) -> list[str]:
-    """Names (16 hexadecimal digits) of runs of the open `samples.nc`; rows: indices of the runs, or
-    a slice."""
+    """Names (16 hexadecimal digits) of runs of the open `samples.nc`; rows: their indices, or a
+    slice."""
     rows = rows if isinstance(rows, slice) else list(rows)
     if "run_id" in samples.variables:
         return np.asarray(samples.variables["run_id"][:])[rows].tolist()
@@ -83,8 +83,7 @@ def ids(samples: Any, rows: Sequence[int] | slice) -> list[str]:
 
 
 def counts(samples: Any) -> Counts:
-    """Count the different runs of the open `samples.nc` (equal parameters count once) by their
-    roles."""
+    """Count the different runs of the open `samples.nc` (equal parameters count once) by role."""
     if keeps_extremes(samples):
         runs = samples.variables["value"].shape[0]
         return Counts(runs, runs - 1, 0, False)

@@ -132,11 +132,11 @@ class ScanChunk:
 
 
 class ScanExtremes(common.Store):
-    """Store of runs for `jobs.keep: extremes`: one netCDF file for each chunk, a part of a scan's
+    """Store of runs for `jobs.keep: extremes`: a netCDF file for each chunk, a part of a scan's
     runs."""
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
-        """Divide the runs of a scan into chunks (4 to 128), each with a file of its own; size: not
+        """Divide the runs of a scan into chunks (4 to 128), each with its own file; size: not
         used."""
         count = FEWEST
         while count < MOST and len(runs) > count * LARGE:
@@ -165,8 +165,8 @@ class ScanExtremes(common.Store):
 
     def write(self, group: Runs, results: Iterable[common.Result]) -> None:
         """Add results, in the order of the chunk's runs (`group`), to the stored chunk as they
-        come; its file is written every two seconds and at the end. Raises ValueError if a response
-        is not finite."""
+        come; its file is written at most every two seconds, and at the end. Raises ValueError if a
+        response is not finite."""
         chunk = self.read(group) or ScanChunk(len(group), self.responses, self.quantities)
         rows = {values: row for row, values in enumerate(map(tuple, group.values.tolist()))}
         results, write_time = iter(results), time.monotonic()

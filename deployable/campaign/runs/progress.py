@@ -35,8 +35,7 @@ class Teller:
         self.is_open = False
 
     def move(self, text: str, last: bool = False) -> None:
-        """Replace the text of the line that is rewritten in place; last: whether then to end that
-        line."""
+        """Replace the text of the line that is rewritten in place; last: whether to end it then."""
         end = "\n" if last else ""
         for file in self.files:
             if file.isatty():

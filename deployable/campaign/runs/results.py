@@ -52,7 +52,7 @@ class RunRecord:
     """What `samples.nc` holds of one run. time (T): instants (s); values (n, T): responses; events
     (e, 3): time (s), index into `contacts`, 1 if it closes and 0 if it opens; contacts: names;
     numbers (q): quantities, NaN if absent; overlap: largest overlap of the faces of a contact at
-    the instants (rad)."""
+    the instants (rad), below 0 where all stay apart, 0 without contacts."""
 
     time: np.ndarray
     values: np.ndarray
@@ -77,8 +77,8 @@ class Store:
         self.lacking: dict[str, set[Column]] = {}
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
-        """Divide runs, in order, into groups that are written together, of `size` runs, the last
-        maybe fewer."""
+        """Divide runs, in order, into groups that are written together, of `size` runs or, the
+        last, fewer."""
         return groups_of(runs, size)
 
     def previous_columns(self, runs: Runs) -> set[Column]:
@@ -105,8 +105,9 @@ class Store:
         return lambda: sum(sizes.get(path.name, 0) for path in self.folder.glob("*.nc"))
 
     def checked(self, record: RunRecord) -> RunRecord:
-        """Check that a record has the experiment's shapes and finite values, and return it
-        unchanged; raises ValueError otherwise."""
+        """Check a record that was read from a file, and return it unchanged; raises ValueError
+        unless it has the instants, responses and quantities of the experiment, finite responses
+        (quantities may be NaN: absent), and events of its own contacts only."""
         shapes = [np.shape(array) for array in (record.time, record.values, record.numbers)]
         count, instants = len(self.responses), self.experiment.solver.instants
         if shapes != [(instants,), (count, instants), (len(self.quantities),)]:
@@ -119,8 +120,7 @@ class Store:
         return record
 
     def is_whole(self, path: Path) -> bool:
-        """Return whether the file `path` exists undamaged; an error of a damaged one is noted in
-        `damage`."""
+        """Return whether the file `path` exists undamaged; damage is noted in `damage`."""
         try:
             check(path, title(path))
             refuse_outside(path)
@@ -134,8 +134,8 @@ class Store:
 
 
 def title(path: Path) -> str:
-    """Return the name that the seal (checksum) of a group's file `path` carries: `runs` and the
-    file's stem."""
+    """Return the name that the seal (checksum) of a group's file `path` carries: `runs` and its
+    stem."""
     return f"runs {path.stem}"
 
 
@@ -176,8 +176,9 @@ def padded(events: Sequence[np.ndarray], least: int = 0) -> np.ndarray:
 
 
 def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str]) -> float:
-    """Return the largest overlap (rad) of the faces of hinge contacts, 0 if none. openings: curves
-    (T) (rad) of the gap by name; contacts: names, of which those without an opening are skipped."""
+    """Return the largest overlap (rad) of the faces of hinge contacts, below 0 where all stay
+    apart, 0 without contacts. openings: curves (T) (rad) of the gap by name; contacts: names, of
+    which those without an opening are skipped."""
     return max((float(-openings[name].min()) for name in contacts if name in openings), default=0.0)
 
 
@@ -210,7 +211,7 @@ def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapp
 
 def names_of(holder: Any) -> dict[str, list[str]]:
     """Return the names of the responses and quantities of a store or chunk (`holder`), by
-    "response" and "quantity"."""
+    "response" and "quantity", the names of dimensions in its file."""
     return {
         "response": [response.name for response in holder.responses],
         "quantity": [quantity.name for quantity in holder.quantities],

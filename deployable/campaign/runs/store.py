@@ -52,13 +52,14 @@ class Trajectories(Store):
         return self.folder / f"{run.id}.nc"
 
     def missing(self, group: Runs) -> Runs:
-        """Return the runs of a group to be simulated: those without a stored file, and those whose
-        file lacks a variable that responses need."""
+        """Return the runs of a group to be simulated: those without an undamaged stored file, and
+        those whose file lacks a variable that responses need, or has it by another version of the
+        code."""
         return group[[i for i, run in enumerate(group) if self._curves(run) is None]]
 
     def previous_columns(self, runs: Runs) -> set[Column]:
         """Return the columns (variable, label) recorded in the files of these runs, which lack
-        others, so that a new simulation can record them again."""
+        columns that responses need, so that a new simulation can record them again."""
         return set().union(*(self._columns.get(run.id, ()) for run in runs))
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:

@@ -71,9 +71,9 @@ class Stage:
     draws: bool = False
 
     def work(self, folder: Folder, tell: Tell, **arguments: Any) -> None:
-        """Do the work of the stage, and write its files without naming in their seals what they are
-        made of. folder: of the campaign's results; tell: called with each message; arguments: its
-        sections and options by name."""
+        """Do the work of the stage, and write its files, whose seals (checksums) do not say what
+        they are made of unless `run` calls this. folder: of the campaign's results; tell: called
+        with each message; arguments: its sections and options by name."""
         import_module(f"{__name__}.{self.name}").work(folder, tell, **arguments)
 
     def run(self, folder: Folder, tell: Tell, **arguments: Any) -> None:
@@ -146,7 +146,7 @@ def plan_of(folder: Folder, names: Sequence[str]) -> dict[str, str]:
 
 def drawings(experiment: Experiment) -> list[str]:
     """List the names of the figures of a whole campaign that the stage `figures` draws:
-    `sensitivities`, `ranges`."""
+    `sensitivities`, with several intervals and a polynomial, and `ranges`, with quantities."""
     has_contributions = len(experiment.intervals) > 1 and experiment.design.order is not None
     return ["sensitivities"] * has_contributions + ["ranges"] * bool(experiment.quantities)
 

@@ -16,7 +16,7 @@ from deployable.campaign.stages import ANSWERS, PLAN, SAMPLES, drawings
 def work(folder: Folder, tell: Tell, error: Any) -> None:
     """Do the work of the stage `figures`: draw into `folder` each response with its bounds, the
     influence of each parameter, and the range of each quantity. tell: not used; error: section of
-    the config, where errors are shaded."""
+    the config, with the error above which instants are hatched."""
     experiment = read_plan(folder.plan).experiment
     names = drawings(experiment)
     if "ranges" in names:

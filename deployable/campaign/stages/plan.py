@@ -24,7 +24,6 @@ def work(folder: Folder, tell: Tell, experiment: Any) -> None:
 
 
 def warn(tell: Tell, experiment: Any) -> None:
-    """Tell, by calls of `tell` with texts, what is likely wrong in the structure of an
-    experiment."""
+    """Tell, by calls of `tell` with texts, what is likely wrong in an experiment's structure."""
     for text in experiment.warnings:
         tell(f"{experiment.name}: warning: {text}")

@@ -94,7 +94,7 @@ class Workflow:
         return reasons
 
     def files_of(self, stage: Stage) -> list[Path]:
-        """List the paths of the files that a stage writes; of batches, those that exist."""
+        """List the paths of the files that a stage writes; of batches only those that exist."""
         names = stage.leaves(self.campaign)
         if any("{batch}" in name for name in names):
             return sorted(self.folder.path.glob("batches/*.json"))
@@ -142,8 +142,8 @@ class Workflow:
         )
 
     def last_words(self) -> str:
-        """Read the last message of the stage `page`, which file to open, from its log; "" without
-        one."""
+        """Read all messages in the log of the stage `page`, of which the last says which file to
+        open; "" without a log."""
         log = self.folder / "logs/page.log"
         return log.read_text(encoding="utf-8").strip() if log.exists() else ""
 

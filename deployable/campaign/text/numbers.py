@@ -52,9 +52,8 @@ def measured(value: float, error: float | None, units: str) -> str:
 
 
 def earliest(row: Mapping[str, Any]) -> str:
-    """Write the lower bound of a quantity with its unit, such as `0.31 s`, rounded at the first
-    digit of its error. row: the quantity's dict in `summary.json` (`facts_of`): lower, upper,
-    error, units."""
+    """Write the lower bound of a quantity with its unit, such as `0.31 s`, rounded as `interval`
+    does. row: the quantity's dict in `summary.json` (`facts_of`): lower, upper, error, units."""
     return with_unit(_ends(row)[0], row["units"])
 
 
@@ -73,7 +72,7 @@ def percent(share: float) -> str:
 def share(share: float, open_: float = 0.0) -> str:
     """Write a share of the box's volume in per cent with its uncertainty, never rounded to all or
     nothing: `81 ± 2 %`, `at least 98 %`. share: from 0 to 1; open_: half-width of its uncertainty,
-    likewise, rounded up to one digit, left out below 0.05 per cent."""
+    from 0 to 1, too, rounded up to one digit, left out below 0.05 per cent."""
     percent, half_width = 100 * share, 100 * open_
     if half_width < OPEN:
         if 0 < percent < 0.01 or 99.99 < percent < 100:
@@ -98,8 +97,8 @@ OPEN = 0.05
 def interval(row: Mapping[str, Any]) -> str:
     """Write a quantity's interval with its unit, `0.31 to 0.34 s`; empty where there is none. row:
     the quantity's dict in `summary.json` (`facts_of`): lower, upper, error, units, beyond. Bounds
-    are rounded at the first digit of their error, or two digits below that of their difference
-    where the error is less or unknown."""
+    are rounded at the first digit of their error (or of a tenth of their difference, if that is
+    less), but at most two digits below that of their difference."""
     if row["lower"] is None:
         return ""
     ends = _ends(row)

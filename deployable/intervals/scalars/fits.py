@@ -68,8 +68,8 @@ class RootFunction:
 
     @property
     def trend(self) -> RootFunction:
-        """Copy without the kriging correction that brings a polynomial to single runs, to compare
-        parts of the box with each other; an equal copy where there is none."""
+        """Copy without the kriging correction, which takes a polynomial through single runs, to
+        compare parts of the box with each other; an equal copy where there is none."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
     def formula(self) -> Formula:
@@ -129,8 +129,8 @@ class Fit:
 
     @property
     def trend(self) -> Fit:
-        """Copy without the kriging correction that brings a polynomial to single runs, to compare
-        parts of the box with each other; an equal copy where there is none."""
+        """Copy without the kriging correction, which takes a polynomial through single runs, to
+        compare parts of the box with each other; an equal copy where there is none."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
@@ -155,7 +155,8 @@ def best_fit(points: np.ndarray, values: np.ndarray) -> Fit:
     """Fit the function with the least leave-one-out errors (root mean square) to values (N) of runs
     at `points` (N, k) in [-1, 1]^k; IntervalError without values, or if one is not finite. Tried
     are polynomials by least squares, of every total degree that the runs can test, and the spline
-    through all runs. Runs that are nearly the same count once."""
+    through all runs; a polynomial that misses runs gets a correction through them (`Kriging`). Runs
+    that are nearly the same count once."""
     points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
     if not len(values) or not np.isfinite(values).all():
         raise IntervalError("values", "none or not finite", "a finite number for at least one run")

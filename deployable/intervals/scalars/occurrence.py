@@ -57,8 +57,8 @@ class Occurrence:
 
     def certainty(self, unit: np.ndarray) -> np.ndarray:
         """Decision function (P), no probability, at points `unit` (P, k) in [-1, 1]^k: above 0
-        where the event occurs, below 0 where not, undecided where its size is below `doubt`;
-        infinite where all runs agree."""
+        where the event occurs, below 0 where not, undecided where its size is below `doubt`.
+        Everywhere plus infinity if it occurs in all runs, minus infinity if in none."""
         unit = np.asarray(unit, dtype=float)
         if not self.is_mixed:
             return np.full(len(unit), np.inf if self.happens.all() else -np.inf)
@@ -67,7 +67,7 @@ class Occurrence:
     def doubt(self, unit: np.ndarray) -> np.ndarray:
         """Half-width (P) of the undecided band at points `unit` (P, k) in [-1, 1]^k: where the
         decision function (`certainty`) is smaller in size, the runs do not determine whether the
-        event occurs."""
+        event occurs; 0 if it occurs in all runs or in none."""
         if not self.is_mixed:
             return np.zeros(len(unit))
         certain = self._certain
@@ -107,7 +107,7 @@ class Occurrence:
     @cached_property
     def surface_points(self) -> np.ndarray:
         """Points (P, k) in [-1, 1]^k on the border of where the event occurs (limit-state surface),
-        just inside; none where all runs agree."""
+        on the side where it does; none where all runs agree."""
         return self._level_points((0.0,)) if self.is_mixed else self.points[:0]
 
     def _open_places(self) -> np.ndarray:

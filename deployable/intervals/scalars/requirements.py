@@ -50,8 +50,8 @@ class Limit:
 
     @property
     def error(self) -> float:
-        """Estimated error of the quantity's values, in its unit: that of its surrogate plus that of
-        the runs."""
+        """Estimated error of the quantity's values, in its unit: that of its surrogate plus the
+        runs'."""
         return self.surrogate.error + self.run_error
 
     def slack_of(self, values: np.ndarray) -> np.ndarray:
@@ -67,14 +67,15 @@ class Limit:
 
     def worst(self, lower: np.ndarray, upper: np.ndarray) -> tuple[float, np.ndarray]:
         """Least limit margin over the part of the box from `lower` to `upper` (k each, in [-1, 1]),
-        and the point (k) where: the distance from the level, below 0 where violated, infinite for
-        "happens"."""
+        and the point (k) where: the distance from the level, below 0 where violated; minus infinity
+        if the quantity is absent somewhere; of "happens" plus (satisfied) or minus infinity."""
         return self._end(lower, upper, worst=True)
 
     def best(self, lower: np.ndarray, upper: np.ndarray) -> tuple[float, np.ndarray]:
         """Largest limit margin over the part of the box from `lower` to `upper` (k each, in [-1,
-        1]), and the point (k) where: the distance from the level, below 0 where violated, infinite
-        for "happens"."""
+        1]), and the point (k) where: the distance from the level, below 0 where violated; minus
+        infinity if the quantity is absent everywhere; of "happens" plus (satisfied somewhere) or
+        minus infinity."""
         return self._end(lower, upper, worst=False)
 
     def _end(self, lower: np.ndarray, upper: np.ndarray, worst: bool) -> tuple[float, np.ndarray]:
@@ -172,8 +173,9 @@ def largest_share(
     limits: Sequence[Limit], nominal: np.ndarray, steps: int = 24
 ) -> tuple[float, int | None, np.ndarray | None]:
     """Largest scale factor (0 to 1) at which all of the box, shrunk towards the nominal point (k)
-    in [-1, 1]^k, satisfies every limit; with the index of the limit that is violated first beyond
-    it and the point (k) where, both None if it is 1. steps: bisections for the factor."""
+    in [-1, 1]^k, satisfies every one of `limits` (at least one); with the index of the limit that
+    is violated first beyond it and the point (k) where, both None if it is 1. It is 0 where the
+    nominal point itself violates one. steps: bisections for the factor."""
 
     def first_violation(share: float) -> tuple[float, int, np.ndarray] | None:
         worst = [(*limit.worst(*sub_box(nominal, share)), i) for i, limit in enumerate(limits)]
@@ -255,9 +257,9 @@ class Choice:
 
 
 def judge(values: np.ndarray, goals: Sequence[Goal], limits: Sequence[Limit], box: BoxOf) -> Choice:
-    """Evaluate objectives and limits in the worst case for chosen parameter values (c); box:
-    function of these values that returns the lower and upper corner (k each, in [-1, 1]) of the box
-    that they leave."""
+    """Evaluate goals (objectives) and limits in the worst case for chosen parameter values (c), as
+    a `Choice`; box: function of these values that returns the lower and upper corner (k each, in
+    [-1, 1]) of the box that they leave."""
     lower, upper = box(values)
     goal_values = [goal.value(lower, upper) for goal in goals]
     limit_values = [limit.worst(lower, upper) for limit in limits]
@@ -307,8 +309,11 @@ def safest_choice(
     ranges: Sequence[tuple[float, float]],
     box: BoxOf,
 ) -> Choice:
-    """Choose the values whose least limit margin is the most times its error (`Choice.safety`),
-    from the best of `trials` on; goals, limits, ranges, box: as of `best_choice`."""
+    """Choose the values whose least limit margin is the most times its error (`Choice.safety`); if
+    no choice satisfies all limits, those that violate them least. Searched on finer and finer grids
+    from the best of `trials`, all choices that were tried. goals, limits: to be evaluated; ranges:
+    least and largest of each chosen value (c pairs); box: function of the values (c) that returns
+    the lower and upper corner (k each, in [-1, 1]) of the box that they leave."""
 
     def rank(choice: Choice) -> tuple[bool, float]:
         return not choice.is_allowed, -choice.safety if choice.is_allowed else -choice.slack
@@ -319,9 +324,11 @@ def safest_choice(
 def safe_range(
     best: Choice, index: int, limits: Sequence[Limit], ends: tuple[float, float], box: BoxOf
 ) -> tuple[float, float]:
-    """Range of a chosen value, by its index, about that of a safe choice, the others as there, in
-    which all limits are satisfied by their errors; it ends where one is not, or at `ends` of the
-    values that are allowed. A gap narrower than a 16th of the way is not noticed."""
+    """Range (least, largest) of one chosen value, of index `index`, about that of the safe choice
+    `best`, all other values kept, in which all limits are satisfied by their errors; it ends where
+    one is not, or at `ends`, the least and largest value that is allowed. box: function of the
+    values (c) that returns the lower and upper corner (k each, in [-1, 1]) of the box that they
+    leave. A gap narrower than a 16th of the way to an end is not noticed."""
 
     def is_safe(value: float) -> bool:
         return judge(np.where(np.arange(len(best.values)) == index, value, best.values), (), limits,

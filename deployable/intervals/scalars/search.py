@@ -37,9 +37,10 @@ _TRUSTED = 3.0  # times its error: so far the surrogate must exceed all runs to 
 
 class BoundEstimate(NamedTuple):
     """Lower or upper bound of a quantity. value: the extreme run's, or the surrogate's where that
-    goes farther by several times its own error; error: by how much the bound may be off, by what
-    the surrogate leaves possible, not negative; points (P, k) in [-1, 1]^k: where further runs may
-    extend it, none where it is settled."""
+    goes farther by several times its own error, or, of a time that may lie beyond the runs, their
+    end; error: by how much the bound may be off, by what the surrogate leaves possible, not
+    negative; points (P, k) in [-1, 1]^k: where further runs may extend it, none where none is
+    needed."""
 
     value: float
     error: float

@@ -143,9 +143,9 @@ class ScalarSurrogate:
 
     @property
     def trend(self) -> ScalarSurrogate:
-        """Copy without the kriging correction that brings a polynomial to single runs, to compare
-        parts of the box with each other; splines, and surrogates without a fit, stay as they
-        are."""
+        """Copy without the kriging correction, which takes a polynomial through single runs, to
+        compare parts of the box with each other; splines, and surrogates without a fit, stay as
+        they are."""
         return self if self.fit is None else replace(self, fit=self.fit.trend)
 
     @property
@@ -161,8 +161,8 @@ class ScalarSurrogate:
         return np.clip(self.fit.evaluate(np.asarray(unit, dtype=float)), self.least, self.latest)
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P) of the quantity at points `unit` (P, k) in [-1, 1]^k, NaN where it does not
-        exist."""
+        """Values (P) of the quantity at points `unit` (P, k) in [-1, 1]^k, NaN where it is
+        absent."""
         if self.fit is None:
             return np.full(len(unit), np.nan)
         return np.where(self.occurrence.evaluate(unit), self.predict(unit), np.nan)

@@ -389,7 +389,7 @@ def quantity_rows(data: Any, duration: float = np.inf) -> list[dict[str, Any]]:
         row["predicted_ends"] = [
             side for side in ("lower", "upper") if data[f"unconverged_{side}"][i]
         ]
-        ends = row["units"] == "s" and row["runs_without"] and (row["upper"] or 0.0) >= duration
+        ends = data["is_time"][i] and row["runs_without"] and (row["upper"] or 0.0) >= duration
         row["beyond"] = duration if ends else None
         for key in ("argmin", "argmax"):
             row[key] = dict(zip(parameters, map(_number, data[key][i]), strict=True))

@@ -128,8 +128,9 @@ class Conditions(NamedTuple):
         return self._residuals(*self._ends(poses))[:, 0]
 
     def worst(self, gaps: np.ndarray) -> tuple[str, float, float]:
-        """Return the name of the joint with the largest residual, its gap (m), and its tilt: the
-        root of its summed squares of cosines (rad if small). gaps (c,): of Conditions.gaps."""
+        """Return the name of the joint with the largest residual ("none" without joints), its gap
+        (m), and its tilt (rad if small), roots of the summed squares of its gaps and of its
+        cosines. gaps (c,): of Conditions.gaps."""
         gap: dict[str, float] = {}
         tilt: dict[str, float] = {}
         for name, axis_type, residual in zip(self.joint, self.axis_types, gaps, strict=True):

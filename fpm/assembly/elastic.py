@@ -11,7 +11,8 @@ from fpm.elements.bars.beam import Beams, elements_of, end_axes
 class Shape(NamedTuple):
     """Deformed shape of e beam elements. chord (e, 3): unit vector from end a to end b; length
     (e,): of it (m); axes (e, 4, 3): a₂, a₃, b₂, b₃, transverse axes of the ends; sines (e, 4): of
-    the small angles of the ends against the chord, products of axes and chord; twist (e,): rad."""
+    the small angles of the ends against the chord, products of axes and chord; twist (e,): sine of
+    the twist."""
 
     chord: np.ndarray
     length: np.ndarray
@@ -23,7 +24,8 @@ class Shape(NamedTuple):
 class Elastic(NamedTuple):
     """The beam elements of a scene. nodes (e, 2): indices of particles; stiffness (e, 5): length at
     rest (m), axial (N/m), bending in both planes and torsion (N m); axes (e, 4, 3): 2 and 3 of
-    either end, in its frame; half (e, 2): half the height of the section in both planes (m)."""
+    either end, in its frame; half (e, 2): half width and height (m) of the rectangle with the
+    section's radii of gyration."""
 
     nodes: np.ndarray
     stiffness: np.ndarray
@@ -43,7 +45,7 @@ class Elastic(NamedTuple):
 
     def largest(self, poses: ParticlePoses) -> tuple[float, float]:
         """Return two largest values over all elements at poses of all particles: of a bend (sine of
-        an end's angle) or twist (rad), and of the strain at a surface."""
+        an end's angle) or twist (sine), and of the strain at a surface."""
         shape = self._shape(*self._ends(poses))
         turns = shape.sines + shape.sines**3 / 6
         rest = self.stiffness[:, :1]

@@ -208,8 +208,8 @@ class ElementType:
     @classmethod
     def names(cls, scene: SceneData) -> list[str]:
         """Return the names of the type's elements in a scene, for messages: one for each row in
-        which kernels note who fails; by default the type's word and a number. A group has
-        several."""
+        which kernels note who fails; by default the type's word and a number. An object that stands
+        for several elements, as a group of beams, has several names."""
         return [f"{cls.called or cls.__name__} {i}" for i in range(len(cls.of(scene)))]
 
     @classmethod
@@ -281,16 +281,16 @@ class ElementType:
 
     @classmethod
     def held_up(cls, scene: SceneData) -> float:
-        """Return a force (N) that joints of the scene may bear at rest because of this type's
-        elements. With it the program estimates how much work rounding errors do, and so how exactly
-        the energy can balance."""
+        """Return the sum (N), over this type's elements in a scene, of the forces that joints may
+        have to bear at rest because of them; by default 0. With it the program estimates how much
+        work rounding errors do, and so how exactly the energy can balance."""
         return 0.0
 
     @classmethod
     def held_round(cls, scene: SceneData) -> float:
-        """Return a moment (N m) that exactly held openings may bear at rest because of this type's
-        elements. With it the program estimates how much work rounding errors do, and so how exactly
-        the energy can balance."""
+        """Return the sum (N m), over this type's elements in a scene, of the moments that exactly
+        held openings may have to bear at rest because of them; by default 0. With it the program
+        estimates how much work rounding errors do, and so how exactly the energy can balance."""
         return 0.0
 
     @classmethod

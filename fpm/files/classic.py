@@ -30,7 +30,8 @@ def write(
 ) -> None:
     """Write a netCDF file in the classic format. path: of the file; attributes: global ones, text
     or numbers, by name; variables: by name. Text takes one more dimension, `<name>_width`, as
-    characters; variables without values are left out, as the format has no empty dimensions."""
+    characters; variables without values are left out, as the format has no empty dimensions.
+    ValueError for whole numbers of more than 32 bits."""
     from scipy.io import netcdf_file
 
     with netcdf_file(path, "w", version=2) as file:

@@ -109,8 +109,8 @@ def unsealed(path: str | os.PathLike) -> bytes:
 
 def check_content(path: str | os.PathLike, content: bytes, name: str | None = None) -> dict:
     """Check a sealed file by all its bytes, `content`; returns the facts in its seal, text by key.
-    path: its ending tells the format; name: what it must be, None: anything. Raises
-    DamagedError."""
+    path: its ending tells the format; name: what it must be (the fact `name`), None: anything.
+    Raises DamagedError if it is another, or not as it was written."""
     facts, rest = _split(path, content)
     _compare(path, facts, hashlib.sha256(rest), name)
     return facts

@@ -59,9 +59,9 @@ class Curves:
     """Curves and events of one run, off which responses and quantities are read. time (t,):
     instants (s); points: (position (t, 3) m, velocity (t, 3) m/s) by name; energies: (t,) J by
     name; columns: further values (t,) by (variable, label); events (e, 3): time (s), index into
-    `eventful`, number of the event; eventful: elements that have events; events_dropped: number of
-    events that were not kept; step: time step (s); codes: of variables that were recorded on
-    request and read from a file, digest of the code that computed each."""
+    `eventful`, index among that element's `events`; eventful: elements that have events;
+    events_dropped: number of events that were not kept; step: time step (s); codes: of variables
+    that were recorded on request and read from a file, digest of the code that computed each."""
 
     time: np.ndarray
     points: dict[str, tuple[np.ndarray, np.ndarray]]

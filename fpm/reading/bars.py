@@ -148,7 +148,7 @@ def at_share(bar: Bar, sections: Sections, share: float) -> tuple[np.ndarray, np
 
 def half_sizes(section: Section) -> tuple[float, float]:
     """Return half width (along y) and half height (along z), m, of a bar's section; for an unknown
-    outline, of the rectangle with its area and second moments."""
+    outline, of the rectangle with its radii of gyration."""
     if section.outline:
         return section.width / 2, section.height / 2
     return tuple(np.sqrt(3.0 * np.array([section.Iz, section.Iy]) / section.A))

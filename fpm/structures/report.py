@@ -55,14 +55,14 @@ def _own_particles(scene: Scene) -> np.ndarray:
 
 
 def mass(scene: Scene) -> float:
-    """Return the total mass (kg) of a scene's structure, without the ground (particles held
-    altogether)."""
+    """Return the total mass (kg) of a scene's structure: of all particles but the ground, that is
+    those held altogether that no beam element joins (clamped ends of bars count)."""
     return float(scene.mass[_own_particles(scene)].sum())
 
 
 def centre(scene: Scene) -> np.ndarray:
-    """Return the centre of mass (3,), m, of a scene's structure at the start, without the
-    ground."""
+    """Return the centre of mass (3,), m, of a scene's structure at the start: of all particles but
+    the ground, as in `mass`."""
     own = _own_particles(scene)
     return scene.mass[own] @ scene.position[own] / scene.mass[own].sum()
 

@@ -181,8 +181,9 @@ def strain_energy(part, e, shape):
 @kernel
 def larger_strains(part, e, shape, bend, strain):
     """Return two maxima, `bend` and `strain`, raised to the values of element e. bend: squared sine
-    of the largest bend or twist; strain: at the surface of a rectangle with the section's area and
-    second moments. part: arrays of the elements; shape: deformation of e, from `shape_of`."""
+    of the largest bend or twist; strain: the largest at the surface of the rectangle with the
+    section's radii of gyration. part: arrays of the elements; shape: deformation of e, from
+    `shape_of`."""
     beams = part.beams
     force, (sa2, sa3, sb2, sb3), twist = shape
     bend = larger(bend, sa2 * sa2 + sa3 * sa3)

@@ -54,8 +54,9 @@ class RubbingCables(NamedTuple):
     """Arrays of all cables where some have friction. start, on, curve, arms, cables, stretches,
     state, account, watched, rows, log, track: as in Cables; rubs (c,): whether each has friction;
     friction (c, 1, lanes): its coefficient; rubbed (p, 8, lanes): of each point and the stretch
-    that begins there, fields START to SLIPPED (cable_slip_kernels.py); loss: index of friction's
-    loss in World.accounts."""
+    that begins there, unstrained length (m) before slipping, strain if alone, largest ratio of
+    tensions, its inverse, unstrained length (m), tension (N), that a step ago, length slipped (m);
+    loss: index of friction's loss in World.accounts."""
 
     start: np.ndarray
     on: np.ndarray
@@ -223,8 +224,9 @@ def energy_of(part, world, c):
 
 @hook(RubbingCables)
 def record(part, world, row):
-    """Store each cable's tension (N), of its first stretch, and strained length (m) in part.track.
-    part: arrays of all cables; world: not used; row: index of the recorded instant."""
+    """Store each cable's tension (N), of its first stretch, and strained length (m) in part.track;
+    those without friction raise part.watched (`record_cable`). part: arrays of all cables; world:
+    not used; row: index of the recorded instant."""
     count = part.curve.shape[0]
     for c in range(count):
         if not part.rubs[c]:

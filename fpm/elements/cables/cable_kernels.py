@@ -46,8 +46,9 @@ class Cables(NamedTuple):
     particles' frames (m); cables (c, 3, lanes): EA (N), unstrained length (m), reel (m); stretches
     (p, 8, lanes): direction (3), length (m), arm of the point (3, m), pull (N); state (c, 6,
     lanes): elongation, unstrained length (m), winch force (N), each now and a step ago; account:
-    index of the winches' work in World.accounts; watched: largest elongation ratio so far; rows (c,
-    1, lanes): that of each cable; log: of events; track: recorded tension (N) and length (m)."""
+    index of the winches' work in World.accounts; watched (1, 1, lanes): largest `crowding` of all
+    so far; rows (c, 1, lanes): that of each; log: of events; track: recorded tension (N) and length
+    (m)."""
 
     start: np.ndarray  # (c + 1,) first point of each
     on: np.ndarray  # (p,) particles
@@ -204,8 +205,8 @@ def crowding(part, c):
 
 @kernel
 def record_cable(part, c, row):
-    """Store tension (N) and length (m) of cable c in row `row` (instant times cables + c) of
-    part.track, and raise part.watched to its elongation ratio. part: arrays of all cables."""
+    """Store tension (N) and strained length (m) of cable c in row `row` (instant times cables + c)
+    of part.track, and raise part.watched to its `crowding`. part: arrays of all cables."""
     store(part.track, row, 0, load(part.cables, c, EA) * strain_of(part, c))
     store(part.track, row, 1, load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED))
     store(part.watched, 0, 0, larger(load(part.watched, 0, 0), crowding(part, c)))
@@ -214,8 +215,8 @@ def record_cable(part, c, row):
 @hook(Cables)
 def record(part, world, row):
     """Store tension (N) and strained length (m) of each cable in part.track, and raise part.watched
-    to the largest elongation ratio. part: arrays of all cables; world: not used; row: index of the
-    recorded instant."""
+    (one for all cables) to the largest `crowding`, elongation over the length of the shortest
+    stretch. part: arrays of all cables; world: not used; row: index of the recorded instant."""
     count = part.curve.shape[0]
     for c in range(count):
         record_cable(part, c, row * count + c)
@@ -223,7 +224,8 @@ def record(part, world, row):
 
 @hook(Cables)
 def list_excess(part, world):
-    """Store each cable's elongation ratio (`crowding`) in part.rows, by which a failed run names
-    the worst. part: arrays of all cables; world: not used."""
+    """Store each cable's `crowding`, elongation over the length of its shortest stretch, in
+    part.rows, by which a failed run names the worst. part: arrays of all cables; world: not
+    used."""
     for c in range(part.curve.shape[0]):
         store(part.rows, c, 0, crowding(part, c))

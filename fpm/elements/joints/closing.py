@@ -121,8 +121,9 @@ def turn_little(state, i, turn):
 @kernel
 def coarse(time, size):
     """Return the factor by which a gap of a joint is multiplied to judge it: above 1 the step needs
-    another round of closing. time: 1.0 for a gap (m), the time step (s) for a rate of a gap (m/s);
-    size: characteristic length of the scene (m), of which a share is allowed, of 1 m at most."""
+    another round of closing. It is time over the allowed gap, 5e-9 times size or 1 m, whichever is
+    less. time: 1.0 for a gap (m), the time step (s) for a rate of a gap (m/s); size: characteristic
+    length of the scene (m)."""
     return (time / COARSE_GAP) / where_negative(size - 1.0, size, 0.0 * size + 1.0)
 
 

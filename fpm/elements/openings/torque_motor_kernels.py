@@ -1,4 +1,4 @@
-"""Moments and work of torque motors (theory: motor.py)."""
+"""Moments and work of torque motors (theory: torque_motor.py)."""
 
 from typing import NamedTuple
 

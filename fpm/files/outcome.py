@@ -49,7 +49,8 @@ class Outcome(Curves):
     energy_kinds: names and texts (Energy) of the `energies`, in their order.
     recorded: further series (Series) by name, of what element types record, as "cable_tension".
     steps: number of time steps.
-    limit: the scene's stable step (StableStep); None if the run was given its step.
+    limit: the scene's stable step (StableStep); None if the run was given its step and did not
+        fail.
     failure: None, the InstabilityError of a run whose numbers mean nothing, or the SceneError of an
         opening moved slowly (fpm/travel) that finds no balance.
     largest: largest values of the failure criteria by name (`bend`, the largest sine of the angle

@@ -39,7 +39,7 @@ def whole_motion(
     extra_variables: Callable[[int, Outcome], Mapping] = lambda number, outcome: {},
 ) -> list:
     """Simulate scenes that differ in numbers only and return the motion of all particles, an
-    xarray.Dataset for each: positions (m), frames, velocities (m/s), strains and stresses.
+    xarray.Dataset for each: positions (m), own axes, velocities (m/s), strains and stresses (Pa).
 
     Parameters
     ----------
@@ -48,8 +48,8 @@ def whole_motion(
     frames: number of recorded instants that are returned, evenly spread.
     times: further times (s), of which the nearest instants are returned as well.
     energy_tolerance: error of the energy balance at which a run fails (fraction).
-    record: columns (variable, label) to record, as `simulate` takes them; the motion is, bit for
-        bit, that of a run with these arguments.
+    record: columns (variable, label) to record, as `simulate` takes them, for the Outcome that
+        extra_variables takes; the datasets do not have them.
     attributes: further global attributes by name, for each scene's dataset.
     extra_variables: called with the number of a scene (from 0) and its Outcome, returns further
         variables by name for its dataset.

@@ -201,9 +201,9 @@ class BudgetRow(NamedTuple):
 
 
 class Budget(NamedTuple):
-    """Torque budget at an opening (rad, m). margin: drives / requirement - 1; drives: sum of the
-    components' moments above 0 times their factors (N m, N); requirement: of those below 0, as a
-    positive number; rows: one for each component."""
+    """Torque budget at an opening (rad, m). margin: drives / requirement - 1, at most 99; drives:
+    sum of the components' moments above 0 times their factors (N m, N); requirement: of those below
+    0, and of what is delivered, as a positive number; rows: one for each component."""
 
     opening: float
     margin: float
@@ -259,9 +259,9 @@ class _WeightedTravel:
 
 
 def values(response: Any, run: Any) -> np.ndarray:
-    """Return the margin (t,), without unit, at t positions evenly spaced over its travel, as many
-    as the run has instants. response: a margin, made by `read`; run: `Curves`, or from
-    `led_curves`."""
+    """Return the margin (t,), without unit and at most 99, at t positions evenly spaced over its
+    travel, as many as the run has instants. response: a margin, made by `read`; run: `Curves`, or
+    from `led_curves`."""
     time = run.time
     return _WeightedTravel(response, run).margin((time - time[0]) / (time[-1] - time[0]))
 

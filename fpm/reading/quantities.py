@@ -21,9 +21,9 @@ class Quantity:
     name: its name; kind: how it is read, a key of KINDS, as "largest"; unit (UDUNITS) and
     long_name: of the number; response: the function of time that it is read off, None for events;
     at: of a value, its time (s) or the quantity that gives it; about: target of settling or
-    overshoot; within: tolerance of settling; level, way ("rising", "falling", "either"): of a
-    crossing; number: n, from 1, of the nth crossing or event; event: its name; places: names of the
-    elements at which it counts."""
+    overshoot, None: the last value; within: tolerance of settling; level, way ("rising", "falling",
+    "either"): of a crossing; number: n, from 1, of the nth crossing or event; event: its name;
+    places: names of the elements at which it counts."""
 
     name: str
     kind: str

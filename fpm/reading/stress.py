@@ -8,8 +8,8 @@ element forces and moments go straight.
 round        any point: |N|/A + r sqrt((M_y/Iy)² + (M_z/Iz)²), with t = |T| r/J; exact
 rectangle    corners, where torsion has no stress, and the middles of the sides, with t = |T| w: the
              exact series of Timoshenko and Goodier, Theory of Elasticity, § 109
-unknown      corners of the rectangle with the same area and second moments, with t = |T| R/J and R
-             the distance of its corners from the middle; of closed and full sections an estimate
+unknown      corners of the rectangle with the same radii of gyration, with t = |T| R/J and R the
+             distance of its corners from the middle; of closed and full sections an estimate
              that is mostly too large
 
 The shear stress of transverse forces is left out: in slender bars it is smaller by height/length.

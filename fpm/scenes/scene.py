@@ -72,7 +72,9 @@ class Scene:
     and rotations. kinds: lists of elements by element type (fpm/elements); curves: list of (times
     (s), values); points: named ones, for responses; supports: those held or driven; bodies:
     particle of each named rigid body; unstrained, unstrained_position: frames and positions before
-    fpm.assembly strained the scene, None: as they are; assembly: what that did, or None.
+    fpm.assembly strained the scene, None: as they are; assembly: what that did, or None; bearings:
+    SceneData's; classes, action_names: of elements by (type, index), class in slow travel where it
+    is not its type's, and name in the structure's file.
 
     Parameters
     ----------
@@ -318,7 +320,7 @@ class Scene:
         Parameters
         ----------
         hinge: index of the hinge or slide.
-        stiffness: N m/rad, above 0; on a slide N/m.
+        stiffness: N m/rad, at least 0; on a slide N/m.
         rest: opening (rad) without moment; on a slide m."""
         self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
 

@@ -80,7 +80,7 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
     """Return the Jacobian (c, 6 b) of a scene's c scalar constraints at the start by the velocities
     of its b moving rigid bodies (bars as rigid), and names (c) of their joints and supports, as
     "joint knee". Six columns a body: the velocity (3) of its point at the structure's middle, and
-    its angular velocity (3) times the structure's size."""
+    its angular velocity (3) times the structure's size; rows of angles are times the size, too."""
     own, rules, count = bodies(scene), conditions_of(scene), len(scene.position)
     is_fixed = np.isin(own, own[scene.fixed.all(axis=1)])
     moving = np.unique(own[~is_fixed])

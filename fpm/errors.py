@@ -39,10 +39,10 @@ class InstabilityError(RuntimeError):
     Attributes: `time` (s) of the first check that failed; `element`, name of the element with the
     most energy, the first non-finite one, or the one to blame; `step` (s) used; `limit` (s), stable
     step of the scene at its start; `balance` (J), the error of the energy balance; `scale` (J),
-    largest energy held; `cause`, name of the watched quantity that is too large (None: the balance
-    broke); `largest`, values of all watched quantities by name; `words`, two texts, cause and
-    remedy (None without a cause); `remedy`, of the type of `element` where the balance broke ("":
-    it knows none)."""
+    largest energy so far; `cause`, name of the watched quantity that is too large (None: the
+    balance broke); `largest`, values of all watched quantities by name; `words`, two texts, cause
+    and remedy (None without a cause); `remedy`, of the type of `element` where the balance broke
+    ("": it knows none)."""
 
     def __init__(
         self, time, element, step, limit, balance, scale, cause=None, largest=None, words=None,

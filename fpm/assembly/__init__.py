@@ -71,10 +71,10 @@ class MisfitError(SceneError):
 
 
 class Assembly(NamedTuple):
-    """Result of forcing parts together. energy: strain energy (J) after it; joint, gap, tilt: name
-    of the joint that was open most before ("none": no joints), and by how much (m; sine of the
-    angle between directions that should agree); rounds: of Newton's method; openings: of hinges
-    before (rad, m)."""
+    """Result of `assemble`. energy: strain energy (J) after it; joint, gap, tilt: name of the joint
+    that was open most before ("none": no joints), and by how much (m; sine of the angle between
+    directions that should agree); rounds: of Newton's method; openings: of hinges before (rad,
+    m)."""
 
     energy: float
     joint: str

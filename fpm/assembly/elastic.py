@@ -11,8 +11,7 @@ from fpm.elements.bars.beam import Beams, elements_of, end_axes
 class Shape(NamedTuple):
     """Deformed shape of e beam elements. chord (e, 3): unit vector from end a to end b; length
     (e,): of it (m); axes (e, 4, 3): a₂, a₃, b₂, b₃, transverse axes of the ends; sines (e, 4): of
-    the small angles of the ends against the chord, products of axes and chord; twist (e,): sine of
-    the twist."""
+    the small angles between them and the chord; twist (e,): its sine."""
 
     chord: np.ndarray
     length: np.ndarray
@@ -117,15 +116,14 @@ class Elastic(NamedTuple):
 
 
 class Unstressed(NamedTuple):
-    """Beam elements with the Hessian of Gauss and Newton's method, which is nowhere negative. bars:
-    the elements."""
+    """Beam elements with Gauss and Newton's Hessian, which is nowhere negative. bars: the
+    elements."""
 
     bars: Elastic
 
     def derivatives(self, poses: ParticlePoses):
         """Return the gradient (6n,), N and N m, and the sparse Hessian (6n, 6n) of the strain
-        energy by the motions (m, rad) of all n particles at poses, without what stress adds to
-        it."""
+        energy by motions (m, rad) of all n particles at poses, without what stress adds."""
         ends = self.bars._ends(poses)
         gradient, _ = self.bars.derivatives(poses)
         rows = slopes(self.bars._modes, *ends)

@@ -51,9 +51,9 @@ class Watch(NamedTuple):
 class Series(NamedTuple):
     """A recorded series of one sample, for a trajectory file. values: (t,) over t instants, or (t,
     k) for k labelled elements, in `unit` (as "N m"); long_name: what it is, in words; dimension,
-    labels: name of the dimension of the k columns, and the name of each; time_dim: name of the
-    dimension of t; code: digest of the code that computed it, kept with it where a change of that
-    code does not rename the run, "": none."""
+    labels: name of the dimension of the k columns (None: values are (t,)), and the name of each;
+    time_dim: name of the dimension of t; code: digest of the code that computed it, kept with it
+    where a change of that code does not rename the run, "": none."""
 
     values: np.ndarray
     unit: str
@@ -261,7 +261,8 @@ class ElementType:
         the field: "numbers": constants of each element, in the order of NUMBERS in the kernels'
         module; "state": zeros, STATE for each element; "track": zeros, TRACK for each at every
         instant; "account": index in World.accounts of the work that it gives, else of the energy
-        that it takes out; those in SHARED; any other: the elements' own field of that name, as
+        that it takes out; "rows", "log", "watched", "given", "taken": what Batch.rows_of, log_of,
+        watched_by, given_by, taken_by return; any other: the elements' own field of that name, as
         whole numbers. batch: the scenes that are simulated side by side."""
         elements = cls.of(batch.scene)
         match name:

@@ -52,8 +52,8 @@ def read(
     path: str | os.PathLike, content: bytes | None = None
 ) -> tuple[dict[str, Any], dict[str, NetcdfVariable]]:
     """Return the global attributes and the variables of the classic netCDF file at `path`, by name,
-    text as characters. content: the file's bytes, if read before. Raises OSError if the file is not
-    in this format, or not whole."""
+    text as characters. content: the file's bytes, None: they are read. Raises OSError if the file
+    is not in this format, or not whole."""
     from scipy.io import netcdf_file
 
     try:

@@ -29,8 +29,9 @@ class World(NamedTuple):
     given by the first `givers`, taken by the others (J); sums: for the balance. Of quantities that
     types watch: watched: largest values so far; most: limits; unconditional: whether one is the
     cause of a failure even where the energy does not balance; watch_rows: first and end of its
-    elements in `rows`. size: of the scene (m); rows (e, 1, lanes): how bad each element is, after a
-    failure; undecided: 1 where impulses have to be found again."""
+    elements in `rows`. size: of the scene (m); rows (e, 1, lanes): of each element, once a run has
+    failed, its energy (J) or watched quantity; undecided: 1 where impulses have to be found
+    again."""
 
     state: np.ndarray  # (n, STATE, lanes)
     start_state: np.ndarray  # (n, STATE, lanes) the state at the start of a step that is recorded

@@ -99,7 +99,7 @@ def element_strains(
     and the largest of bending at the surface (t, m), at least 0. position (t, n, 3) m and frame (t,
     n, 3, 3), axes as columns: of its n particles. The moments at an element's ends are the gradient
     of its energy (elements/bars/beam.py), 2 EI/l0 (2 th_a + th_b) and its mirror image; the larger
-    end counts, at the corner of the rectangle with the section's radii of gyration
+    of both is taken, at the corner of the rectangle with the section's radii of gyration
     (`elements_of`)."""
     if not scene.beams:
         return np.zeros((len(position), 0)), np.zeros((len(position), 0))

@@ -100,7 +100,7 @@ def column_of(travel: Travel, variable: str, part: str) -> np.ndarray:
     """Return the values (p,) of one variable at the p positions of a travel. variable:
     "travel_work": virtual work of the component `part` per unit of the opening (N m; N on slides);
     "travel_inertia": that the opening moves (kg m²; kg); "travel_opening": opening (rad; m). part:
-    counts for the first alone."""
+    read for "travel_work" only; None is returned if the travel has no such component."""
     return {WORK: travel.work.get(part), INERTIA: travel.inertia, OPENING: travel.opening}[variable]
 
 

@@ -138,7 +138,7 @@ class Recording:
 
     def inertia(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
         """Return rates of change of momentum (t, 3) N and angular momentum (t, 3) N m of a particle
-        (its index), in global axes, driven or not."""
+        (its index), in global axes, also where a drive moves it."""
         (change, turning), spin = self.acceleration(particle), self.spin(particle)
         own = self.scene.inertia[particle]
         momentum, moment = (
@@ -164,16 +164,15 @@ class Recording:
         return self.memoize(bar, read)
 
     def memoize(self, key: Hashable, find: Callable[[], Any]) -> Any:
-        """Return the result of find(), called without arguments at the first use of `key` and
-        stored."""
+        """Return the result of find(), called without arguments at the first use of `key` alone."""
         if key not in self._memo:
             self._memo[key] = find()
         return self._memo[key]
 
     @cached_property
     def joints(self) -> list[tuple[Hinge | Joint, Sides]]:
-        """All joints of the scene, hinges first, with their forces and moments on both
-        particles."""
+        """All joints of the scene, hinges first, each with its forces and moments on both
+        particles: pairs (Hinge or Joint, Sides)."""
         pairs = []
         for kind in (Hinge, Joint):
             if elements := kind.of(self.scene):

@@ -58,8 +58,7 @@ def equivalent(section: Section, force: np.ndarray, moment: np.ndarray) -> np.nd
 
 
 def von_mises(normal: np.ndarray, shear: np.ndarray) -> np.ndarray:
-    """Return the equivalent stress (Pa) by von Mises of normal and shear stress (Pa), both
-    (...)."""
+    """Return the equivalent stress (Pa) by von Mises of normal and shear stress (...), Pa."""
     return np.sqrt(normal**2 + 3.0 * shear**2)
 
 

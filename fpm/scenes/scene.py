@@ -265,11 +265,12 @@ class Scene:
         particles: indices of the first and the second particle.
         point: position of the joint (3,), m, global.
         axis: direction of the axis (3,), global.
-        axis2: of a universal joint, the axis on the second particle (3,), normal to `axis`."""
+        axis2: of a universal joint, the axis on the second particle (3,), normal to `axis`; None:
+            any."""
         return self.add(Joint.create(self, name, type, particles, point, axis, axis2))
 
     def add_slide(self, name, particles, point, axis, opening: float = 0.0) -> int:
-        """Join two particles by a slide; returns its index, which counts among the hinges.
+        """Join two particles by a slide; returns its index among the hinges.
 
         The second particle slides on the first. `point` may be (2, 3), one for each particle, if
         `fpm.assembly` brings them together.

@@ -147,9 +147,9 @@ class Beams(ElementType):
 
     def with_strain(self, strain: float, curvature: float | None) -> "Beams":
         """Return a copy of this group, whose elements have equal lengths, with another stress-free
-        shape. strain: relative elongation without stress; curvature (1/m): of every element then,
-        above 0 if the side towards the local third axis is the longer one; None: straight, in all
-        samples of a batch."""
+        shape. strain: its relative elongation; curvature (1/m): of every element, above 0 if the
+        side towards the local third axis is the longer one; None: straight, in all samples of a
+        batch."""
         length = self.length * (1.0 + strain)
         bow = None if curvature is None else float(curvature * length[0] / 2)
         return replace(self, length=length, bow=bow)
@@ -273,8 +273,7 @@ def end_axes(scene) -> np.ndarray:
 
 def triad(direction: np.ndarray, normal: np.ndarray) -> np.ndarray:
     """Return right-handed orthonormal axes (3, 3), as columns: x along `direction` (3,), of any
-    length, z in the plane of it and `normal` (3,), on the side of `normal`. SceneError if the two
-    are parallel."""
+    length, z in the plane of it and `normal` (3,), on its side. SceneError if they are parallel."""
     x = np.asarray(direction, float)
     x = x / length(x)
     y = cross(normal, x)

@@ -190,8 +190,8 @@ def gain(part, j, soft):
 @hook(RubbingCables)
 def work_before(part, world, timing):
     """Add the winches' work (J) over the step that ends now to part.account in world.accounts, and
-    friction's loss to part.loss. part: arrays of all cables; world: solver state; timing: not
-    used."""
+    that lost by friction to part.loss. part: arrays of all cables; world: solver state; timing:
+    unused."""
     work, loss = load(world.accounts, 0, part.account), load(world.accounts, 0, part.loss)
     for c in range(part.curve.shape[0]):
         if not part.rubs[c]:
@@ -210,8 +210,8 @@ def work_before(part, world, timing):
 
 @hook(RubbingCables)
 def energy_of(part, world, c):
-    """Return the strain energy (J) of cable c, of all stretches. part: arrays of all cables; world:
-    not used."""
+    """Return the strain energy (J) of all of cable c. part: arrays of all cables; world: not
+    used."""
     total = energy_of_cable(part, c)
     if part.rubs[c]:
         total = 0.0 * total

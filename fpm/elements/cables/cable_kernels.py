@@ -225,7 +225,6 @@ def record(part, world, row):
 @hook(Cables)
 def list_excess(part, world):
     """Store each cable's `crowding`, elongation over the length of its shortest stretch, in
-    part.rows, by which a failed run names the worst. part: arrays of all cables; world: not
-    used."""
+    part.rows, to name the worst when a run failed. part: arrays of all cables; world: not used."""
     for c in range(part.curve.shape[0]):
         store(part.rows, c, 0, crowding(part, c))

@@ -40,8 +40,7 @@ def positive(x):
 @kernel
 def handed_on(part, first, j, strain):
     """Return the unstrained length (m) that slips from the stretches `first` to j over the point at
-    the end of j, if stretch j has this `strain`, and its derivative (m). part: arrays of all
-    cables."""
+    j's end, if j has this `strain`, and its derivative (m). part: arrays of all cables."""
     flow, follows = 0.0 * strain, 0.0 * strain + 1.0
     slope, linked = flow, follows
     for k in range(j, first - 1, -1):

@@ -65,9 +65,9 @@ def count_joints(part, condition):
 
 @kernel
 def count_conditions(sums, part, condition):
-    """Add the impulses (N s, N m s) last found for all constraint equations of joints to `sums`
-    (Joints.sums; None: nothing is done), in samples where `condition` (lanes) is below 0. part:
-    arrays of all joints."""
+    """Add the impulses (N s, N m s) last found for all joints' constraint equations to `sums`
+    (Joints.sums; None: nothing is done), where `condition` (lanes) is below 0. part: arrays of all
+    joints."""
     if sums is not None:
         for r in range(sums.shape[0]):
             total = load(sums, r, 0)

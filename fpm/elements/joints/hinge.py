@@ -88,8 +88,8 @@ class JointBase(ElementType):
 
     @classmethod
     def moved(cls, scene):
-        """Return the indices of the particles of all elements of this type in a scene, element by
-        element, possibly repeated: the type's own kernels move these, unless they are driven."""
+        """Return the indices of the particles of all elements of this type in a scene, one by one,
+        possibly repeated: the type's kernels move these, unless a Drive prescribes their motion."""
         return [p for element in cls.of(scene) for p in element.particles]
 
     @classmethod
@@ -191,8 +191,8 @@ class Hinge(JointBase):
         return [hinge for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True) if lone]
 
     def topology(self):
-        """Return what must be equal in scenes run side by side: name, type, particles, held
-        axes."""
+        """Return what must be equal in scenes run side by side: name, type, particles, axes
+        held."""
         return self.name, self.type, self.particles, self.support
 
     @classmethod
@@ -262,9 +262,10 @@ def places_of(scene, joints: Sequence[JointBase]) -> np.ndarray:
 def are_alone(scene) -> list[bool]:
     """Return for each hinge of a scene, in their order, whether it can be solved alone, which is
     cheaper than as a coupled joint. It can if it is revolute; nothing holds its opening exactly
-    (turn.py); its particles, unless held altogether, are in no other hinge or joint and not driven;
-    and its own matrix is regular, whatever arms and axis are and become: no axis is held for both
-    particles, nor for a particle and the hinge point, one may turn, and about all axes or none."""
+    (turn.py); its particles, unless held altogether, are in no other hinge or joint and have no
+    Drive; and its own matrix is regular, whatever arms and axis are and become: no axis is held for
+    both particles, nor for a particle and the hinge point, one may turn, and about all axes or
+    none."""
     joining = [e for kind, elements in scene.kinds.items() if kind.joins for e in elements]
     uses = Counter(p for element in joining for p in element.particles)
     shared = {p for p, count in uses.items() if count > 1 and not scene.fixed[p].all()}
@@ -280,9 +281,8 @@ def are_alone(scene) -> list[bool]:
 
 
 def two_of(scene, particles, owner: str) -> tuple[int, int]:
-    """Check that `particles` are indices of two different particles of a scene; returns them as
-    ints; raises SceneError if not. owner: what messages call the element that joins them ("hinge
-    A")."""
+    """Return `particles`, indices of two different particles of a scene, as ints; raises SceneError
+    if they are not that. owner: what messages call the element that joins them ("hinge A")."""
     first, second = (int(p) for p in particles)
     count = len(scene.position)
     if first == second or not (0 <= first < count and 0 <= second < count):

@@ -187,8 +187,7 @@ def spins(j, r):
 @kernel
 def point_response(inverse_mass, spins, r):
     """Velocity of a body's point by unit impulses there (1/kg), a symmetric matrix (xx, yy, zz, xy,
-    xz, yz). inverse_mass: along the global axes (3); spins: by the function `spins`; r (m, 3):
-    arm."""
+    xz, yz). inverse_mass: along global axes (3); spins: from `spins`; r (m, 3): arm."""
     ux, uy, uz = spins
     return (
         inverse_mass.x + (r.z * ux.y - r.y * ux.z),

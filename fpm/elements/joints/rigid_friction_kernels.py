@@ -55,7 +55,7 @@ class RigidFrictions(NamedTuple):
 def forces(part, world, timing):
     """Add the friction moment (N m) of each element that slips to the particles of its hinge. part:
     arrays of all rigid frictions; world: state of the solver, changed; timing: times of this step
-    (s). The rest of an impact in the step before still counts."""
+    (s). The time of an impact, part.turns.blow, is then counted from this step's start."""
     blow = load(part.turns.blow, 0, 0)
     store(part.turns.blow, 0, 0, where_negative(-1.0 * blow, blow - 1.0, 0.0))
     for i in range(part.on.shape[0]):

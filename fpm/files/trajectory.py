@@ -38,8 +38,8 @@ IMPACTS = {"closes": "opens", "hits": "leaves", "latches": "latches"}
 
 
 class Contents(NamedTuple):
-    """Contents of a trajectory file before it is written. attributes: global ones by name;
-    variables: by name."""
+    """Contents of a trajectory file to be written. attributes: global ones, variables: both by
+    name."""
 
     attributes: dict[str, Any]
     variables: dict[str, classic.NetcdfVariable]

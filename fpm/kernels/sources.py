@@ -191,8 +191,8 @@ def digests(path: Path) -> dict[Path, str]:
 
 
 def file_of(definition: Callable) -> Path:
-    """Return the file in which a function or class, `definition`, was written; SceneError if it was
-    typed in."""
+    """Return the file that a function or class, `definition`, was written in; SceneError if typed
+    in."""
     try:
         return Path(inspect.getfile(inspect.unwrap(definition))).resolve()
     except (OSError, TypeError):

@@ -124,9 +124,8 @@ def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
 
 
 def sections_of(scene: Scene, bar: Bar, place, axes) -> Sections:
-    """Return forces and moments in the sections of all elements of a bar of a scene;
-    place(particle), axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle (index)
-    at t instants."""
+    """Return forces and moments in the sections of all elements of a bar; place(particle),
+    axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle (index) at t instants."""
     groups = [sections(scene, beams, place, axes) for beams in bar.groups]
     return Sections(*(np.concatenate(arrays, axis=1) for arrays in zip(*groups, strict=True)))
 

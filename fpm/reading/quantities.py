@@ -115,8 +115,8 @@ def crossing_margin(values: np.ndarray, direction: str = "either", number: int =
     """Return by how much (...) values (..., t) over t instants cross zero for the nth time, in
     their unit: above 0 if they do, below 0 by what is lacking. direction: "rising", "falling" or
     "either"; number: n, from 1. A rising crossing takes values below zero and later above, the next
-    one below and above again: of the largest distances from zero on these sides in turn, the least
-    counts."""
+    one below and above again: the least is returned of the largest distances from zero on these
+    sides in turn."""
 
     def turns(side: float, count: int) -> np.ndarray:
         margin = np.inf

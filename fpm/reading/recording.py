@@ -30,8 +30,7 @@ class Recording:
     """What the time loop recorded of one run for its scene's probe (elements/particles/probe.py),
     as forces and motions at t instants. batch: the scenes that were simulated side by side
     (elements/batch.py); parts: arrays of their element types, one for each of batch.kinds; lane:
-    index of the run among them; time: instants (t,) s; step: time step (s). Particles are named by
-    index."""
+    index of the run among them; time: instants (t,) s; step: time step (s)."""
 
     def __init__(self, batch, parts, lane: int, time: np.ndarray, step: float):
         self.scene: Scene = batch.scenes[lane]

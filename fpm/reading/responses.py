@@ -129,7 +129,7 @@ class Definition(NamedTuple):
 
     @property
     def variable(self) -> Variable:
-        """Variable of `fpm.reading.variables` with the name of the definition's type; else
+        """Variable of `fpm.reading.variables` with the name of the definition's type, else
         KeyError."""
         return VARIABLES[self.kind]
 

@@ -64,8 +64,8 @@ def von_mises(normal: np.ndarray, shear: np.ndarray) -> np.ndarray:
 
 def element_stress(scene: Scene, groups: Iterable[Beams], place, axes) -> np.ndarray:
     """Return the largest equivalent stress (t, m) Pa (von Mises) in each of the m beam elements of
-    all groups, at either end; place(particle), axes(particle): its positions (t, 3) m, frames (t,
-    3, 3)."""
+    all groups, at either end; place(particle), axes(particle): its positions (t, 3), frames (t, 3,
+    3)."""
     stresses = []
     for beams in groups:
         force, moment = sections(scene, beams, place, axes)

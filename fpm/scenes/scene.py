@@ -326,7 +326,7 @@ class Scene:
         self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
 
     def add_contact(self, hinge: int, stiffness: float) -> None:
-        """Add a contact to a hinge (index): faces that resist openings below 0. stiffness: N
+        """Add a contact to a hinge (index): faces that resist openings below 0. stiffness: in N
         m/rad."""
         self.add(Contact(int(hinge), float(stiffness)))
 

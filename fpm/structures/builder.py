@@ -18,8 +18,7 @@ POINT_TOL = 1e-9
 
 @dataclass(frozen=True)
 class Point:
-    """A named point of a sample. name: in the file, in full; position (3,), m, global: at the
-    start."""
+    """A named point of a sample. name: in full; position (3,), m, global: at the start."""
 
     name: str
     position: np.ndarray

@@ -177,15 +177,13 @@ class OnHinge(OnHinges):
     @classmethod
     def deformations(cls, scene):
         """Return how motions of particles strain the openings on which the type's springs act, with
-        their stiffness, for the scene's stable time step, as if all acted at once; None: no
-        springs."""
+        their stiffness, for the stable time step, as if all acted at once; None: no springs."""
         return cls._turns(scene, [e.stiffness_in(scene) for e in cls.of(scene)])
 
     @classmethod
     def dampings(cls, scene):
         """Return how motions of particles move the openings on which the type's dampers act, with
-        their damping in the field `stiffness`, for the scene's stable time step; None: no
-        dampers."""
+        their damping in the field `stiffness`, for the stable time step; None: no dampers."""
         return cls._turns(scene, [e.damping_in(scene) for e in cls.of(scene)])
 
     @classmethod

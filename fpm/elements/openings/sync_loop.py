@@ -71,8 +71,8 @@ class SyncLoop(OnHinges):
 
     @property
     def tight(self) -> float:
-        """Slip (m, by which one strand is longer than without slip) up to which both strands are
-        tight."""
+        """Slip (m, by which one strand is longer than without slip) at which the other turns
+        slack."""
         return 2 * self.preload / self.stiffness if self.stiffness > 0 else np.inf
 
     @classmethod

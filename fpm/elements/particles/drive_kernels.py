@@ -18,7 +18,7 @@ LINEAR, SPIN = 0, 3
 class Drives(NamedTuple):
     """Arrays of all d drives, for their kernels. particle (d,): index of each one's particle; curve
     (d,): index of its curve of time, -1: constant 1; numbers (d, 6, lanes): velocity (m/s) and spin
-    (rad/s) in global axes; account: index of their work in World.accounts. Drives of one particle
+    (rad/s) in global axes; account: index of their work in World.accounts. Those of one particle
     add up."""
 
     particle: np.ndarray

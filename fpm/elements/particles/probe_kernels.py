@@ -35,8 +35,7 @@ class Probes(NamedTuple):
 @hook(Probes)
 def record(part, world, row):
     """Record the forces (N) and moments (N m) on chosen particles in part.forces, before the step
-    sets them to 0. part: records of particles (Probes); world: solver state; row: index of the
-    recorded instant."""
+    sets them to 0. part: records (Probes); world: solver state; row: index of the instant."""
     count = part.forces_of.shape[0]
     for n in range(count):
         i, index = part.forces_of[n], row * count + n

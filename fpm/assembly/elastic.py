@@ -132,7 +132,7 @@ class Unstressed(NamedTuple):
 
 
 def elastic_of(scene) -> Elastic:
-    """Return all beam elements of a scene in the form in which its assembly needs them."""
+    """Return all beam elements of a scene in the form in which `assemble` needs them (Elastic)."""
     nodes, _, half = elements_of(scene.beams)
     if not len(nodes):
         return Elastic(nodes, np.zeros((0, 5)), np.zeros((0, 4, 3)), half)

@@ -147,17 +147,19 @@ MECHANICS = Imported(PACKAGE)
 
 
 def mechanics() -> str:
-    """Return a digest of all files of the package fpm that can change what every run records."""
+    """Return a digest (16 hex digits) of all files of fpm that can change what every run
+    records."""
     return MECHANICS.digest(exclude=READ + DISPLAY)
 
 
 def reading() -> str:
-    """Return a digest of the files of the package fpm that read numbers off a run (READ)."""
+    """Return a digest (16 hex digits) of the files of fpm that read numbers off a run (READ)."""
     return MECHANICS.digest(include=READ)
 
 
 def kernels() -> str:
-    """Return a digest of the files of fpm that are compiled: its folders elements and kernels."""
+    """Return a digest (16 hex digits) of the files of fpm that are compiled: elements and
+    kernels."""
     return MECHANICS.digest(include=("elements", "kernels"))
 
 

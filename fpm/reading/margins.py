@@ -44,7 +44,7 @@ UNITS = {"rad": 1.0, "deg": np.pi / 180, "m": 1.0, "mm": 1e-3}
 
 class Abscissa(NamedTuple):
     """What the values of a response are a function of, if not of time. words: its name, as "opening
-    of A"; unit: of its values; first, last: its values at the first and the last point."""
+    of A"; unit: of its values; first, last: its values at the ends of the curve."""
 
     words: str
     unit: str

@@ -154,7 +154,7 @@ class Recording:
         return own[..., 0], own[..., 1]
 
     def sections(self, bar: str) -> tuple[Bar, Sections]:
-        """Return a bar by its name, and its sections' forces and moments at all instants."""
+        """Return a bar (Bar) by its name, and its Sections: forces and moments at all instants."""
 
         def read() -> tuple[Bar, Sections]:
             bar_data = bars_of(self.scene)[bar]
@@ -163,7 +163,8 @@ class Recording:
         return self.memoize(bar, read)
 
     def memoize(self, key: Hashable, find: Callable[[], Any]) -> Any:
-        """Return the result of find(), called without arguments at the first use of `key` alone."""
+        """Return the result of find(), which is called at the first use of `key` only and then
+        stored."""
         if key not in self._memo:
             self._memo[key] = find()
         return self._memo[key]

@@ -209,7 +209,8 @@ class Place:
         return self.names.problems
 
     def child(self, *keys: str) -> "Place":
-        """Return the place of a key below this one. keys: that key, after those on the way."""
+        """Return the place of a key below this one. keys: that key, behind those on the way to
+        it."""
         return replace(self, key=dotted(self.key, *keys))
 
     def refuse(self, node: Node, allowed: str) -> None:

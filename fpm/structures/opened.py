@@ -170,8 +170,8 @@ class FileRecord:
         return set().union(*map(self.files_of, self.data or ()))
 
     def adopt(self, record: "FileRecord") -> None:
-        """Note the files of another structure, which this one loads, as opened by it. record: its,
-        sealed."""
+        """Note the files of another structure, which this one loads, as opened by it. record: the
+        other's."""
         self._states_now |= {p: record._states[p] for p in record.files if p not in self.files}
 
     def hidden(self) -> list[str]:

@@ -68,8 +68,8 @@ def centre(scene: Scene) -> np.ndarray:
 
 
 def mobility(scene: Scene) -> Mobility:
-    """Return the numbers of a scene's rigid parts, constraints and degrees of freedom at the start,
-    by the rank of its constraints, with elastic bars as rigid. In a singular position, as of a
+    """Return how many rigid parts, constraints and degrees of freedom a scene has at the start, by
+    the rank of its constraints, with elastic bars as rigid. In a singular position, as of a
     mechanism folded flat, there are more freedoms than in the motion that follows."""
     rows, _ = jacobian(scene)
     rank, count = dependence(rows)[0], rows.shape[1]

@@ -67,9 +67,9 @@ def _of_cable(scene, cable: Cable) -> tuple[str, ...]:
 class Component(NamedTuple):
     """A named contribution to the virtual work of a travel, the slow motion of an opening. name:
     its name; elements: one that does the work, or several (an element at its least and largest
-    load), of which the least work counts; resists_as: its class in standards, as "S" for springs;
-    drags: whether it can only resist, as friction; baseline: element whose work is subtracted, or
-    None."""
+    load), of whose works the least is taken; resists_as: its class in standards, as "S" for
+    springs; drags: whether it can only resist, as friction; baseline: element whose work is
+    subtracted, or None."""
 
     name: str
     elements: tuple[ElementType, ...]

@@ -106,10 +106,10 @@ def length_at(part, j, soft, share):
 
 @kernel
 def slip(part, c, rest, excess, turn):
-    """Let cable c slip over its points by the law of friction: stores FREE_STRAIN of every stretch,
-    its strain if nothing slipped over the point at its end. part: arrays of all cables; rest:
-    unstrained length now (m); excess: length less unstrained length a step ago (m); turn: fraction
-    of the step after which the cable turns tight, if it was slack."""
+    """Let cable c slip over its points by the law of friction: stores in part.rubbed FREE_STRAIN of
+    every stretch, its strain if nothing slipped over the point at its end. part: arrays of all
+    cables; rest: unstrained length now (m); excess: length less unstrained length a step ago (m);
+    turn: fraction of the step after which the cable turns tight, if it was slack."""
     first, last = part.start[c], part.start[c + 1] - 1
     soft, rest_sum = 1.0 / load(part.cables, c, EA), 0.0 * rest
     for j in range(first + 1, last):

@@ -66,7 +66,7 @@ class Cables(NamedTuple):
 
 @kernel
 def lay(part, state, c):
-    """Measure cable c: stores directions and lengths (m) of its stretches as the particles stand,
+    """Measure cable c: stores directions and lengths (m) of its stretches now in part.stretches,
     and returns its whole length (m). part: arrays of all cables; state: of the particles."""
     first, last = part.start[c], part.start[c + 1] - 1
     total = 0.0 * load(part.cables, c, REST)
@@ -96,8 +96,9 @@ def unstrained_now(part, world, timing, c):
 
 @kernel
 def find_pull(part, world, timing, c):
-    """Store elongation (m) and tension (N) of cable c, which has one tension all along (no
-    friction). part: arrays of all cables; world: solver state; timing: times of this step (s)."""
+    """Store the elongation (m) of cable c in part.state, and its tension (N), one all along (no
+    friction), in part.stretches. part: arrays of all cables; world: solver state; timing: times of
+    this step (s)."""
     length = lay(part, world.state, c)
     store(part.state, c, LONGER_BEFORE, load(part.state, c, LONGER))
     store(part.state, c, UNSTRAINED_BEFORE, load(part.state, c, UNSTRAINED))

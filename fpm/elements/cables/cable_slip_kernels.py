@@ -103,9 +103,9 @@ def strain_before(part, j, strain):
 
 @kernel
 def find_alone(part, first, last, close):
-    """Store in FREE_STRAIN the strain that each stretch between the points `first` and `last` of a
-    cable would have if nothing slipped over the point at its end. part: arrays of all cables;
-    close: allowed rest of unstrained length (m)."""
+    """Store in part.rubbed (FREE_STRAIN) the strain that each stretch between the points `first`
+    and `last` of a cable would have if nothing slipped over the point at its end. part: arrays of
+    all cables; close: allowed rest of unstrained length (m)."""
     start, length = load(part.rubbed, first, START), load(part.stretches, first, LENGTH)
     tight = length - start
     strain, slope = positive(tight) / larger(start, 0.0 * start + TINY), length

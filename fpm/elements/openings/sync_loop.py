@@ -71,8 +71,8 @@ class SyncLoop(OnHinges):
 
     @property
     def tight(self) -> float:
-        """Slip (m, by which one strand is longer than without slip) at which the other turns
-        slack."""
+        """Slip (m, by which one strand is longer than at rest) at which the other turns slack; inf:
+        never."""
         return 2 * self.preload / self.stiffness if self.stiffness > 0 else np.inf
 
     @classmethod

@@ -201,8 +201,9 @@ class ElementType:
 
     @classmethod
     def topology_of(cls, scene: SceneData) -> Hashable:
-        """Return, as a hashable value, what of this type's elements in a scene must be equal in
-        scenes simulated side by side, in one batch; None: nothing, not even their number."""
+        """Return, as a hashable value, what of this type's elements in a scene, as their indices,
+        must be equal in scenes simulated side by side, in one batch; None: nothing, not even their
+        number."""
         return tuple(element.topology() for element in cls.of(scene))
 
     @classmethod

@@ -250,8 +250,8 @@ def check_finite(variables: Mapping[str, classic.NetcdfVariable]) -> None:
 
 def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike) -> None:
     """Write a trajectory (Contents or xarray.Dataset) to a sealed netCDF file at `path`, which
-    appears when it is complete. Its attribute `run_id`, if it has one, is its name in the seal.
-    Raises ValueError if a value is not finite; then no file is left."""
+    appears when it is complete. Its attribute `run_id`, if it has one, names it in the seal. Raises
+    ValueError if a value is not finite; then no file is left."""
     if not isinstance(trajectory, Contents):
         variables = {
             name: classic.NetcdfVariable(v.dims, v.values, v.attrs)

@@ -139,8 +139,9 @@ class Scene:
         self.kinds = {**self.kinds, Damping: [damping]}
 
     def add(self, element: ElementType) -> int:
-        """Add an element of any type; returns its index among the scene's elements of that type.
-        Raises SceneError if it does not fit into the scene, as by a wrong index."""
+        """Add an element of any type; returns its index among the scene's elements of that type (-1
+        for a Support, which is only applied). Raises SceneError if it does not fit into the scene,
+        as by a wrong index."""
         element.add_to(self)
         return len(self.kinds.get(type(element), [])) - 1
 

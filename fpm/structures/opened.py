@@ -129,8 +129,8 @@ class FileRecord:
 
     def check(self, values: Mapping[str, Any]) -> None:
         """Check all files that a build has opened, when it is done. values: its parameters' by
-        name, for messages. Raises SceneError for a file not in the sealed record, ChangedError if
-        one changed."""
+        name, for messages. Raises SceneError for a file not in the sealed record, or where the
+        build may have read files unseen and there is no DATA; ChangedError if one changed."""
         paths, self._states_now = {*self._states_now, *self._data_files()}, {}
         if self.unseen and self.data is None:
             raise SceneError(f"{self.path.name} at {dict(values)}", self.unseen, DATA_HINT)

@@ -69,10 +69,11 @@ class Cable(ElementType):
     @staticmethod
     def create(scene, name, points, stiffness, rest, preload, reel, curve, friction) -> "Cable":
         """Return a cable through points of a scene, as placed now; the caller adds it to the scene.
-        name: no other cable's; points: pairs of a particle's index and a position (3,) m;
-        stiffness: EA (N); rest: unstrained length before reeling (m), or preload: tension at the
-        start (N), the other one None; reel: length (m) that a winch takes in, times the curve of
-        index `curve` (-1: none); friction: coefficient or None. SceneError if they do not fit."""
+        name: no other cable's; points: pairs of a particle's index and a position (3,) m, None: its
+        own; stiffness: EA (N); rest: unstrained length before reeling (m), or preload: tension at
+        the start (N), the other one None; reel: length (m) that a winch takes in, times the curve
+        of index `curve` (-1: none); friction: coefficient or None. SceneError if they do not
+        fit."""
         count = len(scene.position)
         particles = [particle for particle, _ in points]
         if len(points) < 2 or not all(0 <= p < count for p in particles):

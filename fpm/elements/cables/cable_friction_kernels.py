@@ -182,7 +182,8 @@ def forces(part, world, timing):
 @kernel
 def gain(part, j, soft):
     """Return the energy (J/m) that a metre of unstrained cable brings into stretch j when it slips
-    there, as a mean over the step that ends now. part: arrays of all cables; soft: 1/EA (1/N)."""
+    there, as a mean of its values at the start and end of the step that ends now. part: arrays of
+    all cables; soft: 1/EA (1/N)."""
     tension, last = load(part.rubbed, j, TENSION), load(part.rubbed, j, TENSION_BEFORE)
     return 0.5 * (tension + last) + 0.25 * soft * (tension * tension + last * last)
 

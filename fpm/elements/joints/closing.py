@@ -139,9 +139,10 @@ def watch(part, gap2, tilt2):
 
 
 def report_gaps(arrays, find):
-    """Register the hooks `record` and `list_excess`, which report gaps, for a type `arrays` of
-    kernel arrays (Hinges, Joints or a subclass). find(part, state, i): returns two squares for
-    element i: of the distance of its points (m²), and of the sine of the angle between its axes."""
+    """Register the hooks `record` (of the largest gap and tilt) and `list_excess` (of how far each
+    gapes) for a type `arrays` of kernel arrays (Hinges, Joints or a subclass). find(part, state,
+    i): kernel that returns two squares for element i: of the distance of its points (m²), and of
+    the sine of the angle between its axes."""
 
     @hook(arrays)
     def record(part, world, row):

@@ -58,7 +58,7 @@ class JointBase(ElementType):
 
     @property
     def particles(self) -> tuple[int, ...]:
-        """Indices of the particles that the joint keeps together, (1,) or (2,)."""
+        """Indices of the particles that the joint joins, (2,); (1,) if it holds one in place."""
         return tuple(beam.particle for beam in self.beams)
 
     @property

@@ -251,8 +251,9 @@ def pair_sum(b, h, field):
 
 @kernel
 def prepare_matrices(part):
-    """Build and factorise, for the step, the matrix by which impulses at each hinge change its gap
-    rates; stored in part.hinge_scratch. part: arrays of all hinges, after `prepare_bodies`."""
+    """Build and factorise, for the step, the matrix (5 by 5) of each hinge, by which impulses there
+    change the rates of its gap and tilts; stored in part.hinge_scratch. part: arrays of all hinges,
+    after `prepare_bodies`."""
     b, w = part.body_scratch, part.hinge_scratch
     for h in range(w.shape[0]):
         row1, row2 = 2 * h, 2 * h + 1

@@ -37,9 +37,10 @@ CHANGES = 5
 class RigidFrictions(NamedTuple):
     """Arrays of f frictions that stick exactly. on (f,): index of the hinge; turn (f,): row of its
     condition in turns.state; numbers (f, 1, lanes): friction moment (N m); openings, turns: arrays
-    of all openings, and of those held exactly; past (f, HISTORY, lanes): rates (rad/s) of the last
-    two steps; state (f, STATE, lanes): moment held and its work, direction of slip, brake moment,
-    changes left in this step; account: index of the loss in World.accounts."""
+    of all openings, and of those held exactly; past (f, 2, lanes): rates (rad/s) of the last two
+    steps; state (f, 6, lanes): moment held (N m), its work due (J), sign of the slip's rate, brake
+    moment now and before the joints were solved (N m), changes left in this step; account: index of
+    the loss in World.accounts."""
 
     on: np.ndarray
     turn: np.ndarray

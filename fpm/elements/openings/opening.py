@@ -210,9 +210,9 @@ def on_hinge(words: str = "hinge of {called}", types: tuple[str, ...] = ()) -> A
 
 def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
     """Split recorded series (t, k) of k elements on hinges into those on hinges that turn and those
-    on slides. series: by variable name, in units of hinges; hinges, labels: hinge and name of each
-    element. Returns all by name; for those on slides, names begin with "slide_", names and words
-    have force for moment, and units are those of slides."""
+    on slides. series: by variable name, in units of hinges; hinges, labels: Hinge and name of each
+    element. Returns all that have elements, by name; for those on slides, names begin with
+    "slide_", names and words have force for moment, and units are those of slides."""
     result = {}
     slides = np.array([hinge.slides for hinge in hinges], bool)
     for columns, prefix in ((~slides, ""), (slides, "slide_")):

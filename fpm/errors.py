@@ -39,9 +39,10 @@ class InstabilityError(RuntimeError):
     Attributes: `time` (s) of the first check that failed; `element`, name of the element with the
     most energy, the first non-finite one, or the one to blame; `step` (s) used; `limit` (s), stable
     step of the scene at its start; `balance` (J), the error of the energy balance; `scale` (J),
-    largest energy held; `cause`, name of the watched quantity that is too large (None: the balance
-    broke); `largest`, values of all watched quantities by name; `words`, cause and remedy in words,
-    by the cause; `remedy` of the element where its type knows one."""
+    largest energy so far; `cause`, name of the watched quantity that is too large (None: the
+    balance broke); `largest`, values of all watched quantities by name; `words`, two texts, cause
+    and remedy (None without a cause); `remedy`, of the type of `element` where the balance broke
+    ("": it knows none)."""
 
     def __init__(
         self, time, element, step, limit, balance, scale, cause=None, largest=None, words=None,
@@ -83,7 +84,8 @@ class InstabilityError(RuntimeError):
 
 def did_you_mean(name: str, names: Iterable[str]) -> str:
     """Return a hint to end the message about an unknown name: " (did you mean x?)" with the closest
-    of `names`, those allowed, or what punctuation is missing, as a colon; "" without a guess."""
+    of `names`, those allowed; or, in parentheses too, that a number has no comma, a colon or space
+    is missing, or what a former name is now; "" without a guess."""
     names = list(names)
     head, sign, value = re.match(r"(\w*)([ :]?)(.*)", name, re.DOTALL).groups()
     if name[:1].isdigit():
@@ -149,9 +151,10 @@ _FOREIGN = {
 
 
 def number_hint(text: str, with_unit: bool = True) -> str:
-    """Return a hint for the message about a text that is no number, but a percentage, a decimal
-    comma, a power with `^` or a foreign unit: " (did you mean x?)"; else "". with_unit: whether the
-    number may have a unit."""
+    """Return a hint for the message about a text that is no number allowed there: " (did you mean
+    x?)" for a percentage, a decimal comma, a power with `^` or a unit of other programs; " (a
+    number alone, ...)" for a unit where none may be; else "". with_unit: whether the number may
+    have a unit."""
     comma = re.sub(r"^([-+]?\d+),(\d+)", r"\1.\2", text.strip())
     match = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", comma)
     number, unit = (float(match[1]), (match[2] or "").replace("^", "")) if match else (0.0, "")

@@ -322,12 +322,13 @@ def linearised(
     """Set up the linear equations of a Newton step; returns a function solve(forces, lacks) and the
     gradient (6n,) of the strain energy and of conditions times impulses.
 
-    solve: takes forces (6n,), N and N m, and lacks (c,), residuals times `weight`; returns the
-    motion (6n,), lengths as fractions of the size, and the change (c,) of the impulses. scene: for
-    masses; poses: of all particles; conditions: c of them (Conditions); elastic: Elastic or
-    Unstressed; impulses (c,): of the conditions; scales (6n,): size (m), 1 for turns; free: indices
-    of degrees of freedom that are not held; weight (c,): factors on the conditions; ease: how much
-    masses hold motions back, times the largest (N m), None: `share` of the largest stiffness."""
+    solve: takes forces (6n,), N and N m, and lacks (c,), what the conditions shall change by (minus
+    residuals times `weight`); returns the motion (6n,), lengths as fractions of the size, and the
+    change (c,) of the impulses, all NaN where the matrix is singular. scene: for masses; poses: of
+    all particles; conditions: c of them (Conditions); elastic: Elastic or Unstressed; impulses
+    (c,): of the conditions; scales (6n,): size (m), 1 for turns; free: indices of degrees of
+    freedom that are not held; weight (c,): factors on the conditions; ease: how much masses hold
+    motions back, times the largest (N m), None: `share` of the largest stiffness."""
     from scipy.sparse import bmat, identity
     from scipy.sparse.linalg import splu
 

@@ -24,8 +24,8 @@ class ParticlePoses(NamedTuple):
     frame: np.ndarray
 
     def displace(self, step: np.ndarray) -> "ParticlePoses":
-        """Return these poses moved by step (6n,): of each particle a shift (m), then a rotation
-        vector (rad), both in global axes."""
+        """Return new poses: these, moved by step (6n,): of each particle a shift (m), then a
+        rotation vector (rad), both in global axes."""
         from scipy.spatial.transform import Rotation
 
         shift, turn = step.reshape(-1, 2, 3).transpose(1, 0, 2)
@@ -80,7 +80,8 @@ SMALLEST = 1e-9
 
 def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
     """Find which of c conditions with derivatives rows (c, f) depend on others. Returns their rank,
-    and the share (c,) of each in combinations whose derivatives vanish, 0: independent."""
+    and for each (c,) how large, 0 to 1, its factor is in combinations of conditions whose
+    derivatives vanish; 0: it depends on none."""
     if not rows.size:
         return 0, np.zeros(len(rows))
     vectors, sizes, _ = np.linalg.svd(rows)
@@ -128,8 +129,9 @@ class Conditions(NamedTuple):
         return self._residuals(*self._ends(poses))[:, 0]
 
     def worst(self, gaps: np.ndarray) -> tuple[str, float, float]:
-        """Return the name of the joint with the largest residual, its gap (m), and its tilt: the
-        root of its summed squares of cosines (rad if small). gaps (c,): of Conditions.gaps."""
+        """Return the name of the joint with the largest residual ("none" without joints), its gap
+        (m), and its tilt (rad if small), roots of the summed squares of its gaps and of its
+        cosines. gaps (c,): of Conditions.gaps."""
         gap: dict[str, float] = {}
         tilt: dict[str, float] = {}
         for name, axis_type, residual in zip(self.joint, self.axis_types, gaps, strict=True):
@@ -146,8 +148,8 @@ class Conditions(NamedTuple):
         return self.jacobian(poses), sparse_matrix(blocks, self.pairs, len(poses.position))
 
     def jacobian(self, poses: ParticlePoses):
-        """Return sparse derivatives (c, 6n) of all conditions by motions (m, rad) of all particles
-        at poses."""
+        """Return sparse derivatives (c, 6n) of all conditions by motions (m, rad) of particles at
+        poses."""
         from scipy.sparse import coo_array
 
         rows = self._rows(*self._ends(poses))

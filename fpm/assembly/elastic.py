@@ -11,7 +11,7 @@ from fpm.elements.bars.beam import Beams, elements_of, end_axes
 class Shape(NamedTuple):
     """Deformed shape of e beam elements. chord (e, 3): unit vector from end a to end b; length
     (e,): of it (m); axes (e, 4, 3): a₂, a₃, b₂, b₃, transverse axes of the ends; sines (e, 4): of
-    the small angles of the ends against the chord, products of axes and chord; twist (e,): rad."""
+    the small angles between them and the chord; twist (e,): its sine."""
 
     chord: np.ndarray
     length: np.ndarray
@@ -23,7 +23,8 @@ class Shape(NamedTuple):
 class Elastic(NamedTuple):
     """The beam elements of a scene. nodes (e, 2): indices of particles; stiffness (e, 5): length at
     rest (m), axial (N/m), bending in both planes and torsion (N m); axes (e, 4, 3): 2 and 3 of
-    either end, in its frame; half (e, 2): half the height of the section in both planes (m)."""
+    either end, in its frame; half (e, 2): half width and height (m) of the rectangle with the
+    section's radii of gyration."""
 
     nodes: np.ndarray
     stiffness: np.ndarray
@@ -43,7 +44,7 @@ class Elastic(NamedTuple):
 
     def largest(self, poses: ParticlePoses) -> tuple[float, float]:
         """Return two largest values over all elements at poses of all particles: of a bend (sine of
-        an end's angle) or twist (rad), and of the strain at a surface."""
+        an end's angle) or twist (sine), and of the strain at a surface."""
         shape = self._shape(*self._ends(poses))
         turns = shape.sines + shape.sines**3 / 6
         rest = self.stiffness[:, :1]
@@ -115,15 +116,14 @@ class Elastic(NamedTuple):
 
 
 class Unstressed(NamedTuple):
-    """Beam elements with the Hessian of Gauss and Newton's method, which is nowhere negative. bars:
-    the elements."""
+    """Beam elements with Gauss and Newton's Hessian, which is nowhere negative. bars: the
+    elements."""
 
     bars: Elastic
 
     def derivatives(self, poses: ParticlePoses):
         """Return the gradient (6n,), N and N m, and the sparse Hessian (6n, 6n) of the strain
-        energy by the motions (m, rad) of all n particles at poses, without what stress adds to
-        it."""
+        energy by motions (m, rad) of all n particles at poses, without what stress adds."""
         ends = self.bars._ends(poses)
         gradient, _ = self.bars.derivatives(poses)
         rows = slopes(self.bars._modes, *ends)
@@ -132,7 +132,7 @@ class Unstressed(NamedTuple):
 
 
 def elastic_of(scene) -> Elastic:
-    """Return all beam elements of a scene in the form in which its assembly needs them."""
+    """Return all beam elements of a scene in the form in which `assemble` needs them (Elastic)."""
     nodes, _, half = elements_of(scene.beams)
     if not len(nodes):
         return Elastic(nodes, np.zeros((0, 5)), np.zeros((0, 4, 3)), half)

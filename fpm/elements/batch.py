@@ -117,8 +117,7 @@ class Batch:
 
     def stack(self, rows: int, columns: int, function: Callable[[SceneData], object]) -> np.ndarray:
         """Return an array (rows, columns, lanes) of numbers that differ from scene to scene.
-        function(scene): returns those of one scene, (rows, columns); further lanes repeat the
-        last."""
+        function(scene): returns those of one, (rows, columns); further lanes repeat the last."""
         array = self.blank(rows, columns)
         if rows:
             for s in range(self.width):
@@ -169,8 +168,7 @@ class Batch:
 
     def watched_by(self, kind: type) -> np.ndarray:
         """Return a view (1, criteria, lanes) of World.watched: largest values so far of the
-        quantities by which runs with the element type `kind` may fail (its `watches`). Kernels
-        write to it."""
+        quantities by which runs with element type `kind` may fail. Kernels write to it."""
         return self._watched[:, self.watches.of[kind]]
 
     def rows_of(self, kind: type) -> np.ndarray:

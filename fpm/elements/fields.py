@@ -46,8 +46,8 @@ class Number(FieldSpec):
     zero: bool = True
 
     def allows(self, value: float) -> bool:
-        """Return whether one number, `value`, is within the bounds of this field, and finite if it
-        must be."""
+        """Return whether a number `value` is within the bounds of this field, and finite if it must
+        be."""
         low = self.least is not None and not value >= self.least
         low = low or (self.above is not None and not value > self.above)
         return not low and not math.isnan(value) and (math.isfinite(value) or not self.finite)
@@ -89,9 +89,9 @@ def number(
     unit: str = "", least=None, above=None, *, default=MISSING, is_shown=True, **keys
 ) -> Any:
     """Declare a dataclass field of an element that holds one or more numbers. unit: as "N m";
-    least, above: lower bound, itself allowed (least) or not (above); default: MISSING where a value
-    must be given; is_shown: whether descriptions say a single number; keys: further attributes of
-    its spec `Number` (count, finite, zero, same, words, text)."""
+    least, above: lower bound, itself allowed (least) or not (above), None: none; default: MISSING
+    where a value must be given; is_shown: whether descriptions say a single number; keys: further
+    attributes of its spec `Number` (count, finite, zero, same, words, text)."""
     keys |= {"is_shown": is_shown and keys.get("count", 1) == 1, "optional": default is None}
     return _field(Number(unit=unit, least=least, above=above, **keys), default)
 

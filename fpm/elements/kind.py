@@ -51,9 +51,9 @@ class Watch(NamedTuple):
 class Series(NamedTuple):
     """A recorded series of one sample, for a trajectory file. values: (t,) over t instants, or (t,
     k) for k labelled elements, in `unit` (as "N m"); long_name: what it is, in words; dimension,
-    labels: name of the dimension of the k columns, and the name of each; time_dim: name of the
-    dimension of t; code: digest of the code that computed it, kept with it where a change of that
-    code does not rename the run, "": none."""
+    labels: name of the dimension of the k columns (None: values are (t,)), and the name of each;
+    time_dim: name of the dimension of t; code: digest of the code that computed it, kept with it
+    where a change of that code does not rename the run, "": none."""
 
     values: np.ndarray
     unit: str
@@ -201,15 +201,16 @@ class ElementType:
 
     @classmethod
     def topology_of(cls, scene: SceneData) -> Hashable:
-        """Return, as a hashable value, what of this type's elements in a scene must be equal in
-        scenes simulated side by side, in one batch; None: nothing, not even their number."""
+        """Return, as a hashable value, what of this type's elements in a scene, as their indices,
+        must be equal in scenes simulated side by side, in one batch; None: nothing, not even their
+        number."""
         return tuple(element.topology() for element in cls.of(scene))
 
     @classmethod
     def names(cls, scene: SceneData) -> list[str]:
         """Return the names of the type's elements in a scene, for messages: one for each row in
-        which kernels note who fails; by default the type's word and a number. A group has
-        several."""
+        which kernels note who fails; by default the type's word and a number. An object that stands
+        for several elements, as a group of beams, has several names."""
         return [f"{cls.called or cls.__name__} {i}" for i in range(len(cls.of(scene)))]
 
     @classmethod
@@ -261,7 +262,8 @@ class ElementType:
         the field: "numbers": constants of each element, in the order of NUMBERS in the kernels'
         module; "state": zeros, STATE for each element; "track": zeros, TRACK for each at every
         instant; "account": index in World.accounts of the work that it gives, else of the energy
-        that it takes out; those in SHARED; any other: the elements' own field of that name, as
+        that it takes out; "rows", "log", "watched", "given", "taken": what Batch.rows_of, log_of,
+        watched_by, given_by, taken_by return; any other: the elements' own field of that name, as
         whole numbers. batch: the scenes that are simulated side by side."""
         elements = cls.of(batch.scene)
         match name:
@@ -281,16 +283,16 @@ class ElementType:
 
     @classmethod
     def held_up(cls, scene: SceneData) -> float:
-        """Return a force (N) that joints of the scene may bear at rest because of this type's
-        elements. With it the program estimates how much work rounding errors do, and so how exactly
-        the energy can balance."""
+        """Return the sum (N), over this type's elements in a scene, of the forces that joints may
+        have to bear at rest because of them; by default 0. With it the program estimates how much
+        work rounding errors do, and so how exactly the energy can balance."""
         return 0.0
 
     @classmethod
     def held_round(cls, scene: SceneData) -> float:
-        """Return a moment (N m) that exactly held openings may bear at rest because of this type's
-        elements. With it the program estimates how much work rounding errors do, and so how exactly
-        the energy can balance."""
+        """Return the sum (N m), over this type's elements in a scene, of the moments that exactly
+        held openings may have to bear at rest because of them; by default 0. With it the program
+        estimates how much work rounding errors do, and so how exactly the energy can balance."""
         return 0.0
 
     @classmethod

@@ -30,7 +30,8 @@ def write(
 ) -> None:
     """Write a netCDF file in the classic format. path: of the file; attributes: global ones, text
     or numbers, by name; variables: by name. Text takes one more dimension, `<name>_width`, as
-    characters; variables without values are left out, as the format has no empty dimensions."""
+    characters; variables without values are left out, as the format has no empty dimensions.
+    ValueError for whole numbers of more than 32 bits."""
     from scipy.io import netcdf_file
 
     with netcdf_file(path, "w", version=2) as file:
@@ -51,8 +52,8 @@ def read(
     path: str | os.PathLike, content: bytes | None = None
 ) -> tuple[dict[str, Any], dict[str, NetcdfVariable]]:
     """Return the global attributes and the variables of the classic netCDF file at `path`, by name,
-    text as characters. content: the file's bytes, if read before. Raises OSError if the file is not
-    in this format, or not whole."""
+    text as characters. content: the file's bytes, None: they are read. Raises OSError if the file
+    is not in this format, or not whole."""
     from scipy.io import netcdf_file
 
     try:

@@ -49,7 +49,8 @@ class Outcome(Curves):
     energy_kinds: names and texts (Energy) of the `energies`, in their order.
     recorded: further series (Series) by name, of what element types record, as "cable_tension".
     steps: number of time steps.
-    limit: the scene's stable step (StableStep); None if the run was given its step.
+    limit: the scene's stable step (StableStep); None if the run was given its step and did not
+        fail.
     failure: None, the InstabilityError of a run whose numbers mean nothing, or the SceneError of an
         opening moved slowly (fpm/travel) that finds no balance.
     largest: largest values of the failure criteria by name (`bend`, the largest sine of the angle
@@ -72,14 +73,17 @@ class Outcome(Curves):
 
     @property
     def gap(self) -> np.ndarray:
-        """Largest constraint error in position (t,), m, of all hinges at the recorded instants: the
-        distance of the two particles' points, or of the point to where it is held."""
+        """Largest constraint error in position (t,), m, at the recorded instants, of the hinges
+        that are solved alone (`are_alone`), 0 without any: the distance of the two particles'
+        points, or of the point to where it is held. That of all other joints:
+        `recorded["joint_gap"]`."""
         return self._recorded_or_zero("hinge_gap")
 
     @property
     def axis_gap(self) -> np.ndarray:
-        """Largest constraint error in axes (t,) of all hinges at the recorded instants: the sine of
-        the angle between the axes that a hinge has on its two particles."""
+        """Largest constraint error in axes (t,) at the recorded instants, of the hinges that are
+        solved alone, 0 without any: the sine of the angle between the axes that a hinge has on its
+        two particles. That of all other joints: `recorded["joint_axis_gap"]`."""
         return self._recorded_or_zero("hinge_axis_gap")
 
     def _recorded_or_zero(self, name: str) -> np.ndarray:

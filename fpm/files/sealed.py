@@ -40,9 +40,9 @@ class DamagedError(OSError):
 
 
 def seal(path: str | os.PathLike, facts: Mapping[str, str]) -> None:
-    """Append a seal to the complete file at `path`: a line of JSON with the file's digest and
-    facts. facts: text by key: `name` (what the file is) and whatever else its readers need. A JSON
-    file must be an object over several lines."""
+    """Append a seal to the complete file at `path` (in JSON: insert it as the first key): a line of
+    JSON with the file's digest and facts. facts: text by key: `name` (what the file is) and
+    whatever else its readers need. A JSON file must be an object over several lines."""
     path = Path(path)
     if path.suffix == ".json":
         content = read_bytes(path)
@@ -109,8 +109,8 @@ def unsealed(path: str | os.PathLike) -> bytes:
 
 def check_content(path: str | os.PathLike, content: bytes, name: str | None = None) -> dict:
     """Check a sealed file by all its bytes, `content`; returns the facts in its seal, text by key.
-    path: its ending tells the format; name: what it must be, None: anything. Raises
-    DamagedError."""
+    path: its ending tells the format; name: what it must be (the fact `name`), None: anything.
+    Raises DamagedError if it is another, or not as it was written."""
     facts, rest = _split(path, content)
     _compare(path, facts, hashlib.sha256(rest), name)
     return facts

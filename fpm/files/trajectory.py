@@ -38,8 +38,8 @@ IMPACTS = {"closes": "opens", "hits": "leaves", "latches": "latches"}
 
 
 class Contents(NamedTuple):
-    """Contents of a trajectory file before it is written. attributes: global ones by name;
-    variables: by name."""
+    """Contents of a trajectory file to be written. attributes: global ones, variables: both by
+    name."""
 
     attributes: dict[str, Any]
     variables: dict[str, classic.NetcdfVariable]
@@ -59,9 +59,9 @@ class Curves:
     """Curves and events of one run, off which responses and quantities are read. time (t,):
     instants (s); points: (position (t, 3) m, velocity (t, 3) m/s) by name; energies: (t,) J by
     name; columns: further values (t,) by (variable, label); events (e, 3): time (s), index into
-    `eventful`, number of the event; eventful: elements that have events; events_dropped: number of
-    events that were not kept; step: time step (s); codes: of variables that were recorded on
-    request and read from a file, digest of the code that computed each."""
+    `eventful`, index among that element's `events`; eventful: elements that have events;
+    events_dropped: number of events that were not kept; step: time step (s); codes: of variables
+    that were recorded on request and read from a file, digest of the code that computed each."""
 
     time: np.ndarray
     points: dict[str, tuple[np.ndarray, np.ndarray]]
@@ -250,8 +250,8 @@ def check_finite(variables: Mapping[str, classic.NetcdfVariable]) -> None:
 
 def write(trajectory: "Contents | xarray.Dataset", path: str | os.PathLike) -> None:
     """Write a trajectory (Contents or xarray.Dataset) to a sealed netCDF file at `path`, which
-    appears when it is complete. Its attribute `run_id`, if it has one, is its name in the seal.
-    Raises ValueError if a value is not finite; then no file is left."""
+    appears when it is complete. Its attribute `run_id`, if it has one, names it in the seal. Raises
+    ValueError if a value is not finite; then no file is left."""
     if not isinstance(trajectory, Contents):
         variables = {
             name: classic.NetcdfVariable(v.dims, v.values, v.attrs)

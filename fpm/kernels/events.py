@@ -6,9 +6,9 @@ from fpm.kernels.vectors import kernel
 
 @kernel
 def note(log, lane, time, element, event):
-    """Write an event into a log; it counts even where the log is full. log: that of the element's
-    type (Log); lane: index of the sample; time (s); element: index among the type's elements;
-    event: index in ElementType.events, the names of the type's events."""
+    """Write an event into a log; where the log is full, it is only counted. log: that of the
+    element's type (Log); lane: index of the sample; time (s); element: index among the type's
+    elements; event: index in ElementType.events, the names of the type's events."""
     n = log.count[lane]
     log.count[lane] = n + 1
     if n < log.events.shape[0]:

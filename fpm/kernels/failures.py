@@ -13,7 +13,7 @@ UNBALANCED = -1
 def find_failures(parts, world, record, row, n, tolerance):
     """Mark in `record` the samples that fail at step n; returns whether none is left running. A
     sample fails when its energy balance is off by more than `tolerance` times the largest energy it
-    has held so far, when a number is not finite, or when a watched quantity is above its limit.
+    has had so far, when a number is not finite, or when a watched quantity is above its limit.
     parts: arrays of each element type; world: solver state (World); record: of the run (Record);
     row: index of this step's energies in it; n: number of steps done."""
     running = 0
@@ -46,11 +46,12 @@ def find_failures(parts, world, record, row, n, tolerance):
 
 @kernel
 def worst_row(parts, world, cause, s):
-    """Return the row in World.rows of the element to blame for the failure of sample s (its lane):
-    the first whose measure is not finite, else the one with the largest; -1: none. cause:
-    UNBALANCED, where the measure is the energy, of elements of all types; or the index of a watched
-    quantity, the measure then. parts: arrays of each element type; world: solver state, rows
-    changed."""
+    """Return the index in World.rows, which has one number for each element, of the element to
+    blame for the failure of sample s (its lane): the first whose number is not finite, else the one
+    with the largest; -1: none. cause: UNBALANCED, then the numbers are the stored energies (J) of
+    elements of all types; or index of a watched quantity, then what `list_excess` stores for the
+    elements of the type that watches it. parts: arrays of each element type; world: solver state,
+    rows overwritten."""
     rows = world.rows
     for e in range(rows.shape[0]):
         store(rows, e, 0, -1.0)

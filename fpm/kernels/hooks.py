@@ -195,8 +195,7 @@ def stored(parts, world, energies, row):
 @_unrolled()
 def work_of_place(parts, world, energies, row):
     """Add work (J) that depends on positions only, as of weight, to recorded energies. parts:
-    arrays of each type; world: solver state; energies: Record.energies; row: index of the
-    instant."""
+    arrays of each type; world: solver state; energies: Record.energies; row: the instant's."""
 
 
 @_unrolled()

@@ -34,7 +34,8 @@ class _Inlined(JITCodeLibrary):
 
 class InlinedCompiler(Compiler):
     """numba's compiler for kernels, functions that become part of their callers and are never
-    called from Python: no machine code is made of them alone."""
+    called from Python: no machine code is made of them alone. typing, target, library, rest: as
+    numba passes them; library is replaced."""
 
     def __init__(self, typing: BaseContext, target, library, *rest):
         super().__init__(typing, target, _Inlined(target.codegen(), "inlined"), *rest)

@@ -21,8 +21,7 @@ class Reference(types.Type):
         super().__init__(name=f"Reference({tuple_type})")
 
     def field(self, name: str) -> types.Type:
-        """Return the numba type of the field `name`; of a named tuple, that of a reference to
-        it."""
+        """Return the numba type of the field `name`; of a named tuple, that of its reference."""
         field_type = self.tuple_type[self.tuple_type.fields.index(name)]
         return Reference(field_type) if isinstance(field_type, types.BaseNamedTuple) else field_type
 

@@ -147,17 +147,19 @@ MECHANICS = Imported(PACKAGE)
 
 
 def mechanics() -> str:
-    """Return a digest of all files of the package fpm that can change what every run records."""
+    """Return a digest (16 hex digits) of all files of fpm that can change what every run
+    records."""
     return MECHANICS.digest(exclude=READ + DISPLAY)
 
 
 def reading() -> str:
-    """Return a digest of the files of the package fpm that read numbers off a run (READ)."""
+    """Return a digest (16 hex digits) of the files of fpm that read numbers off a run (READ)."""
     return MECHANICS.digest(include=READ)
 
 
 def kernels() -> str:
-    """Return a digest of the files of fpm that are compiled: its folders elements and kernels."""
+    """Return a digest (16 hex digits) of the files of fpm that are compiled: elements and
+    kernels."""
     return MECHANICS.digest(include=("elements", "kernels"))
 
 
@@ -191,8 +193,8 @@ def digests(path: Path) -> dict[Path, str]:
 
 
 def file_of(definition: Callable) -> Path:
-    """Return the file in which a function or class, `definition`, was written; SceneError if it was
-    typed in."""
+    """Return the file that a function or class, `definition`, was written in; SceneError if typed
+    in."""
     try:
         return Path(inspect.getfile(inspect.unwrap(definition))).resolve()
     except (OSError, TypeError):

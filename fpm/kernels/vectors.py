@@ -146,8 +146,7 @@ def put3(a, i, k, v):
 
 @kernel
 def get6(a, i, k):
-    """Return the six lanes in fields k to k+5 of row i of an array a (rows, fields, lanes), as a
-    tuple."""
+    """Return a tuple of six lanes, fields k to k+5 of row i of an array a (rows, fields, lanes)."""
     return (
         load(a, i, k),
         load(a, i, k + 1),

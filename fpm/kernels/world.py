@@ -22,15 +22,17 @@ class World(NamedTuple):
     """State of the solver: n particles (position, axes, momenta, forces), curves, and what element
     types share.
 
-    state (n, STATE, lanes): particles now; start_state: at the start of a recorded step; particles
-    (n, PARTICLE, lanes): constants; free: indices of particles that no type moves itself;
-    curve_start: first point of each curve; curve_time (s), curve_value: of all curves' points;
-    point_on, point_arm: particles and arms (m) of named points; accounts (1, a, lanes): energy
-    given by the first `givers`, taken by the others (J); sums: for the balance. Of quantities that
-    types watch: watched: largest values so far; most: limits; unconditional: whether one is the
-    cause of a failure even where the energy does not balance; watch_rows: first and end of its
-    elements in `rows`. size: of the scene (m); rows (e, 1, lanes): how bad each element is, after a
-    failure; undecided: 1 where impulses have to be found again."""
+    state (n, 21, lanes): particles now (position, axes 2 and 3, velocity, angular momentum, force,
+    moment); start_state: at the start of a recorded step; particles (n, 9, lanes): constants
+    (inverse mass and inertias, mass, effects of the step's kick); free: indices of particles that
+    no type moves itself; curve_start: first point of each curve; curve_time (s), curve_value: of
+    all curves' points; point_on, point_arm: particles and arms (m) of named points; accounts (1, a,
+    lanes): energy given by the first `givers`, taken by the others (J); sums: for the balance. Of
+    quantities that types watch: watched: largest values so far; most: limits; unconditional:
+    whether one is the cause of a failure even where the energy does not balance; watch_rows: first
+    and end of its elements in `rows`. size: of the scene (m); rows (e, 1, lanes): of each element,
+    once a run has failed, its energy (J) or watched quantity; undecided: 1 where impulses have to
+    be found again."""
 
     state: np.ndarray  # (n, STATE, lanes)
     start_state: np.ndarray  # (n, STATE, lanes) the state at the start of a step that is recorded

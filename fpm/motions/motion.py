@@ -39,7 +39,7 @@ def whole_motion(
     extra_variables: Callable[[int, Outcome], Mapping] = lambda number, outcome: {},
 ) -> list:
     """Simulate scenes that differ in numbers only and return the motion of all particles, an
-    xarray.Dataset for each: positions (m), frames, velocities (m/s), strains and stresses.
+    xarray.Dataset for each: positions (m), own axes, velocities (m/s), strains and stresses (Pa).
 
     Parameters
     ----------
@@ -48,8 +48,8 @@ def whole_motion(
     frames: number of recorded instants that are returned, evenly spread.
     times: further times (s), of which the nearest instants are returned as well.
     energy_tolerance: error of the energy balance at which a run fails (fraction).
-    record: columns (variable, label) to record, as `simulate` takes them; the motion is, bit for
-        bit, that of a run with these arguments.
+    record: columns (variable, label) to record, as `simulate` takes them, for the Outcome that
+        extra_variables takes; the datasets do not have them.
     attributes: further global attributes by name, for each scene's dataset.
     extra_variables: called with the number of a scene (from 0) and its Outcome, returns further
         variables by name for its dataset.
@@ -99,7 +99,8 @@ def element_strains(
     and the largest of bending at the surface (t, m), at least 0. position (t, n, 3) m and frame (t,
     n, 3, 3), axes as columns: of its n particles. The moments at an element's ends are the gradient
     of its energy (elements/bars/beam.py), 2 EI/l0 (2 th_a + th_b) and its mirror image; the larger
-    end counts, at the corner of a rectangle with the section's area and second moments."""
+    of both is taken, at the corner of the rectangle with the section's radii of gyration
+    (`elements_of`)."""
     if not scene.beams:
         return np.zeros((len(position), 0)), np.zeros((len(position), 0))
     _, length, half = elements_of(scene.beams)
@@ -117,8 +118,8 @@ def element_strains(
 def section_corners(scene: Scene) -> np.ndarray:
     """Return the corners (m, 2, 4, 3), m, of the sections at both ends of a scene's m beam
     elements, from the end's particle in its own axes, to draw them: of the rectangle with the
-    section's area and second moments. Ends of bars whose hinge has a contact are cut along the
-    contact's face, as mitred bars are."""
+    section's radii of gyration (`elements_of`). Ends of bars whose hinge has a contact are cut
+    along the contact's face, as mitred bars are."""
     if not scene.beams:
         return np.zeros((0, 2, 4, 3))
     nodes, _, half = elements_of(scene.beams)

@@ -54,8 +54,7 @@ def shapes_of(scene: Scene, corners: np.ndarray) -> Shapes:
     """Return the shapes to draw of a scene. corners (m, 2, 4, 3): of the sections at both ends of
     its m beam elements, from the end's particle in its own axes, m (`section_corners`). A rigid
     body is a particle that is on no bar, and free to move in some way or named as a body. It is
-    drawn as the box of its mass and principal inertias: edges a, b, c with b² + c² = 12 I/m
-    and so on."""
+    drawn as the box of its mass and principal inertias: edges a, b, c with b² + c² = 12 I/m etc."""
     nodes, length, half = elements_of(scene.beams)
     names = [f"{b.name}[{i}]" for b in scene.beams for i in range(len(b.length))]
     free = np.flatnonzero(~scene.fixed.all(axis=1))

@@ -124,9 +124,8 @@ def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
 
 
 def sections_of(scene: Scene, bar: Bar, place, axes) -> Sections:
-    """Return forces and moments in the sections of all elements of a bar of a scene;
-    place(particle), axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle (index)
-    at t instants."""
+    """Return forces and moments in the sections of all elements of a bar; place(particle),
+    axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle (index) at t instants."""
     groups = [sections(scene, beams, place, axes) for beams in bar.groups]
     return Sections(*(np.concatenate(arrays, axis=1) for arrays in zip(*groups, strict=True)))
 
@@ -148,7 +147,7 @@ def at_share(bar: Bar, sections: Sections, share: float) -> tuple[np.ndarray, np
 
 def half_sizes(section: Section) -> tuple[float, float]:
     """Return half width (along y) and half height (along z), m, of a bar's section; for an unknown
-    outline, of the rectangle with its area and second moments."""
+    outline, of the rectangle with its radii of gyration."""
     if section.outline:
         return section.width / 2, section.height / 2
     return tuple(np.sqrt(3.0 * np.array([section.Iz, section.Iy]) / section.A))

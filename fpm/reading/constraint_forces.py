@@ -40,7 +40,7 @@ def point_of(run: Recording, joint: Hinge | Joint) -> np.ndarray:
 def couple_on_two(run: Recording, joint: Hinge | Joint, sides: Sides) -> np.ndarray:
     """Return the moment (t, 3) N m that a joint exerts on its second body about the joint's point,
     in global axes, at the t instants of a recorded `run`; sides: its forces and moments on both
-    particles, from `run.joints`. About axes about which that body cannot rotate: minus that on the
+    particles, from `run.joints`. About axes that it cannot rotate about: minus that on the
     first."""
     point = point_of(run, joint)
     place1, place2 = (run.place(beam.particle) for beam in joint.beams)
@@ -101,9 +101,8 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
 
     Of a particle that is held: the rate of its momentum less all other forces and those of joints,
     along and about the axes that are held. Several supports on one particle are one. A particle
-    that is held entirely and is neither on a bar nor a named body is the ground, which has no
-    weight (`Gravity.weight`).
-    """
+    that is held entirely and is neither on a bar, nor a named body, nor moved by a drive is the
+    ground, which has no weight."""
     scene, support = run.scene, reactions_of(run.scene)[name]
     particle = support.beam.particle
     force, moment = np.zeros((2, len(run.time), 3))

@@ -25,11 +25,12 @@ touches: a step before the later one, SPREAD after the earlier one, and up to on
 
 def value_at(curves: Curves, response: Response, instant: float, event: bool) -> float:
     """Return the value of a response in one run at the time `instant` (s). curves: the run's
-    recorded series; event: whether something jumps then, as at an impact, of which the value just
-    before counts. By the cubic at most through the nearest instants with no other event in between,
-    or by values and rates (`_continued`). With fewer than two such instants nothing is
-    extrapolated: just before an event it is the value at the last instant that is a step before,
-    else linear interpolation."""
+    recorded series; event: whether something jumps then, as at an impact, so that the value just
+    before is meant. That is found by values and rates of three instants where rates are recorded
+    (Hermite); else, and without an event, by a cubic at most through the nearest instants with no
+    other event in between. With fewer than two such instants nothing is extrapolated: just before
+    an event it is the value at the last instant that is a step before, else linear
+    interpolation."""
     time, step, values = curves.time, curves.step, response.evaluate(curves)
     times = np.sort(curves.events[:, 0])
     if event:  # those that a few steps cannot tell apart are one

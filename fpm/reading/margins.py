@@ -44,7 +44,7 @@ UNITS = {"rad": 1.0, "deg": np.pi / 180, "m": 1.0, "mm": 1e-3}
 
 class Abscissa(NamedTuple):
     """What the values of a response are a function of, if not of time. words: its name, as "opening
-    of A"; unit: of its values; first, last: its values at the first and the last point."""
+    of A"; unit: of its values; first, last: its values at the ends of the curve."""
 
     words: str
     unit: str
@@ -100,7 +100,7 @@ def column_of(travel: Travel, variable: str, part: str) -> np.ndarray:
     """Return the values (p,) of one variable at the p positions of a travel. variable:
     "travel_work": virtual work of the component `part` per unit of the opening (N m; N on slides);
     "travel_inertia": that the opening moves (kg m²; kg); "travel_opening": opening (rad; m). part:
-    counts for the first alone."""
+    read for "travel_work" only; None is returned if the travel has no such component."""
     return {WORK: travel.work.get(part), INERTIA: travel.inertia, OPENING: travel.opening}[variable]
 
 
@@ -201,9 +201,9 @@ class BudgetRow(NamedTuple):
 
 
 class Budget(NamedTuple):
-    """Torque budget at an opening (rad, m). margin: drives / requirement - 1; drives: sum of the
-    components' moments above 0 times their factors (N m, N); requirement: of those below 0, as a
-    positive number; rows: one for each component."""
+    """Torque budget at an opening (rad, m). margin: drives / requirement - 1, at most 99; drives:
+    sum of the components' moments above 0 times their factors (N m, N); requirement: of those below
+    0, and of what is delivered, as a positive number; rows: one for each component."""
 
     opening: float
     margin: float
@@ -259,9 +259,9 @@ class _WeightedTravel:
 
 
 def values(response: Any, run: Any) -> np.ndarray:
-    """Return the margin (t,), without unit, at t positions evenly spaced over its travel, as many
-    as the run has instants. response: a margin, made by `read`; run: `Curves`, or from
-    `led_curves`."""
+    """Return the margin (t,), without unit and at most 99, at t positions evenly spaced over its
+    travel, as many as the run has instants. response: a margin, made by `read`; run: `Curves`, or
+    from `led_curves`."""
     time = run.time
     return _WeightedTravel(response, run).margin((time - time[0]) / (time[-1] - time[0]))
 

@@ -21,9 +21,9 @@ class Quantity:
     name: its name; kind: how it is read, a key of KINDS, as "largest"; unit (UDUNITS) and
     long_name: of the number; response: the function of time that it is read off, None for events;
     at: of a value, its time (s) or the quantity that gives it; about: target of settling or
-    overshoot; within: tolerance of settling; level, way ("rising", "falling", "either"): of a
-    crossing; number: n, from 1, of the nth crossing or event; event: its name; places: names of the
-    elements at which it counts."""
+    overshoot, None: the last value; within: tolerance of settling; level, way ("rising", "falling",
+    "either"): of a crossing; number: n, from 1, of the nth crossing or event; event: its name;
+    places: names of the elements at which it counts."""
 
     name: str
     kind: str
@@ -115,8 +115,8 @@ def crossing_margin(values: np.ndarray, direction: str = "either", number: int =
     """Return by how much (...) values (..., t) over t instants cross zero for the nth time, in
     their unit: above 0 if they do, below 0 by what is lacking. direction: "rising", "falling" or
     "either"; number: n, from 1. A rising crossing takes values below zero and later above, the next
-    one below and above again: of the largest distances from zero on these sides in turn, the least
-    counts."""
+    one below and above again: the least is returned of the largest distances from zero on these
+    sides in turn."""
 
     def turns(side: float, count: int) -> np.ndarray:
         margin = np.inf

@@ -18,10 +18,10 @@ def parse(
     definitions: Mapping[str, object], responses: Iterable[Response], elements: Iterable[Eventful]
 ) -> tuple[list[Quantity], list[SceneError]]:
     """Return the quantities that a config defines, in its order, and one SceneError for each
-    definition that is wrong. definitions: by name, each a mapping with one key of
-    `quantities.KINDS`, as "largest", and its further keys (docs/quantities.md); responses: all of
-    the config; elements: those of the scene that have events, as latches
-    (`fpm.files.outcome.eventful`)."""
+    definition that is wrong, but not for those that only refer to it. definitions: by name, each a
+    mapping with one key of `quantities.KINDS`, as "largest", and its further keys
+    (docs/quantities.md); responses: all of the config; elements: those of the scene that have
+    events, as latches (`fpm.files.outcome.eventful`)."""
     by_name, elements = {response.name: response for response in responses}, list(elements)
     quantities: dict[str, Quantity] = {}
     problems = []

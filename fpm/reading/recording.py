@@ -30,8 +30,7 @@ class Recording:
     """What the time loop recorded of one run for its scene's probe (elements/particles/probe.py),
     as forces and motions at t instants. batch: the scenes that were simulated side by side
     (elements/batch.py); parts: arrays of their element types, one for each of batch.kinds; lane:
-    index of the run among them; time: instants (t,) s; step: time step (s). Particles are named by
-    index."""
+    index of the run among them; time: instants (t,) s; step: time step (s)."""
 
     def __init__(self, batch, parts, lane: int, time: np.ndarray, step: float):
         self.scene: Scene = batch.scenes[lane]
@@ -138,7 +137,7 @@ class Recording:
 
     def inertia(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
         """Return rates of change of momentum (t, 3) N and angular momentum (t, 3) N m of a particle
-        (its index), in global axes, driven or not."""
+        (its index), in global axes, also where a drive moves it."""
         (change, turning), spin = self.acceleration(particle), self.spin(particle)
         own = self.scene.inertia[particle]
         momentum, moment = (
@@ -155,7 +154,7 @@ class Recording:
         return own[..., 0], own[..., 1]
 
     def sections(self, bar: str) -> tuple[Bar, Sections]:
-        """Return a bar by its name, and its sections' forces and moments at all instants."""
+        """Return a bar (Bar) by its name, and its Sections: forces and moments at all instants."""
 
         def read() -> tuple[Bar, Sections]:
             bar_data = bars_of(self.scene)[bar]
@@ -164,7 +163,7 @@ class Recording:
         return self.memoize(bar, read)
 
     def memoize(self, key: Hashable, find: Callable[[], Any]) -> Any:
-        """Return the result of find(), called without arguments at the first use of `key` and
+        """Return the result of find(), which is called at the first use of `key` only and then
         stored."""
         if key not in self._memo:
             self._memo[key] = find()
@@ -172,8 +171,8 @@ class Recording:
 
     @cached_property
     def joints(self) -> list[tuple[Hinge | Joint, Sides]]:
-        """All joints of the scene, hinges first, with their forces and moments on both
-        particles."""
+        """All joints of the scene, hinges first, each with its forces and moments on both
+        particles: pairs (Hinge or Joint, Sides)."""
         pairs = []
         for kind in (Hinge, Joint):
             if elements := kind.of(self.scene):

@@ -35,7 +35,7 @@ class Response:
     name: its name; kind: type of response (key of KINDS); subjects: names of its points, hinge,
     ...; component: x, y, z, norm, ... of a vector, "" of a scalar; unit (UDUNITS), long_name: of
     the values that `evaluate` returns; columns: recorded series, as (variable, label), that it is
-    computed from, besides points and energies; along: the abscissa, if not time (margins: the
+    computed from, besides points and energies; along: the abscissa, None: time (margins: the
     opening of a hinge); factors: of margins: (moment to deliver, its factor), then (actuation
     factor, resistance factor, class) of each component; else ()."""
 
@@ -129,7 +129,7 @@ class Definition(NamedTuple):
 
     @property
     def variable(self) -> Variable:
-        """The variable of `fpm.reading.variables` with the name of the definition's type; else
+        """Variable of `fpm.reading.variables` with the name of the definition's type, else
         KeyError."""
         return VARIABLES[self.kind]
 

@@ -8,8 +8,8 @@ element forces and moments go straight.
 round        any point: |N|/A + r sqrt((M_y/Iy)² + (M_z/Iz)²), with t = |T| r/J; exact
 rectangle    corners, where torsion has no stress, and the middles of the sides, with t = |T| w: the
              exact series of Timoshenko and Goodier, Theory of Elasticity, § 109
-unknown      corners of the rectangle with the same area and second moments, with t = |T| R/J and R
-             the distance of its corners from the middle; of closed and full sections an estimate
+unknown      corners of the rectangle with the same radii of gyration, with t = |T| R/J and R the
+             distance of its corners from the middle; of closed and full sections an estimate
              that is mostly too large
 
 The shear stress of transverse forces is left out: in slender bars it is smaller by height/length.
@@ -58,15 +58,14 @@ def equivalent(section: Section, force: np.ndarray, moment: np.ndarray) -> np.nd
 
 
 def von_mises(normal: np.ndarray, shear: np.ndarray) -> np.ndarray:
-    """Return the equivalent stress (Pa) by von Mises of normal and shear stress (Pa), both
-    (...)."""
+    """Return the equivalent stress (Pa) by von Mises of normal and shear stress (...), Pa."""
     return np.sqrt(normal**2 + 3.0 * shear**2)
 
 
 def element_stress(scene: Scene, groups: Iterable[Beams], place, axes) -> np.ndarray:
     """Return the largest equivalent stress (t, m) Pa (von Mises) in each of the m beam elements of
-    all groups, at either end; place(particle), axes(particle): its positions (t, 3) m, frames (t,
-    3, 3)."""
+    all groups, at either end; place(particle), axes(particle): its positions (t, 3), frames (t, 3,
+    3)."""
     stresses = []
     for beams in groups:
         force, moment = sections(scene, beams, place, axes)

@@ -293,8 +293,8 @@ VARIABLES = {
 
 def prepared(scene: Scene, columns: Iterable[Column]) -> Scene:
     """Return a copy of a scene with the probe, the element that makes the time loop record
-    `columns`, pairs (variable, label); the scene itself if there are none. SceneError for unknown
-    ones."""
+    `columns`, pairs (variable, label); the scene itself if there are none. variable: key of
+    VARIABLES; SceneError for a label that the scene does not have of it."""
     columns = list(columns)
     if not columns:
         return scene

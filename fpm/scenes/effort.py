@@ -36,8 +36,8 @@ COMPILE, COMPILE_KIND, COMPILE_JOINTS = 4.0, 1.0, 4.0
 
 
 def compile_seconds(scene: Scene) -> float:
-    """Return an estimate of the time (s) to compile a scene's time loop, once on a machine for its
-    set of element types."""
+    """Return an estimate of the time (s) to compile a scene's time loop, once for its element
+    types."""
     return COMPILE + sum(COMPILE_JOINTS if k is Joint else COMPILE_KIND for k in kinds_of([scene]))
 
 

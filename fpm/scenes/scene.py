@@ -72,7 +72,9 @@ class Scene:
     and rotations. kinds: lists of elements by element type (fpm/elements); curves: list of (times
     (s), values); points: named ones, for responses; supports: those held or driven; bodies:
     particle of each named rigid body; unstrained, unstrained_position: frames and positions before
-    fpm.assembly strained the scene, None: as they are; assembly: what that did, or None.
+    fpm.assembly strained the scene, None: as they are; assembly: what that did, or None; bearings:
+    SceneData's; classes, action_names: of elements by (type, index), class in slow travel where it
+    is not its type's, and name in the structure's file.
 
     Parameters
     ----------
@@ -137,8 +139,9 @@ class Scene:
         self.kinds = {**self.kinds, Damping: [damping]}
 
     def add(self, element: ElementType) -> int:
-        """Add an element of any type; returns its index among the scene's elements of that type.
-        Raises SceneError if it does not fit into the scene, as by a wrong index."""
+        """Add an element of any type; returns its index among the scene's elements of that type (-1
+        for a Support, which is only applied). Raises SceneError if it does not fit into the scene,
+        as by a wrong index."""
         element.add_to(self)
         return len(self.kinds.get(type(element), [])) - 1
 
@@ -263,11 +266,12 @@ class Scene:
         particles: indices of the first and the second particle.
         point: position of the joint (3,), m, global.
         axis: direction of the axis (3,), global.
-        axis2: of a universal joint, the axis on the second particle (3,), normal to `axis`."""
+        axis2: of a universal joint, the axis on the second particle (3,), normal to `axis`; None:
+            any."""
         return self.add(Joint.create(self, name, type, particles, point, axis, axis2))
 
     def add_slide(self, name, particles, point, axis, opening: float = 0.0) -> int:
-        """Join two particles by a slide; returns its index, which counts among the hinges.
+        """Join two particles by a slide; returns its index among the hinges.
 
         The second particle slides on the first. `point` may be (2, 3), one for each particle, if
         `fpm.assembly` brings them together.
@@ -318,12 +322,12 @@ class Scene:
         Parameters
         ----------
         hinge: index of the hinge or slide.
-        stiffness: N m/rad, above 0; on a slide N/m.
+        stiffness: N m/rad, at least 0; on a slide N/m.
         rest: opening (rad) without moment; on a slide m."""
         self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
 
     def add_contact(self, hinge: int, stiffness: float) -> None:
-        """Add a contact to a hinge (index): faces that resist openings below 0. stiffness: N
+        """Add a contact to a hinge (index): faces that resist openings below 0. stiffness: in N
         m/rad."""
         self.add(Contact(int(hinge), float(stiffness)))
 

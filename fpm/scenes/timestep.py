@@ -51,7 +51,7 @@ def deformation_modes(
 ) -> tuple[Deformations, np.ndarray, list[str]]:
     """Return how all elements of a scene are strained at the start: r springs (Deformations), index
     (r,) of each spring's element type among those of the scene, and all elements' names. step (s):
-    if finite, dampers C count too, as springs of stiffness 4 C/step."""
+    if finite, dampers C are springs too, of stiffness 4 C/step."""
     blocks, kind_of, names = [], [], []
     for number, kind in enumerate(kinds_of([scene])):
         parts = [kind.deformations(scene)]
@@ -114,8 +114,8 @@ def fastest(modes) -> tuple[float, np.ndarray]:
 def stable_step(scene: Scene) -> StableStep:
     """Return the largest stable time step of a scene at its start (StableStep), before any safety
     factor: 2/ω of its highest angular frequency ω. A scene without stiffness (free bodies) has no
-    limit: infinity, frequency 0, element "none". With dampers the limit is found to 1 %, from
-    below."""
+    limit: infinity, frequency 0, element "none". With dampers what is returned is up to 1 % below
+    it."""
     limit = _limit(scene)
     if all(kind.dampings(scene) is None for kind in kinds_of([scene])):
         return limit

@@ -68,11 +68,11 @@ def simulate(
     scenes: one scene, or several that differ in numbers only.
     duration: simulated time (s), above 0.
     instants: number of recorded instants, evenly spaced from 0 to `duration`; at least 2.
-    step: time step (s), shortened so that whole steps make up the time between two instants;
-        None: `safety` times the smallest stable step of the scenes.
+    step: time step (s), shortened so that whole steps make up the time between two instants; None:
+        `safety` times the smallest stable step of the scenes.
     safety: factor on the stable step, where no step is given.
     energy_tolerance: a sample fails where its energy balance is off by more than this fraction of
-        the largest energy that it held.
+        the largest energy that it has had so far.
     dtype: number type of the run, float64 or float32.
     record: columns, (variable, label), that are recorded as well (`fpm.reading.variables`). The
         motion, and what is always recorded, do not depend on them.
@@ -138,8 +138,7 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
 
 
 def is_compiled(scene: Scene) -> bool:
-    """Return whether the compiled time loop (float64) for a scene's element types is cached on
-    disk."""
+    """Return whether the compiled time loop (float64) for a scene's element types is on disk."""
     from fpm.kernels.compiled import DIGESTS, cache_folder
     from fpm.kernels.lanes import width as lanes_of
 

@@ -18,8 +18,7 @@ POINT_TOL = 1e-9
 
 @dataclass(frozen=True)
 class Point:
-    """A named point of a sample. name: its full name in the file; position: at the start, (3,) m,
-    global."""
+    """A named point of a sample. name: in full; position (3,), m, global: at the start."""
 
     name: str
     position: np.ndarray
@@ -83,8 +82,8 @@ class Builder:
             ) from None
 
     def point(self, name: str) -> np.ndarray:
-        """Return the position at the start (3,), m, of a point (full name); SkippedError if it is
-        not built."""
+        """Return the position at the start (3,), m, of a point (full name); SkippedError without
+        one."""
         return self.get("points", name).position
 
     def keep(self, group: str, name: str, value: Any) -> None:
@@ -93,8 +92,8 @@ class Builder:
         self._values[group, name] = value
 
     def get(self, group: str, name: str) -> Any:
-        """Return what `keep` stored for an entry of the file (its group, full name); SkippedError
-        if nothing."""
+        """Return what `keep` stored for an entry of the file (group, full name); SkippedError if
+        nothing."""
         try:
             return self._values[group, name]
         except KeyError:

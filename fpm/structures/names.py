@@ -51,7 +51,7 @@ class Context:
         raise KeyError(name)
 
     def visible(self, names: Iterable[str]) -> list[str]:
-        """Return those of `names` (full) that can be written here, shortened as they are written
+        """Return those of `names` (full) that can be written here, shortened as one writes them
         here."""
         if not self.prefix:
             return list(names)
@@ -60,7 +60,7 @@ class Context:
         return own + [name for name in names if not name.startswith(units)]
 
     def units(self) -> dict[str, list[str]]:
-        """Return the prefixes ("bay1.", "bay2.", ...) of the units of each repeat, in order, by its
+        """Return the prefixes ("bay1.", "bay2.", ...) of each repeat's units, in order, by its
         name."""
         lasts = {end.removesuffix(".last"): u for end, u in self.ends.items() if ".last" in end}
         counts = {name: int(unit.removeprefix(name)[:-1]) for name, unit in lasts.items()}
@@ -69,8 +69,8 @@ class Context:
 
 @dataclass(frozen=True)
 class Bound:
-    """An expression whose names are found. expression: as parsed; full: full name by written
-    name."""
+    """An expression whose names are found. expression: as parsed; full: full names by written
+    ones."""
 
     expression: Expression
     full: dict[str, str]
@@ -108,8 +108,9 @@ class Names:
     """All names of a structure file. problems: where errors are noted; numbers: NamedNumbers
     (parameters, `let`, coordinates of points) by full name; groups: by group, such as "bars", line
     by full name; types: of joints by name, "" if unknown; angles: of universal joints, (joint, 0 or
-    1) by name; uses: names referred to; absent: (group, name) of entries left out; order: full
-    names of numbers, each after those that it depends on."""
+    1) by name; uses: names referred to, of numbers in full, of entries with their group, "bars:AB";
+    absent: (group, name) of entries left out; order: full names of numbers, each after those that
+    it depends on."""
 
     def __init__(self, problems: Problems):
         self.problems = problems
@@ -208,7 +209,7 @@ class Place:
         return self.names.problems
 
     def child(self, *keys: str) -> "Place":
-        """Return the place of a key below this one. keys: that key, after those on the way to
+        """Return the place of a key below this one. keys: that key, behind those on the way to
         it."""
         return replace(self, key=dotted(self.key, *keys))
 

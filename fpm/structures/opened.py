@@ -129,8 +129,8 @@ class FileRecord:
 
     def check(self, values: Mapping[str, Any]) -> None:
         """Check all files that a build has opened, when it is done. values: its parameters' by
-        name, for messages. Raises SceneError for a file not in the sealed record, ChangedError if
-        one changed."""
+        name, for messages. Raises SceneError for a file not in the sealed record, or where the
+        build may have read files unseen and there is no DATA; ChangedError if one changed."""
         paths, self._states_now = {*self._states_now, *self._data_files()}, {}
         if self.unseen and self.data is None:
             raise SceneError(f"{self.path.name} at {dict(values)}", self.unseen, DATA_HINT)
@@ -170,8 +170,8 @@ class FileRecord:
         return set().union(*map(self.files_of, self.data or ()))
 
     def adopt(self, record: "FileRecord") -> None:
-        """Note the files of another structure, which this one loads, as opened by this one. record:
-        its sealed record."""
+        """Note the files of another structure, which this one loads, as opened by it. record: the
+        other's."""
         self._states_now |= {p: record._states[p] for p in record.files if p not in self.files}
 
     def hidden(self) -> list[str]:

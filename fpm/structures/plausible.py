@@ -29,8 +29,9 @@ USUAL = {
 
 def warnings(scene: Scene, duration: float | None = None) -> list[str]:
     """Return sentences on what a scene has that is allowed but hardly meant: odd masses or sizes,
-    no support, latches that cannot catch; at most 6, and one with the number of the others.
-    duration: of the run (s), to tell whether latches have the time to catch; None: unknown."""
+    no support, latches that cannot catch; at most 6, and one that says how many more there are; []
+    if all is usual. duration: of the run (s), to tell whether latches have the time to catch; None:
+    unknown."""
     sentences = [*_sizes(scene), *_support(scene)]
     moving = {friction.hinge for friction in Friction.of(scene) if friction.load is not None}
     sentences += [

@@ -117,8 +117,7 @@ class Problems:
         return bool(self._problems)
 
     def say(self, line: int, sentence: str) -> None:
-        """Note a problem on a line (from 1; 0: none); sentence: what is wrong, beginning with its
-        key."""
+        """Note a problem on a line (from 1; 0: none); sentence: what is wrong, first its key."""
         sentence = re.sub(r"\S{100,}", lambda word: f"{word[0][:97]}...", sentence)
         text = re.sub(r"\d[\d.e+-]*", "", sentence) if sentence.startswith("repeat.") else sentence
         self._problems.setdefault((line, text), Problem(line, sentence))
@@ -147,8 +146,8 @@ def show(value: object) -> str:
 
 
 def commas(names: Iterable[str], most: int = 12, rest: str = ", and {} more") -> str:
-    """Return names joined by commas for a sentence, the first `most` of them; rest: text in place
-    of the others, {} their number."""
+    """Return names joined by commas for a sentence, the first `most` of them, "(there is none)"
+    without names; rest: text in place of the others, {} their number."""
     names = list(names)
     text = ", ".join(names[:most]) or "(there is none)"
     return text if len(names) <= most else text + rest.format(len(names) - most)

@@ -55,21 +55,21 @@ def _own_particles(scene: Scene) -> np.ndarray:
 
 
 def mass(scene: Scene) -> float:
-    """Return the total mass (kg) of a scene's structure, without the ground (particles held
-    altogether)."""
+    """Return the total mass (kg) of a scene's structure: of all particles but the ground, that is
+    those held altogether that no beam element joins (clamped ends of bars count)."""
     return float(scene.mass[_own_particles(scene)].sum())
 
 
 def centre(scene: Scene) -> np.ndarray:
-    """Return the centre of mass (3,), m, of a scene's structure at the start, without the
-    ground."""
+    """Return the centre of mass (3,), m, of a scene's structure at the start: of all particles but
+    the ground, as in `mass`."""
     own = _own_particles(scene)
     return scene.mass[own] @ scene.position[own] / scene.mass[own].sum()
 
 
 def mobility(scene: Scene) -> Mobility:
-    """Return the numbers of a scene's rigid parts, constraints and degrees of freedom at the start,
-    by the rank of its constraints, with elastic bars as rigid. In a singular position, as of a
+    """Return how many rigid parts, constraints and degrees of freedom a scene has at the start, by
+    the rank of its constraints, with elastic bars as rigid. In a singular position, as of a
     mechanism folded flat, there are more freedoms than in the motion that follows."""
     rows, _ = jacobian(scene)
     rank, count = dependence(rows)[0], rows.shape[1]
@@ -80,7 +80,7 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
     """Return the Jacobian (c, 6 b) of a scene's c scalar constraints at the start by the velocities
     of its b moving rigid bodies (bars as rigid), and names (c) of their joints and supports, as
     "joint knee". Six columns a body: the velocity (3) of its point at the structure's middle, and
-    its angular velocity (3) times the structure's size."""
+    its angular velocity (3) times the structure's size; rows of angles are times the size, too."""
     own, rules, count = bodies(scene), conditions_of(scene), len(scene.position)
     is_fixed = np.isin(own, own[scene.fixed.all(axis=1)])
     moving = np.unique(own[~is_fixed])

@@ -52,8 +52,7 @@ def power(dimension: Dimension, exponent: float) -> Dimension:
 
 
 def product(first: Dimension, second: Dimension, sign: int = 1) -> Dimension:
-    """Return the dimension of the product of two quantities (sign 1), or of the first over the
-    second (-1)."""
+    """Return the dimension of the product of two quantities (sign 1), or of their quotient (-1)."""
     powers = (p + sign * q for p, q in zip(first.powers, second.powers, strict=True))
     return Dimension(*powers, first.bare and second.bare)
 

@@ -78,8 +78,8 @@ class SampledTravel:
         self._bends: set[float] = set()
 
     def add(self, position: float) -> np.ndarray:
-        """Return the values (k,) at a position (0 to 1), which are measured and stored unless they
-        are known."""
+        """Return the values (k,) at a position (0 to 1), measured and stored unless they are
+        known."""
         k = bisect_left(self.positions, position)
         if k < len(self.positions) and self.positions[k] == position:
             return self.values[k]
@@ -90,8 +90,8 @@ class SampledTravel:
         return values
 
     def look(self, position: float) -> tuple[np.ndarray, object]:
-        """Measure values (k,) and the caller's state at a position (0 to 1); return both, store
-        neither."""
+        """Measure values (k,) and the caller's state at a position (0 to 1); both are only
+        returned."""
         k = bisect_right(self.positions, position) - 1
         return self._measure(position, self._states[k] if k >= 0 else None)
 
@@ -102,7 +102,7 @@ class SampledTravel:
         self._bends.add(position)
 
     def arrays(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return sampled positions (p,), increasing, of kinks or jumps twice, and values (p, k)
+        """Return positions (p,), increasing, those of kinks or jumps twice, and values (p, k)
         there."""
         inner = [
             p in self._bends and 0 < i < len(self.positions) - 1

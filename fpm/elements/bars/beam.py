@@ -63,7 +63,7 @@ class Section:
     Iy, Iz: second moments of area ∫z² dA and ∫y² dA (m⁴).
     J: torsion constant (m⁴).
     outline: contour, for stresses (fpm/reading/stress.py): "rectangle", "round", or "" if unknown.
-    width, height: of the contour along the local y and z axes (m)."""
+    width, height: of the contour along the local y and z axes (m), 0 if it is unknown."""
 
     A: float
     Iy: float
@@ -99,7 +99,7 @@ class Section:
 
     @staticmethod
     def tube(outer: float, inner: float) -> "Section":
-        """Return the section of a round tube; outer, inner: radii (m), 0 for a solid circle."""
+        """Return the section of a round tube; outer, inner: radii (m); inner 0: a solid circle."""
         inertia = np.pi / 4 * (outer**4 - inner**4)
         area = np.pi * (outer**2 - inner**2)
         return Section(area, inertia, inertia, 2 * inertia, "round", 2 * outer, 2 * outer)
@@ -133,7 +133,7 @@ class Beams(ElementType):
         placed now; the caller adds it to the scene. nodes (m, 2): particle indices; section
         (Section); material (Material); normal: global vector in the plane of the local x and z
         axes, (3,) for all or (m, 3), not parallel to an element; name: of the group. SceneError if
-        particles are missing or coincide."""
+        particles are missing or coincide, or a normal is parallel."""
         nodes = np.atleast_2d(np.asarray(nodes, int))
         if nodes.shape[1] != 2 or nodes.min() < 0 or nodes.max() >= len(scene.position):
             raise SceneError(f"nodes of {name}", nodes.tolist(), "(m, 2) indices of particles")
@@ -147,8 +147,9 @@ class Beams(ElementType):
 
     def with_strain(self, strain: float, curvature: float | None) -> "Beams":
         """Return a copy of this group, whose elements have equal lengths, with another stress-free
-        shape. strain: relative elongation of it; curvature (1/m): above 0 if the side towards the
-        local third axis is the longer one; None: straight, in all samples of a batch."""
+        shape. strain: its relative elongation; curvature (1/m): of every element, above 0 if the
+        side towards the local third axis is the longer one; None: straight, in all samples of a
+        batch."""
         length = self.length * (1.0 + strain)
         bow = None if curvature is None else float(curvature * length[0] / 2)
         return replace(self, length=length, bow=bow)
@@ -174,8 +175,9 @@ class Beams(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return what must be equal in scenes simulated side by side: the particles of all beam
-        elements, and whether elements have axes other than their particles' (`framed`)."""
+        """Return what must be equal in scenes simulated side by side, a tuple: for each group the
+        particles of its elements, and one bool, whether any element has, or may have, axes other
+        than its particles' (`framed`)."""
         return tuple(tuple(b.nodes.ravel()) for b in cls.of(scene)), framed(scene)
 
     @classmethod
@@ -270,8 +272,8 @@ def end_axes(scene) -> np.ndarray:
 
 
 def triad(direction: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    """Return right-handed orthonormal axes (3, 3), as columns: x along `direction` (3,), z in the
-    plane of it and `normal` (3,), on the side of `normal`. SceneError if the two are parallel."""
+    """Return right-handed orthonormal axes (3, 3), as columns: x along `direction` (3,), of any
+    length, z in the plane of it and `normal` (3,), on its side. SceneError if they are parallel."""
     x = np.asarray(direction, float)
     x = x / length(x)
     y = cross(normal, x)
@@ -283,9 +285,10 @@ def triad(direction: np.ndarray, normal: np.ndarray) -> np.ndarray:
 
 
 def elements_of(groups: Sequence[Beams]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Join groups of beam elements. Returns nodes (m, 2), particle indices; undeformed lengths
-    (m,), m; and half widths and heights (m, 2), m, of rectangles of equal area and second
-    moments."""
+    """Join groups of beam elements. Returns of all m elements, group by group: nodes (m, 2),
+    particle indices; undeformed lengths (m,) in metres; and half widths and heights (m, 2) in
+    metres, along local y and z, of rectangles with the radii of gyration of the sections (the
+    sections themselves if they are solid rectangles, else of another area)."""
     nodes, length, half = [np.zeros((0, 2), int)], [np.zeros(0)], [np.zeros((0, 2))]
     for beams in groups:
         nodes.append(beams.nodes)

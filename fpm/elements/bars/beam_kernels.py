@@ -35,8 +35,7 @@ class StraightElements(NamedTuple):
     """Arrays of m beam elements whose local axes are their particles' axes, as on straight bars.
     nodes (m, 2): indices of the particles at ends a, b; beams (m, 5, lanes): constants, undeformed
     length l0 (m), EA/l0 (N/m), EIz/(6 l0), EIy/(6 l0), GJ/(4 l0) (N m); watched (1, 2, lanes):
-    largest bend (sine) and strain so far; rows (m, 1, lanes): energy of each (J), to name the
-    worst."""
+    largest bend (sine) and strain so far; rows (m, 1, lanes): energy of each (J)."""
 
     nodes: np.ndarray  # (m, 2) particles
     beams: np.ndarray  # (m, BEAM, lanes)
@@ -46,8 +45,8 @@ class StraightElements(NamedTuple):
 
 class FramedElements(NamedTuple):
     """Arrays of m beam elements with axes of their own. nodes, beams, watched, rows: as of
-    StraightElements; axes (m, 12, lanes): local axes 2 and 3 at ends a and b, in the axes of the
-    particles there."""
+    StraightElements; axes (m, 12, lanes): local axes 2 and 3 at ends a and b, in the particles'
+    axes."""
 
     nodes: np.ndarray
     beams: np.ndarray
@@ -108,9 +107,8 @@ def _end_axes(part, state, e):
 
 @kernel
 def chord_of(part, state, e):
-    """Return direction of the chord of element e (unit vector from end a to b), inverse of its
-    length (1/m), and axial force (N, tension above 0). part: the elements' arrays; state:
-    World.state."""
+    """Return the chord of element e (unit vector from end a to b), inverse of its length (1/m), and
+    axial force (N, tension above 0). part: arrays of the elements; state: World.state."""
     chord = get3(state, part.nodes[e, 1], X) - get3(state, part.nodes[e, 0], X)
     length = sqrt(dot(chord, chord))
     inverse = 1.0 / length
@@ -181,8 +179,8 @@ def strain_energy(part, e, shape):
 @kernel
 def larger_strains(part, e, shape, bend, strain):
     """Return two maxima, `bend` and `strain`, raised to the values of element e. bend: squared sine
-    of the largest bend or twist; strain: at the surface of a rectangle with the section's area and
-    second moments. part: arrays of the elements; shape: deformation of e, from `shape_of`."""
+    of the largest bend or twist; strain: the largest at the surface of the rectangle with the
+    section's radii of gyration. part: arrays of the elements; shape: of e, from `shape_of`."""
     beams = part.beams
     force, (sa2, sa3, sb2, sb3), twist = shape
     bend = larger(bend, sa2 * sa2 + sa3 * sa3)

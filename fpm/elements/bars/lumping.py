@@ -31,7 +31,7 @@ SMALLEST_END = 0.1
 def end_weights(elements: int, order: int | None = None) -> np.ndarray:
     """Return the masses (n+1,) of the particles of a slender link, as fractions of the mass of one
     element. elements: their number n, at least 1; order: highest order of differences in Gregory's
-    end corrections, 0 (the trapezium rule) to 4; None: the best for n."""
+    end corrections, 0 (the trapezium rule) to 4; None: n/2, but 2 to 4 (0 for one element)."""
     return np.array(_end_weights(elements, order))
 
 

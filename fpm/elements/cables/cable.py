@@ -69,10 +69,11 @@ class Cable(ElementType):
     @staticmethod
     def create(scene, name, points, stiffness, rest, preload, reel, curve, friction) -> "Cable":
         """Return a cable through points of a scene, as placed now; the caller adds it to the scene.
-        name: no other cable's; points: pairs of a particle's index and a position (3,) m;
-        stiffness: EA (N); rest: unstrained length before reeling (m), or preload: tension at the
-        start (N), the other one None; reel: length (m) that a winch takes in, times the curve of
-        index `curve` (-1: none); friction: coefficient or None. SceneError if they do not fit."""
+        name: no other cable's; points: pairs of a particle's index and a position (3,) m, None: its
+        own; stiffness: EA (N); rest: unstrained length before reeling (m), or preload: tension at
+        the start (N), the other one None; reel: length (m) that a winch takes in, times the curve
+        of index `curve` (-1: none); friction: coefficient or None. SceneError if they do not
+        fit."""
         count = len(scene.position)
         particles = [particle for particle, _ in points]
         if len(points) < 2 or not all(0 <= p < count for p in particles):
@@ -125,15 +126,13 @@ class Cable(ElementType):
         return self.friction is not None and len(self.beams) > 2
 
     def lengths(self, scene) -> np.ndarray:
-        """Return the distances (n - 1,), m, from each of the cable's n points to the next, as
-        placed."""
+        """Return the distances (n - 1,), m, from each of the cable's n points to the next now."""
         places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in self.beams]
         return np.linalg.norm(np.diff(places, axis=0), axis=1)
 
     def pieces(self, scene) -> Iterator[Piece]:
         """Yield the parts of the cable that have one tension each, as pairs (virtual beams to its
-        points, stiffness in N/m at the shortest): the whole cable, or with friction each
-        stretch."""
+        points, stiffness in N/m at the shortest): the whole one, or with friction each stretch."""
         shortest = self.shortest(scene)
         if not self.rubs:
             yield self.beams, self.stiffness / shortest
@@ -239,7 +238,7 @@ def _with_friction(part, batch):
 
 
 def length_through(scene, beams: Sequence[VirtualBeam]) -> float:
-    """Return the length (m) of the line through the free ends of virtual beams, as placed in the
-    scene."""
+    """Return the length (m) of the open line through the free ends of virtual beams (rigid arms),
+    in their order, as placed in the scene."""
     places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
     return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())

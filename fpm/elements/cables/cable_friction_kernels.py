@@ -54,8 +54,9 @@ class RubbingCables(NamedTuple):
     """Arrays of all cables where some have friction. start, on, curve, arms, cables, stretches,
     state, account, watched, rows, log, track: as in Cables; rubs (c,): whether each has friction;
     friction (c, 1, lanes): its coefficient; rubbed (p, 8, lanes): of each point and the stretch
-    that begins there, fields START to SLIPPED (cable_slip_kernels.py); loss: index of friction's
-    loss in World.accounts."""
+    that begins there, unstrained length (m) before slipping, strain if alone, largest ratio of
+    tensions, its inverse, unstrained length (m), tension (N), that a step ago, length slipped (m);
+    loss: index of friction's loss in World.accounts."""
 
     start: np.ndarray
     on: np.ndarray
@@ -105,10 +106,10 @@ def length_at(part, j, soft, share):
 
 @kernel
 def slip(part, c, rest, excess, turn):
-    """Let cable c slip over its points by the law of friction: stores FREE_STRAIN of every stretch,
-    its strain if nothing slipped over the point at its end. part: arrays of all cables; rest:
-    unstrained length now (m); excess: length less unstrained length a step ago (m); turn: fraction
-    of the step after which the cable turns tight, if it was slack."""
+    """Let cable c slip over its points by the law of friction: stores in part.rubbed FREE_STRAIN of
+    every stretch, its strain if nothing slipped over the point at its end. part: arrays of all
+    cables; rest: unstrained length now (m); excess: length less unstrained length a step ago (m);
+    turn: fraction of the step after which the cable turns tight, if it was slack."""
     first, last = part.start[c], part.start[c + 1] - 1
     soft, rest_sum = 1.0 / load(part.cables, c, EA), 0.0 * rest
     for j in range(first + 1, last):
@@ -181,7 +182,8 @@ def forces(part, world, timing):
 @kernel
 def gain(part, j, soft):
     """Return the energy (J/m) that a metre of unstrained cable brings into stretch j when it slips
-    there, as a mean over the step that ends now. part: arrays of all cables; soft: 1/EA (1/N)."""
+    there, as a mean of its values at the start and end of the step that ends now. part: arrays of
+    all cables; soft: 1/EA (1/N)."""
     tension, last = load(part.rubbed, j, TENSION), load(part.rubbed, j, TENSION_BEFORE)
     return 0.5 * (tension + last) + 0.25 * soft * (tension * tension + last * last)
 
@@ -189,8 +191,8 @@ def gain(part, j, soft):
 @hook(RubbingCables)
 def work_before(part, world, timing):
     """Add the winches' work (J) over the step that ends now to part.account in world.accounts, and
-    friction's loss to part.loss. part: arrays of all cables; world: solver state; timing: not
-    used."""
+    that lost by friction to part.loss. part: arrays of all cables; world: solver state; timing:
+    unused."""
     work, loss = load(world.accounts, 0, part.account), load(world.accounts, 0, part.loss)
     for c in range(part.curve.shape[0]):
         if not part.rubs[c]:
@@ -209,8 +211,8 @@ def work_before(part, world, timing):
 
 @hook(RubbingCables)
 def energy_of(part, world, c):
-    """Return the strain energy (J) of cable c, of all stretches. part: arrays of all cables; world:
-    not used."""
+    """Return the strain energy (J) of all of cable c. part: arrays of all cables; world: not
+    used."""
     total = energy_of_cable(part, c)
     if part.rubs[c]:
         total = 0.0 * total
@@ -223,8 +225,9 @@ def energy_of(part, world, c):
 
 @hook(RubbingCables)
 def record(part, world, row):
-    """Store each cable's tension (N), of its first stretch, and strained length (m) in part.track.
-    part: arrays of all cables; world: not used; row: index of the recorded instant."""
+    """Store each cable's tension (N), of its first stretch, and strained length (m) in part.track;
+    those without friction raise part.watched (`record_cable`). part: arrays of all cables; world:
+    not used; row: index of the recorded instant."""
     count = part.curve.shape[0]
     for c in range(count):
         if not part.rubs[c]:

@@ -46,8 +46,9 @@ class Cables(NamedTuple):
     particles' frames (m); cables (c, 3, lanes): EA (N), unstrained length (m), reel (m); stretches
     (p, 8, lanes): direction (3), length (m), arm of the point (3, m), pull (N); state (c, 6,
     lanes): elongation, unstrained length (m), winch force (N), each now and a step ago; account:
-    index of the winches' work in World.accounts; watched: largest elongation ratio so far; rows (c,
-    1, lanes): that of each cable; log: of events; track: recorded tension (N) and length (m)."""
+    index of the winches' work in World.accounts; watched (1, 1, lanes): largest `crowding` of all
+    so far; rows (c, 1, lanes): that of each; log: of events; track ((instants + 1) c, 2, lanes):
+    recorded tension (N) and length (m)."""
 
     start: np.ndarray  # (c + 1,) first point of each
     on: np.ndarray  # (p,) particles
@@ -65,7 +66,7 @@ class Cables(NamedTuple):
 
 @kernel
 def lay(part, state, c):
-    """Measure cable c: stores directions and lengths (m) of its stretches as the particles stand,
+    """Measure cable c: stores directions and lengths (m) of its stretches now in part.stretches,
     and returns its whole length (m). part: arrays of all cables; state: of the particles."""
     first, last = part.start[c], part.start[c + 1] - 1
     total = 0.0 * load(part.cables, c, REST)
@@ -95,8 +96,9 @@ def unstrained_now(part, world, timing, c):
 
 @kernel
 def find_pull(part, world, timing, c):
-    """Store elongation (m) and tension (N) of cable c, which has one tension all along (no
-    friction). part: arrays of all cables; world: solver state; timing: times of this step (s)."""
+    """Store the elongation (m) of cable c in part.state, and its tension (N), one all along (no
+    friction), in part.stretches. part: arrays of all cables; world: solver state; timing: times of
+    this step (s)."""
     length = lay(part, world.state, c)
     store(part.state, c, LONGER_BEFORE, load(part.state, c, LONGER))
     store(part.state, c, UNSTRAINED_BEFORE, load(part.state, c, UNSTRAINED))
@@ -204,8 +206,8 @@ def crowding(part, c):
 
 @kernel
 def record_cable(part, c, row):
-    """Store tension (N) and length (m) of cable c in row `row` (instant times cables + c) of
-    part.track, and raise part.watched to its elongation ratio. part: arrays of all cables."""
+    """Store tension (N) and strained length (m) of cable c in row `row` (instant times cables + c)
+    of part.track, and raise part.watched to its `crowding`. part: arrays of all cables."""
     store(part.track, row, 0, load(part.cables, c, EA) * strain_of(part, c))
     store(part.track, row, 1, load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED))
     store(part.watched, 0, 0, larger(load(part.watched, 0, 0), crowding(part, c)))
@@ -214,8 +216,8 @@ def record_cable(part, c, row):
 @hook(Cables)
 def record(part, world, row):
     """Store tension (N) and strained length (m) of each cable in part.track, and raise part.watched
-    to the largest elongation ratio. part: arrays of all cables; world: not used; row: index of the
-    recorded instant."""
+    (one for all cables) to the largest `crowding`, elongation over the length of the shortest
+    stretch. part: arrays of all cables; world: not used; row: index of the recorded instant."""
     count = part.curve.shape[0]
     for c in range(count):
         record_cable(part, c, row * count + c)
@@ -223,7 +225,7 @@ def record(part, world, row):
 
 @hook(Cables)
 def list_excess(part, world):
-    """Store each cable's elongation ratio (`crowding`) in part.rows, by which a failed run names
-    the worst. part: arrays of all cables; world: not used."""
+    """Store each cable's `crowding`, elongation over the length of its shortest stretch, in
+    part.rows, to name the worst when a run failed. part: arrays of all cables; world: not used."""
     for c in range(part.curve.shape[0]):
         store(part.rows, c, 0, crowding(part, c))

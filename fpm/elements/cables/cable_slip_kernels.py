@@ -40,8 +40,7 @@ def positive(x):
 @kernel
 def handed_on(part, first, j, strain):
     """Return the unstrained length (m) that slips from the stretches `first` to j over the point at
-    the end of j, if stretch j has this `strain`, and its derivative (m). part: arrays of all
-    cables."""
+    j's end, if j has this `strain`, and its derivative (m). part: arrays of all cables."""
     flow, follows = 0.0 * strain, 0.0 * strain + 1.0
     slope, linked = flow, follows
     for k in range(j, first - 1, -1):
@@ -104,9 +103,9 @@ def strain_before(part, j, strain):
 
 @kernel
 def find_alone(part, first, last, close):
-    """Store in FREE_STRAIN the strain that each stretch between the points `first` and `last` of a
-    cable would have if nothing slipped over the point at its end. part: arrays of all cables;
-    close: allowed rest of unstrained length (m)."""
+    """Store in part.rubbed (FREE_STRAIN) the strain that each stretch between the points `first`
+    and `last` of a cable would have if nothing slipped over the point at its end. part: arrays of
+    all cables; close: allowed rest of unstrained length (m)."""
     start, length = load(part.rubbed, first, START), load(part.stretches, first, LENGTH)
     tight = length - start
     strain, slope = positive(tight) / larger(start, 0.0 * start + TINY), length

@@ -65,9 +65,9 @@ def count_joints(part, condition):
 
 @kernel
 def count_conditions(sums, part, condition):
-    """Add the impulses (N s, N m s) last found for all constraint equations of joints to `sums`
-    (Joints.sums; None: nothing is done), in samples where `condition` (lanes) is below 0. part:
-    arrays of all joints."""
+    """Add the impulses (N s, N m s) last found for all joints' constraint equations to `sums`
+    (Joints.sums; None: nothing is done), where `condition` (lanes) is below 0. part: arrays of all
+    joints."""
     if sums is not None:
         for r in range(sums.shape[0]):
             total = load(sums, r, 0)
@@ -121,8 +121,9 @@ def turn_little(state, i, turn):
 @kernel
 def coarse(time, size):
     """Return the factor by which a gap of a joint is multiplied to judge it: above 1 the step needs
-    another round of closing. time: 1.0 for a gap (m), the time step (s) for a rate of a gap (m/s);
-    size: characteristic length of the scene (m), of which a share is allowed, of 1 m at most."""
+    another round of closing. It is time over the allowed gap, 5e-9 times size or 1 m, whichever is
+    less. time: 1.0 for a gap (m), the time step (s) for a rate of a gap (m/s); size: characteristic
+    length of the scene (m)."""
     return (time / COARSE_GAP) / where_negative(size - 1.0, size, 0.0 * size + 1.0)
 
 
@@ -138,9 +139,10 @@ def watch(part, gap2, tilt2):
 
 
 def report_gaps(arrays, find):
-    """Register the hooks `record` and `list_excess`, which report gaps, for a type `arrays` of
-    kernel arrays (Hinges, Joints or a subclass). find(part, state, i): returns two squares for
-    element i: of the distance of its points (m²), and of the sine of the angle between its axes."""
+    """Register the hooks `record` (of the largest gap and tilt) and `list_excess` (of how far each
+    gapes) for a type `arrays` of kernel arrays (Hinges, Joints or a subclass). find(part, state,
+    i): kernel that returns two squares for element i: of the distance of its points (m²), and of
+    the sine of the angle between its axes."""
 
     @hook(arrays)
     def record(part, world, row):

@@ -58,7 +58,7 @@ class JointBase(ElementType):
 
     @property
     def particles(self) -> tuple[int, ...]:
-        """Indices of the particles that the joint keeps together, (1,) or (2,)."""
+        """Indices of the particles that the joint joins, (2,); (1,) if it holds one in place."""
         return tuple(beam.particle for beam in self.beams)
 
     @property
@@ -88,8 +88,8 @@ class JointBase(ElementType):
 
     @classmethod
     def moved(cls, scene):
-        """Return the indices of the particles of all elements of this type in a scene, element by
-        element, possibly repeated: the type's own kernels move these, unless they are driven."""
+        """Return the indices of the particles of all elements of this type in a scene, one by one,
+        possibly repeated: the type's kernels move these, unless a Drive prescribes their motion."""
         return [p for element in cls.of(scene) for p in element.particles]
 
     @classmethod
@@ -141,9 +141,10 @@ class Hinge(JointBase):
         """Return a revolute hinge between two particles of a scene, as placed now; the caller adds
         it to the scene. name: no other joint's; particles: pair of indices; point (3,) m: on the
         axis, global; axis: direction (3,); references: a direction for each particle, normal to the
-        axis, equal at opening 0, None: chosen so that the opening is `opening` (rad) now; support:
-        global axes ("xyz") along which the point is held. point and axis may be (2, 3), one for
-        each particle. Raises SceneError if they do not fit."""
+        axis, equal at opening 0, None: chosen so that the opening is `opening` (rad) now; else
+        `opening` only says which full turn is meant; support: global axes ("xyz") along which the
+        point is held. point and axis may be (2, 3), one for each particle. Raises SceneError if
+        they do not fit."""
         pair = two_of(scene, particles, f"hinge {name}")
         if set(support) - set(AXES):
             raise SceneError(f"support of hinge {name}", support, "letters out of 'xyz'")
@@ -190,8 +191,8 @@ class Hinge(JointBase):
         return [hinge for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True) if lone]
 
     def topology(self):
-        """Return what must be equal in scenes run side by side: name, type, particles, held
-        axes."""
+        """Return what must be equal in scenes run side by side: name, type, particles, axes
+        held."""
         return self.name, self.type, self.particles, self.support
 
     @classmethod
@@ -261,9 +262,10 @@ def places_of(scene, joints: Sequence[JointBase]) -> np.ndarray:
 def are_alone(scene) -> list[bool]:
     """Return for each hinge of a scene, in their order, whether it can be solved alone, which is
     cheaper than as a coupled joint. It can if it is revolute; nothing holds its opening exactly
-    (turn.py); its particles, unless held altogether, are in no other hinge or joint and not driven;
-    and its own matrix is regular, whatever arms and axis are and become: no axis is held for both
-    particles, nor for a particle and the hinge point, one may turn, and about all axes or none."""
+    (turn.py); its particles, unless held altogether, are in no other hinge or joint and have no
+    Drive; and its own matrix is regular, whatever arms and axis are and become: no axis is held for
+    both particles, nor for a particle and the hinge point, one may turn, and about all axes or
+    none."""
     joining = [e for kind, elements in scene.kinds.items() if kind.joins for e in elements]
     uses = Counter(p for element in joining for p in element.particles)
     shared = {p for p, count in uses.items() if count > 1 and not scene.fixed[p].all()}
@@ -279,9 +281,8 @@ def are_alone(scene) -> list[bool]:
 
 
 def two_of(scene, particles, owner: str) -> tuple[int, int]:
-    """Check that `particles` are indices of two different particles of a scene; returns them as
-    ints; raises SceneError if not. owner: what messages call the element that joins them ("hinge
-    A")."""
+    """Return `particles`, indices of two different particles of a scene, as ints; raises SceneError
+    if they are not that. owner: what messages call the element that joins them ("hinge A")."""
     first, second = (int(p) for p in particles)
     count = len(scene.position)
     if first == second or not (0 <= first < count and 0 <= second < count):

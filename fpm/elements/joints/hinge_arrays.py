@@ -49,16 +49,17 @@ class Hinges(NamedTuple):
     """Arrays of the h hinges that are solved alone: no body of one that can move is in another
     joint, so that its impulses follow from its two bodies.
 
-    Hinge i has the bodies 2 i and 2 i + 1. ends (2 h,): particle of each body; bodies, hinges:
-    constants, (2 h, BODY, lanes) and (h, HINGE, lanes); fixed_axes (h, 3): 1 where the hinge point
-    is held along global x, y, z; supported: whether any is; body_scratch (2 h, BODY_SCRATCH,
-    lanes), hinge_scratch (h, HINGE_SCRATCH, lanes): working memory; open (h,): whether a hinge
-    needs another round of this step; watched (1, 2, lanes): largest gap (m) and tilt (sine) so far;
-    names (h,): row of each hinge in `excess`; excess (h, 1, lanes): gap and tilt squared, as shares
-    of what is allowed, summed, by which the worst hinge is named; gaps (instants + 1, 2, lanes):
-    the largest gap (m) and tilt (sine) recorded at each instant; sums (h, SUMS, lanes): impulses (N
-    s, N m s) of the step on both bodies; forces ((instants + 1) h, SUMS, lanes): their forces (N)
-    and moments (N m), recorded. Both are None if nothing reads them."""
+    Hinge i has the bodies 2 i and 2 i + 1. ends (2 h,): particle of each body; bodies (2 h, 15,
+    lanes): arm, axis, reference, normal to both, inverse masses; hinges (h, 6, lanes): held axes,
+    place of the point; fixed_axes (h, 3): 1 where the hinge point is held along global x, y, z;
+    supported: whether any is; body_scratch (2 h, 39, lanes), hinge_scratch (h, 75, lanes): working
+    memory; open (h,): whether a hinge needs another round of this step; watched (1, 2, lanes):
+    largest gap (m) and tilt (sine) so far; names (h,): row of each hinge in `excess`; excess (h, 1,
+    lanes): gap and tilt squared, as shares of what is allowed, summed, by which the worst hinge is
+    named; gaps (instants + 1, 2, lanes): the largest gap (m) and tilt (sine) recorded at each
+    instant; sums (h, 12, lanes): impulses (N s, N m s) of the step on both bodies; forces
+    ((instants + 1) h, 12, lanes): their forces (N) and moments (N m), recorded. Both are None if
+    nothing reads them."""
 
     ends: np.ndarray  # (2h,) particles of the bodies
     bodies: np.ndarray  # (2h, BODY, lanes)

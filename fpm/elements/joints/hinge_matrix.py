@@ -96,8 +96,9 @@ def moved(part, h, axis, force, mp, mq):
     """Velocity (m/s) along a global axis (0, 1, 2: x, y, z) that impulses at hinge h give its point
     on body 1, the one that a support may hold. force (3): impulse (N s) on body 1; mp, mq: moment
     impulses (N m s) on body 2, against body 1, about p and q, the two directions normal to the
-    hinge's axis; part: arrays of all hinges. By symmetry, the factors of mp and mq are also the
-    rates of tilts about p and q (1/s per N s) by a support's impulse there along that axis."""
+    hinge's axis; part: arrays of all hinges. By symmetry, what a unit of mp or mq gives is also the
+    rate of the tilt about p or q (1/s per N s) by a unit impulse of a support there along that
+    axis."""
     w = part.hinge_scratch
     p, q = load(w, h, TILTS + 2 * axis), load(w, h, TILTS + 2 * axis + 1)
     return dot(response(part.body_scratch, h, axis), force) + (p * mp + q * mq)
@@ -186,8 +187,7 @@ def spins(j, r):
 @kernel
 def point_response(inverse_mass, spins, r):
     """Velocity of a body's point by unit impulses there (1/kg), a symmetric matrix (xx, yy, zz, xy,
-    xz, yz). inverse_mass: along the global axes (3); spins: by the function `spins`; r (m, 3):
-    arm."""
+    xz, yz). inverse_mass: along global axes (3); spins: from `spins`; r (m, 3): arm."""
     ux, uy, uz = spins
     return (
         inverse_mass.x + (r.z * ux.y - r.y * ux.z),
@@ -251,8 +251,9 @@ def pair_sum(b, h, field):
 
 @kernel
 def prepare_matrices(part):
-    """Build and factorise, for the step, the matrix by which impulses at each hinge change its gap
-    rates; stored in part.hinge_scratch. part: arrays of all hinges, after `prepare_bodies`."""
+    """Build and factorise, for the step, the matrix (5 by 5) of each hinge, by which impulses there
+    change the rates of its gap and tilts; stored in part.hinge_scratch. part: arrays of all hinges,
+    after `prepare_bodies`."""
     b, w = part.body_scratch, part.hinge_scratch
     for h in range(w.shape[0]):
         row1, row2 = 2 * h, 2 * h + 1

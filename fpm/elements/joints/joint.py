@@ -98,9 +98,9 @@ class Joint(JointBase):
     @staticmethod
     def create(scene, name, type, particles, point, axis=(1, 0, 0), axis2=None) -> "Joint":
         """Return a joint between two particles of a scene, as these are placed now; the caller adds
-        it to the scene. name: no other joint's; type: "spherical", "fixed", "universal" or
-        "prismatic"; particles: indices of both; point: position (3,), m, in global axes, or (2, 3),
-        one for each particle; axis (3,): direction, of any length; axis2 (3,): of a universal
+        it to the scene. name: no other joint's; type: "revolute", "spherical", "fixed", "universal"
+        or "prismatic"; particles: indices of both; point: position (3,), m, in global axes, or (2,
+        3), one for each particle; axis (3,): direction, of any length; axis2 (3,): of a universal
         joint, the axis on the second particle, normal to `axis`, None: any that is. Raises
         SceneError if they do not fit."""
         allowed = [name for name, joint_type in TYPES.items() if joint_type.conditions]

@@ -79,8 +79,9 @@ class Pattern(NamedTuple):
 
 class Turns(NamedTuple):
     """Openings held exactly, t of them: shared by the joints' solver and the elements that hold.
-    state (t, TURN, lanes): -1 held or 1 free, target (rad; m), rate (rad/s; m/s), impulses (N m s;
-    N s); blow (1, 1, lanes): when an impact comes in this step, as a share of it."""
+    state (t, 5, lanes): -1 held or 1 free, target (rad; m), rate (rad/s; m/s), impulse of the step,
+    that of the last solution (N m s; N s); blow (1, 1, lanes): time of an impact in steps from the
+    start of this one, below 0 in the step after it; 0: none."""
 
     state: np.ndarray  # (t, TURN, lanes)
     blow: np.ndarray  # (1, 1, lanes) when a blow comes, in steps from the start of this one
@@ -96,10 +97,11 @@ class Joints(NamedTuple):
     fixed_axes (j, 3): where, and along which axes, a point is held; on (b,): particle of each body;
     is_driven (b,): whether a drive moves it; bodies: constants; body_scratch, rows, matrix: working
     memory; pattern: the matrix's blocks; ease: share added to its diagonal; account: index of the
-    drives' work in World.accounts; watched: largest gap (m) and tilt (sine) so far; excess: how bad
-    each joint is; gaps: those recorded; sums, forces: impulses of this step (N s, N m s) and
-    recorded forces (N, N m), None if nothing reads them; turns (Turns), turn_of (j,), turn_at (t,):
-    held openings, their index by joint (-1: none), their joints."""
+    drives' work in World.accounts; watched: largest gap (m) and tilt (sine) so far; excess (j, 1,
+    lanes): gap and tilt squared over those allowed, summed, once a run has failed; gaps: those
+    recorded; sums, forces: impulses of this step (N s, N m s) and recorded forces (N, N m), None if
+    nothing reads them; turns (Turns), turn_of (j,), turn_at (t,): held openings, their index by
+    joint (-1: none), their joints."""
 
     types: np.ndarray  # (j,)
     names: np.ndarray  # (j,) number of each in the scene

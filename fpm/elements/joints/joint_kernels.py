@@ -110,8 +110,9 @@ def kick_bodies(part, state, kick):
 
 @kernel
 def find_spin(part, state, s):
-    """Angular velocity (rad/s, 3, global) of body s, only about axes about which it may turn; of a
-    driven body that of the last step. part: arrays of all joints; state: of the particles."""
+    """Angular velocity (rad/s, 3, global) of body s, only about axes about which it may turn; of
+    one that a drive moves that of the last step. part: arrays of all joints; state: of
+    particles."""
     b, turns = part.body_scratch, get3(part.bodies, s, TURNS)
     if part.is_driven[s]:
         return get3(b, s, LAST_SPIN)
@@ -178,8 +179,8 @@ def find_impulses(part, factor):
 
 @kernel
 def push(part, state, s):
-    """Add the impulses FORCE (N s) and MOMENT (N m s) of body s (index) to its momenta, unless it
-    is driven, and to its sums of the step. part: arrays of all joints; state: of the particles."""
+    """Add the impulses FORCE (N s) and MOMENT (N m s) of body s (index) to its momenta, unless a
+    drive moves it, and to its sums of the step. part: arrays of all joints; state: of particles."""
     b, i = part.body_scratch, part.on[s]
     force, moment = get3(b, s, FORCE), get3(b, s, MOMENT)
     if not part.is_driven[s]:

@@ -95,8 +95,8 @@ class RigidMotor(AnyMotor, Rigid):
         return float(self.start + self.turn * travelled)
 
     def rate_at_start(self, scene) -> float:
-        """Return the rate (rad/s; m/s on a slide) that the motor prescribes just after time 0.
-        scene: has its curve."""
+        """Return the rate (rad/s; m/s on a slide) that the motor prescribes just after time 0; 0
+        where its curve (not by rate) is constant then. scene: has the curve."""
         times, values = scene.curves[self.curve] if self.curve >= 0 else CONSTANT
         if self.by_rate:
             return float(self.turn * np.interp(0.0, times, values))

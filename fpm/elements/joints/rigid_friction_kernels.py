@@ -37,9 +37,10 @@ CHANGES = 5
 class RigidFrictions(NamedTuple):
     """Arrays of f frictions that stick exactly. on (f,): index of the hinge; turn (f,): row of its
     condition in turns.state; numbers (f, 1, lanes): friction moment (N m); openings, turns: arrays
-    of all openings, and of those held exactly; past (f, HISTORY, lanes): rates (rad/s) of the last
-    two steps; state (f, STATE, lanes): moment held and its work, direction of slip, brake moment,
-    changes left in this step; account: index of the loss in World.accounts."""
+    of all openings, and of those held exactly; past (f, 2, lanes): rates (rad/s) of the last two
+    steps; state (f, 6, lanes): moment held (N m), its work due (J), sign of the slip's rate, brake
+    moment now and before the joints were solved (N m), changes left in this step; account: index of
+    the loss in World.accounts."""
 
     on: np.ndarray
     turn: np.ndarray
@@ -55,7 +56,7 @@ class RigidFrictions(NamedTuple):
 def forces(part, world, timing):
     """Add the friction moment (N m) of each element that slips to the particles of its hinge. part:
     arrays of all rigid frictions; world: state of the solver, changed; timing: times of this step
-    (s). The rest of an impact in the step before still counts."""
+    (s). The time of an impact, part.turns.blow, is then counted from this step's start."""
     blow = load(part.turns.blow, 0, 0)
     store(part.turns.blow, 0, 0, where_negative(-1.0 * blow, blow - 1.0, 0.0))
     for i in range(part.on.shape[0]):

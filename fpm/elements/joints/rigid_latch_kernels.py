@@ -42,11 +42,14 @@ TRACK = 4  # recorded: as of all latches, and the impulse with which it caught
 
 class RigidLatches(NamedTuple):
     """Arrays of l rigid latches. on (l,): index of the hinge; turn (l,): row of its condition in
-    turns.state; numbers (l, 4, lanes): angle, capture range, side, largest rate (NUMBERS);
-    openings, turns: arrays of all openings, and of those held exactly; past (l, HISTORY, lanes):
-    rates (rad/s) of the last steps; state (l, STATE, lanes): whether and where each has caught,
-    impulses, works; account: index of the loss in World.accounts; log: of events; track: recorded
-    moments (N m), impulses (N m s) and rate of the catch."""
+    turns.state; numbers (l, 4, lanes): angle, capture range (rad), sign of the rate at which it
+    catches (0: both), largest rate (rad/s); openings, turns: arrays of all openings, and of those
+    held exactly; past (l, 2, lanes): rate (rad/s) in the last step; state (l, 14, lanes): that of
+    all latches (Latches.state), then moment held (N m) and its work due (J), steps in which it has
+    held, impulse of the catch (N m s), opening foreseen for the end of this step, opening searched
+    so far (rad); account: index of the loss in World.accounts; log: of events; track ((instants +
+    1) l, 4, lanes): recorded moment (N m), impulse so far (N m s), rate (rad/s) and impulse (N m s)
+    of the catch."""
 
     on: np.ndarray
     turn: np.ndarray

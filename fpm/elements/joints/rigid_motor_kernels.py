@@ -23,9 +23,9 @@ class RigidMotors(NamedTuple):
     where by_rate (m,), times the curve's integral over time. on (m,): index of each one's hinge;
     turn (m,): row of its condition in turns.state; curve (m,): index of its curve, -1: constant 1;
     numbers (m, 2, lanes): start and factor (rad; m on slides; factor per second by rate); openings,
-    turns: arrays of all openings, and of those held exactly; state (m, STATE, lanes): moment (N m)
-    at the last positions, and work (J) of the half step up to them; account: index of the motors'
-    work in World.accounts; track ((instants + 1) m, 1, lanes): recorded moments (N m)."""
+    turns: arrays of all openings, and of those held exactly; state (m, 2, lanes): moment (N m) at
+    the last positions, and work (J) of the half step up to them; account: index of the motors' work
+    in World.accounts; track ((instants + 1) m, 1, lanes): recorded moments (N m)."""
 
     on: np.ndarray
     turn: np.ndarray

@@ -41,7 +41,7 @@ class Latches(NamedTuple):
     once it has caught, opening (rad) and sign of the rate then, news of this step (1 caught, 2
     missed) and their time (s), rate at the catch (rad/s), moment (N m), impulse so far (N m s);
     account: index in World.accounts of the loss; rows (l, 1, lanes): energy of each; log: of
-    events; track (instants x l, 3, lanes): recorded moment, impulse, rate at the catch."""
+    events; track ((instants + 1) l, 3, lanes): recorded moment, impulse, rate at the catch."""
 
     on: np.ndarray
     numbers: np.ndarray

@@ -27,7 +27,8 @@ class AnyMotor(OnHinge):
     variable: ClassVar[str] = "motor_moment"  # of what is recorded, in trajectory files
 
     def check(self, scene):
-        """Check the motor's fields, and that its hinge has no other motor; raises SceneError."""
+        """Check the motor's fields, and that its hinge has no other motor; raises SceneError if
+        not."""
         super().check(scene)
         self.check_alone(scene)
 

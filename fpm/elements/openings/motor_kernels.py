@@ -32,7 +32,7 @@ class Motors(NamedTuple):
     lanes): rate of the last step; state (m, 7, lanes): moment, a step ago, moment of damping, a
     step ago (N m), target less opening, change of the target, target (rad); openings: of all
     hinges; given, taken: indices in World.accounts of work and loss; rows (m, 1, lanes): energy of
-    each; track: recorded moment (N m)."""
+    each; track ((instants + 1) m, 1, lanes): recorded moment (N m)."""
 
     on: np.ndarray
     curve: np.ndarray

@@ -177,15 +177,13 @@ class OnHinge(OnHinges):
     @classmethod
     def deformations(cls, scene):
         """Return how motions of particles strain the openings on which the type's springs act, with
-        their stiffness, for the scene's stable time step, as if all acted at once; None: no
-        springs."""
+        their stiffness, for the stable time step, as if all acted at once; None: no springs."""
         return cls._turns(scene, [e.stiffness_in(scene) for e in cls.of(scene)])
 
     @classmethod
     def dampings(cls, scene):
         """Return how motions of particles move the openings on which the type's dampers act, with
-        their damping in the field `stiffness`, for the scene's stable time step; None: no
-        dampers."""
+        their damping in the field `stiffness`, for the stable time step; None: no dampers."""
         return cls._turns(scene, [e.damping_in(scene) for e in cls.of(scene)])
 
     @classmethod
@@ -212,9 +210,9 @@ def on_hinge(words: str = "hinge of {called}", types: tuple[str, ...] = ()) -> A
 
 def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
     """Split recorded series (t, k) of k elements on hinges into those on hinges that turn and those
-    on slides. series: by variable name, in units of hinges; hinges, labels: hinge and name of each
-    element. Returns all by name; for those on slides, names begin with "slide_", names and words
-    have force for moment, and units are those of slides."""
+    on slides. series: by variable name, in units of hinges; hinges, labels: Hinge and name of each
+    element. Returns all that have elements, by name; for those on slides, names begin with
+    "slide_", names and words have force for moment, and units are those of slides."""
     result = {}
     slides = np.array([hinge.slides for hinge in hinges], bool)
     for columns, prefix in ((~slides, ""), (slides, "slide_")):

@@ -30,10 +30,11 @@ class Openings(NamedTuple):
     its particles. ends (2 h,): particle of each side; sides (2 h, 9, lanes): axis, reference
     direction (of slides a point), normal to both, in the particle's axes; axes (h, 3, lanes):
     global axis now; angles (h, 2, lanes): opening now and a step ago (rad, m); is_needed: whether
-    it is updated in every step; track: recorded openings; slides (h,): 1 for a slide. moments (h
-    parts, 3, lanes): moment now, a step ago (N m), work (J) of each component (springs, dampers,
-    ...: PARTS); told_track: recorded moment and work of each; parts: number of components; part:
-    the component of the element type that takes these arrays. None: not used."""
+    it is updated in every step; track ((instants + 1) h, 1, lanes): recorded openings; slides (h,):
+    1 for a slide. moments (h parts, 3, lanes): moment now, a step ago (N m), work (J) of each
+    component (springs, dampers, ...: PARTS); told_track ((instants + 1) h parts, 2, lanes):
+    recorded moment and work of each; parts: number of components; part: the component of the
+    element type that takes these arrays. None: not used."""
 
     ends: np.ndarray  # (2h,) particles of the sides
     sides: np.ndarray  # (2h, SIDE, lanes)

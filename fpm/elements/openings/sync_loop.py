@@ -22,8 +22,9 @@ from fpm.errors import SceneError
 class SyncLoop(OnHinges):
     """A closed cable loop over pulleys on two hinges, which couples their openings.
 
-    name: of its own; hinges: indices of both; radii: of the pulleys (m); stiffness: of both strands
-    together (N/m); rest: openings without slip (rad); preload: tension of each strand (N)."""
+    name: of its own; hinges: indices of both; radii: of the pulleys (m), opposite in sign where the
+    loop is crossed; stiffness: of both strands together (N/m); rest: openings without slip (rad);
+    preload: tension of each strand (N), infinite: no strand ever turns slack."""
 
     name: str = same()
     hinges: tuple[int, int] = index("hinges", words="hinge of {title}", types=TURNING)
@@ -70,8 +71,8 @@ class SyncLoop(OnHinges):
 
     @property
     def tight(self) -> float:
-        """Slip (m, by which one strand is longer than without slip) up to which both strands are
-        tight."""
+        """Slip (m, by which one strand is longer than at rest) at which the other turns slack; inf:
+        never."""
         return 2 * self.preload / self.stiffness if self.stiffness > 0 else np.inf
 
     @classmethod

@@ -35,8 +35,7 @@ class TableSpring(OnHinge):
         check_table(self.angles, self.moments, "moments", "spring by a table")
 
     def topology(self):
-        """Return what must be equal in scenes run side by side: hinge and number of table
-        points."""
+        """Return what must be equal in scenes run side by side: hinge and number of points."""
         return self.hinge, len(self.angles)
 
     @property

@@ -1,4 +1,4 @@
-"""Moments and work of torque motors (theory: motor.py)."""
+"""Moments and work of torque motors (theory: torque_motor.py)."""
 
 from typing import NamedTuple
 
@@ -22,8 +22,8 @@ class TorqueMotors(NamedTuple):
     """Arrays of all m torque motors, for their kernels. on (m,): index of each one's hinge; curve
     (m,): index of its curve of time, -1: constant 1; numbers (m, 2, lanes): torque (N m), no-load
     speed (rad/s); past (m, 2, lanes): rate of the last step; state (m, 2, lanes): moment now, a
-    step ago (N m); openings: of all hinges; given: index of their work in World.accounts; track:
-    recorded moment (N m)."""
+    step ago (N m); openings: of all hinges; given: index of their work in World.accounts; track
+    ((instants + 1) m, 1, lanes): recorded moment (N m)."""
 
     on: np.ndarray
     curve: np.ndarray

@@ -23,7 +23,7 @@ class TorsionSpring(OnHinge):
     cost = 70.0
 
     def title(self, scene):
-        """Return what messages call the spring: "torsion spring" (on slides "spring") and the
+        """Return what messages call the spring: "torsion spring" ("spring" on slides) and its
         hinge."""
         hinge = scene.hinges[self.hinge]
         return f"{'spring' if hinge.slides else self.called} {hinge.name}"

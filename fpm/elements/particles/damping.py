@@ -11,8 +11,8 @@ from fpm.elements.kind import ElementType, Energy
 @dataclass(frozen=True)
 class Damping(ElementType):
     """Mass-proportional damping of all particles: force -rate times mass times velocity, and
-    likewise for rotation. rate: in 1/s, at least 0; several add up. Particles entirely held or
-    driven are not damped."""
+    likewise for rotation. rate: in 1/s, at least 0; several add up. Particles held in all ways, or
+    moved by a drive, are not damped."""
 
     rate: float = number("1/s", 0.0, words="damping")
 

@@ -18,8 +18,8 @@ from fpm.kernels.vectors import dot, get3, kernel, put3, times, to_local, vector
 
 class Damped(NamedTuple):
     """Arrays of mass-proportional damping, for its kernels. rate (1, 1, lanes): 1/s; free (f,):
-    indices of particles that no other element type moves; jointed (j,): indices of those that
-    another one moves (as in joints); account: index in World.accounts of the energy lost."""
+    indices of particles that no other element type moves; jointed (j,): of those that joints or
+    supports move and that can move in some way; account: index in World.accounts of the loss."""
 
     rate: np.ndarray
     free: np.ndarray
@@ -47,9 +47,9 @@ def take(part, world, path):
 
 @hook(Damped)
 def restrain(part, world, timing):
-    """Multiply momenta and forces of the particles that another element type moves by factors, so
-    that its step, done afterwards, damps them. part: arrays of damping (Damped); world: solver
-    state, changed; timing: times of this step (s)."""
+    """Multiply momenta and forces of part.jointed, particles that joints or supports move (not
+    those held in all ways or moved by drives), so that their step damps them. part: arrays of
+    damping (Damped); world: solver state, changed; timing: times of this step (s)."""
     state = world.state
     factor, force = factors(part, timing.kick)
     for n in range(part.jointed.shape[0]):
@@ -62,9 +62,10 @@ def restrain(part, world, timing):
 
 @hook(Damped)
 def move(part, world, timing):
-    """Make one damped step of the particles that no other type moves: add impulses of forces to
-    their momenta, move and turn them, and add the energy lost (J) to World.accounts. part: arrays
-    of damping (Damped); world: solver state, changed; timing: times of this step (s)."""
+    """Make one damped step of part.free, the particles that no other element type (joint, support,
+    drive) moves: add impulses of forces to their momenta, move and turn them, and add the energy
+    lost (J) to World.accounts. part: arrays of damping (Damped); world: solver state, changed;
+    timing: times of this step (s)."""
     state, particles = world.state, world.particles
     factor, force = factors(part, timing.kick)
     kick = timing.kick * force
@@ -84,9 +85,10 @@ def move(part, world, timing):
 
 @hook(Damped)
 def work_after(part, world, timing):
-    """Add to World.accounts the energy (J) that damping takes, in this step, out of particles that
-    another element type moves, by their momenta once joints have acted. part: arrays of damping
-    (Damped); world: solver state; timing: times of this step (s)."""
+    """Add to World.accounts the energy (J) that damping takes, in this step, out of part.jointed:
+    particles that joints or supports move (not those held in all ways or moved by drives), by their
+    momenta after joints acted. part: arrays of damping (Damped); world: solver state; timing: times
+    (s)."""
     state, particles = world.state, world.particles
     total = 0.0 * load(part.rate, 0, 0)
     for n in range(part.jointed.shape[0]):

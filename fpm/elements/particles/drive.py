@@ -36,13 +36,15 @@ class Drive(ElementType):
 
     @classmethod
     def moved(cls, scene):
-        """Return the indices of the driven particles of a scene, one for each drive."""
+        """Return the indices of the particles whose motion a scene's drives prescribe, one for each
+        drive."""
         return [drive.particle for drive in cls.of(scene)]
 
     @classmethod
     def motion(cls, scene, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the motion of a scene's driven particles at a time (s): indices (d,), each once,
-        velocities (d, 3) m/s and spins (d, 3) rad/s in global axes, summed over drives."""
+        """Return the motion that a scene's drives prescribe at a `time` (s): indices of particles
+        (d,), each once, velocities (d, 3) m/s, spins (d, 3) rad/s in global axes, summed over
+        drives."""
         particles = np.array(sorted(set(cls.moved(scene))), int)
         motion = np.zeros((2, len(particles), 3))
         for drive in cls.of(scene):

@@ -21,8 +21,8 @@ FORCES = 18
 
 class Probes(NamedTuple):
     """Arrays in which motion and forces of chosen particles are recorded. frames_of (p,), forces_of
-    (q,): their indices; frames (instants x p, 9, lanes): position (m), second and third axis of
-    each; forces (instants x q, 18, lanes): 3 each: velocity (m/s) and angular momentum (N m s),
+    (q,): their indices; frames ((instants + 1) p, 9, lanes): position (m), second and third axis of
+    each; forces ((instants + 1) q, 18, lanes): 3 each: velocity (m/s) and angular momentum (N m s),
     means of the half steps before and after the instant; their changes by time over the step around
     it (m/s², N m); force (N) and moment (N m) before those of supports, damping and joints."""
 
@@ -35,8 +35,7 @@ class Probes(NamedTuple):
 @hook(Probes)
 def record(part, world, row):
     """Record the forces (N) and moments (N m) on chosen particles in part.forces, before the step
-    sets them to 0. part: records of particles (Probes); world: solver state; row: index of the
-    recorded instant."""
+    sets them to 0. part: records (Probes); world: solver state; row: index of the instant."""
     count = part.forces_of.shape[0]
     for n in range(count):
         i, index = part.forces_of[n], row * count + n

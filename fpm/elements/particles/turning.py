@@ -16,10 +16,10 @@ ALIKE = 1e-12
 
 
 class Turning(NamedTuple):
-    """How the n particles of a scene can turn. inertia (n, 3): kg m², about their own axes; of one
-    that turns about a single axis, all three are that about it; no_turn (n, 3): whether it never
-    turns about an own axis; about_two: indices of particles of unequal inertias that turn about
-    two."""
+    """How the n particles of a scene can turn. inertia (n, 3): kg m², about their own axes; where
+    one turns about a single axis, the inertia about that, repeated; no_turn (n, 3): whether it
+    never turns about an own axis; about_two: indices of particles of unequal inertias that turn
+    about two."""
 
     inertia: np.ndarray
     no_turn: np.ndarray
@@ -28,8 +28,7 @@ class Turning(NamedTuple):
 
 def turns_of(scene) -> Turning:
     """Return how the particles of a scene can turn with its supports (Turning). SceneError where a
-    particle that turns about two axes, with unequal inertias, is in a joint, which is not
-    possible."""
+    particle that turns about two axes, with unequal inertias, is in a joint."""
     fixed = scene.fixed[:, 3:]
     count, inertia = fixed.sum(axis=1), scene.inertia.copy()
     no_turn = np.repeat(count[:, None] == 3, 3, axis=1)

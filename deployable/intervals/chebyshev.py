@@ -63,17 +63,18 @@ def total_degree(order: Sequence[int]) -> np.ndarray:
 
 
 def smolyak(order: Sequence[int]) -> np.ndarray:
-    """Multi-indices (M, k), degrees of Chebyshev products, of a Smolyak sparse grid with slow
-    growth, sorted by total degree; order (k): highest degree of each direction. The union of the
-    tensor sets of nested rules whose degrees, by the least polynomials that need them, are a
-    total-degree set; so it has every polynomial of that total degree (Barthelmann, Novak and Ritter
-    2000 with the growth of Burkardt 2009: a rule grows only when it must)."""
+    """Multi-indices i (M, k), degrees of Chebyshev products, of a Smolyak sparse grid with slow
+    growth, sorted by total degree. They are all i with sum_j c(i_j) / order_j <= 1, c(n) being the
+    least degree whose nested rule (1, 3, 5, 9, 17, ... points) has index n: 0, 1, 1, 3, 3, 5, 5, 5,
+    5, 9, ... As c(n) <= n, all of `total_degree(order)` are among them, and i_j may exceed order_j.
+    order (k): of each direction, 0: constant (Barthelmann, Novak and Ritter 2000 with the growth of
+    Burkardt 2009: a rule grows only when it must)."""
     return _within_budget(order, _nested_costs)
 
 
 def count_smolyak(order: Sequence[int]) -> int:
     """Number M of multi-indices that `smolyak(order)` has, without making them, to check the size
-    of a sparse grid; order (k): highest degree of each direction."""
+    of a sparse grid; order (k): of each direction, as there."""
     counts = {0.0: 1}  # rows so far, by the share of the order that they use
     for n in (int(n) for n in order if n):
         new_counts: dict[float, int] = {}

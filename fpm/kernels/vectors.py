@@ -114,7 +114,8 @@ _register_product()
 
 @intrinsic
 def vector(typingctx, x, y, z):
-    """Return the vector with components x, y, z, a lane each (numbers of samples side by side)."""
+    """Return the vector with components x, y, z, each a Lane (its numbers for all samples side by
+    side)."""
     if not isinstance(x, Lane):
         return None
 

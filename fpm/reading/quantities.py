@@ -21,9 +21,10 @@ class Quantity:
     name: its name; kind: how it is read, a key of KINDS, as "largest"; unit (UDUNITS) and
     long_name: of the number; response: the function of time that it is read off, None for events;
     at: of a value, its time (s) or the quantity that gives it; about: target of settling or
-    overshoot, None: the last value; within: tolerance of settling; level, way ("rising", "falling",
-    "either"): of a crossing; number: n, from 1, of the nth crossing or event; event: its name;
-    places: names of the elements at which it counts."""
+    overshoot, None: the last value; within: largest deviation from it after settling; level, way
+    ("rising", "falling", "either"): of a crossing; number: n, from 1, of the nth crossing or event;
+    event: its name; places: names of the elements whose events count, (): none. about, within and
+    level are in the response's unit."""
 
     name: str
     kind: str

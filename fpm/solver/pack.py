@@ -41,7 +41,8 @@ def pack(
     scenes: Sequence[Scene], width: int, dtype, instants: int, room: int = MOST_EVENTS
 ) -> Batch:
     """Return the scenes simulated side by side as a Batch, which makes the arrays of the kernels.
-    scenes: must pass `check_topology`; width: number of lanes (samples in an array); dtype: of the
-    arrays; instants: number of recorded instants; room: for how many events of each scene."""
+    scenes: must pass `check_topology`; width: number of lanes (samples in an array), at least that
+    of scenes (further lanes repeat the last scene); dtype: of the arrays; instants: number of
+    recorded instants; room: number of events of each scene that are kept, more are only counted."""
     kinds = kinds_of(scenes)
     return Batch(scenes, kinds, energies_of(kinds), width, dtype, instants, room)

@@ -131,9 +131,9 @@ class Stage:
 
 
 def plan_of(folder: Folder, names: Sequence[str]) -> dict[str, str]:
-    """Return {"plan": digest} of the plan from which the results called `names` were made, for the
-    seals of files made from them; {} without names. Raises `DamagedError` if they are of different
-    plans."""
+    """Return {"plan": digest} of the plan from which result files were made, for the seals of files
+    made from them; {} without names. folder: of the results; names: of these files, such as
+    "samples.nc". Raises `DamagedError` if one is damaged, or they are of different plans."""
     check_results(folder, names)
     plans = {name: check(folder / name, name).get("plan") for name in names}
     for name, plan in plans.items():

@@ -39,7 +39,8 @@ class Kriging:
     length: float
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P, 1) at points `unit` (P, k) in [-1, 1]^k."""
+        """Values (P, 1) of the polynomial with its correction, at points `unit` (P, k) in [-1,
+        1]^k."""
         return self.trend.evaluate(unit) + _fading(unit, self.points, self.length) @ self.weights
 
     def formula(self) -> Formula:

@@ -68,7 +68,8 @@ class JointBase(ElementType):
 
     @property
     def joint(self) -> str:
-        """Name of the whole joint that the element belongs to; by default its own name."""
+        """Name of the whole joint that the element belongs to: by default the element's own; a
+        universal joint is two Hinges, one for each angle, of which the first gives its name."""
         return self.name
 
     @staticmethod

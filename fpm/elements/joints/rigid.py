@@ -198,8 +198,9 @@ class RigidFriction(Rigid):
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field `name` of the kernels' tuple RigidFrictions, as
-        HoldsHinge.array; in "state", each slips (SIGN, 1 or -1) in the direction of its rate at the
-        start. batch: the scenes simulated side by side."""
+        HoldsHinge.array; "state" is 0 but for its field SIGN, the sign (1 or -1; 1 at rest) of the
+        hinge's rate at the start. Whether an element sticks then is in Turns. batch: the scenes
+        simulated side by side."""
         if name != "state":
             return super().array(name, batch)
         kernels, count = cls.kernels(), len(cls.of(batch.scene))

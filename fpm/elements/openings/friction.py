@@ -68,10 +68,10 @@ class Friction(OnHinge):
     """Friction in a hinge by a bristle: a spring that slips at a moment.
 
     hinge: index; moment: at which it slips (N m, on slides N); bristle_deflection: how far the
-    spring is bent then (rad, m); damping: while it sticks (N m s/rad), None: 0.3 of critical.
-    angles, shares: openings (rad, m) and factors of the moment there, linear between, (): 1
-    everywhere. load: force of the joint (N) at which it slips at `moment`, which is proportional to
-    that force; None: constant."""
+    spring is bent then (rad, m); damping: while it sticks (N m s/rad, on slides N s/m), None: 0.3
+    of critical. angles, shares: openings (rad, m), increasing, and factors of the moment there,
+    linear between, constant beyond; (): 1 everywhere. load: size (N) of the whole force in the
+    joint at which it slips at `moment`, which is proportional to it; None: constant."""
 
     hinge: int = on_hinge()
     moment: float = number("N m", 0.0, text="at which it slips; below, it sticks for ever")

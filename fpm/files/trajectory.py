@@ -86,8 +86,8 @@ class Curves:
     def times(self, event: str, places: Iterable[str]) -> np.ndarray:
         """Times (s), increasing, at which any of some elements had an event. event: its name, such
         as "latches"; places: the elements' names."""
-        numbers = [e.events.index(event) if e.name in places and event in e.events else -1
-                   for e in self.eventful]  # fmt: skip
+        names = [e.events if e.name in places else () for e in self.eventful]
+        numbers = [own.index(event) if event in own else -1 for own in names]
         rows = self.events[:, 2] == np.array(numbers)[self.events[:, 1].astype(int)]
         return np.sort(self.events[rows, 0])
 

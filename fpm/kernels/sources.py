@@ -24,9 +24,9 @@ of runs in the place of their curves, has their digest beside the run's; curves 
 not depend on them."""
 
 DISPLAY = (
-    "errors.py", "motions", "scenes/effort.py",
-    "structures/describe.py", "structures/plausible.py", "structures/report.py",
-)  # fmt: skip
+    *("errors.py", "motions", "scenes/effort.py"),
+    *(f"structures/{name}.py" for name in ("describe", "plausible", "report")),
+)
 """Files and rooms that decide no number that is kept of a run: words, prices, and motions that are
 made again with every page. Everything else of the mechanics counts in the names of runs."""
 

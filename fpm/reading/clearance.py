@@ -68,8 +68,8 @@ def nearest(a, b, c, d) -> np.ndarray:
     is_inside = (det > 1e-12 * uu * vv) & (s > 0) & (s < 1) & (t > 0) & (t < 1)
     s, t = np.where(is_inside, s, 0.0)[..., None], np.where(is_inside, t, 0.0)[..., None]
     line = w + t * v - s * u  # where not inside: from a to c, which is not shorter
-    lines = [line, to_segment(a, c, v), to_segment(b, c, v), -to_segment(c, a, u),
-            -to_segment(d, a, u)]  # fmt: skip
+    lines = [line, to_segment(a, c, v), to_segment(b, c, v)]
+    lines += [-to_segment(c, a, u), -to_segment(d, a, u)]
     shape = np.broadcast_shapes(*(vector.shape for vector in lines))
     lines = np.stack([np.broadcast_to(vector, shape) for vector in lines])
     best = np.sum(lines**2, axis=-1).argmin(axis=0)

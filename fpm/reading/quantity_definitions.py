@@ -60,8 +60,8 @@ def _parse(name, definition, responses, elements, quantities) -> Quantity:
         "way": lambda key, value: _one_of(key, value, DIRECTIONS),
         "at": lambda key, value: _moment(key, value, quantities),
     }
-    fields = {field: read[field](f"{key}.{field}", definition[field])
-              for field in KINDS[kind].keys if field in definition}  # fmt: skip
+    own = [field for field in KINDS[kind].keys if field in definition]
+    fields = {field: read[field](f"{key}.{field}", definition[field]) for field in own}
     unit = KINDS[kind].unit or response.unit
     if kind == "smallest_at":
         unit = response.along.unit if response.along else "s"

@@ -131,10 +131,8 @@ class SceneType:
         do not fit."""
         for name, value in parameters.items():
             if name not in self.parameters:
-                raise SceneError(
-                    f"parameter {name} of scene {self.name}", value,
-                    f"one of {', '.join(self.parameters)}",
-                )  # fmt: skip
+                key, allowed = f"parameter {name} of scene {self.name}", ", ".join(self.parameters)
+                raise SceneError(key, value, f"one of {allowed}")
             self.parameters[name].check(name, value)
         defaults = {name: p.default for name, p in self.parameters.items()}
         try:

@@ -32,11 +32,9 @@ def check_topology(scenes: Sequence[Scene]) -> None:
     first = topology(scenes[0])
     for i, scene in enumerate(scenes[1:], start=1):
         if topology(scene) != first:
-            raise SceneError(
-                f"topology of scene {i}", scene.name, "the same particles, connections and "
-                "supports as scene 0, and beams along their particles' axes where its are; "
-                "scenes of a batch may differ in numbers only"
-            )  # fmt: skip
+            allowed = "the same particles, connections and supports as scene 0, and beams along "
+            allowed += "their particles' axes where its are; scenes of a batch may differ in "
+            raise SceneError(f"topology of scene {i}", scene.name, f"{allowed}numbers only")
 
 
 def pack(

@@ -36,10 +36,9 @@ class Body:
         """Index of the particle that carries one of this part's points; point: full name,
         SceneError if the part does not have it."""
         if point not in self.points:
-            raise SceneError(
-                "at", point, f"a point of {self.name}: {', '.join(self.points)} (or let it carry "
-                f"{point})"
-            )  # fmt: skip
+            points = ", ".join(self.points)
+            allowed = f"a point of {self.name}: {points} (or let it carry {point})"
+            raise SceneError("at", point, allowed)
         return self.points[point]
 
 

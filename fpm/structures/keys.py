@@ -92,10 +92,8 @@ class WholeKey(Key):
     allowed = f"a whole number from 1 to {MOST}, of parameters with `whole: true`"
 
     def read(self, node, place):
-        checked = _checked(
-            place.whole(node, self.allowed), place, self.allowed,
-            lambda value: value == round(value) and 1 <= value <= MOST,
-        )  # fmt: skip
+        value = place.whole(node, self.allowed)
+        checked = _checked(value, place, self.allowed, lambda x: x == round(x) and 1 <= x <= MOST)
         return lambda build: round(checked(build))
 
 

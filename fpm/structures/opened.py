@@ -137,11 +137,9 @@ class FileRecord:
             raise SceneError(f"{self.path.name} at {dict(values)}", self.unseen, DATA_HINT)
         for path in sorted(paths):
             if path not in self.files:
-                raise SceneError(
-                    f"{self.path.name} at {dict(values)}", f"opens {path}",
-                    "files that it opens at its default values, too, or names in "
-                    'DATA = ["tables/*.csv"]: its results are named after their content',
-                )  # fmt: skip
+                allowed = "files that it opens at its default values, too, or names in "
+                allowed += 'DATA = ["tables/*.csv"]: its results are named after their content'
+                raise SceneError(f"{self.path.name} at {dict(values)}", f"opens {path}", allowed)
             if not self._is_same(path):
                 raise ChangedError(str(path))
 

@@ -124,10 +124,8 @@ def _check_imports(path: Path, record: FileRecord) -> None:
         name = ".".join(parts).removesuffix(".__init__")
         file = getattr(record.modules.get(name, sys.modules.get(name)), "__file__", None)
         if file and Path(file).resolve() != source:
-            _refuse(
-                path, f"import {name}: is {file} already, not {source.name} from beside it; "
-                "allowed: a name that no other module has"
-            )  # fmt: skip
+            modules = f"is {file} already, not {source.name} from beside it"
+            _refuse(path, f"import {name}: {modules}; allowed: a name that no other module has")
 
 
 def _refuse(path: Path, text: str) -> None:

@@ -138,10 +138,9 @@ def _finish(build: Builder, model: FileStatements) -> None:
     for entry in parts if len(parts) > 1 else ():
         particles = build.get("parts", entry.name).particles
         if not (build.joints_of.keys() & particles.tolist() or scene.fixed[particles].any()):
-            build.problems.say(
-                entry.line, f"{entry.key}: nothing joins it to anything; allowed: parts with a "
-                "joint, a cable, a support or a drive"
-            )  # fmt: skip
+            allowed = "parts with a joint, a cable, a support or a drive"
+            text = f"{entry.key}: nothing joins it to anything; allowed: {allowed}"
+            build.problems.say(entry.line, text)
 
 
 def _note(build: Builder, line: int, key: str, error: SceneError) -> None:

@@ -36,10 +36,8 @@ def parts_of(scene) -> dict[str, str]:
 
 def springs_of(scene) -> list[str]:
     """Names of a scene's components of virtual work that are springs on joints, by tables too."""
-    return [
-        part.name for part in components_of(scene)
-        if isinstance(part.balanced, TorsionSpring | TableSpring) and part.resists_as == "S"
-    ]  # fmt: skip
+    springs = [part for part in components_of(scene) if part.resists_as == "S"]
+    return [p.name for p in springs if isinstance(p.balanced, TorsionSpring | TableSpring)]
 
 
 def classes_of_kinds(scene) -> dict[str, str]:

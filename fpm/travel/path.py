@@ -59,7 +59,7 @@ class Path:
     start."""
 
     def __init__(self, scene, openings: Sequence[str], stand: Sequence[str]):
-        self.scene, self.name = scene, openings[0]
+        self.scene, self._key = scene, f"opening {openings[0]}"
         by_name = {hinge.name: hinge for hinge in scene.hinges}
         self._hinges, self.balance = [by_name[name] for name in openings], Balance(scene)
         self.opening = self._start = float(self._hinges[0].opening)
@@ -84,8 +84,8 @@ class Path:
         would leave the branch of solutions. depth: halvings of the step so far, 0 for callers.
         Raises MisfitError where it cannot be moved, SceneError where motions jump too often."""
         state, tangents = self.state(), self._tangents
-        is_past_jump = any(min(state[1], value) <= jump <= max(state[1], value)
-                           for jump in self._jumps)  # fmt: skip
+        low, high = sorted((state[1], value))
+        is_past_jump = any(low <= jump <= high for jump in self._jumps)
         try:
             self._step(value)
             if is_past_jump or not tangents or value == state[1] or self._stays(state, tangents):
@@ -100,10 +100,8 @@ class Path:
         self._tangents = tangents
         self._halved += 1
         if self._halved > MAX_HALVED_MOTIONS:
-            raise SceneError(
-                f"opening {self.name}", f"{value:.6g}", "a way on which motions agree with the "
-                "rates at their ends; here they jump from place to place"
-            )  # fmt: skip
+            allowed = "a way on which motions agree with the rates at their ends; here they jump"
+            raise SceneError(self._key, f"{value:.6g}", f"{allowed} from place to place")
         self.move_to(0.5 * (state[1] + value), depth + 1)
         self.move_to(value, depth + 1)
 
@@ -156,10 +154,9 @@ class Path:
                 self._tangents = [self.tangent, *(self._tangents[:3] if step else [])]
                 self.balance.follow(poses)
                 return
-        raise MisfitError(
-            f"opening {self.name}", f"{value:.6g}", "openings to which it can be led, the joints "
-            "closed and all else in balance; other openings that nothing decides may be `locked`"
-        )  # fmt: skip
+        allowed = "openings to which it can be led, the joints closed and all else in balance;"
+        allowed += " other openings that nothing decides may be `locked`"
+        raise MisfitError(self._key, f"{value:.6g}", allowed)
 
     def state(self) -> tuple:
         """State of the path, as a tuple to be given to `restore` later: poses, opening, tangent,
@@ -212,8 +209,8 @@ class Path:
             return []
         hinges = [self.scene.hinges[number] for number in self.scene.bearings]
         rates = np.array(self.rates(list(self.scene.bearings)))
-        pushes = [-lever * np.sign(rate) * self._opens(hinge)
-                  for lever, rate, hinge in zip(levers, rates, hinges, strict=True)]  # fmt: skip
+        opens = [self._opens(hinge) for hinge in hinges]
+        pushes = [-b * np.sign(rate) * x for b, rate, x in zip(levers, rates, opens, strict=True)]
         lacks = np.zeros(len(self._weight))
         first, *changes = (self._solve(forces, lacks)[1] for forces in (friction, *pushes))
         joints, pushing = np.array(self._conditions.joint), self._conditions.axis_types != NORMAL
@@ -225,11 +222,10 @@ class Path:
         forces, is_solved = forces_with_friction(base, slopes)
         if not is_solved:
             name = hinges[int(np.argmax(levers * forces))].name
-            raise SceneError(
-                f"bearing {name}", f"locked where opening {self.name} is {self.opening:.6g}",
-                "a way on which no bearing's friction presses its joint harder than it is pushed "
-                "(self-locking): less `mu`, or a way that ends before"
-            )  # fmt: skip
+            place = f"locked where {self._key} is {self.opening:.6g}"
+            allowed = "a way on which no bearing's friction presses its joint harder than it is "
+            allowed += "pushed (self-locking): less `mu`, or a way that ends before"
+            raise SceneError(f"bearing {name}", place, allowed)
         return [*(-levers * forces * np.abs(rates))]
 
     def check(self) -> None:
@@ -243,10 +239,9 @@ class Path:
         rows = conditions_of(scene, [hinge.name for hinge in scene.hinges]).jacobian(self.poses)
         rates = rows[-len(scene.hinges) :] @ np.stack([self.tangent, self._motion(solve)], axis=1)
         if np.abs(np.diff(rates)).max() > FREEDOM_TOLERANCE * np.abs(rates).max():
-            raise SceneError(
-                f"opening {self.name}", "(not the only freedom)", "an opening that decides the "
-                "motion of all others, by joints, springs or loops; let others be `locked`"
-            )  # fmt: skip
+            allowed = "an opening that decides the motion of all others, by joints, springs or"
+            allowed += " loops; let others be `locked`"
+            raise SceneError(self._key, "(not the only freedom)", allowed)
 
     def _moving(self, poses: ParticlePoses) -> np.ndarray:
         """Degrees of freedom that are not held. Where the whole may drift as it is, some of the
@@ -271,10 +266,8 @@ class Path:
         return np.flatnonzero(~is_held)
 
     def _equations(self, poses, conditions, ease):
-        return linearised(
-            self.scene, poses, conditions, self.balance, self._impulses, self._scales, self._free,
-            self._weight, ease,
-        )  # fmt: skip
+        rules = self._scales, self._free, self._weight, ease
+        return linearised(self.scene, poses, conditions, self.balance, self._impulses, *rules)
 
     def _motion(self, solve) -> np.ndarray:
         """The motion (6n,) per unit of the opening."""

@@ -174,10 +174,9 @@ def _of_results(folder: Folder, run: str) -> SelectedRun:
             "its runs cannot be made again; run the campaign first"
         )
     row = _row(run, run_ids, nominal, folder)
-    return _selected_run(
-        experiment, dict(zip(names, values[row].tolist(), strict=True)), step, run,
-        {"run_id": run_ids[row], "campaign": experiment.name}, folder,
-    )  # fmt: skip
+    point = dict(zip(names, values[row].tolist(), strict=True))
+    attributes = {"run_id": run_ids[row], "campaign": experiment.name}
+    return _selected_run(experiment, point, step, run, attributes, folder)
 
 
 def _row(run: str, run_ids: list[str], nominal: int | None, folder: Folder) -> int:

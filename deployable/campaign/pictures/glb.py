@@ -49,10 +49,8 @@ class _Buffer:
         view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": raw.nbytes}
         self.views.append(view | ({"target": target} if target else {}))
         self.data += raw.tobytes() + b"\0" * (-raw.nbytes % 4)
-        accessor = {
-            "bufferView": len(self.views) - 1, "componentType": _COMPONENTS[kind],
-            "count": len(raw), "type": _SHAPES[raw.shape[1:]],
-        }  # fmt: skip
+        accessor = {"bufferView": len(self.views) - 1, "componentType": _COMPONENTS[kind]}
+        accessor |= {"count": len(raw), "type": _SHAPES[raw.shape[1:]]}
         if kind == "f4" and raw.ndim < 3:  # the format asks for them at some, and allows all
             low, high = raw.min(axis=0), raw.max(axis=0)
             accessor |= {"min": np.atleast_1d(low).tolist(), "max": np.atleast_1d(high).tolist()}
@@ -88,11 +86,11 @@ def _content(motion: xarray.Dataset, buffer: _Buffer, small: bool) -> dict[str, 
         place = unit * np.rint(place / unit)
     turn = TO_GLTF @ motion["frame"].values @ TO_GLTF.T
     quaternion = _quaternions(turn)
+    poses = zip(place[0].tolist(), quaternion[0].tolist(), strict=True)
     particles = [
-        {"name": f"particle {p}", "translation": place[0, p].tolist(),
-         "rotation": quaternion[0, p].tolist()}
-        for p in range(place.shape[1])
-    ]  # fmt: skip
+        {"name": f"particle {p}", "translation": x, "rotation": turn_now}
+        for p, (x, turn_now) in enumerate(poses)
+    ]
     nodes: list[dict] = [{"name": f"particles of {motion.attrs['scene']}"}]
     meshes = _mesh(motion, buffer)
     if meshes:
@@ -116,8 +114,8 @@ def _content(motion: xarray.Dataset, buffer: _Buffer, small: bool) -> dict[str, 
         **meshes,
     }
     if meshes:
-        content["skins"] = [{"joints": joints, "skeleton": 0,
-                             "inverseBindMatrices": _bind(place[0], turn[0], buffer)}]  # fmt: skip
+        bind = _bind(place[0], turn[0], buffer)
+        content["skins"] = [{"joints": joints, "skeleton": 0, "inverseBindMatrices": bind}]
     content |= {"accessors": buffer.accessors, "bufferViews": buffer.views}
     return content | {"buffers": [{"byteLength": len(buffer.data)}]}
 
@@ -169,7 +167,7 @@ def _mesh(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, Any]:
             {"name": "pins", **_LINE},
         ],
         "extensionsUsed": ["KHR_materials_unlit"],
-    }  # fmt: skip
+    }
 
 
 def _bars(solid: Solid, buffer: _Buffer) -> dict[str, Any]:

@@ -102,11 +102,8 @@ def frame_picture(ax: Any, limits: np.ndarray, view: View, signs: bool = True) -
         return
     origin = np.array([low[0] + 0.1 * size, low[1] - 0.6 * strip])
     for name, end in zip("xyz", arrow * view.page.T, strict=True):
-        ax.annotate(
-            "", origin + end, origin,
-            arrowprops={"arrowstyle": "-|>", "color": _AXIS, "lw": 0.8, "mutation_scale": 6,
-                        "shrinkA": 0, "shrinkB": 0},
-        )  # fmt: skip
+        arrow_style = {"arrowstyle": "-|>", "color": _AXIS, "lw": 0.8, "mutation_scale": 6}
+        ax.annotate("", origin + end, origin, arrowprops=arrow_style | {"shrinkA": 0, "shrinkB": 0})
         if np.linalg.norm(end) > 0.15 * arrow:
             text = origin + end * (1 + 0.35 * arrow / np.linalg.norm(end))
             ax.text(*text, name, fontsize=7, color=_AXIS, ha="center", va="center")
@@ -116,10 +113,8 @@ def frame_picture(ax: Any, limits: np.ndarray, view: View, signs: bool = True) -
     for end in (right - length, right):
         ends = level - 0.012 * size, level + 0.012 * size
         ax.plot((end, end), ends, color=_AXIS, lw=1.2)
-    ax.text(
-        right - 0.5 * length, level + 0.03 * size, length_text(length),
-        fontsize=7, color=_AXIS, ha="center", va="bottom",
-    )  # fmt: skip
+    place, style = (right - 0.5 * length, level + 0.03 * size), {"ha": "center", "va": "bottom"}
+    ax.text(*place, length_text(length), fontsize=7, color=_AXIS, **style)
 
 
 def length_text(length: float) -> str:

@@ -214,8 +214,8 @@ class Beams(ElementType):
             return np.concatenate([xa, local(ra, a), xb, local(rb, b)], axis=1)
 
         rows = [(row(-n, zero, n, zero), table[:, 1]), (row(zero, -n, zero, n), table[:, 4])]
-        for axis, moment_axis, k in ((e2, np.cross(e2, n), table[:, 2]),
-                               (e3, np.cross(e3, n), table[:, 3])):  # fmt: skip
+        for axis, k in ((e2, table[:, 2]), (e3, table[:, 3])):
+            moment_axis = np.cross(axis, n)
             # th_a^2 + th_a th_b + th_b^2 = 3/4 (th_a + th_b)^2 + 1/4 (th_a - th_b)^2
             slope = axis / self.length[:, None]
             rows.append((row(-2 * slope, moment_axis, 2 * slope, moment_axis), 1.5 * k))

@@ -32,9 +32,8 @@ def bounding_springs(scene, cables: Iterable[Iterable[Piece]]) -> Deformations |
     rows = []
     for number, pieces in enumerate(cables):
         for beams, stiffness in pieces:
-            ends = (0, len(beams) - 1)
-            motions = [(*_motion(scene, beam), 1.0 if i in ends else FACTOR**2)
-                     for i, beam in enumerate(beams)]  # fmt: skip
+            factors = [1.0, *[FACTOR**2] * (len(beams) - 2), 1.0]
+            motions = [(*_motion(scene, b), x) for b, x in zip(beams, factors, strict=True)]
             total = sum(square * mobility for _, mobility, square in motions)
             for beam, (values, mobility, _) in zip(beams, motions, strict=True):
                 if mobility > 0:  # |c|²/s = total/w

@@ -155,10 +155,13 @@ class Friction(OnHinge):
         "numbers": stiffness, deflection at slip, damping, locking; "start", "points": tables (None:
         no element has one); "bearing": forces of joints; "state": bristles that begin straight."""
 
+        def bristle(f, scene):
+            most = f.bristle_deflection * (f.shares or (float(f.load is None),))[0]
+            locking = 0.0 if f.load is None else 1.0 / f.bristle_deflection
+            return f.stiffness, most, f.damping_in(scene), locking
+
         def bristles(scene):
-            return [[f.stiffness, f.bristle_deflection * (f.shares or (float(f.load is None),))[0],
-                     f.damping_in(scene), 0.0 if f.load is None else 1.0 / f.bristle_deflection]
-                    for f in cls.of(scene)]  # fmt: skip
+            return [bristle(f, scene) for f in cls.of(scene)]
 
         if name == "bearing":
             return _bearing_force(batch, cls)

@@ -99,6 +99,9 @@ def table_array(name: str, batch, kind, bends_of) -> np.ndarray:
     ends = np.cumsum([0, *(len(element.angles) for element in kind.of(batch.scene))])
     if name == "start":
         return batch.integers(ends)
-    return batch.stack(ends[-1], 2, lambda scene: np.concatenate(
-        [np.column_stack([e.angles, bends_of(e)]) for e in kind.of(scene) if e.angles]
-    ))  # fmt: skip
+
+    def points(scene):
+        tables = [(e.angles, bends_of(e)) for e in kind.of(scene) if e.angles]
+        return np.concatenate([np.column_stack(table) for table in tables])
+
+    return batch.stack(ends[-1], 2, points)

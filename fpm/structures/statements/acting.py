@@ -95,7 +95,7 @@ whole(Damper)
     sticks=ChoiceKey(
         "bristle", "`exactly`: without any deflection", options=("bristle", "exactly")
     ),
-)  # fmt: skip
+)
 def friction(build, args):
     """Dry (Coulomb) friction in a joint.
 
@@ -149,10 +149,8 @@ def bearing(build, args):
     joint = scene.hinges[args.joint].joint
     parts = sum(names.count(joint) for names in build.joints_of.values())
     if parts > 2:  # which of them press on each other is the pin's design, and not known
-        build.refuse(
-            "joint", f"{joint} (of {parts} parts)", "a joint of two parts: state the pin as joints "
-            "of those two that rub on each other, each with its bearing"
-        )  # fmt: skip
+        pin = "state the pin as joints of those two that rub on each other, each with its bearing"
+        build.refuse("joint", f"{joint} (of {parts} parts)", f"a joint of two parts: {pin}")
     if args.load is None:
         scene.bearings[args.joint] += lever
         return
@@ -186,9 +184,10 @@ def stop(build, args):
     Latch,
     excluded=("one_sided", "name"),
     left_out={"stiffness": "it holds exactly"},
-    holds=ChoiceKey("both ways", "`one way`: only against going back",
-                 options=("both ways", "one way")),
-)  # fmt: skip
+    holds=ChoiceKey(
+        "both ways", "`one way`: only against going back", options=("both ways", "one way")
+    ),
+)
 def latch(build, args):
     """Catches a joint at an opening and holds it from then on.
 

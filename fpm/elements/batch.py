@@ -174,7 +174,8 @@ class Batch:
         """Log into which the kernels of an element type write their events. Its arrays are those of
         all types (events: time, element, which of its events); only `first`, the number of the
         type's first element among all that have events, is the type's own."""
-        return Log(self.events, self.event_count, self.eventful.of[kind].start)
+        first = self.eventful.of[kind].start
+        return Log(self.events, self.event_count, first, self.blank(2, 1))
 
     # -- the whole --------------------------------------------------------------------------------
 

@@ -181,7 +181,8 @@ class Batch:
         """Return the log into which kernels of an element type `kind` write events: the arrays that
         all types share (time, element, number of the event), and `first`, the number of the type's
         first element among all elements with events."""
-        return Log(self.events, self.event_count, self.eventful.of[kind].start)
+        first = self.eventful.of[kind].start
+        return Log(self.events, self.event_count, first, self.blank(2, 1))
 
     # -- the whole --------------------------------------------------------------------------------
 

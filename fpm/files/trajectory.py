@@ -93,13 +93,14 @@ class Curves:
     def impacts(self, pairs: Mapping[str, str] = IMPACTS) -> Impacts:
         """Return the impacts of the run, at whose times responses bend or jump. pairs: by name of
         the event that begins an impact, that of the event that ends it; a latch's ends at once."""
-        start_events = [next((e for e in own.events if e in pairs), None) for own in self.eventful]
-        has_impact = [event is not None for event in start_events]
+        events = [own.events for own in self.eventful]
+        starts = [next((e for e in own if e in pairs), None) for own in events]
+        has_impact = [event is not None for event in starts]
         index, element = np.cumsum(has_impact) - 1, self.events[:, 1].astype(int)
         blocks = []
         for number_of, flag in ((lambda e: e, 1.0), (pairs.get, 0.0)):
-            numbers = [own.events.index(number_of(event)) if event else -1
-                       for own, event in zip(self.eventful, start_events, strict=True)]  # fmt: skip
+            event_pairs = zip(events, starts, strict=True)
+            numbers = [own.index(number_of(e)) if e else -1 for own, e in event_pairs]
             selection = np.flatnonzero(self.events[:, 2] == np.array(numbers, int)[element])
             blocks.append(stacked(self.events[selection, 0], index[element[selection]], flag))
         rows = np.concatenate(blocks)
@@ -193,32 +194,27 @@ def _record_variables(outcome) -> dict[str, classic.NetcdfVariable]:
 
 def _events(outcome) -> dict[str, classic.NetcdfVariable]:
     (time, element, number), eventful = outcome.events.T, outcome.eventful
+    element, number = element.astype(np.int32), number.astype(np.int8)
+    own = (" ".join(e.events) for e in eventful)
     return {
         **_names("event_element", (e.name for e in eventful), "element that has events"),
-        **_names(
-            "event_element", (" ".join(e.events) for e in eventful), "its events by number",
-            "event_names",
-        ),
+        **_names("event_element", own, "its events by number", "event_names"),
         "event_time": _variable("event", time, "s", "time of an event"),
-        "event_of": _variable(
-            "event", element.astype(np.int32), "1", "index of the event's element"
-        ),
-        "event_number": _variable("event", number.astype(np.int8), "1", "number of the event"),
-    }  # fmt: skip
+        "event_of": _variable("event", element, "1", "index of the event's element"),
+        "event_number": _variable("event", number, "1", "number of the event"),
+    }
 
 
 def _responses(outcome, responses) -> dict[str, classic.NetcdfVariable]:
     """All responses in one variable: no name that a response may have meets another's."""
     values = np.array([response.evaluate(outcome) for response in responses])
+    values, dims = values.reshape(-1, len(outcome.time)), ("response", "time")
     return {
         **_names("response", (r.name for r in responses), "response"),
         **_names("response", (r.unit for r in responses), "its unit", "response_units"),
         **_names("response", (r.long_name for r in responses), "in words", "response_long_name"),
-        "response_values": _variable(
-            ("response", "time"), values.reshape(-1, len(outcome.time)), "1",
-            "responses, in their units",
-        ),
-    }  # fmt: skip
+        "response_values": _variable(dims, values, "1", "responses, in their units"),
+    }
 
 
 def to_dataset(outcome, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":

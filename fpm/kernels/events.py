@@ -1,6 +1,6 @@
 """Events: levels that a quantity of an element crosses."""
 
-from fpm.kernels.lanes import absolute, where_negative
+from fpm.kernels.lanes import absolute, any_negative, store, where_negative
 from fpm.kernels.vectors import kernel
 
 
@@ -18,14 +18,20 @@ def note(log, lane, time, element, event):
 
 
 @kernel
-def note_crossing(log, lane, element, previous, value, timing):
-    """Write event 1 into a log where a value has become negative in this step, event 0 where it no
-    longer is, at the time found by linear interpolation. log: of the element's type (Log); lane:
-    index of the sample; element: index in its type; previous, value: at the start and end of the
-    step, of one sample; timing: times of this step (s)."""
-    if (value < 0.0) != (previous < 0.0):
-        time = timing.time - timing.step * value / (value - previous)
-        note(log, lane, time, element, 1.0 if value < 0.0 else 0.0)
+def note_crossings(log, element, previous, value, timing):
+    """Note event 1 in samples in which a value has become negative in this step, event 0 where it
+    no longer is, at the time found by linear interpolation. log: of the element's type (Log);
+    element: index in its type; previous, value (lanes): at the start and end of the step; timing:
+    times of this step (s)."""
+    signs = where_negative(value, -1.0, 0.0 * value + 1.0)
+    if any_negative(signs * where_negative(previous, -1.0, 0.0 * previous + 1.0)):
+        store(log.ends, 0, 0, previous)
+        store(log.ends, 1, 0, value)
+        for s in range(log.ends.shape[2]):
+            first, last = log.ends[0, 0, s], log.ends[1, 0, s]
+            if (last < 0.0) != (first < 0.0):
+                time = timing.time - timing.step * last / (last - first)
+                note(log, s, time, element, 1.0 if last < 0.0 else 0.0)
 
 
 @kernel

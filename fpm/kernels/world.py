@@ -56,13 +56,14 @@ class World(NamedTuple):
 
 
 class Log(NamedTuple):
-    """Log of events, as one element type writes to it. events (room, 3, lanes), of all types: time
-    (s), number of the element, which of its events; count (lanes,): noted so far, also those
-    without room; first: number of the type's first element among all that have events."""
+    """Log of the events of all element types. events (room, 3, lanes): time (s), number of the
+    element, which of its events; count (lanes,): noted so far, also those without room; first:
+    number of the first element of the type that writes; ends (2, 1, lanes): working memory."""
 
     events: np.ndarray  # (most events, 3, lanes) time, element, which of its events
     count: np.ndarray  # (lanes,) noted so far, also those that find no place
     first: int
+    ends: np.ndarray  # (2, 1, lanes) a value before and after a step
 
 
 class Record(NamedTuple):

@@ -13,6 +13,7 @@ import numpy as np
 from fpm.errors import SceneError
 from fpm.reading.standards import CLASSES, STANDARDS
 from fpm.travel import Travel, lead, parts_of, reeled
+from fpm.travel.balance import TINY
 from fpm.travel.positions import interpolate
 
 WORK, INERTIA, OPENING = "travel_work", "travel_inertia", "travel_opening"
@@ -20,9 +21,6 @@ WORK, INERTIA, OPENING = "travel_work", "travel_inertia", "travel_opening"
 
 MOST = 99.0
 """Largest margin that is given: where next to nothing resists, margins have no end."""
-
-TINY = 1e-300
-"""N m, so that where nothing acts nothing is divided by zero: the margin is -1 there."""
 
 ROUNDING = 1e-12
 """Margins below this value are rounding: what acts is known to 1e-6 of itself."""

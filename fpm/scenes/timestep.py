@@ -134,7 +134,7 @@ def _limit(scene: Scene, step: float = np.inf) -> StableStep:
     deformations, kind_of, names = deformation_modes(scene, step)
     modes, element, inverse = _scaled(scene, deformations)
     kinds = kinds_of([scene])
-    blocked = {kinds.index(kind): kind.shut(scene, inverse) for kind in kinds if kind is Contact}
+    blocked = {n: kind.shut(scene, inverse) for n, kind in enumerate(kinds) if kind is Contact}
     acting = ~np.isin(kind_of, list(blocked))
     cases = [(modes[acting], element[acting])]
     for number, columns in blocked.items():

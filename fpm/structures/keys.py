@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fpm.elements.joints.hinge import ANGLES
+from fpm.elements.kind import AXES
 from fpm.elements.openings.opening import SLIDING
 from fpm.errors import SceneError, renamed
 from fpm.structures.builder import Builder
@@ -18,7 +19,6 @@ from fpm.structures.names import Bound, Context, Place
 from fpm.structures.reading import Node, SkippedError, commas
 from fpm.structures.units import unit
 
-AXES = "xyz"
 NO_VALUE = object()
 COMMA = " (an expression with a comma stands in quotes)"
 MOST = 1000

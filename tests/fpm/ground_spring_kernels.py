@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.kernels.events import note_crossing
+from fpm.kernels.events import note_crossings
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import any_negative, load, sqrt, store
+from fpm.kernels.lanes import load, sqrt, store
 from fpm.kernels.layout import F, X
 from fpm.kernels.vectors import add3, dot, get3
 from fpm.kernels.world import Log
@@ -44,10 +44,8 @@ def forces(part, world, timing):
 @hook(GroundSprings)
 def note_events(part, world, timing):
     for i in range(part.particle.shape[0]):
-        if any_negative(load(part.state, i, NOW) * load(part.state, i, BEFORE)):
-            for s in range(part.state.shape[2]):
-                before, after = part.state[i, BEFORE, s], part.state[i, NOW, s]
-                note_crossing(part.log, s, i, before, after, timing)
+        before, after = load(part.state, i, BEFORE), load(part.state, i, NOW)
+        note_crossings(part.log, i, before, after, timing)
 
 
 @hook(GroundSprings)

@@ -218,14 +218,19 @@ def test_an_opening_of_exactly_zero_hides_no_event():
     """A step that ends at the very level of an event, on the way down and on the way up."""
     from numba import njit
 
-    from fpm.kernels.events import note_crossing
+    from fpm.kernels.events import note_crossings
+    from fpm.kernels.lanes import load
     from fpm.kernels.world import Log, StepTime
 
-    note = njit(lambda *a: note_crossing(*a))
-    track = [1.0, 0.0, -1.0, 0.0, 1.0, 1.0]
-    log = Log(np.full((8, 3, 8), np.nan), np.zeros(8, np.int64), 5)
+    @njit
+    def note(log, track, n, timing):
+        note_crossings(log, 2, load(track, n - 1, 0), load(track, n, 0), timing)
+
+    track = np.ones((6, 1, 8))
+    track[:, 0, 3] = [1.0, 0.0, -1.0, 0.0, 1.0, 1.0]
+    log = Log(np.full((8, 3, 8), np.nan), np.zeros(8, np.int64), 5, np.zeros((2, 1, 8)))
     for n in range(1, len(track)):
-        note(log, 3, 2, track[n - 1], track[n], StepTime(float(n), 1.0, 1.0))
+        note(log, track, n, StepTime(float(n), 1.0, 1.0))
     assert list(log.count) == [0, 0, 0, 2, 0, 0, 0, 0]
     assert log.events[:2, :, 3].tolist() == [[1.0, 7, 1], [3.0, 7, 0]]
 

@@ -61,11 +61,9 @@ def _axes(motion: xarray.Dataset, solid: Solid, frame: int) -> tuple:
     points = {"velocity": motion["velocity"].values[frame], "radius": at_points}
     points |= {f"axis_{name}": axes[:, :, k] for k, name in enumerate("xyz")}
     y, z = _section_axes(solid.corners[frame][bars])
-    cells = {
-        **{name: motion[name].values[frame][bars] for name in _OF_ELEMENTS},
-        "bar": solid.bar[bars], "radius": radius, "section_size": width,
-        "section_y": y, "section_z": z,
-    }  # fmt: skip
+    cells = {name: motion[name].values[frame][bars] for name in _OF_ELEMENTS}
+    cells |= {"bar": solid.bar[bars], "radius": radius, "section_size": width}
+    cells |= {"section_y": y, "section_z": z}
     cell_data = {  # cells that are no elements have no strain
         name: np.concatenate([values, np.zeros((len(vertices), *values.shape[1:]), values.dtype)])
         for name, values in cells.items()

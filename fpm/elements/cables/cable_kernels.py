@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.kernels.curves import curve_value
-from fpm.kernels.events import edge, note_crossing
+from fpm.kernels.events import edge, note_crossings
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import any_negative, load, sqrt, store, where_negative
+from fpm.kernels.lanes import load, sqrt, store, where_negative
 from fpm.kernels.layout import F, M, X
 from fpm.kernels.rotation import frame
 from fpm.kernels.vectors import add3, cross, dot, get3, kernel, larger, put3, to_global
@@ -144,14 +144,9 @@ def note_events(part, world, timing):
     """Write to part.log which cables turned tight (event 0) or slack (1) in the step that ends now,
     and when. part: arrays of all cables; world: not used; timing: step times (s)."""
     for c in range(part.curve.shape[0]):
-        new = load(part.state, c, LONGER) - TAUT * load(part.state, c, UNSTRAINED)
         old = load(part.state, c, LONGER_BEFORE) - TAUT * load(part.state, c, UNSTRAINED_BEFORE)
-        signs = where_negative(new, -1.0, 0.0 * new + 1.0)
-        if any_negative(signs * where_negative(old, -1.0, 0.0 * old + 1.0)):
-            for s in range(part.state.shape[2]):
-                last = part.state[c, LONGER_BEFORE, s] - TAUT * part.state[c, UNSTRAINED_BEFORE, s]
-                value = part.state[c, LONGER, s] - TAUT * part.state[c, UNSTRAINED, s]
-                note_crossing(part.log, s, c, last, value, timing)
+        new = load(part.state, c, LONGER) - TAUT * load(part.state, c, UNSTRAINED)
+        note_crossings(part.log, c, old, new, timing)
 
 
 @kernel

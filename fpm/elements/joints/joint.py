@@ -207,21 +207,27 @@ class Joint(JointBase):
         return joints
 
     @classmethod
+    def _elimination(cls, scene):
+        """Bodies of a scene's joints, those at the sides of each joint (-1: none), whether each can
+        move; order of elimination, and the later joints that each is coupled to."""
+        from fpm.elements.joints.joint_pattern import elimination, neighbours
+
+        bodies = sorted(set(cls.moved(scene)))
+        slot = {p: s for s, p in enumerate(bodies)}
+        pairs = [[*(slot[p] for p in j.particles), -1][:2] for j in cls.of(scene)]
+        slots, movable = np.array(pairs, np.int64), ~scene.fixed[bodies].all(axis=1)
+        return bodies, slots, movable, *elimination(neighbours(slots, movable))
+
+    @classmethod
     def elimination(cls, scene) -> tuple[int, float]:
         """Size of the equations of all joints of a scene that are solved together: number of their
         scalar constraints, and of multiply-adds to eliminate them in one time step.
 
         A joint of c constraints takes c³/6 for its own block, c² d/2 for those below it and c d²/2
         for those of the d constraints of joints that it is coupled to when its turn comes."""
-        from fpm.elements.joints.joint_pattern import elimination, neighbours
-
-        joints = cls.of(scene)
-        particles = sorted({p for joint in joints for p in joint.particles})
-        slot = {particle: number for number, particle in enumerate(particles)}
-        slots = np.array([[*(slot[p] for p in joint.particles), -1][:2] for joint in joints])
-        order, neighbour_sets = elimination(neighbours(slots, ~scene.fixed[particles].all(axis=1)))
-        counts = np.array([joints[j].conditions for j in order])
-        coupled = np.array([counts[members].sum() for members in neighbour_sets])
+        *_, order, followers = cls._elimination(scene)
+        counts = np.array([joint.conditions for joint in cls.of(scene)])[order]
+        coupled = np.array([counts[members].sum() for members in followers])
         operations = counts**3 / 6 + counts**2 * coupled / 2 + counts * coupled**2 / 2
         return int(counts.sum()), float(operations.sum())
 
@@ -234,14 +240,10 @@ class Joint(JointBase):
     @classmethod
     def pack(cls, batch):
         from fpm.elements.joints import joint_kernels, turn_kernels  # noqa: F401, their hooks
-        from fpm.elements.joints.joint_pattern import elimination, neighbours, pattern
+        from fpm.elements.joints.joint_pattern import pattern
 
         scene, joints = batch.scene, cls.of(batch.scene)
-        bodies = sorted(set(cls.moved(scene)))
-        slot = {p: s for s, p in enumerate(bodies)}
-        slots = np.array([[*(slot[p] for p in j.particles), -1][:2] for j in joints], np.int64)
-        movable = ~scene.fixed[bodies].all(axis=1)
-        order, followers = elimination(neighbours(slots, movable))
+        bodies, slots, movable, order, followers = cls._elimination(scene)
         joints, slots = [joints[j] for j in order], slots[order]
         layout, entries = pattern([j.conditions for j in joints], slots, movable, followers)
         driven_set = set(Drive.moved(scene))

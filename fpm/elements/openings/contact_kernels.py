@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
-from fpm.kernels.events import note_crossing
+from fpm.kernels.events import note_crossings
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import any_negative, load, where_negative
+from fpm.kernels.lanes import load, where_negative
 from fpm.kernels.world import Log
 
 NUMBERS = ("stiffness",)
@@ -47,14 +47,9 @@ def note_events(part, world, timing):
     """Write to part.log which contacts closed (event 1) or opened (0) in the step that ends now,
     with the time. part: arrays of all contacts; world: not used; timing: step times (s)."""
     angles = part.openings.angles
-    for c in range(part.on.shape[0]):
-        h = part.on[c]
-        new = where_negative(load(angles, h, NEW) + TOUCH, -1.0, 1.0)
-        old = where_negative(load(angles, h, OLD) + TOUCH, -1.0, 1.0)
-        if any_negative(new * old):
-            for s in range(angles.shape[2]):
-                last, value = angles[h, OLD, s] + TOUCH, angles[h, NEW, s] + TOUCH
-                note_crossing(part.log, s, c, last, value, timing)
+    for i in range(part.on.shape[0]):
+        old, new = load(angles, part.on[i], OLD), load(angles, part.on[i], NEW)
+        note_crossings(part.log, i, old + TOUCH, new + TOUCH, timing)
 
 
 @hook(Contacts)

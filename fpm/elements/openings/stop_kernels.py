@@ -6,9 +6,9 @@ import numpy as np
 
 from fpm.elements.openings.losses_kernels import follow_rate, lose, press
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
-from fpm.kernels.events import note_crossing
+from fpm.kernels.events import note_crossings
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import any_negative, load, where_negative
+from fpm.kernels.lanes import load, where_negative
 from fpm.kernels.vectors import kernel
 from fpm.kernels.world import Log
 
@@ -66,16 +66,8 @@ def note_events(part, world, timing):
     """Note in part.log which stops were hit (event 1) or left (0) in the step that ends now. part:
     arrays of all stops (Stops); world: solver state, not used; timing: times of this step (s)."""
     for i in range(part.on.shape[0]):
-        new = TOUCH - overlap(part, i, NEW)
-        old = TOUCH - overlap(part, i, OLD)
-        signs = where_negative(new, -1.0, 0.0 * new + 1.0)
-        if any_negative(signs * where_negative(old, -1.0, 0.0 * old + 1.0)):
-            angles, stop, h = part.openings.angles, part.numbers, part.on[i]
-            for s in range(angles.shape[2]):
-                angle, side = stop[i, ANGLE, s], stop[i, SIDE, s]
-                last = TOUCH - side * (angles[h, OLD, s] - angle)
-                value = TOUCH - side * (angles[h, NEW, s] - angle)
-                note_crossing(part.log, s, i, last, value, timing)
+        old, new = overlap(part, i, OLD), overlap(part, i, NEW)
+        note_crossings(part.log, i, TOUCH - old, TOUCH - new, timing)
 
 
 @hook(Stops)

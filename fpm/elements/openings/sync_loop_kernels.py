@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.openings.opening_kernels import NEW, Openings, turn
-from fpm.kernels.events import note_crossing
+from fpm.kernels.events import note_crossings
 from fpm.kernels.hooks import hook
-from fpm.kernels.lanes import absolute, any_negative, load, store, where_negative
+from fpm.kernels.lanes import absolute, load, store, where_negative
 from fpm.kernels.vectors import kernel
 from fpm.kernels.world import Log
 
@@ -85,12 +85,8 @@ def note_events(part, world, timing):
     """Write to part.log in which loops one strand turned slack (event 1) or both are tight again
     (0), with the time. part: arrays of all loops; world: not used; timing: step times (s)."""
     for i in range(part.on.shape[0]):
-        new = where_negative(load(part.state, i, SLACK), -1.0, 1.0)
-        old = where_negative(load(part.state, i, SLACK_BEFORE), -1.0, 1.0)
-        if any_negative(new * old):
-            for s in range(part.state.shape[2]):
-                last, value = part.state[i, SLACK_BEFORE, s], part.state[i, SLACK, s]
-                note_crossing(part.log, s, i, last, value, timing)
+        old, new = load(part.state, i, SLACK_BEFORE), load(part.state, i, SLACK)
+        note_crossings(part.log, i, old, new, timing)
 
 
 @hook(Loops)

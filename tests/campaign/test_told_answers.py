@@ -146,12 +146,19 @@ def test_a_margin_is_told_with_its_error_where_that_is_larger(error, text):
 
 def test_what_fails_only_where_it_does_not_happen_is_told_apart():
     """A speed at an event that does not happen everywhere breaks no limit where it does."""
-    limit = {"quantity": "v", "kind": "at_most"}
+    limit = {"quantity": "v", "kind": "at_most", "level": 2.0}
     row = {"met": "some", "share": 0.955, "limits": [limit]}
-    assert happens_only(row, [{"name": "v", "happens": 0.955}]) == "v"
-    assert happens_only(row, [{"name": "v", "happens": 0.96}]) is None
+    v = {"name": "v", "happens": 0.955, "lower": 1.0, "upper": 1.5, "error": 0.1, "beyond": None}
+    assert happens_only(row, [v]) == "v"
+    assert happens_only(row, [{**v, "happens": 0.96}]) is None
     other = {**row, "limits": [{**limit, "kind": "happens"}]}
-    assert happens_only(other, [{"name": "v", "happens": 0.955}]) is None
+    assert happens_only(other, [v]) is None
+    # Not where its bounds come to the limit by their error, or a run breaks it.
+    for changes in ({"error": 0.6}, {"upper": 2.1}, {"error": None}, {"beyond": 3.0}):
+        assert happens_only(row, [{**v, **changes}]) is None
+    low = {**row, "limits": [{**limit, "kind": "at_least", "level": 0.8}]}
+    assert happens_only(low, [v]) == "v"
+    assert happens_only(low, [{**v, "lower": 0.85}]) is None
 
 
 def test_the_error_of_a_quantity_is_the_sum_of_its_parts_as_a_share_of_its_width():

@@ -264,6 +264,43 @@ def test_what_no_run_breaks_is_sure_beyond_the_errors(free, slack, kind, margins
 
 
 @pytest.mark.parametrize(
+    ("kind", "level", "margins", "refuted"),
+    [
+        ("happens", 1.0, [-1.0, -1.5, -2.0], True),
+        ("happens", 1.0, [-0.1, -0.5, -0.9], False),  # it may happen between the runs
+        ("happens", 1.0, [np.nan, np.nan, np.nan], False),  # nothing is known between them
+        ("happens", 0.0, [1.0, 1.5, 2.0], True),
+        ("at_most", 0.7, [np.nan, np.nan, np.nan], False),
+        ("at_most", 0.7, [-1.0, -1.5, -2.0], True),
+    ],
+)
+def test_what_no_run_keeps_is_refuted_beyond_the_errors(kind, level, margins, refuted):
+    number = SimpleNamespace(at=None, decider=None, kind="event")
+    model = SimpleNamespace(
+        experiment=SimpleNamespace(box=SimpleNamespace(free=np.array([True])), numbers=[number]),
+        margins=np.array(margins)[:, None],
+        unit=np.linspace(-1, 1, 3)[:, None],
+    )
+    limit = SimpleNamespace(kind=kind, level=level, border=0.2, surrogate=SimpleNamespace(fit=None))
+    result = SimpleNamespace(limits=[limit], specs=[SimpleNamespace(quantity=0)])
+    assert limits.is_refuted(model, result, 0) is refuted
+
+
+@pytest.mark.parametrize(
+    ("level", "error", "refuted"), [(0.2, 0.1, True), (0.2, 0.3, False), (1.5, 0.1, False)]
+)
+def test_a_level_that_no_run_keeps_is_refuted_by_the_bounds_and_their_error(level, error, refuted):
+    """Of y = 0.5 + x / 10, at most a level."""
+    x = np.linspace(-1, 1, 9)[:, None]
+    surrogate = fit_scalar(x, 0.5 + x[:, 0] / 10)
+    box = SimpleNamespace(free=np.array([True]))
+    model = SimpleNamespace(experiment=SimpleNamespace(box=box))
+    limit = Limit(surrogate, "at_most", level, run_error=error)
+    result = SimpleNamespace(limits=[limit], specs=[SimpleNamespace(quantity=0)])
+    assert limits.is_refuted(model, result, 0) is refuted
+
+
+@pytest.mark.parametrize(
     ("kind", "level", "odd", "share", "place"),
     [
         ("at_most", 0.7, [], 0.5, 0.7003),  # a little beyond the border, from the nominal 0.4

@@ -112,25 +112,50 @@ def is_shown(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
     (by how much it occurs), fitted over the box, keeps its sign by more than its error. False where
     that margin is not known: runs prove nothing between them; True for a box without width. model:
     has the runs; result: the assessment."""
-    from deployable.intervals.scalars import fit_scalar
-
     limit, q = result.limits[i], result.specs[i].quantity
     if not model.experiment.box.free.any():
         return True
     if limit.kind != "happens" and not result.worst[i][0] >= limit.error:
         return False
+    sign = -1 if limit.kind == "happens" and not limit.level else 1
+    return _has_always(model, q) or _sure_occurrence(model, limit, q) == sign
+
+
+def is_refuted(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
+    """Whether limit `i` (index) of an assessment, kept in no run, is surely broken in the whole
+    box: where the quantity occurs, by more than its estimated error, or, if it occurs in no run, as
+    the event margin, fitted over the box, keeps its sign by more than its error. model: has the
+    runs; result: the assessment."""
+    limit, q = result.limits[i], result.specs[i].quantity
+    free = model.experiment.box.free
+    if not free.any():
+        return True
+    if limit.kind == "happens":
+        return _sure_occurrence(model, limit, q) == (-1 if limit.level else 1)
+    if limit.surrogate.fit is None:
+        return _sure_occurrence(model, limit, q) == -1
+    return bool(limit.best(-free.astype(float), free.astype(float))[0] < -limit.error)
+
+
+def _has_always(model: ModelEvaluator, q: int) -> bool:
+    """Whether quantity `q` (index) is one that every run has."""
     quantity = model.experiment.numbers[q]
     while isinstance(quantity.at, Quantity):
         quantity = quantity.at
-    if quantity.decider is None and quantity.kind != "event":
-        return True
+    return quantity.decider is None and quantity.kind != "event"
+
+
+def _sure_occurrence(model: ModelEvaluator, limit: Any, q: int) -> int:
+    """1 if the event of quantity `q` (index) occurs in the whole box, -1 if nowhere, by more than
+    the error of the event margin and the limit's `border`; 0 where that is open."""
+    from deployable.intervals.scalars import fit_scalar
+
     margins = model.margins[:, q]
     if not np.isfinite(margins).all():
-        return False
+        return 0
     surrogate = fit_scalar(model.unit, margins)
     margin_range, error = surrogate.range(), surrogate.error + limit.border
-    absent = limit.kind == "happens" and not limit.level
-    return bool(-margin_range.high > error if absent else margin_range.low > error)
+    return int(margin_range.low > error) - int(-margin_range.high > error)
 
 
 def describe_limit(model: ModelEvaluator, spec: LimitSpec) -> dict:

@@ -32,6 +32,7 @@ from deployable.campaign.answers.limits import (
     LimitAssessment,
     assess_limits,
     describe_limit,
+    is_refuted,
     is_shown,
     list_limits,
 )
@@ -70,7 +71,8 @@ def _of_the_runs(folder: Folder) -> np.ndarray | None:
 
 def _met(model: ModelEvaluator, result: LimitAssessment, indices: list[int]) -> dict:
     """Whether all, some or none of the box keeps chosen limits, which share, and what is open. Runs
-    decide where they differ from the surrogates: one that fails, or keeps them, is enough."""
+    decide where they differ from the surrogates by no more than the error: one that fails, or keeps
+    them, is enough. That no run keeps one proves nothing by itself: the share is unknown then."""
     from deployable.intervals.scalars import share_of_box
 
     share, open_ = share_of_box([result.limits[i] for i in indices], model.experiment.box.free)
@@ -80,10 +82,22 @@ def _met(model: ModelEvaluator, result: LimitAssessment, indices: list[int]) -> 
         "share_uncertainty": open_,
         "runs": len(model.distinct_rows) + model.unfitted,
     }
-    if min(result.worst[i][0] for i in indices) >= 0 and is_met.all():
-        sure = not open_ and all(is_shown(model, result, i) for i in indices)
-        return {"met": "all" if sure else "undecided", **row, "share": 1.0}
-    return {"met": "none" if share == 0 and not is_met.any() else "some", **row}
+    if is_met.all() and all(_may_hold(result, i) for i in indices):
+        is_kept = min(result.worst[i][0] for i in indices) >= 0
+        sure = is_kept and not open_ and all(is_shown(model, result, i) for i in indices)
+        return {"met": "all" if sure else "undecided", **row, "share": 1.0 if is_kept else share}
+    if share > 0 or is_met.any():
+        return {"met": "some", **row}
+    never_kept = [i for i in indices if not (result.slack[i] >= 0).any()]
+    if never_kept and not any(is_refuted(model, result, i) for i in never_kept):
+        return {"met": "some", **row, "share_uncertainty": 1.0}
+    return {"met": "none", **row}
+
+
+def _may_hold(result: LimitAssessment, i: int) -> bool:
+    """Whether limit `i` is broken by the surrogate nowhere by more than its error."""
+    slack, error = result.worst[i][0], result.limits[i].error
+    return bool(slack >= 0 or slack >= -error)
 
 
 def _requirement(model: ModelEvaluator, result: LimitAssessment, name: str) -> dict:

@@ -50,7 +50,8 @@ MOST_LISTED = 10_000
 @dataclass(frozen=True)
 class TimeStep:
     """Time step of all runs of a plan: `step` (s); `steps_per_instant`, steps between recorded
-    instants; `step_limit` (s), the largest stable step, set by the element `limiting_element`;
+    instants; `step_limit` (s), the largest stable step, set by the element `limiting_element`, or
+    the time between instants where nothing limits it;
     `assembly_energy`, largest strain energy (J) of a run's start, where parts that do not fit are
     forced together."""
 
@@ -173,6 +174,8 @@ def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
             limit, element = float(stable.step), str(stable.element)
         if scene.assembly is not None:
             energy = max(energy, scene.assembly.energy)
+    if math.isinf(limit):  # nothing elastic: no longer steps than between instants are taken
+        limit, element = solver.duration / max(solver.instants - 1, 1), "the instants"
     largest = solver.safety * limit if solver.step == "auto" else solver.step
     for problem in steps_problems(solver, largest):
         raise CampaignError(problem)

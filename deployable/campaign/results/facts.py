@@ -7,6 +7,7 @@ import json
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -445,12 +446,26 @@ def decisive(row: Mapping) -> str | None:
 
 def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
     """Name a quantity whose occurrence alone decides a requirement that part of the box meets, as
-    it is met wherever the quantity occurs; None if there is none. row: the requirement's dict in
-    the results as plain data (`facts_of`); quantities: dicts of all quantities there."""
-    shares = {quantity["name"]: quantity["happens"] for quantity in quantities}
-    limits = {limit["quantity"] for limit in row["limits"] if limit["kind"] != "happens"}
-    names = [name for name in limits if shares[name] == row["share"] < 1]
-    return names[0] if names and row["met"] == "some" else None
+    its bounds, where it occurs, keep all limits by their error; None if there is none. row: the
+    requirement's dict in the results as plain data (`facts_of`); quantities: dicts of all there."""
+    named = {quantity["name"]: quantity for quantity in quantities}
+    limits = [limit for limit in row["limits"] if limit["kind"] != "happens"]
+    names = {limit["quantity"] for limit in limits}
+    if row["met"] != "some" or not row["share"] < 1 or len(names) != 1:
+        return None
+    quantity = named[names.pop()]
+    kept = quantity["happens"] == row["share"] and all(map(partial(_keeps, quantity), limits))
+    return quantity["name"] if kept else None
+
+
+def _keeps(quantity: Mapping, limit: Mapping) -> bool:
+    """Whether a quantity's bounds keep a limit by their error."""
+    error = quantity.get("errors", {}).get("whole", quantity["error"])
+    if quantity["lower"] is None or error is None:
+        return False
+    if limit["kind"] == "at_most":
+        return quantity["beyond"] is None and quantity["upper"] + error <= limit["level"]
+    return quantity["lower"] - error >= limit["level"]
 
 
 def closures(samples: Any, run: int) -> list[dict[str, Any]]:

@@ -75,6 +75,8 @@ def met_text(row: Mapping[str, Any]) -> str:
     limits, in the results as plain data (`facts_of`)."""
     if row["met"] == "undecided":
         return f"No failure found in {row['runs']} run{'s' * (row['runs'] != 1)}"
+    if row["met"] == "some" and not row["share"] and row["share_uncertainty"] >= 1:
+        return f"None of {row['runs']} run{'s' * (row['runs'] != 1)}"
     sure = row["met"] != "some" and 100 * row["share_uncertainty"] < numbers.OPEN
     text = row["met"] if sure else numbers.share(row["share"], row["share_uncertainty"])
     return text[0].upper() + text[1:]

@@ -343,7 +343,9 @@ class Campaign:
     sections on what is made of the runs.
 
     published: largest difference of the bounds from those in the literature, by response; review:
-    name of the standard that the review sheet follows, None for no sheet.
+    name of the standard that the review sheet follows, None for no sheet; cases: what each case
+    changes, by name, as in the config; case_campaigns: the campaigns of the cases, by name, which
+    are run in the place of this one.
     """
 
     experiment: Experiment
@@ -356,6 +358,8 @@ class Campaign:
     requirements: dict[str, dict]
     choose: Choose
     jobs: Jobs
+    cases: dict[str, dict] = field(default_factory=dict)
+    case_campaigns: dict[str, Campaign] = field(default_factory=dict)
 
     @property
     def name(self) -> str:

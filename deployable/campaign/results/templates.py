@@ -61,11 +61,11 @@ def _escaped(facts: Any, code: str = "") -> Any:
     """Facts, names among them, as Markdown that says just that; code: what is not escaped."""
     if isinstance(facts, Mapping):
         return {
-            _escaped(key): _escaped(value, "`" if key == "doubt" else "")
+            _escaped(key): _escaped(value, "`" if key in ("doubt", "notes") else "")
             for key, value in facts.items()
         }
     if isinstance(facts, list | tuple):
-        return [_escaped(item) for item in facts]
+        return [_escaped(item, code) for item in facts]
     return numbers.escaped(facts, code) if isinstance(facts, str) else facts
 
 
@@ -97,8 +97,8 @@ def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
     return [f"Not determined by the model: {', '.join(own)}: {text}" for text, own in names.items()]
 
 
-def sentence(name: str, *facts: Any) -> str:
+def sentence(name: str, *facts: Any, escapes: bool = True) -> str:
     """Text that a macro of `sentences.jinja` makes, for use outside of the templates; name: of the
-    macro; facts: its arguments in order, in which texts are escaped."""
+    macro; facts: its arguments in order; escapes: whether texts in these are escaped."""
     module = environment().get_template("sentences.jinja").module
-    return getattr(module, name)(*map(_escaped, facts))
+    return getattr(module, name)(*(map(_escaped, facts) if escapes else facts))

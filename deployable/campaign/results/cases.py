@@ -23,6 +23,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from operator import itemgetter
 from typing import Any
 
 from deployable.campaign.config.cases import folder_name
@@ -142,11 +143,16 @@ def _is_close(limit: Mapping, worst: Mapping) -> bool:
     is not known nobody can tell."""
     if GROUPS[limit["met"]] != GROUPS[worst["met"]]:
         return False
-    margins = _margin(limit), _margin(worst)
-    errors = [math.inf if own["error"] is None else own["error"] for own in (limit, worst)]
-    if math.inf in map(abs, margins):
-        return margins[0] == margins[1]
-    return margins[0] - margins[1] <= sum(errors)
+    margins = [{"margin": _margin(own), "error": own["error"]} for own in (limit, worst)]
+    return _is_same(*margins, "margin")
+
+
+def _is_same(row: Mapping, other: Mapping, key: str) -> bool:
+    """Whether two numbers differ by no more than the errors of both, or are infinite alike."""
+    errors = [math.inf if own["error"] is None else own["error"] for own in (row, other)]
+    if math.inf in (abs(row[key]), abs(other[key])):
+        return row[key] == other[key]
+    return abs(row[key] - other[key]) <= sum(errors)
 
 
 def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
@@ -161,12 +167,13 @@ def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
     for name, by_case in by_name.items():
         first = next(iter(by_case.values()))
         ends: dict[str, Any] = {}
-        for end, choose in (("lower", min), ("upper", max)):
-            values = {c: row[end] for c, row in by_case.items() if row[end] is not None}
-            ends[end] = choose(values.values(), default=None)
-            ends[f"{end}_cases"] = [case for case, value in values.items() if value == ends[end]]
         for row in by_case.values():
             row["error"] = row.get("errors", {}).get("whole", row["error"])
+        for end, choose in (("lower", min), ("upper", max)):
+            values = {c: row for c, row in by_case.items() if row[end] is not None}
+            last = choose(values.values(), key=itemgetter(end), default={end: None})
+            ends[end] = last[end]
+            ends[f"{end}_cases"] = [c for c, row in values.items() if _is_same(row, last, end)]
         rows.append({
             "name": name, "units": first["units"], "long_name": first["long_name"], **ends,
             "beyond": [case for case, row in by_case.items() if row["beyond"] is not None],
@@ -199,8 +206,6 @@ def _notes(facts: Mapping) -> list[str]:
     notes = [f"{text}." for text in doubts(facts)]
     if "accuracy" in facts and not facts["accuracy"]["met"]:
         notes.append(sentence("accuracy", facts, escapes=False))
-    large = [row for row in facts["responses"] if row["grade"] == "large"]
-    notes += [sentence("unreliable", row, escapes=False) for row in large]
     if "together" in facts and (text := sentence("blind", facts["together"], escapes=False)):
         notes.append(text)
     return notes

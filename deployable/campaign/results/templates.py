@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -100,5 +100,10 @@ def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
 def sentence(name: str, *facts: Any, escapes: bool = True) -> str:
     """Text that a macro of `sentences.jinja` makes, for use outside of the templates; name: of the
     macro; facts: its arguments in order; escapes: whether texts in these are escaped."""
-    module = environment().get_template("sentences.jinja").module
-    return getattr(module, name)(*(map(_escaped, facts) if escapes else facts))
+    return getattr(_sentences(), name)(*(map(_escaped, facts) if escapes else facts))
+
+
+@cache
+def _sentences() -> Any:
+    """The macros, compiled once."""
+    return environment().get_template("sentences.jinja").module

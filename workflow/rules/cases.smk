@@ -5,8 +5,7 @@ for CASE in WORKFLOW.cases.values():
     CASE_RULES = f"case_{CASE.name}_".replace("-", "_")
 
     module:
-        name:
-            CASE_RULES
+        name: CASE_RULES
         snakefile:
             "../Snakefile"
         config:

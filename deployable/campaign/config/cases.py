@@ -23,29 +23,29 @@ def without_cases(raw: Mapping) -> tuple[dict, dict[str, Any]]:
     """Separate from a raw config the lists `cases` of its requirements: returns the config with
     requirements of limits alone, and the lists by requirement. A mapping called `cases` is the
     limits of a quantity of that name."""
-    requirements, chosen = {}, {}
+    requirements, case_lists = {}, {}
     sections = raw.get("requirements")
     for name, limits in sections.items() if isinstance(sections, Mapping) else ():
         if isinstance(limits, Mapping) and not isinstance(limits.get("cases", {}), Mapping):
             limits = dict(limits)
-            chosen[name] = limits.pop("cases")
+            case_lists[name] = limits.pop("cases")
         requirements[name] = limits
-    return ({**raw, "requirements": requirements} if chosen else dict(raw)), chosen
+    return ({**raw, "requirements": requirements} if case_lists else dict(raw)), case_lists
 
 
-def naming_problems(cases: Mapping[str, Any], chosen: Mapping[str, Any]) -> list[str]:
+def naming_problems(cases: Mapping[str, Any], case_lists: Mapping[str, Any]) -> list[str]:
     """Check the names of cases, and that requirements name cases: returns a sentence for each
-    problem. cases: that section of the config; chosen: the lists of cases by requirement."""
+    problem. cases: that section of the config; case_lists: the lists of cases by requirement."""
     problems, folders = [], {}
     for name in sorted(cases):
-        other = folders.setdefault(folder_name(name).lower().replace("-", "_"), name)
-        if other != name:
+        twin = folders.setdefault(folder_name(name).lower().replace("-", "_"), name)
+        if twin != name:
             problems.append(
-                f"cases.{name}: as a folder's name it is that of {other}; allowed: names that "
+                f"cases.{name}: as a folder's name it is that of {twin}; allowed: names that "
                 "differ in more than spaces, `-`, `_` and capitals"
             )
     allowed = f"a list of {', '.join(cases)}" if cases else "none, without `cases`"
-    for requirement, names in chosen.items():
+    for requirement, names in case_lists.items():
         key = f"requirements.{requirement}.cases"
         if not isinstance(names, list | tuple) or not names or not cases:
             problems.append(f"{key}: {show(names)} is not allowed; allowed: {allowed}")
@@ -55,18 +55,18 @@ def naming_problems(cases: Mapping[str, Any], chosen: Mapping[str, Any]) -> list
     return problems
 
 
-def case_config(raw: Mapping, name: str, chosen: Mapping[str, Any]) -> tuple[dict, dict]:
+def case_config(raw: Mapping, name: str, case_lists: Mapping[str, Any]) -> tuple[dict, dict]:
     """Return the raw config of one case, and what it changes of the campaign's, without that.
 
     raw: the campaign's valid config, whose requirements are of limits alone; name: of the case;
-    chosen: the lists of cases by requirement; a requirement without one is of all cases.
+    case_lists: the lists of cases by requirement; a requirement without one is of all cases.
     """
     case = raw["cases"][name]
     rest = {key: copy.deepcopy(value) for key, value in raw.items() if key != "cases"}
     rest["campaign"] = folder_name(name)
     limits = rest.get("requirements", {})
     rest["requirements"] = {
-        key: own for key, own in limits.items() if name in chosen.get(key, [name])
+        key: own for key, own in limits.items() if name in case_lists.get(key, [name])
     }
     changes = {key: case[key] for key in ("solver", "intervals") if key in case}
     if case.get("scene"):
@@ -95,9 +95,9 @@ def in_case(name: str, problem: str) -> str:
     """Return a sentence on the config of a case with the key that the user wrote; name: of the
     case; problem: the sentence, which starts with its key."""
     key, _, text = problem.partition(":")
-    for own, written in (("scene.parameters.", "scene."), ("scene.file", "file")):
+    for own, user_key in (("scene.parameters.", "scene."), ("scene.file", "file")):
         if key.startswith(own):
-            return f"cases.{name}.{written}{key.removeprefix(own)}:{text}"
+            return f"cases.{name}.{user_key}{key.removeprefix(own)}:{text}"
     is_own = key.startswith(("solver.duration", "intervals."))
     return f"cases.{name}{'.' if is_own else ': '}{problem}"
 
@@ -108,9 +108,9 @@ def twin_problems(campaign: Campaign, changes: Mapping[str, Any]) -> list[str]:
     problems, first = [], {}
     for name in sorted(campaign.case_campaigns):
         physics = _physics(campaign.case_campaigns[name].experiment)
-        same = next((other for other, own in first.items() if own == physics), None)
-        if same is not None:
-            text = f"it is the same as cases.{same}; allowed: one of them, or other values"
+        twin = next((label for label, own in first.items() if own == physics), None)
+        if twin is not None:
+            text = f"it is the same as cases.{twin}; allowed: one of them, or other values"
             problems.append(f"cases.{name}: {text}")
         elif any(changes[name].values()) and physics == _physics(campaign.experiment):
             text = "changes nothing; allowed: another value, or {} for the campaign as it stands"

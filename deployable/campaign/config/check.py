@@ -118,11 +118,11 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
         ])  # fmt: skip
     if raw.get("margins"):  # which are responses, too
         raw = {"responses": {}, **raw}
-    raw, chosen = without_cases(raw)
+    raw, case_lists = without_cases(raw)
     config, user_config, problems = read(raw)
     campaign = None
     if config is not None:
-        problems += naming_problems(config.cases, chosen)
+        problems += naming_problems(config.cases, case_lists)
     if config is not None and not (config.responses or config.margins):
         allowed = "a mapping from at least one name (letters, digits, `_`, starting with a letter)"
         problems.append(f"responses: {{}} is not allowed; allowed: {allowed} to definitions")
@@ -134,15 +134,15 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
         problems += scene_problems
     if problems or campaign is None:
         raise ConfigError(source, problems)
-    return _with_cases(campaign, raw, chosen, source) if config.cases else campaign
+    return _with_cases(campaign, raw, case_lists, source) if config.cases else campaign
 
 
-def _with_cases(campaign: Campaign, raw: Mapping, chosen: Mapping, source: str) -> Campaign:
+def _with_cases(campaign: Campaign, raw: Mapping, case_lists: Mapping, source: str) -> Campaign:
     """The campaign with its cases, each checked as a campaign of its own."""
     cases, campaigns, problems = raw["cases"], {}, []
     for name in cases:
         fixed = fixed_problems(cases[name], name, raw["intervals"])
-        own, changes = case_config(raw, name, chosen)
+        own, changes = case_config(raw, name, case_lists)
         _add(own, changes)
         try:
             campaigns[name] = check_config(own)

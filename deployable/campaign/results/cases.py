@@ -42,7 +42,7 @@ def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
     folders = {name: Folder(folder / folder_name(name)) for name in cases}
     summaries = {name: read_json(own / "summary.json") for name, own in folders.items()}
     requirements = _requirements(summaries)
-    together = {name: facts.get("together") for name, facts in summaries.items()}
+    verdicts = {name: facts.get("together") for name, facts in summaries.items()}
     notes: dict[str, list[str]] = {}
     for name, facts in summaries.items():
         for text in _notes(facts):
@@ -56,17 +56,17 @@ def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
                 "page": own.report.exists(),
                 "changes": _changes_text(cases[name], summaries[name]),
                 "headline": sentence("headline", summaries[name], escapes=False),
-                "together": together[name],
+                "together": verdicts[name],
             }
             for name, own in folders.items()
         ],
         "requirements": requirements,
         "quantities": _quantities(summaries),
         "together": {
-            "met": combine_met(own["met"] for own in together.values() if own),
-            "failing": _named(together, "none", "some"),
-            "open": _named(together, "undecided"),
-            "free": [name for name, own in together.items() if not own],
+            "met": combine_met(own["met"] for own in verdicts.values() if own),
+            "failing": _named(verdicts, "none", "some"),
+            "open": _named(verdicts, "undecided"),
+            "free": [name for name, own in verdicts.items() if not own],
         } if requirements else None,
         "worst": min((row["worst"] for row in requirements), key=_severity, default=None),
         "notes": [{"notes": text, "cases": names} for text, names in notes.items()],
@@ -82,23 +82,24 @@ def combine_met(verdicts: Iterable[str]) -> str:
     return "some" if verdicts & {"none", "some"} else "undecided"
 
 
-def _named(together: Mapping[str, Mapping | None], *verdicts: str) -> list[str]:
-    return [name for name, own in together.items() if own and own["met"] in verdicts]
+def _named(rows: Mapping[str, Mapping | None], *verdicts: str) -> list[str]:
+    """Names of the cases of which a verdict is one of these."""
+    return [name for name, own in rows.items() if own and own["met"] in verdicts]
 
 
 def _requirements(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
     """Of each requirement of any case, what it is in all of them."""
-    found: dict[str, dict[str, Mapping]] = {}
+    by_name: dict[str, dict[str, Mapping]] = {}
     for case, facts in summaries.items():
         for row in facts.get("requirements", ()):
-            found.setdefault(row["name"], {})[case] = row
+            by_name.setdefault(row["name"], {})[case] = row
     rows = []
-    for name, by_case in found.items():
+    for name, by_case in by_name.items():
         limits: dict[tuple, dict[str, Mapping]] = {}
         for case, row in by_case.items():
             for limit in row["limits"]:
-                where = place(limit["at"], summaries[case]["parameters"])
-                own = {**limit, "requirement": name, "case": case, "where": where}
+                location = place(limit["at"], summaries[case]["parameters"])
+                own = {**limit, "requirement": name, "case": case, "where": location}
                 limits.setdefault((limit["quantity"], limit["kind"]), {})[case] = own
         compared = [_compared(own, list(summaries)) for own in limits.values()]
         rows.append({
@@ -147,12 +148,12 @@ def _is_close(limit: Mapping, worst: Mapping) -> bool:
     return _is_same(*margins, "margin")
 
 
-def _is_same(row: Mapping, other: Mapping, key: str) -> bool:
+def _is_same(row: Mapping, reference: Mapping, key: str) -> bool:
     """Whether two numbers differ by no more than the errors of both, or are infinite alike."""
-    errors = [math.inf if own["error"] is None else own["error"] for own in (row, other)]
-    if math.inf in (abs(row[key]), abs(other[key])):
-        return row[key] == other[key]
-    return abs(row[key] - other[key]) <= sum(errors)
+    errors = [math.inf if own["error"] is None else own["error"] for own in (row, reference)]
+    if math.inf in (abs(row[key]), abs(reference[key])):
+        return row[key] == reference[key]
+    return abs(row[key] - reference[key]) <= sum(errors)
 
 
 def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:

@@ -10,7 +10,7 @@ from typing import Any
 
 from deployable.campaign.config.read import show
 from deployable.campaign.config.resolve import unknown
-from deployable.campaign.config.sections import Campaign, Experiment
+from deployable.campaign.config.sections import Campaign, Experiment, Interval
 
 
 def folder_name(case: str) -> str:
@@ -51,7 +51,7 @@ def naming_problems(cases: Mapping[str, Any], case_lists: Mapping[str, Any]) -> 
             problems.append(f"{key}: {show(names)} is not allowed; allowed: {allowed}")
         else:
             problems += [f"{key}: {show(name)}: {unknown(str(name), 'case', cases)}"
-                         for name in names if name not in cases]  # fmt: skip
+                         for name in names if name not in [*cases]]  # fmt: skip
     return problems
 
 
@@ -120,10 +120,14 @@ def twin_problems(campaign: Campaign, changes: Mapping[str, Any]) -> list[str]:
 
 
 def _physics(experiment: Experiment) -> Experiment:
-    """What is simulated, whatever it is called and however it is written."""
+    """What is simulated, whatever it is called and however it is written, but for rounding."""
     free = dict.fromkeys(experiment.intervals)
     scene = replace(experiment.scene, parameters={**experiment.parameters({}), **free})
-    return replace(experiment, name="", scene=scene)
+    intervals = {
+        name: Interval(*(float(f"{end:.12g}") for end in vars(interval).values()))
+        for name, interval in experiment.intervals.items()
+    }
+    return replace(experiment, name="", scene=scene, intervals=intervals)
 
 
 def variants(campaign: Campaign) -> Iterator[tuple[str, Campaign]]:

@@ -100,7 +100,12 @@ def _requirements(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
             for limit in row["limits"]:
                 location = place(limit["at"], summaries[case]["parameters"])
                 own = {**limit, "requirement": name, "case": case, "where": location}
-                limits.setdefault((limit["quantity"], limit["kind"]), {})[case] = own
+                key = (
+                    limit["quantity"],
+                    limit["kind"],
+                    limit["level"],
+                )  # margins have one of their own
+                limits.setdefault(key, {})[case] = own
         compared = [_compared(own, list(summaries)) for own in limits.values()]
         rows.append({
             "name": name,

@@ -95,11 +95,10 @@ def in_case(name: str, problem: str) -> str:
     """Return a sentence on the config of a case with the key that the user wrote; name: of the
     case; problem: the sentence, which starts with its key."""
     key, _, text = problem.partition(":")
-    for own, user_key in (("scene.parameters.", "scene."), ("scene.file", "file")):
-        if key.startswith(own):
-            return f"cases.{name}.{user_key}{key.removeprefix(own)}:{text}"
-    is_own = key.startswith(("solver.duration", "intervals."))
-    return f"cases.{name}{'.' if is_own else ': '}{problem}"
+    if key.startswith(("scene.parameters.", "scene.file", "solver.duration", "intervals.")):
+        user_key = key.replace("scene.parameters.", "scene.", 1).replace("scene.file", "file", 1)
+        return f"cases.{name}.{user_key}:{text}"
+    return f"cases.{name}: {problem}"
 
 
 def twin_problems(campaign: Campaign, changes: Mapping[str, Any]) -> list[str]:

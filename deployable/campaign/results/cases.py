@@ -163,8 +163,7 @@ def _is_same(row: Mapping, reference: Mapping, key: str) -> bool:
 
 def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
     """The interval of each quantity in each case, and over all."""
-    keys = ("lower", "upper", "error", "beyond", "units", "happens", "happens_uncertainty",
-            "runs_without", "predicted_ends")  # fmt: skip
+    keys = "lower upper error beyond units happens happens_uncertainty runs_without predicted_ends"
     by_name: dict[str, dict[str, Mapping]] = {}
     for case, facts in summaries.items():
         for row in facts["quantities"]:
@@ -185,7 +184,7 @@ def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
             "beyond": [case for case, row in by_case.items() if row["beyond"] is not None],
             "never": [case for case, row in by_case.items() if row["lower"] is None],
             "by_case": [
-                {key: by_case[case].get(key) for key in keys} if case in by_case else None
+                {key: by_case[case].get(key) for key in keys.split()} if case in by_case else None
                 for case in summaries
             ],
         })  # fmt: skip

@@ -81,7 +81,7 @@ def test_every_result_is_of_one_stage(whole, monkeypatch):
         with monkeypatch.context() as patch:
             patch.setattr(Stage, "basis", another)
             found[name] = stale(whole, asked())
-    assert found.pop("rounds") == set()  # of campaigns in rounds
+    assert found.pop("rounds") == found.pop("cases") == set()  # of other campaigns
     assert all(found.values()), found
     assert set().union(*found.values()) == made(whole)
     assert sum(map(len, found.values())) == len(made(whole))  # every result is of one stage

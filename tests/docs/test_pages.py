@@ -71,6 +71,7 @@ CAMPAIGNS = {
     "tensegrity": _TOLD, "umbrella": _TOLD,
     # With 64 of their 10,000 runs, which take 5 and 16 minutes of a core.
     "scan": _TOLD, "strength_scan": _TOLD,
+    "wing": "tests/campaign/test_cases.py",
 }  # fmt: skip
 
 # Of the studies, those parts that a page runs alone and that take seconds are run here.

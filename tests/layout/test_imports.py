@@ -131,6 +131,7 @@ HEAVY = {
     "answers": {"matplotlib", "xarray", "numba", "pydantic"},
     "figures": {"xarray", "numba", "pydantic"},
     "page": {"numba", "pydantic"},
+    "cases": {"numba", "pydantic"},
 }
 """Packages that the module of a stage does not load; its work may, as a run loads numba."""
 

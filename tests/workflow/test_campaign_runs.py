@@ -47,6 +47,16 @@ def test_a_campaign_leaves_its_results(small):
     assert len(list((results / "trajectories").glob("*.nc"))) == summary["design"]["runs"] == 7
 
 
+def test_each_case_has_the_rules_of_a_campaign(workplace):
+    dry = workplace.snakemake("--configfile", "config/wing.yaml", "--dry-run")
+    assert dry.returncode == 0, dry.stdout
+    names = ("in_orbit", "on_ground", "one_spring_out", "late_release")
+    assert planned(dry.stdout) == {
+        "cases",
+        *(f"case_{name}_{rule}" for name in names for rule in ALL_RULES),
+    }
+
+
 def test_progress_is_visible(small):
     assert "small: 7 of 7 runs done" in small.output
     assert "(100%) done" in small.output

@@ -10,9 +10,17 @@ report: "../report/workflow.rst"
 
 
 include: "common.smk"
-include: "rounds.smk" if WORKFLOW.campaign.experiment.is_sought else "plan.smk"
-include: "answers.smk"
-include: "report.smk"
+
+
+if WORKFLOW.cases:
+
+    include: "cases.smk"
+
+else:
+
+    include: "rounds.smk" if WORKFLOW.campaign.experiment.is_sought else "plan.smk"
+    include: "answers.smk"
+    include: "report.smk"
 
 
 # Which file to open.

@@ -75,7 +75,7 @@ PROCESSES = WORKFLOW.campaign.jobs.processes
 
 
 wildcard_constraints:
-    stage=f"results/{WORKFLOW.name}",
+    stage=WORKFLOW.folder.path.as_posix(),
     batch=r"\d+",
 
 

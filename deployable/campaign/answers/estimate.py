@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import fpm
 from deployable.campaign.answers.choice import design_points, widened
@@ -69,9 +69,11 @@ class Estimate:
 
 
 def estimate(campaign: Campaign) -> Estimate:
-    """Estimate runs, time and disk of one call of `run` for a campaign (checked config), with its
-    page. The time is right to a factor of 1.5, or of about two where simulating takes most of it
-    (`fpm.scenes.effort`)."""
+    """Estimate runs, time and disk of one call of `run` for a campaign, with its page. The time is
+    right to a factor of 1.5, or of about two where simulating takes most of it
+    (`fpm.scenes.effort`). With cases it is of all of them, one after another."""
+    if campaign.cases:
+        return _sum([estimate(case) for case in campaign.case_campaigns.values()])
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs = count_runs(experiment)
     batch = LANES * effort.machine() * run_seconds(experiment, choose_step(experiment))
@@ -101,6 +103,15 @@ def estimate(campaign: Campaign) -> Estimate:
     return Estimate(
         runs, seconds, integrating, float(size), compiling, experiment.is_sought, answers
     )
+
+
+def _sum(parts: list[Estimate]) -> Estimate:
+    """What campaigns take one after another; kernels are compiled once."""
+    keys = ("runs", "seconds", "integrating", "bytes")
+    totals = {key: sum(getattr(part, key) for part in parts) for key in keys}
+    compiling = max(part.compiling for part in parts)
+    totals["seconds"] += compiling - sum(part.compiling for part in parts)
+    return replace(parts[0], **totals, compiling=compiling)
 
 
 def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:

@@ -117,7 +117,7 @@ def _run_stage(options: argparse.Namespace) -> int:
     tell = Teller(*filter(None, (sys.stderr, log)))
     values = {key: getattr(options, key) for key in options.stage.options}
     try:
-        sections = options.stage.sections_in(options.config)
+        sections = options.stage.sections_in(options.config, Folder(options.folder))
         options.stage.run(Folder(options.folder), tell, **sections, **values)
     except (CampaignError, SceneError) as error:
         tell(f"error: {error}")

@@ -11,10 +11,11 @@ from pathlib import Path
 import fpm
 from deployable.campaign.answers.estimate import estimate, runs_there
 from deployable.campaign.cli.new import make_folder, starts
+from deployable.campaign.config.cases import variants
 from deployable.campaign.config.check import load_config
 from deployable.campaign.config.keys import table
 from deployable.campaign.config.read import whole
-from deployable.campaign.config.sections import scene_type
+from deployable.campaign.config.sections import Campaign, scene_type
 from deployable.campaign.errors import CampaignError, ConfigError, of_files
 from deployable.campaign.export import COLOURS, FORMATS, choose, export
 from deployable.campaign.files import read_json, unforeseen
@@ -120,25 +121,34 @@ def _check(options: argparse.Namespace) -> int:
             print(error if isinstance(error, ConfigError) else f"{path}: {error}", file=sys.stderr)
             status = 1
         else:
-            progress = runs_there(campaign, Folder(Path("results", campaign.name)))
-            print(f"{path}: {campaign.name}, {takes}{progress and '; '}{progress}")
-            for text in campaign.experiment.warnings:
-                print(f"{path}: warning: {text}")
-            for text in doubt_texts(campaign.experiment.doubts):
-                print(f"{path}: {text}")
-            if campaign.experiment.scene.file.endswith(".py"):
-                print(f"{path}: {campaign.experiment.scene.file} is a program, which was run")
+            if campaign.cases:
+                print(f"{path}: {campaign.name}, {len(campaign.cases)} cases, {takes}")
+            folder = Path("results", campaign.name * bool(campaign.cases))
+            for case, variant in variants(campaign):
+                _tell_variant(f"{path}: {case}", variant, folder)
     return status
+
+
+def _tell_variant(prefix: str, campaign: Campaign, results: Path) -> None:
+    """Print what is to be known of a campaign, or of one of its cases, before it runs."""
+    progress = runs_there(campaign, Folder(results / campaign.name))
+    print(f"{prefix}{campaign.name}, {estimate(campaign)}{progress and '; '}{progress}")
+    for text in campaign.experiment.warnings:
+        print(f"{prefix}warning: {text}")
+    for text in doubt_texts(campaign.experiment.doubts):
+        print(f"{prefix}{text}")
+    if campaign.experiment.scene.file.endswith(".py"):
+        print(f"{prefix}{campaign.experiment.scene.file} is a program, which was run")
 
 
 def _run(options: argparse.Namespace) -> int:
     """Run a whole campaign."""
     try:
         campaign = load_config([options.file])
-        if options.require and not campaign.requirements:
+        if options.require and not any(own.requirements for _, own in variants(campaign)):
             raise CampaignError(f"{options.file} has no requirements; --require needs some")
         run(campaign, options.results, not options.no_figures)
-        if options.require and not _are_met(Path(options.results, campaign.name)):
+        if options.require and not _are_met(campaign, Folder(Path(options.results, campaign.name))):
             return UNMET
     except (CampaignError, fpm.SceneError) as error:
         print(f"error: {error}", file=sys.stderr)
@@ -146,9 +156,10 @@ def _run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _are_met(path: Path) -> bool:
-    """Whether all of the box meets all requirements."""
-    return read_json(Folder(path).requirements)["together"]["met"] == "all"
+def _are_met(campaign: Campaign, folder: Folder) -> bool:
+    """Whether all of the box meets all requirements, in all cases."""
+    path = folder / "cases.json" if campaign.cases else folder.requirements
+    return read_json(path)["together"]["met"] == "all"
 
 
 def _keys(options: argparse.Namespace) -> int:

@@ -12,9 +12,18 @@ from __future__ import annotations
 import copy
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from deployable.campaign.config.cases import (
+    case_config,
+    fixed_problems,
+    in_case,
+    naming_problems,
+    twin_problems,
+    without_cases,
+)
 from deployable.campaign.config.loader import read_file
 from deployable.campaign.config.models import Config
 from deployable.campaign.config.read import read
@@ -107,8 +116,11 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
         ])  # fmt: skip
     if raw.get("margins"):  # which are responses, too
         raw = {"responses": {}, **raw}
+    raw, case_lists = without_cases(raw)
     config, user_config, problems = read(raw)
     campaign = None
+    if config is not None:
+        problems += naming_problems(config.cases, case_lists)
     if config is not None and not (config.responses or config.margins):
         allowed = "a mapping from at least one name (letters, digits, `_`, starting with a letter)"
         problems.append(f"responses: {{}} is not allowed; allowed: {allowed} to definitions")
@@ -119,6 +131,24 @@ def check_config(raw: Mapping, source: str = "the config") -> Campaign:
         campaign, scene_problems = resolve(config, user_config)
         problems += scene_problems
     if problems or campaign is None:
+        raise ConfigError(source, problems)
+    return _with_cases(campaign, raw, case_lists, source) if config.cases else campaign
+
+
+def _with_cases(campaign: Campaign, raw: Mapping, case_lists: Mapping, source: str) -> Campaign:
+    """The campaign with its cases, each checked as a campaign of its own."""
+    cases, campaigns, problems = raw["cases"], {}, []
+    for name in cases:
+        fixed = fixed_problems(cases[name], name, raw["intervals"])
+        own, changes = case_config(raw, name, case_lists)
+        _add(own, changes)
+        try:
+            campaigns[name] = check_config(own)
+        except ConfigError as error:
+            fixed = fixed or [in_case(name, problem) for problem in error.problems]
+        problems += fixed
+    campaign = replace(campaign, cases=copy.deepcopy(dict(cases)), case_campaigns=campaigns)
+    if problems := problems or twin_problems(campaign, cases):
         raise ConfigError(source, problems)
     return campaign
 
@@ -135,14 +165,21 @@ def merge(target: dict, update: Mapping) -> dict:
 
 
 def anchored(raw: Mapping, folder: str | Path) -> Mapping:
-    """Return a raw config with the path of its structure's file, written relative to `folder`, as
-    seen from the working folder: relative if it lies in that, else absolute. raw: not changed."""
-    scene = raw.get("scene")
-    if not isinstance(scene, Mapping) or not isinstance(scene.get("file"), str):
-        return raw
-    if "\0" in scene["file"]:  # no path, which the models refuse
-        return raw
-    path = Path(os.path.realpath(Path(folder, scene["file"])))  # a loop of links is left as it is
+    """Return the raw config with the paths of its structures' files, written relative to `folder`,
+    as seen from the working folder: relative if they lie in that, else absolute."""
+    cases = raw.get("cases")
+    if isinstance(cases, Mapping):
+        raw = {**raw, "cases": {name: _anchored_file(case, folder) for name, case in cases.items()}}
+    return {**raw, "scene": _anchored_file(raw["scene"], folder)} if "scene" in raw else raw
+
+
+def _anchored_file(section: Any, folder: str | Path) -> Any:
+    """A section of a config with its key `file` as seen from the working folder."""
+    if not isinstance(section, Mapping) or not isinstance(section.get("file"), str):
+        return section
+    if "\0" in section["file"]:  # no path, which the models refuse
+        return section
+    path = Path(os.path.realpath(Path(folder, section["file"])))  # a loop of links is left as it is
     working_folder = Path.cwd().resolve()
     path = path.relative_to(working_folder) if path.is_relative_to(working_folder) else path
-    return {**raw, "scene": {**scene, "file": str(path)}}
+    return {**section, "file": str(path)}

@@ -28,6 +28,15 @@ CampaignName = Annotated[
         "[A-Za-z0-9][A-Za-z0-9_-]{0,63}",
     ),
 ]
+CaseName = Annotated[
+    str,
+    Rule(
+        "a name of up to 64 letters, digits, spaces, `_` and `-` that starts with a letter, and "
+        "not that of a folder of results",
+        pattern="(?!(batches|exports|extremes|figures|logs|motions|responses|rounds|trajectories)$)"
+        "[A-Za-z][A-Za-z0-9 _-]{0,63}",
+    ),
+]
 Share = Annotated[float, Rule(ge=1e-4, le=1)]
 OrAuto = Literal["auto"]
 ABSENT: Any = None
@@ -265,6 +274,37 @@ class Choosing(ConfigSection):
 
 
 @dataclass(frozen=True)
+class CaseSolver(ConfigSection):
+    """What of the solver differs in a case."""
+
+    duration: Annotated[float, Rule(ge=1e-9, le=1e6, unit="s")] = ABSENT
+    """Simulated time."""
+
+
+@dataclass(frozen=True)
+class CaseSection(ConfigSection):
+    """One case: what differs from the campaign, which has the rest; `{}` is the campaign as it
+    stands."""
+
+    scene: Annotated[
+        dict[str, Any], Rule("a mapping from the scene's parameter names to values")
+    ] = field(default_factory=dict)
+    """Values of scene parameters that are no intervals."""
+    file: Annotated[
+        str, Rule("the path of a `.yaml` or `.py` file", pattern=r"[^\0]*")
+    ] = ABSENT  # fmt: skip
+    """File of another structure, in the place of the campaign's."""
+    solver: CaseSolver = CaseSolver()
+    intervals: Annotated[
+        dict[str, Annotated[IntervalSpec, Rule(
+            "a mapping with `relative`, or `absolute`, or `lower` and `upper`, and optionally "
+            "`nominal`")]],
+        Rule("a mapping from parameter names to intervals", most=8),
+    ] = field(default_factory=dict)  # fmt: skip
+    """Intervals that stand in the place of the campaign's, or are further ones, as there."""
+
+
+@dataclass(frozen=True)
 class FigureChoice(ConfigSection):
     """What the figures show."""
 
@@ -387,7 +427,8 @@ class Config(ConfigSection):
                 "a mapping with `at_least`, `at_most` or `happens`, by quantity as in "
                 "`{t_shut: {at_most: 0.32}}`")]],
             Rule("a mapping such as `{t_shut: {at_least: 0.3, at_most: 0.32}}`", least=1,
-                about="The limits of one requirement, by quantity; all of them must be kept."),
+                about="The limits of one requirement, by quantity; all of them must be kept. A "
+                "list `cases: [on ground]` beside them: it is of these cases alone."),
         ]],
         Rule("a mapping from names to limits of quantities, such as `{in_time: {t_shut: {at_most: "
             "0.32}}}`"),
@@ -400,3 +441,11 @@ class Config(ConfigSection):
     ] = Choosing()  # fmt: skip
     figures: FigureChoice = FigureChoice()
     jobs: Jobs = Jobs()
+    cases: Annotated[
+        dict[CaseName, Annotated[CaseSection, Rule(
+            "a mapping with `scene`, `file`, `solver` and `intervals`")]],
+        Rule("a mapping from names to what differs, such as `{on ground: {scene: {g: 9.81}}}`"),
+    ] = field(default_factory=dict)  # fmt: skip
+    """Variants of the campaign, by names of your own, such as `on ground` or `one spring out`: each
+    is run over the whole box, with results in `results/<campaign>/<name>/`, and a page tells which
+    requirement is met in all of them and which case decides (docs/cases.md)."""

@@ -353,10 +353,14 @@ class Choose(Choosing):
 
 @dataclass(frozen=True)
 class Campaign:
-    """A whole config, checked and resolved. experiment: what determines the runs; bounds, error,
-    figures, verify, choose, jobs: sections of the config; published: largest difference of the
-    bounds in the literature, by response; review: name of the standard that the review sheet
-    follows, None for no sheet; requirements: limits by requirement and by quantity."""
+    """A whole config, checked and resolved: the experiment, which determines the runs, and the
+    sections on what is made of the runs.
+
+    published: largest difference of the bounds from those in the literature, by response; review:
+    name of the standard that the review sheet follows, None for no sheet; cases: what each case
+    changes, by name, as in the config; case_campaigns: the campaigns of the cases, by name, which
+    are run in the place of this one.
+    """
 
     experiment: Experiment
     bounds: BoundsChoice
@@ -368,6 +372,8 @@ class Campaign:
     requirements: dict[str, dict]
     choose: Choose
     jobs: Jobs
+    cases: dict[str, dict] = field(default_factory=dict)
+    case_campaigns: dict[str, Campaign] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -429,6 +435,8 @@ def as_json(**sections: Any) -> str:
 
 def plain_data(section: Any) -> Any:
     """Turn a section of the config into nested dicts and lists; returns other values unchanged."""
+    if isinstance(section, dict):
+        return {name: plain_data(item) for name, item in section.items()}
     return asdict(section) if is_dataclass(section) else section
 
 

@@ -160,6 +160,9 @@ def _of_results(folder: Folder, run: str) -> SelectedRun:
     from deployable.campaign.files import open_netcdf, refuse_links
 
     refuse_links(folder.path)
+    if (folder / "cases.json").exists():
+        names = ", ".join(sorted(path.parent.name for path in folder.path.glob("*/samples.nc")))
+        raise CampaignError(f"{folder.path} is of cases; allowed: the folder of one: {names}")
     if not folder.samples.exists():
         raise CampaignError(
             f"{folder.path} has no samples.nc: it holds no finished campaign; `snakemake` or "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -61,11 +61,11 @@ def _escaped(facts: Any, code: str = "") -> Any:
     """Facts, names among them, as Markdown that says just that; code: what is not escaped."""
     if isinstance(facts, Mapping):
         return {
-            _escaped(key): _escaped(value, "`" if key == "doubt" else "")
+            _escaped(key): _escaped(value, "`" if key in ("doubt", "notes") else "")
             for key, value in facts.items()
         }
     if isinstance(facts, list | tuple):
-        return [_escaped(item) for item in facts]
+        return [_escaped(item, code) for item in facts]
     return numbers.escaped(facts, code) if isinstance(facts, str) else facts
 
 
@@ -99,8 +99,13 @@ def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
     return [f"Not determined by the model: {', '.join(own)}: {text}" for text, own in names.items()]
 
 
-def sentence(name: str, *facts: Any) -> str:
-    """Render a macro of `sentences.jinja` as text, for use outside of the templates. name: of the
-    macro; facts: its arguments in order, in which texts are escaped."""
-    module = environment().get_template("sentences.jinja").module
-    return getattr(module, name)(*map(_escaped, facts))
+def sentence(name: str, *facts: Any, escapes: bool = True) -> str:
+    """Text that a macro of `sentences.jinja` makes, for use outside of the templates; name: of the
+    macro; facts: its arguments in order; escapes: whether texts in these are escaped."""
+    return getattr(_sentences(), name)(*(map(_escaped, facts) if escapes else facts))
+
+
+@cache
+def _sentences() -> Any:
+    """The macros, compiled once."""
+    return environment().get_template("sentences.jinja").module

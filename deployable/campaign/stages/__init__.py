@@ -110,13 +110,22 @@ class Stage:
         shown_files = [PLAN, *BOUNDS_FILES, *_answered(campaign)] if self.draws else []
         return list(dict.fromkeys([*self.takes, *shown_files]))
 
-    def sections_in(self, config: str) -> dict[str, Any]:
-        """Read the config sections that the stage depends on, by name. config: path of a YAML file,
-        or the JSON of the sections that the workflow passes, with the path of the user's structure
-        (`structure`). Raises `CampaignError`."""
+    def sections_in(self, config: str, folder: Folder | None = None) -> dict[str, Any]:
+        """Return the config sections that the stage depends on, by name. config: path of a YAML
+        file, or the JSON of the sections that the workflow passes, with the file (`structure`) that
+        the user's config names; folder: of the results, which tells the case, if there are cases.
+        Raises `CampaignError`."""
         if not config.lstrip().startswith("{"):  # jobs of the workflow load no checks of a config
             check = import_module("deployable.campaign.config.check")
-            return self.sections_of(check.load_config([config]))
+            campaign = check.load_config([config])
+            if campaign.cases and self.name != "cases":
+                names = {own.name: own for own in campaign.case_campaigns.values()}
+                if folder is None or folder.whole.name not in names:
+                    allowed = ", ".join(f"{campaign.name}/{name}" for name in names)
+                    raise CampaignError(f"{folder and folder.whole} is no folder of a case of "
+                                        f"{config}; allowed: {allowed}")  # fmt: skip
+                campaign = names[folder.whole.name]
+            return self.sections_of(campaign)
         try:
             data, kinds = json.loads(config), get_type_hints(Campaign)
             trust(data.get("structure") or "")
@@ -190,10 +199,16 @@ STAGES = {
         Stage("page", "Make the page, with the motion of some runs and moments of the nominal one.",
               ("figures",), (SAMPLES, BOUNDS, SENSITIVITIES, "summary.json"),
               lambda _: ("report.html", *_pictures("campaign/moments")), ("frames",), draws=True),
+        Stage("cases", "Compare the cases of a campaign, from their summaries.",
+              ("cases",), (), lambda _: ("cases.json", "summary.md", "report.html")),
     )
 }  # fmt: skip
 
 
 def stages_of(campaign: Campaign) -> list[Stage]:
-    """List the stages that a campaign consists of, in the order in which they run."""
-    return [s for s in STAGES.values() if s.is_sought in (None, campaign.experiment.is_sought)]
+    """Return the stages that a campaign consists of, in the order in which they run; of one with
+    cases, that which follows those of its cases."""
+    if campaign.cases:
+        return [STAGES["cases"]]
+    kinds = (None, campaign.experiment.is_sought)
+    return [s for s in STAGES.values() if s.is_sought in kinds and s.name != "cases"]

@@ -10,6 +10,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from deployable.campaign.config.cases import variants
 from deployable.campaign.config.check import check_config, load_config
 from deployable.campaign.config.loader import retyped
 from deployable.campaign.config.sections import Campaign, as_json, count_runs, scene_type
@@ -33,6 +34,9 @@ class Workflow:
     def __init__(self, campaign: Campaign, results: str | Path = "results"):
         self.campaign, self.name = campaign, campaign.name
         self.folder = Folder(Path(results, campaign.name))
+        self.cases = {
+            name: Workflow(case, self.folder.path) for name, case in campaign.case_campaigns.items()
+        }
         self.damage: dict[str, DamagedError] = {}  # of what `stale` found
 
     @classmethod
@@ -43,8 +47,11 @@ class Workflow:
 
     @classmethod
     def from_module(cls, config: Mapping) -> Workflow:
-        """Make the workflow of the `config` that is passed by a Snakemake workflow which uses this
-        one as a module; paths in it are relative to the working folder. Raises `ConfigError`."""
+        """Make the workflow of the `config` that a Snakemake workflow passes which uses this one as
+        a module; paths in it are relative to the working folder. Of a case that is its `workflow`.
+        Raises `ConfigError`."""
+        if isinstance(config.get("workflow"), cls):
+            return config["workflow"]
         return cls(load_config([], retyped(config), "the config of the module"))
 
     def sections(self, stage: str) -> str:
@@ -122,7 +129,11 @@ class Workflow:
                 reasons[str(folder.report)] = str(error)
 
     def results(self) -> list[str]:
-        """List the paths of the files meant for the reader: summary, figures and page."""
+        """Return the paths of the files meant for the reader: summary, figures and page; of a
+        campaign with cases also theirs."""
+        if self.cases:
+            own = map(str, self.files_of(STAGES["cases"]))
+            return [*own, *(path for case in self.cases.values() for path in case.results())]
         last = [stage for stage in stages_of(self.campaign) if stage.draws]
         names = ["summary.json", "summary.md", *(n for s in last for n in s.leaves(self.campaign))]
         return [str(self.folder / name) for name in names]
@@ -142,9 +153,9 @@ class Workflow:
         )
 
     def last_words(self) -> str:
-        """Read all messages in the log of the stage `page`, of which the last says which file to
-        open; "" without a log."""
-        log = self.folder / "logs/page.log"
+        """Return the last message of the last stage, which file to open; empty without its log
+        file."""
+        log = self.folder / f"logs/{stages_of(self.campaign)[-1].name}.log"
         return log.read_text(encoding="utf-8").strip() if log.exists() else ""
 
 
@@ -162,10 +173,11 @@ def run(
 ) -> Any:
     """Run a campaign and return the bounds of its responses over the parameter box.
 
-    Results are written into `results`/<campaign>. Runs that are there already are not simulated
-    again, and a stage is left out whose results are there and were made of the present config and
-    program; damaged results are named in a message and made again. Linear algebra has one thread
-    meanwhile, so that the bounds equal those of the Snakemake workflow to the last bit.
+    Results are written into `results`/<campaign>, those of a case into a folder there. Runs that
+    are there already are not simulated again, and a stage is left out whose results are there and
+    were made of the present config and program; damaged results are named in a message and made
+    again. Linear algebra has one thread meanwhile, so that the bounds equal those of the Snakemake
+    workflow to the last bit.
 
     Parameters
     ----------
@@ -181,7 +193,8 @@ def run(
     Returns
     -------
     xarray.Dataset
-        The content of `bounds.nc` in memory, as `intervals.bounds_dataset` describes it.
+        The content of `bounds.nc` in memory, as `intervals.bounds_dataset` describes it; with
+        cases a dict of it by the name of the case.
 
     Raises
     ------
@@ -191,9 +204,12 @@ def run(
         If runs fail, or the program or the structure was edited since this session loaded it.
     """
     with one_thread():
-        campaign = _campaign(config)
-        _check_memory(campaign)
-        return _run(campaign, results, figures, tell or Teller(sys.stderr))
+        campaign, tell = _campaign(config), tell or Teller(sys.stderr)
+        for _, variant in variants(campaign):
+            _check_memory(variant)
+        if not campaign.cases:
+            return _run(campaign, results, figures, tell)
+        return _run_cases(campaign, results, figures, tell)
 
 
 def _check_memory(campaign: Campaign) -> None:
@@ -205,6 +221,21 @@ def _check_memory(campaign: Campaign) -> None:
             raise ChangedError(scene.file or scene.name)
     except SceneError as error:
         raise CampaignError(str(error)) from error
+
+
+def _run_cases(
+    campaign: Campaign, results: str | Path, figures: bool, tell: Tell
+) -> dict[str, Any]:
+    """Run the cases of a campaign one after another, and compare them."""
+    folder, bounds = Workflow(campaign, results).folder, {}
+    for name, case in campaign.case_campaigns.items():
+        tell(f"Case {name}")
+        try:
+            bounds[name] = _run(case, folder.path, figures, tell)
+        except CampaignError as error:
+            raise CampaignError(f"case {name}: {error}") from error
+    _stage(STAGES["cases"], campaign, folder, tell)
+    return bounds
 
 
 def _run(campaign: Campaign, results: str | Path, figures: bool, tell: Tell) -> Any:

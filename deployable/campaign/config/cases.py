@@ -1,0 +1,138 @@
+"""Cases of a campaign: variants of its config, each of which is a campaign of its own."""
+
+from __future__ import annotations
+
+import copy
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+from deployable.campaign.config.read import show
+from deployable.campaign.config.resolve import unknown
+from deployable.campaign.config.sections import Campaign, Experiment, Interval
+
+
+def folder_name(case: str) -> str:
+    """Return the name of the folder of a case's results, below that of the campaign; case: its
+    name, in which spaces become `-`."""
+    return re.sub(" +", "-", case)
+
+
+def without_cases(raw: Mapping) -> tuple[dict, dict[str, Any]]:
+    """Separate from a raw config the lists `cases` of its requirements: returns the config with
+    requirements of limits alone, and the lists by requirement. A mapping called `cases` is the
+    limits of a quantity of that name."""
+    requirements, case_lists = {}, {}
+    sections = raw.get("requirements")
+    for name, limits in sections.items() if isinstance(sections, Mapping) else ():
+        if isinstance(limits, Mapping) and not isinstance(limits.get("cases", {}), Mapping):
+            limits = dict(limits)
+            case_lists[name] = limits.pop("cases")
+        requirements[name] = limits
+    return ({**raw, "requirements": requirements} if case_lists else dict(raw)), case_lists
+
+
+def naming_problems(cases: Mapping[str, Any], case_lists: Mapping[str, Any]) -> list[str]:
+    """Check the names of cases, and that requirements name cases: returns a sentence for each
+    problem. cases: that section of the config; case_lists: the lists of cases by requirement."""
+    problems, folders = [], {}
+    for name in sorted(cases):
+        twin = folders.setdefault(folder_name(name).lower().replace("-", "_"), name)
+        if twin != name:
+            problems.append(
+                f"cases.{name}: as a folder's name it is that of {twin}; allowed: names that "
+                "differ in more than spaces, `-`, `_` and capitals"
+            )
+    allowed = f"a list of {', '.join(cases)}" if cases else "none, without `cases`"
+    for requirement, names in case_lists.items():
+        key = f"requirements.{requirement}.cases"
+        if not isinstance(names, list | tuple) or not names or not cases:
+            problems.append(f"{key}: {show(names)} is not allowed; allowed: {allowed}")
+        else:
+            problems += [f"{key}: {show(name)}: {unknown(str(name), 'case', cases)}"
+                         for name in names if name not in [*cases]]  # fmt: skip
+    return problems
+
+
+def case_config(raw: Mapping, name: str, case_lists: Mapping[str, Any]) -> tuple[dict, dict]:
+    """Return the raw config of one case, and what it changes of the campaign's, without that.
+
+    raw: the campaign's valid config, whose requirements are of limits alone; name: of the case;
+    case_lists: the lists of cases by requirement; a requirement without one is of all cases.
+    """
+    case = raw["cases"][name]
+    rest = {key: copy.deepcopy(value) for key, value in raw.items() if key != "cases"}
+    rest["campaign"] = folder_name(name)
+    limits = rest.get("requirements", {})
+    rest["requirements"] = {
+        key: own for key, own in limits.items() if name in case_lists.get(key, [name])
+    }
+    changes = {key: case[key] for key in ("solver", "intervals") if key in case}
+    if case.get("scene"):
+        changes["scene"] = {"parameters": case["scene"]}
+    if "file" in case:
+        rest["scene"].pop("name", None)
+        changes["scene"] = {**changes.get("scene", {}), "file": case["file"]}
+    for parameter in case.get("intervals", {}):
+        rest["intervals"].pop(parameter, None)
+    return rest, changes
+
+
+def fixed_problems(case: Mapping, name: str, intervals: Mapping) -> list[str]:
+    """Check that a case gives no value to a parameter that is an interval: returns a sentence for
+    each that it does. case: the raw section; name: of the case; intervals: the campaign's, by
+    parameter."""
+    return [
+        f"cases.{name}.scene.{parameter}: {show(value)}, and {parameter} is an interval, of which "
+        f"a case has the whole; allowed: cases.{name}.intervals.{parameter}, or another parameter"
+        for parameter, value in case.get("scene", {}).items()
+        if parameter in {**intervals, **case.get("intervals", {})}
+    ]
+
+
+def in_case(name: str, problem: str) -> str:
+    """Return a sentence on the config of a case with the key that the user wrote; name: of the
+    case; problem: the sentence, which starts with its key."""
+    key, _, text = problem.partition(":")
+    if key.startswith(("scene.parameters.", "scene.file", "solver.duration", "intervals.")):
+        user_key = key.replace("scene.parameters.", "scene.", 1).replace("scene.file", "file", 1)
+        return f"cases.{name}.{user_key}:{text}"
+    return f"cases.{name}: {problem}"
+
+
+def twin_problems(campaign: Campaign, changes: Mapping[str, Any]) -> list[str]:
+    """Check that cases differ: returns a sentence for each that changes nothing though it says so,
+    or that is the same as another. campaign: with its cases; changes: what each says, by name."""
+    problems, first = [], {}
+    for name in sorted(campaign.case_campaigns):
+        physics = _physics(campaign.case_campaigns[name].experiment)
+        twin = next((label for label, own in first.items() if own == physics), None)
+        if twin is not None:
+            text = f"it is the same as cases.{twin}; allowed: one of them, or other values"
+            problems.append(f"cases.{name}: {text}")
+        elif any(changes[name].values()) and physics == _physics(campaign.experiment):
+            text = "changes nothing; allowed: another value, or {} for the campaign as it stands"
+            problems.append(f"cases.{name}: {show(changes[name])} {text}")
+        first[name] = physics
+    return problems
+
+
+def _physics(experiment: Experiment) -> Experiment:
+    """What is simulated, whatever it is called and however it is written, but for rounding."""
+    free = dict.fromkeys(experiment.intervals)
+    scene = replace(experiment.scene, parameters={**experiment.parameters({}), **free})
+    intervals = {
+        name: Interval(*(float(f"{end:.12g}") for end in vars(interval).values()))
+        for name, interval in experiment.intervals.items()
+    }
+    return replace(experiment, name="", scene=scene, intervals=intervals)
+
+
+def variants(campaign: Campaign) -> Iterator[tuple[str, Campaign]]:
+    """Yield the campaigns that are to be run, with a prefix for messages on each: those of the
+    cases, or the one itself if there are none."""
+    if not campaign.cases:
+        yield "", campaign
+    for name, variant in campaign.case_campaigns.items():
+        yield f"case {name}: ", variant

@@ -1,0 +1,216 @@
+"""Facts of a campaign's cases together, from the summary of each: the content of `cases.json`.
+
+    cases         [{name, folder, page, changes, headline, together}]: page: whether there is one;
+                  together: of the case's own requirements, null if it has none
+    requirements  [{name, met, cases, failing, open, worst, limits}]: met is all, some or none of
+                  the boxes of the cases that it is of, or "undecided"; cases: their names; failing,
+                  open: of those in which it fails, is undecided
+    limits        [{quantity, units, kind, level, worst, by_case}]; by_case: the limit in each
+                  case, in their order, null where it is not required
+    worst         the limit in the case that decides: its margin, error and place, with its
+                  `requirement`, `case` and `close`, the cases as bad within both errors
+    quantities    [{name, units, lower, lower_cases, upper, upper_cases, beyond, never, by_case}]:
+                  beyond, never: cases in which it has no latest time, does not happen
+    together      {met, failing, open, free}: of all requirements; cases in which some fail, are
+                  undecided, or nothing is required; null without requirements
+    worst         the limit that decides over all requirements
+    notes         [{notes, cases}]: a text on what makes numbers of these cases doubtful
+
+A failure decides before what is undecided, and that before what is met; then the smaller margin.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from operator import itemgetter
+from typing import Any
+
+from deployable.campaign.config.cases import folder_name
+from deployable.campaign.files import read_json
+from deployable.campaign.folder import Folder
+from deployable.campaign.results.templates import doubts, sentence
+from deployable.campaign.text.numbers import place, quantity, spread
+
+GROUPS = {"none": 0, "some": 0, "undecided": 1, "all": 2}
+"""Which verdicts decide before others."""
+
+
+def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
+    """Collect what all cases answer as plain data for JSON, the content of `cases.json`; folder: of
+    the campaign's results, with those of each case below it; cases: section of the config."""
+    folders = {name: Folder(folder / folder_name(name)) for name in cases}
+    summaries = {name: read_json(own / "summary.json") for name, own in folders.items()}
+    requirements = _requirements(summaries)
+    verdicts = {name: facts.get("together") for name, facts in summaries.items()}
+    notes: dict[str, list[str]] = {}
+    for name, facts in summaries.items():
+        for text in _notes(facts):
+            notes.setdefault(text, []).append(name)
+    return {
+        "campaign": folder.path.name,
+        "cases": [
+            {
+                "name": name,
+                "folder": own.path.name,
+                "page": own.report.exists(),
+                "changes": _changes_text(cases[name], summaries[name]),
+                "headline": sentence("headline", summaries[name], escapes=False),
+                "together": verdicts[name],
+            }
+            for name, own in folders.items()
+        ],
+        "requirements": requirements,
+        "quantities": _quantities(summaries),
+        "together": {
+            "met": combine_met(own["met"] for own in verdicts.values() if own),
+            "failing": _named(verdicts, "none", "some"),
+            "open": _named(verdicts, "undecided"),
+            "free": [name for name, own in verdicts.items() if not own],
+        } if requirements else None,
+        "worst": min((row["worst"] for row in requirements), key=_severity, default=None),
+        "notes": [{"notes": text, "cases": names} for text, names in notes.items()],
+    }  # fmt: skip
+
+
+def combine_met(verdicts: Iterable[str]) -> str:
+    """Return what several cases make of a requirement: `all` only where each meets it, `none` where
+    each fails in the whole box, `some` where any fails, else `undecided`."""
+    verdicts = set(verdicts)
+    if len(verdicts) == 1:
+        return verdicts.pop()
+    return "some" if verdicts & {"none", "some"} else "undecided"
+
+
+def _named(rows: Mapping[str, Mapping | None], *verdicts: str) -> list[str]:
+    """Names of the cases of which a verdict is one of these."""
+    return [name for name, own in rows.items() if own and own["met"] in verdicts]
+
+
+def _requirements(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
+    """Of each requirement of any case, what it is in all of them."""
+    by_name: dict[str, dict[str, Mapping]] = {}
+    for case, facts in summaries.items():
+        for row in facts.get("requirements", ()):
+            by_name.setdefault(row["name"], {})[case] = row
+    rows = []
+    for name, by_case in by_name.items():
+        limits: dict[tuple, dict[str, Mapping]] = {}
+        for case, row in by_case.items():
+            for limit in row["limits"]:
+                location = place(limit["at"], summaries[case]["parameters"])
+                own = {**limit, "requirement": name, "case": case, "where": location}
+                key = (
+                    limit["quantity"],
+                    limit["kind"],
+                    limit["level"],
+                )  # margins have one of their own
+                limits.setdefault(key, {})[case] = own
+        compared = [_compared(own, list(summaries)) for own in limits.values()]
+        rows.append({
+            "name": name,
+            "met": combine_met(row["met"] for row in by_case.values()),
+            "cases": list(by_case),
+            "failing": _named(by_case, "none", "some"),
+            "open": _named(by_case, "undecided"),
+            "worst": min((limit["worst"] for limit in compared), key=_severity),
+            "limits": compared,
+        })  # fmt: skip
+    return rows
+
+
+def _compared(limits: Mapping[str, Mapping], cases: list[str]) -> dict[str, Any]:
+    """One limit in the cases that it is of, and the case that is worst."""
+    worst = min(limits.values(), key=_severity)
+    close = [case for case, own in limits.items() if own is not worst and _is_close(own, worst)]
+    keys = ("quantity", "units", "words", "event", "kind", "level")
+    return {
+        **{key: worst[key] for key in keys if key in worst},
+        "worst": {**worst, "close": close},
+        "by_case": [limits.get(case) for case in cases],
+    }
+
+
+def _margin(limit: Mapping) -> float:
+    """The margin of a limit; infinite where there is none, as it is kept or not."""
+    if limit["margin"] is not None:
+        return limit["margin"]
+    return math.inf if limit["kept"] else -math.inf
+
+
+def _severity(limit: Mapping) -> tuple:
+    """What decides first, the smallest: verdict, margin as a share of the level, share, name."""
+    size = abs(limit["level"]) or 1.0
+    return GROUPS[limit["met"]], _margin(limit) / size, limit["share"], limit["case"]
+
+
+def _is_close(limit: Mapping, worst: Mapping) -> bool:
+    """Whether a limit is as bad as the worst by no more than the errors of both; of an error that
+    is not known nobody can tell."""
+    if GROUPS[limit["met"]] != GROUPS[worst["met"]]:
+        return False
+    margins = [{"margin": _margin(own), "error": own["error"]} for own in (limit, worst)]
+    return _is_same(*margins, "margin")
+
+
+def _is_same(row: Mapping, reference: Mapping, key: str) -> bool:
+    """Whether two numbers differ by no more than the errors of both, or are infinite alike."""
+    errors = [math.inf if own["error"] is None else own["error"] for own in (row, reference)]
+    if math.inf in (abs(row[key]), abs(reference[key])):
+        return row[key] == reference[key]
+    return abs(row[key] - reference[key]) <= sum(errors)
+
+
+def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
+    """The interval of each quantity in each case, and over all."""
+    keys = "lower upper error beyond units happens happens_uncertainty runs_without predicted_ends"
+    by_name: dict[str, dict[str, Mapping]] = {}
+    for case, facts in summaries.items():
+        for row in facts["quantities"]:
+            by_name.setdefault(row["name"], {})[case] = row
+    rows = []
+    for name, by_case in by_name.items():
+        first = next(iter(by_case.values()))
+        ends: dict[str, Any] = {}
+        for row in by_case.values():
+            row["error"] = row.get("errors", {}).get("whole", row["error"])
+        for end, choose in (("lower", min), ("upper", max)):
+            values = {c: row for c, row in by_case.items() if row[end] is not None}
+            last = choose(values.values(), key=itemgetter(end), default={end: None})
+            ends[end] = last[end]
+            ends[f"{end}_cases"] = [c for c, row in values.items() if _is_same(row, last, end)]
+        rows.append({
+            "name": name, "units": first["units"], "long_name": first["long_name"], **ends,
+            "beyond": [case for case, row in by_case.items() if row["beyond"] is not None],
+            "never": [case for case, row in by_case.items() if row["lower"] is None],
+            "by_case": [
+                {key: by_case[case].get(key) for key in keys.split()} if case in by_case else None
+                for case in summaries
+            ],
+        })  # fmt: skip
+    return rows
+
+
+def _changes_text(changes: Mapping[str, Any], facts: Mapping) -> str:
+    """What a case changes, with units, as text."""
+    units = {row["name"]: row["units"] for row in facts["fixed"]}
+    spreads = {row["name"]: f"{quantity(row['nominal'], row['units'], 6)}, {spread(row)}"
+               for row in facts["parameters"]}  # fmt: skip
+    texts = [f"structure {facts['scene']}"] * ("file" in changes)
+    for name, value in changes.get("scene", {}).items():
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        texts.append(f"{name} = {quantity(value, units[name], 6) if is_number else value}")
+    texts += [f"{name} = {spreads[name]}" for name in changes.get("intervals", {})]
+    if changes.get("solver"):
+        texts.append(f"duration = {quantity(facts['duration'], 's', 6)}")
+    return "; ".join(texts) or "the campaign as it stands"
+
+
+def _notes(facts: Mapping) -> list[str]:
+    """What makes the numbers of a case doubtful."""
+    notes = [f"{text}." for text in doubts(facts)]
+    if "accuracy" in facts and not facts["accuracy"]["met"]:
+        notes.append(sentence("accuracy", facts, escapes=False))
+    if "together" in facts and (text := sentence("blind", facts["together"], escapes=False)):
+        notes.append(text)
+    return notes

@@ -1,0 +1,26 @@
+"""What the cases of a campaign answer together."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from deployable.campaign.files import write_result
+from deployable.campaign.folder import Folder
+from deployable.campaign.report.cases import render_cases
+from deployable.campaign.results.cases import cases_facts
+from deployable.campaign.results.templates import summary_text
+from deployable.campaign.runs.progress import Tell
+
+
+def work(folder: Folder, tell: Tell, cases: Any) -> None:
+    """Compare the cases of a campaign, whose results are in folders below `folder`: writes
+    `cases.json`, `summary.md` and the page. tell: called with each message; cases: section of the
+    config."""
+    facts = cases_facts(folder, cases)
+    text = summary_text(facts, "cases.md.jinja")
+    write_result(folder / "cases.json", json.dumps(facts, indent=2) + "\n")
+    write_result(folder / "summary.md", text)
+    write_result(folder.report, render_cases(facts))
+    tell(text)
+    tell(f"Open {folder.report}")

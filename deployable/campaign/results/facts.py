@@ -454,8 +454,8 @@ def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
     if row["met"] != "some" or not row["share"] < 1 or len(names) != 1:
         return None
     quantity = named[names.pop()]
-    kept = quantity["happens"] == row["share"] and all(map(partial(_keeps, quantity), limits))
-    return quantity["name"] if kept else None
+    is_kept = quantity["happens"] == row["share"] and all(map(partial(_keeps, quantity), limits))
+    return quantity["name"] if is_kept else None
 
 
 def _keeps(quantity: Mapping, limit: Mapping) -> bool:

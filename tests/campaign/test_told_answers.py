@@ -314,6 +314,14 @@ def test_of_two_parameters_the_one_without_effect_is_not_told_as_the_cause():
     assert decisive(facts["quantities"][0]) == "k1" and "shares" in facts["responses"][0]
 
 
+def test_two_tolerances_that_help_as_much_are_two_sentences():
+    half = {"share": 1.0, "share_uncertainty": 0.0}
+    together = {"met": "some", "share": 0.9, "share_uncertainty": 0.01, "runs": 9}
+    facts = facts_of_two() | {"together": together | {"halved": {"k1": half, "k2": half}}}
+    text = sentence("tolerance", facts)
+    assert text.count("half as wide") == 2 and ". The k2" in text
+
+
 @pytest.mark.parametrize("unit", ["rad", "m", "rad s-1", "s", "N"])
 @pytest.mark.parametrize("count", [1, 2])
 def test_widths_of_rounding_are_no_widths(count, unit):

@@ -137,14 +137,22 @@ def merge(target: dict, update: Mapping) -> dict:
 
 
 def anchored(raw: Mapping, folder: str | Path) -> Mapping:
-    """Return the raw config with the path of its structure's file, written relative to `folder`, as
-    seen from the working folder: relative if it lies in that, else absolute."""
-    scene = raw.get("scene")
-    if not isinstance(scene, Mapping) or not isinstance(scene.get("file"), str):
-        return raw
-    if "\0" in scene["file"]:  # no path, which the models refuse
-        return raw
-    path = Path(os.path.realpath(Path(folder, scene["file"])))  # a loop of links is left as it is
+    """Return the raw config with the paths of its structure and measured curves, written relative
+    to `folder`, as seen from the working folder: relative if they lie in that, else absolute."""
+    anchored_raw = dict(raw)
+    if isinstance(scene := raw.get("scene"), Mapping):
+        anchored_raw["scene"] = _anchored(scene, folder)
+    if isinstance(tests := raw.get("measured"), Mapping):
+        anchored_raw["measured"] = {name: _anchored(test, folder) for name, test in tests.items()}
+    return anchored_raw
+
+
+def _anchored(section: Any, folder: str | Path) -> Any:
+    """A section with a `file` as seen from the working folder; any other as it is."""
+    file = section.get("file") if isinstance(section, Mapping) else None
+    if not isinstance(file, str) or "\0" in file:  # no path, which the models refuse
+        return section
+    path = Path(os.path.realpath(Path(folder, file)))  # a loop of links is left as it is
     working_folder = Path.cwd().resolve()
     path = path.relative_to(working_folder) if path.is_relative_to(working_folder) else path
-    return {**raw, "scene": {**scene, "file": str(path)}}
+    return {**section, "file": str(path)}

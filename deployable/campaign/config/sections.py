@@ -32,6 +32,7 @@ from deployable.campaign.config.models import (
     ErrorDisplay,
     FigureChoice,
     Jobs,
+    MeasuredTest,
     Name,
     Solver,
     Verify,
@@ -338,6 +339,13 @@ class Choose(Choosing):
 
 
 @dataclass(frozen=True)
+class ResolvedTest(MeasuredTest):
+    """A test with measured curves; digest: of its file when it was checked."""
+
+    digest: str = ""
+
+
+@dataclass(frozen=True)
 class Campaign:
     """A whole config, checked and resolved: the experiment, which determines the runs, and the
     sections on what is made of the runs.
@@ -356,6 +364,7 @@ class Campaign:
     requirements: dict[str, dict]
     choose: Choose
     jobs: Jobs
+    measured: dict[str, ResolvedTest] = field(default_factory=dict)
 
     @property
     def name(self) -> str:

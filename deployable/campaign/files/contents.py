@@ -258,6 +258,7 @@ def data_of(path: str | os.PathLike, content: bytes) -> dict:
         "summary.json": _schema(),
         "requirements.json": {"required": [*answers, "further_runs"], "properties": answers},
         "choice.json": properties["choice"],
+        "measured.json": properties["measured"],
     }
     with reading(path):
         data = json.loads(content, parse_constant=_no_number)

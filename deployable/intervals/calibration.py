@@ -35,6 +35,7 @@ _PENALTY = 100.0  # in units of the box for each band beyond the level
 _ITERATIONS, _STARTS = 40, 4
 _WIDER = 0.02  # of the hull's width, which is added on each side, and of the level
 _PRECISE = 0.05  # of the band, at which the surrogate's error no longer matters
+_STILL = 0.8  # of the hull's volume, above which a wave is of no use where the error is small
 _SAMPLES = 128  # points at which the fraction of the hull is counted
 
 
@@ -359,7 +360,7 @@ class _Waves:
             self.run(best, problem)
             limit = max(self.attained, 1.0) * (1 + _WIDER) if level is None else level
             pool = [v for v, misfit in outer if misfit <= limit]
-            precise = (problem.errors / problem.bands).max() <= _PRECISE * limit
+            error = (problem.errors / problem.bands).max() / limit
             self.tell(
                 f"wave {number + 1}: {self.runs} runs, least misfit {least:.3g} to "
                 f"{self.attained:.3g} bands"
@@ -372,9 +373,11 @@ class _Waves:
             hull = np.clip([low - wider, high + wider], *self.hull)
             fixed = np.setdiff1d(np.arange(problem.size), self.narrowed)
             hull[:, fixed] = self.hull[:, fixed]
+            is_still = np.ptp(hull, axis=0).prod() > _STILL * np.ptp(self.hull, axis=0).prod()
             self.hull = hull
+            is_precise = error <= _PRECISE or (is_still and error <= 4 * _PRECISE)
             is_met = level is None and self.attained - least <= _PRECISE * self.attained
-            if precise or is_met or min(map(len, self.points)) >= most:
+            if is_precise or is_met or min(map(len, self.points)) >= most:
                 break
         return problem, least, pool
 

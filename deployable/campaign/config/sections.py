@@ -425,7 +425,10 @@ def as_json(**sections: Any) -> str:
 
 
 def plain_data(section: Any) -> Any:
-    """Turn a section of the config into nested dicts and lists; returns other values unchanged."""
+    """Turn a section of the config, or a mapping to some, into nested dicts and lists; returns
+    other values unchanged."""
+    if isinstance(section, Mapping):
+        return {name: plain_data(item) for name, item in section.items()}
     return asdict(section) if is_dataclass(section) else section
 
 

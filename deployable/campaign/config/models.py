@@ -24,7 +24,7 @@ CampaignName = Annotated[
     Rule(
         "up to 64 letters, digits, `_` and `-`, starting with a letter or digit, and not the "
         "name of a study",
-        pattern="(?!(accuracy|benchmark|calibration|extremes|scaling|search|tradeoff|verification)$)"
+        pattern="(?!(accuracy|benchmark|calibration|extremes|measured|scaling|search|tradeoff|verification)$)"
         "[A-Za-z0-9][A-Za-z0-9_-]{0,63}",
     ),
 ]

@@ -81,7 +81,7 @@ def answer(
             position = len(used)
             checks.append({"name": test.name, **_check_row(joint, position, [*used, test])})
     rows = {
-        **_verdict(result, used),
+        **_verdict(result, used, model.experiment.box.free),
         **_parameters(model, result),
         **_of_left(model, result, requirements, used, has_quantities, folder),
         "checks": checks,
@@ -201,13 +201,14 @@ def _worst(result: Calibration, tests: Sequence[_Test], t: int, i: int, instant:
     }  # fmt: skip
 
 
-def _verdict(result: Calibration, tests: Sequence[_Test]) -> dict:
+def _verdict(result: Calibration, tests: Sequence[_Test], free: np.ndarray) -> dict:
     return {
         "refuted": bool(result.is_refuted),
         "least": float(result.least),
         "attained": float(result.attained),
         "explained": result.fractions[0],
         "left": result.fractions[1],
+        "hull": float(np.prod(np.ptp(result.hull, axis=0)[free] / 2.0)),
         "worst": _worst(result, tests, *result.worst),
     }
 

@@ -3,7 +3,7 @@
 A point x of the box explains a test if its curve y, after the sensor's gain g, offset o and delay
 d, comes within a band b of the measured curve m at every instant: its misfit, the largest
 |g y(t - d; x) + o - m(t)| / b, is at most 1 for some g, o, d within their limits, and for some
-start s of the test within its own. Each test's g, o, d and s are variables of that test alone.
+start s of the test within its own. Each test's g, o, d and s are variables of that test run_problem.
 
 Between runs, y is a polynomial of x and s, whose leave-one-out errors e(t) are known at every
 instant. Where (|residual| - e) / b > 1 at an instant, a point is excluded, where
@@ -35,7 +35,9 @@ _PENALTY = 100.0  # in units of the box for each band beyond the level
 _ITERATIONS, _STARTS = 40, 4
 _WIDER = 0.02  # of the hull's width, which is added on each side, and of the level
 _PRECISE = 0.05  # of the band, at which the surrogate's error no longer matters
-_STILL = 0.8  # of the hull's volume, above which a wave is of no use where the error is small
+_LEAST_SHRINKAGE = (
+    0.8  # of the hull's volume, above which a wave is of no use where the error is small
+)
 _SAMPLES = 128  # points at which the fraction of the hull is counted
 
 
@@ -85,8 +87,8 @@ class CurveFit(NamedTuple):
         slopes = (curves[1 : 1 + p] - curves[1 + p :]) / (2e-4 * self.half[:, None, None])
         columns = np.zeros((p + 1 + 2 * n, *curves[0].shape))
         columns[:p], columns[p] = gains * slopes, -gains * rates
-        each = np.arange(n)
-        columns[p + 1 + each, each], columns[p + 1 + n + each, each] = curves[0], 1.0
+        rows = np.arange(n)
+        columns[p + 1 + rows, rows], columns[p + 1 + n + rows, rows] = curves[0], 1.0
         residuals = gains * curves[0] + offsets - self.test.values
         return residuals.ravel(), columns.reshape(len(columns), -1).T
 
@@ -187,10 +189,10 @@ class _Problem:
 
     def search(
         self, start: np.ndarray, hull: np.ndarray, sign: float, cost: np.ndarray | None = None,
-        level: float = 0.0, enough: float = -inf,
+        level: float = 0.0, sufficient: float = -inf,
     ) -> tuple[np.ndarray, float]:  # fmt: skip
         """Return values (size), and their misfit: the least one, or with a `cost` (size) those of
-        the least cost among misfits up to `level`. hull (2, size): limits; enough: misfit at which
+        the least cost among misfits up to `level`. hull (2, size): limits; sufficient: misfit at which
         the search may end."""
         cost, penalty = (np.zeros(self.size), 1.0) if cost is None else (cost, _PENALTY)
         half = np.ptp(hull, axis=0) / 2
@@ -198,7 +200,7 @@ class _Problem:
         residuals, jacobian = self.linearise(values)
         misfit = self.excess(residuals, sign).max()
         for _ in range(_ITERATIONS):
-            if misfit <= enough:
+            if misfit <= sufficient:
                 break
             merit = cost @ values + penalty * max(misfit - level, 0.0)
             sides = np.clip(hull - values, -radius * half, radius * half)
@@ -235,8 +237,8 @@ class _Problem:
         unit = np.where(half > 0, half, 1.0)
         scaled = jacobian[rows] * unit
         limit = self.errors[rows] / self.bands[rows] * sign + level
-        ones = -np.ones((len(rows), 1))
-        matrix = np.block([[scaled, ones], [-scaled, ones]])
+        slack = -np.ones((len(rows), 1))
+        matrix = np.block([[scaled, slack], [-scaled, slack]])
         bound = np.concatenate([limit - residuals[rows], limit + residuals[rows]])
         bounds = [*(sides / unit).T, (0.0, None)]
         result = scipy.optimize.linprog(
@@ -333,14 +335,14 @@ class _Waves:
             curves = self.add(t, points[t][None])
             hull = np.array([points[t], points[t]])
             own_fits.append(fit_curves(test, points[t][None], curves, self.times, hull))
-        alone = _Problem(own_fits, self.k)
+        run_problem = _Problem(own_fits, self.k)
         hull = np.array([values, values])
         for test, places in zip(self.tests, problem.places, strict=True):
             hull[:, places[test.dimension :]] = [[-1.0], [1.0]]
-        values, misfit = alone.search(values, hull, PLAIN)
+        values, misfit = run_problem.search(values, hull, PLAIN)
         if misfit < self.attained:
             self.attained, self.best = misfit, values
-            self.residuals = alone.linearise(values)[0]
+            self.residuals = run_problem.linearise(values)[0]
 
     def narrow(self, level: float | None, waves: int, most: int) -> tuple[_Problem, float, list]:
         """Narrow the hull to misfits up to `level`, None for that of the best run; return the last
@@ -373,7 +375,9 @@ class _Waves:
             hull = np.clip([low - wider, high + wider], *self.hull)
             fixed = np.setdiff1d(np.arange(problem.size), self.narrowed)
             hull[:, fixed] = self.hull[:, fixed]
-            is_still = np.ptp(hull, axis=0).prod() > _STILL * np.ptp(self.hull, axis=0).prod()
+            is_still = (
+                np.ptp(hull, axis=0).prod() > _LEAST_SHRINKAGE * np.ptp(self.hull, axis=0).prod()
+            )
             self.hull = hull
             is_precise = error <= _PRECISE or (is_still and error <= 4 * _PRECISE)
             is_met = level is None and self.attained - least <= _PRECISE * self.attained
@@ -494,8 +498,8 @@ def _fractions(
         rows.append(values)
         is_inner.append(inner)
     share = np.prod(high - low) / np.prod(widths[free]) / abs(np.linalg.det(directions[:, free]))
-    explained, left = map(float, np.minimum(counts / _SAMPLES * share, 1.0))
-    return np.array(rows), np.array(is_inner), (explained, left)
+    inner_fraction, outer_fraction = map(float, np.minimum(counts / _SAMPLES * share, 1.0))
+    return np.array(rows), np.array(is_inner), (inner_fraction, outer_fraction)
 
 
 def _misfit(
@@ -507,4 +511,4 @@ def _misfit(
     nearest[: state.k] = point
     hull = state.hull.copy()
     hull[:, : state.k] = point
-    return problem.search(nearest, hull, sign, enough=1.0)[1]
+    return problem.search(nearest, hull, sign, sufficient=1.0)[1]

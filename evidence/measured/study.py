@@ -73,8 +73,10 @@ def swing(seed: int, lack: str = "") -> tuple[np.ndarray, dict[str, float]]:
         return [rate, moment / inertia]
 
     times = np.arange(0.02, 3.0, 0.005)
-    seen = solve_ivp(rates, (0, 3), start, dense_output=True, rtol=1e-9, atol=1e-11, max_step=0.01)
-    angles, speeds = seen.sol(times - delay)
+    solution = solve_ivp(
+        rates, (0, 3), start, dense_output=True, rtol=1e-9, atol=1e-11, max_step=0.01
+    )
+    angles, speeds = solution.sol(times - delay)
     if lack == "gear ratio":
         angles = 0.97 * angles
     if lack == "backlash":
@@ -127,7 +129,7 @@ def measure_arm(names: tuple[str, ...], swings: tuple[int, ...]) -> dict[str, An
             rate, start = np.polyfit(file.times[:25], angle, 2)[1:]
             tests[f"{kind}_{number}"] = {
                 "file": str(path), "columns": {"angle": "phi"}, "band": {"phi": 1e-3},
-                "unknown": {"offset": {"phi": 2e-3}}, "between": [0.0, DURATION],
+                "unknown": {"offset": {"phi": 2e-3}}, "window": [0.0, DURATION],
                 "start": {"angle": [start - 0.02, start + 0.02], "rate": [rate - 0.3, rate + 0.3]},
                 "use": "calibrate" if kind == "swing" else "check",
             }  # fmt: skip

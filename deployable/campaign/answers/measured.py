@@ -16,7 +16,7 @@ next                [{response, units, time, spread, bands, fraction, measured}]
                     that are left differ most, in the unit, in bands (null where none is known),
                     and as a fraction of the width of the bounds
 checks              [{name, inside, least, attained, worst}]
-tests               [{name, file, digest, use, rows, instants, between, curves}], curves by
+tests               [{name, file, digest, use, rows, instants, window, curves}], curves by
                     response {units, times, values, bands, best, lower, upper}: measured, of the
                     best run, and of what is left, as the sensor has it
 runs
@@ -50,7 +50,7 @@ from deployable.campaign.runs.progress import Tell
 from deployable.intervals.calibration import Calibration, Measurement, calibrate
 from deployable.intervals.scalars.fits import best_fit
 
-_SEEN = 0.005  # of a parameter's width, by which a side must move
+_LEAST_MOVE = 0.005  # of a parameter's width, by which a side must move
 _STRONG = 0.9  # correlation from which two parameters are said to trade off
 _MOST_LEFT = 32  # runs of what is left, of which quantities are taken
 
@@ -71,21 +71,26 @@ def answer(
     has_quantities = folder.quantities.exists()
     model = ModelEvaluator.from_folder(folder, jobs, tell, threads, further=has_quantities)
     tests = [_Test(name, test, model, folder, threads) for name, test in measured.items()]
-    used = [test for test in tests if test.settings.use == "calibrate"]
+    calibration_tests = [test for test in tests if test.settings.use == "calibrate"]
     cube = np.array([-1.0, 1.0])[:, None] * model.experiment.box.free
-    result = _calibrate(used, cube, verify, tell)
+    result = _calibrate(calibration_tests, cube, verify, tell)
     checks = []
     for test in tests:
-        if test not in used:
-            joint = _calibrate([*used, test], result.hull, verify, tell)
-            position = len(used)
-            checks.append({"name": test.name, **_check_row(joint, position, [*used, test])})
+        if test not in calibration_tests:
+            joint = _calibrate([*calibration_tests, test], result.hull, verify, tell)
+            position = len(calibration_tests)
+            checks.append(
+                {"name": test.name, **_check_row(joint, position, [*calibration_tests, test])}
+            )
     rows = {
-        **_verdict(result, used, model.experiment.box.free),
+        **_verdict(result, calibration_tests, model.experiment.box.free),
         **_parameters(model, result),
-        **_of_left(model, result, requirements, used, has_quantities, folder),
+        **_of_left(model, result, requirements, calibration_tests, has_quantities, folder),
         "checks": checks,
-        "tests": [t.describe(result, used.index(t) if t in used else None) for t in tests],
+        "tests": [
+            t.describe(result, calibration_tests.index(t) if t in calibration_tests else None)
+            for t in tests
+        ],
         "runs": sum(test.runs for test in tests),
     }
     write_result(folder.measured, json.dumps(rows, indent=1) + "\n")
@@ -162,7 +167,7 @@ class _Test:
         rows = {
             "name": self.name, "file": settings.file, "digest": settings.digest,
             "use": settings.use, "rows": self.curves.rows, "instants": len(times),
-            "between": [float(times[0]), float(times[-1])],
+            "window": [float(times[0]), float(times[-1])],
         }  # fmt: skip
         described_curves = {}
         for i, (response, unit) in enumerate(zip(self.responses, self.units, strict=True)):
@@ -231,7 +236,7 @@ def _parameters(model: ModelEvaluator, result: Calibration) -> dict:
     low, high = box.from_unit(result.hull)
     rows, words = [], {(True, True): "both", (True, False): "lower", (False, True): "upper"}
     for j, (name, interval) in enumerate(experiment.intervals.items()):
-        sides = result.hull[0, j] > -1 + 2 * _SEEN, result.hull[1, j] < 1 - 2 * _SEEN
+        sides = result.hull[0, j] > -1 + 2 * _LEAST_MOVE, result.hull[1, j] < 1 - 2 * _LEAST_MOVE
         rows.append({
             "name": name, "units": units[name], "before": [interval.lower, interval.upper],
             "after": None if result.is_refuted else [float(low[j]), float(high[j])],
@@ -273,7 +278,7 @@ def _of_left(
     if not has_quantities:
         return rows
     with open_netcdf(folder.quantities) as data:
-        before = np.array([data["lower"][:], data["upper"][:]]).T
+        intervals = np.array([data["lower"][:], data["upper"][:]]).T
     numbers = np.array([record.numbers for record in records])
     center, half = result.hull.mean(axis=0), np.maximum(np.ptp(result.hull, axis=0) / 2, 1e-9)
     bounds = []
@@ -290,7 +295,7 @@ def _of_left(
         bounds.append((lower, upper, error if np.isfinite(error) else np.inf, has))
         rows["quantities"].append({
             "name": quantity.name, "units": quantity.unit,
-            "before": [number(end) for end in before[q]],
+            "before": [number(end) for end in intervals[q]],
             "after": [number(lower), number(upper)], "error": number(error),
             "happens": "all" if has.all() else "some" if has.any() else "none",
         })  # fmt: skip

@@ -60,12 +60,12 @@ class CurvesFile:
         pairs = zip(names, units, table.T, strict=True)
         columns = {name: own_unit.si(column) for name, own_unit, column in pairs}
         times = columns.pop(names[0])
-        back = np.flatnonzero(np.diff(times) <= 0)
-        if len(back):
+        reversals = np.flatnonzero(np.diff(times) <= 0)
+        if len(reversals):
             numbers = [i for i, line in enumerate(lines, 1) if i > 1 and line.strip()]
-            where = f"{path}, line {numbers[back[0] + 1]}"
-            text = f"{where}: the time {times[back[0] + 1]:.9g} s does not follow "
-            raise CurvesFileError(f"{text}{times[back[0]]:.9g} s; allowed: increasing times")
+            place = f"{path}, line {numbers[reversals[0] + 1]}"
+            text = f"{place}: the time {times[reversals[0] + 1]:.9g} s does not follow "
+            raise CurvesFileError(f"{text}{times[reversals[0]]:.9g} s; allowed: increasing times")
         dimensions = {name: u.dimension for name, u in zip(names, units, strict=True)}
         return cls(times, columns, dimensions, hashlib.sha256(content).hexdigest()[:16])
 
@@ -160,16 +160,16 @@ def _test_problems(test: MeasuredTest, file: CurvesFile, experiment: Experiment)
 
 def _instant_problems(test: MeasuredTest, file: CurvesFile, duration: float) -> Iterator[str]:
     low, high = file.times[0], file.times[-1]
-    first, last = test.between or (max(low, test.unknown.delay[1]), high)
+    first, last = test.window or (max(low, test.unknown.delay[1]), high)
     if last + max(0.0, -test.unknown.delay[0]) > duration:
         text = f"it lasts until {last:.6g} s, the run until {duration:.6g} s"
-        yield f"between: {text}; allowed: an earlier end, or a longer solver.duration"
+        yield f"window: {text}; allowed: an earlier end, or a longer solver.duration"
     elif first < max(low, test.unknown.delay[1]) - 1e-12 or last > high + 1e-12:
         least = max(low, test.unknown.delay[1])
         text = f"{first:.6g} to {last:.6g} s are not all in the file behind the longest delay"
-        yield f"between: {text}; allowed: {least:.6g} to {high:.6g}"
+        yield f"window: {text}; allowed: {least:.6g} to {high:.6g}"
     elif (count := ((file.times >= first) & (file.times <= last)).sum()) < 3:
-        yield f"between: {count} instants of {test.file} lie there; allowed: at least three"
+        yield f"window: {count} instants of {test.file} lie there; allowed: at least three"
 
 
 def _value_problems(test: MeasuredTest, experiment: Experiment) -> Iterator[str]:
@@ -212,7 +212,7 @@ def read_test(test: ResolvedTest) -> MeasuredCurves:
     if file.digest != test.digest:
         text = f"{test.file}: it changed since it was checked; allowed: the campaign again"
         raise CurvesFileError(text)
-    first, last = test.between or (max(file.times[0], test.unknown.delay[1]), file.times[-1])
+    first, last = test.window or (max(file.times[0], test.unknown.delay[1]), file.times[-1])
     rows = np.flatnonzero((file.times >= first) & (file.times <= last))
     count = len(rows)
     rows = rows[np.linspace(0, count - 1, min(count, MOST_INSTANTS)).round().astype(int)]

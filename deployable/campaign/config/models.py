@@ -354,7 +354,7 @@ class MeasuredTest(ConfigSection):
     ] = field(default_factory=dict)  # fmt: skip
     """Parameters of the scene that only this test does not know, such as the angle and the rate at
     its start: they are eliminated within it."""
-    between: Pair = ABSENT
+    window: Pair = ABSENT
     """First and last time of the file that count (s). Default: all behind the longest delay."""
     scene: Annotated[
         dict[str, Any], Rule("a mapping from the scene's parameter names to values")

@@ -637,12 +637,12 @@ class _Sheet:
             f"a run comes within {numbers.number(measured['attained'])} bands, farthest off at "
             f"{numbers.quantity(worst['time'], 's', 4)} of {worst['test']} ({worst['response']})"
         )
-        outside = [check["name"] for check in measured["checks"] if not check["inside"]]
-        if measured["refuted"] or outside:
+        failed_checks = [check["name"] for check in measured["checks"] if not check["inside"]]
+        if measured["refuted"] or failed_checks:
             least = numbers.number(measured["least"])
             text = f"not met: the model comes no nearer than {least} bands to the tests"
             if not measured["refuted"]:
-                text = f"not met: what the tests leave does not explain {', '.join(outside)}"
+                text = f"not met: what the tests leave does not explain {', '.join(failed_checks)}"
             return _row(analysed, Verdict(UNMET, text), "", nearest)
         value = "; ".join(
             f"{p['name']} {numbers.number(p['after'][0], 4)} to "

@@ -3,7 +3,7 @@
 A point x of the box explains a test if its curve y, after the sensor's gain g, offset o and delay
 d, comes within a band b of the measured curve m at every instant: its misfit, the largest
 |g y(t - d; x) + o - m(t)| / b, is at most 1 for some g, o, d within their limits, and for some
-start s of the test within its own. Each test's g, o, d and s are variables of that test run_problem.
+start s of the test within its own. Each test's g, o, d and s are variables of that test only.
 
 Between runs, y is a polynomial of x and s, whose leave-one-out errors e(t) are known at every
 instant. Where (|residual| - e) / b > 1 at an instant, a point is excluded, where
@@ -35,9 +35,7 @@ _PENALTY = 100.0  # in units of the box for each band beyond the level
 _ITERATIONS, _STARTS = 40, 4
 _WIDER = 0.02  # of the hull's width, which is added on each side, and of the level
 _PRECISE = 0.05  # of the band, at which the surrogate's error no longer matters
-_LEAST_SHRINKAGE = (
-    0.8  # of the hull's volume, above which a wave is of no use where the error is small
-)
+_STATIONARY = 0.8  # of the hull's volume, above which a wave does not pay where errors are small
 _SAMPLES = 128  # points at which the fraction of the hull is counted
 
 
@@ -192,8 +190,8 @@ class _Problem:
         level: float = 0.0, sufficient: float = -inf,
     ) -> tuple[np.ndarray, float]:  # fmt: skip
         """Return values (size), and their misfit: the least one, or with a `cost` (size) those of
-        the least cost among misfits up to `level`. hull (2, size): limits; sufficient: misfit at which
-        the search may end."""
+        the least cost among misfits up to `level`. hull (2, size): limits; sufficient: misfit at
+        which the search may end."""
         cost, penalty = (np.zeros(self.size), 1.0) if cost is None else (cost, _PENALTY)
         half = np.ptp(hull, axis=0) / 2
         values, radius = np.clip(start, *hull), 1.0
@@ -375,11 +373,11 @@ class _Waves:
             hull = np.clip([low - wider, high + wider], *self.hull)
             fixed = np.setdiff1d(np.arange(problem.size), self.narrowed)
             hull[:, fixed] = self.hull[:, fixed]
-            is_still = (
-                np.ptp(hull, axis=0).prod() > _LEAST_SHRINKAGE * np.ptp(self.hull, axis=0).prod()
-            )
+            volumes = [np.ptp(side, axis=0).prod() for side in (hull, self.hull)]
             self.hull = hull
-            is_precise = error <= _PRECISE or (is_still and error <= 4 * _PRECISE)
+            is_precise = error <= _PRECISE or (
+                error <= 4 * _PRECISE and volumes[0] > _STATIONARY * volumes[1]
+            )
             is_met = level is None and self.attained - least <= _PRECISE * self.attained
             if is_precise or is_met or min(map(len, self.points)) >= most:
                 break

@@ -68,29 +68,22 @@ def answer(
     and write `measured.json` into `folder`, that of a campaign with `samples.nc`. measured,
     requirements, verify, jobs: sections of the config; tell: called with each message; threads: how
     many simulate. Raises `CampaignError`, also if a file of measured curves has changed."""
-    has_quantities = folder.quantities.exists()
-    model = ModelEvaluator.from_folder(folder, jobs, tell, threads, further=has_quantities)
+    model = ModelEvaluator.from_folder(folder, jobs, tell, threads)
     tests = [_Test(name, test, model, folder, threads) for name, test in measured.items()]
-    calibration_tests = [test for test in tests if test.settings.use == "calibrate"]
+    sources = [test for test in tests if test.settings.use == "calibrate"]
     cube = np.array([-1.0, 1.0])[:, None] * model.experiment.box.free
-    result = _calibrate(calibration_tests, cube, verify, tell)
+    result = _calibrate(sources, cube, verify, tell)
     checks = []
     for test in tests:
-        if test not in calibration_tests:
-            joint = _calibrate([*calibration_tests, test], result.hull, verify, tell)
-            position = len(calibration_tests)
-            checks.append(
-                {"name": test.name, **_check_row(joint, position, [*calibration_tests, test])}
-            )
+        if test not in sources:
+            joint = _calibrate([*sources, test], result.hull, verify, tell)
+            checks.append({"name": test.name, **_check_row(joint, [*sources, test])})
     rows = {
-        **_verdict(result, calibration_tests, model.experiment.box.free),
+        **_verdict(result, sources, model.experiment.box.free),
         **_parameters(model, result),
-        **_of_left(model, result, requirements, calibration_tests, has_quantities, folder),
+        **_of_left(model, result, requirements, sources, folder),
         "checks": checks,
-        "tests": [
-            t.describe(result, calibration_tests.index(t) if t in calibration_tests else None)
-            for t in tests
-        ],
+        "tests": [t.describe(result, sources.index(t) if t in sources else None) for t in tests],
         "runs": sum(test.runs for test in tests),
     }
     write_result(folder.measured, json.dumps(rows, indent=1) + "\n")
@@ -218,7 +211,9 @@ def _verdict(result: Calibration, tests: Sequence[_Test], free: np.ndarray) -> d
     }
 
 
-def _check_row(result: Calibration, t: int, tests: Sequence[_Test]) -> dict:
+def _check_row(result: Calibration, tests: Sequence[_Test]) -> dict:
+    """What the last of the tests says of what the others leave."""
+    t = len(tests) - 1
     bands = np.abs(result.residuals[t]) / tests[t].curves.bands
     i, instant = np.unravel_index(bands.argmax(), bands.shape)
     return {
@@ -265,7 +260,6 @@ def _of_left(
     result: Calibration,
     requirements: Mapping[str, Mapping],
     tests: Sequence[_Test],
-    has_quantities: bool,
     folder: Folder,
 ) -> dict:
     """Quantities, limits and the next test, by runs of what is left in the campaign's own case."""
@@ -275,7 +269,7 @@ def _of_left(
     unit = result.samples[:_MOST_LEFT]
     records = model.records(model.plan, runs_at(model.plan, unit))
     rows["next"] = _next_tests(model, np.array([r.values for r in records]), tests, folder)
-    if not has_quantities:
+    if not model.experiment.quantities:
         return rows
     with open_netcdf(folder.quantities) as data:
         intervals = np.array([data["lower"][:], data["upper"][:]]).T

@@ -466,9 +466,10 @@ def _fractions(
     """Points (S, k) that are not excluded, whether each explains, and the fractions of the box's
     volume that explain and that are not excluded, counted in the box along the principal axes of
     what is left."""
-    if not pool:
-        return np.zeros((0, state.k)), np.zeros(0, bool), (0.0, 0.0)
     widths = np.ptp(state.widest[:, : state.k], axis=0)
+    if not pool or not widths.any():
+        points = np.array(pool).reshape(-1, problem.size)[:, : state.k]
+        return points, np.zeros(len(points), bool), (0.0, float(bool(pool)))
     free, cloud = np.flatnonzero(widths > 0), np.array(pool)[:, : state.k]
     scale = np.maximum(np.ptp(state.hull[:, free], axis=0), 1e-12)
     _, _, axes = np.linalg.svd((cloud[:, free] - cloud[:, free].mean(axis=0)) / scale)

@@ -469,7 +469,8 @@ def _fractions(
     widths = np.ptp(state.widest[:, : state.k], axis=0)
     if not pool or not widths.any():
         points = np.array(pool).reshape(-1, problem.size)[:, : state.k]
-        return points, np.zeros(len(points), bool), (0.0, float(bool(pool)))
+        is_inner = bool(pool) and state.attained <= 1.0
+        return points, np.full(len(points), is_inner), (float(is_inner), float(bool(pool)))
     free, cloud = np.flatnonzero(widths > 0), np.array(pool)[:, : state.k]
     scale = np.maximum(np.ptp(state.hull[:, free], axis=0), 1e-12)
     _, _, axes = np.linalg.svd((cloud[:, free] - cloud[:, free].mean(axis=0)) / scale)

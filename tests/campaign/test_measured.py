@@ -134,7 +134,7 @@ def test_a_campaign_tells_what_the_first_test_leaves(raw, tmp_path):
     """With the same test as a check, which must be inside, under a name that comes before."""
     test = {**raw["measured"]["swing"], "file": str(FOLDER / "first_test.csv")}
     tests = {"again": {**test, "use": "check"}, "swing": test}
-    raw |= {"measured": tests, "review": "ecss-e-st-33-01c",
+    raw |= {"measured": tests, "review": "ecss-e-st-33-01c", "verify": {"max_iterations": 2},
             "requirements": {"in_time": {"t_low": {"at_most": 0.215}}}}  # fmt: skip
     campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
     folder = tmp_path / "first_test"

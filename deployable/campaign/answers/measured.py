@@ -1,25 +1,28 @@
 """From measured curves to what of the box explains them, `measured.json`.
 
-refuted             whether nothing in the box explains all tests
-least, attained     the least misfit in bands, at least, and of a run
-explained, left     fractions of the box's volume that explain, and that are not excluded
-worst               {test, response, units, time, bands, residual}: where the best run is
-                    farthest off
-parameters          [{name, units, before, after, best, seen}]: seen is both, lower or upper
-                    (sides that the tests bound) or none; after is null if the tests are refuted
-trade_offs          [{names, correlation, slope}] of what is left, of parameters' values
-quantities          [{name, units, before, after, error, happens}] over what is left; happens:
-                    in all, some or none of its runs
-limits              [{requirement, quantity, kind, level, units, met}] over what is left: all,
-                    some, none or undecided
-next                [{response, units, time, spread, bands, fraction, measured}]: where runs
-                    that are left differ most, in the unit, in bands (null where none is known),
-                    and as a fraction of the width of the bounds
-checks              [{name, inside, least, attained, worst}]
-tests               [{name, file, digest, use, rows, instants, window, curves}], curves by
-                    response {units, times, values, bands, best, lower, upper}: measured, of the
-                    best run, and of what is left, as the sensor has it
-runs
+    refuted             whether nothing in the box explains all tests
+    least, attained     the least misfit in bands, at least, and of a run
+    explained, left, hull   fractions of the box's volume that explain, that are not excluded, and
+                        of the narrowed box
+    worst               {test, response, units, time, bands, residual}: where the nearest run is
+                        farthest off
+    parameters          [{name, units, before, after, best, seen}]: seen is both, lower or upper
+                        (sides that the tests bound) or none; after is null if the tests are refuted
+    trade_offs          [{names, correlation, slope}] of what is left, of parameters' values
+    quantities          [{name, units, before, after, error, happens}] over what is left; happens:
+                        in all, some or none of its runs
+    limits              [{requirement, quantity, kind, level, units, met}] over what is left: all,
+                        some, none or undecided
+    next                [{response, units, time, spread, bands, fraction, measured}]: where runs
+                        that are left differ most, in the unit, in bands (null where none is known),
+                        and as a fraction of the width of the bounds
+    checks              [{name, inside, least, attained, worst}], with what the tests leave; if they
+                        are refuted, alone with what comes nearest to them
+    tests               [{name, file, digest, use, rows, instants, window, curves}]
+    runs
+
+Curves by response are {units, times, values, bands, lower, upper, best}: measured, of all runs, and
+of the nearest run as the sensor has it, which a check has not.
 """
 
 from __future__ import annotations
@@ -76,8 +79,10 @@ def answer(
     checks = []
     for test in tests:
         if test not in sources:
-            joint = _calibrate([*sources, test], result.hull, verify, tell)
-            checks.append({"name": test.name, **_check_row(joint, [*sources, test])})
+            # Beside tests that nothing explains, the check alone, about what comes nearest to them.
+            group = [test] if result.is_refuted else [*sources, test]
+            row = _check_row(_calibrate(group, result.hull, verify, tell), group)
+            checks.append({"name": test.name, **row})
     rows = {
         **_verdict(result, sources, model.experiment.box.free),
         **_parameters(model, result),

@@ -17,7 +17,8 @@
                         that are left differ most, in the unit, in bands (null where none is known),
                         and as a fraction of the width of the bounds
     checks              [{name, inside, least, attained, worst}], with what the tests leave; if they
-                        are refuted, alone with what comes nearest to them
+                        are refuted, alone with what comes nearest to them; inside: whether a run
+                        explains it, null if that is undecided
     tests               [{name, file, digest, use, rows, instants, window, curves}]
     runs
 
@@ -222,7 +223,7 @@ def _check_row(result: Calibration, tests: Sequence[_Test]) -> dict:
     bands = np.abs(result.residuals[t]) / tests[t].curves.bands
     i, instant = np.unravel_index(bands.argmax(), bands.shape)
     return {
-        "inside": not result.is_refuted,
+        "inside": False if result.is_refuted else True if result.attained <= 1.0 else None,
         "least": float(result.least),
         "attained": float(result.attained),
         "worst": _worst(result, tests, t, int(i), int(instant)),

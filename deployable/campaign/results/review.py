@@ -637,7 +637,7 @@ class _Sheet:
             f"a run comes within {numbers.number(measured['attained'])} bands, farthest off at "
             f"{numbers.quantity(worst['time'], 's', 4)} of {worst['test']} ({worst['response']})"
         )
-        failed_checks = [check["name"] for check in measured["checks"] if not check["inside"]]
+        failed_checks = [check["name"] for check in measured["checks"] if check["inside"] is False]
         if measured["refuted"] or failed_checks:
             least = numbers.number(measured["least"])
             text = f"not met: the model comes no nearer than {least} bands to the tests"

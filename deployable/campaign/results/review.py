@@ -650,6 +650,8 @@ class _Sheet:
             for p in measured["parameters"]
         )
         verdict = Verdict(REPORTED, "reported: the inputs that the tests leave")
+        if measured["attained"] > 1:
+            verdict = Verdict(OPEN, "undecided: no run explains the tests, and none is excluded")
         return _row(analysed, verdict, value, nearest)
 
     def influence(self) -> dict[str, str] | None:

@@ -253,11 +253,11 @@ class Calibration:
 
     hull (2, k): lower and upper coordinates, -1 to 1, of what is not excluded; or, if the tests are
     refuted, of what comes within the least band. starts: of each test, likewise (2, s). least,
-    attained: least misfit of any point, in bands, as it is at least and as a run has it; best (k)
-    and best_starts: that run's point. fractions: of the box's volume that explains, and that is not
-    excluded; samples (S, k): points that are not excluded, extremes (E, k) of their hull among
-    them; explains (S): whether each explains. runs: made so far, of all tests; worst: (test,
-    response, instant) at which the best run is farthest off; residuals (n, T) of each test there.
+    attained: least misfit of any point, in bands, as it is at least and as a run has it; best (k):
+    that run's point. fractions: of the box's volume that explains, and that is not excluded;
+    samples (S, k): points that are not excluded, extremes of their hull among them. runs: made so
+    far, of all tests; worst: (test, response, instant) at which the best run is farthest off;
+    residuals (n, T) of each test there.
     """
 
     hull: np.ndarray
@@ -265,14 +265,11 @@ class Calibration:
     least: float
     attained: float
     best: np.ndarray
-    best_starts: list[np.ndarray]
     fractions: tuple[float, float]
     samples: np.ndarray
-    explains: np.ndarray
     runs: int
     worst: tuple[int, int, int]
     residuals: list[np.ndarray]
-    fits: list[CurveFit]
 
     @property
     def is_refuted(self) -> bool:
@@ -441,7 +438,7 @@ def calibrate(
     if is_refuted:
         problem, least, pool = state.narrow(None, waves, most)
     k, level = hull.shape[1], max(1.0, state.attained) * (1 + _WIDER) if is_refuted else 1.0
-    samples, explains, fractions = _fractions(state, problem, pool, level)
+    samples, fractions = _fractions(state, problem, pool, level)
     index = int(np.abs(state.residuals).argmax())
     sizes = [test.values.size for test in tests]
     residuals = [
@@ -454,23 +451,21 @@ def calibrate(
            zip(problem.fits, problem.places, strict=True)]  # fmt: skip
     return Calibration(
         state.hull[:, :k], [state.hull[:, places] for places in own], least, state.attained,
-        state.best[:k], [state.best[places] for places in own],
-        (0.0, 0.0) if is_refuted else fractions, samples, explains, state.runs,
-        (t, *row), residuals, problem.fits,
+        state.best[:k], (0.0, 0.0) if is_refuted else fractions, samples, state.runs,
+        (t, *row), residuals,
     )  # fmt: skip
 
 
 def _fractions(
     state: _Waves, problem: _Problem, pool: list[np.ndarray], level: float
-) -> tuple[np.ndarray, np.ndarray, tuple[float, float]]:
-    """Points (S, k) that are not excluded, whether each explains, and the fractions of the box's
-    volume that explain and that are not excluded, counted in the box along the principal axes of
-    what is left."""
+) -> tuple[np.ndarray, tuple[float, float]]:
+    """Points (S, k) that are not excluded, and the fractions of the box's volume that explain and
+    that are not excluded, counted in the box along the principal axes of what is left."""
     widths = np.ptp(state.widest[:, : state.k], axis=0)
     if not pool or not widths.any():
         points = np.array(pool).reshape(-1, problem.size)[:, : state.k]
         is_inner = bool(pool) and state.attained <= 1.0
-        return points, np.full(len(points), is_inner), (float(is_inner), float(bool(pool)))
+        return points, (float(is_inner), float(bool(pool)))
     free, cloud = np.flatnonzero(widths > 0), np.array(pool)[:, : state.k]
     scale = np.maximum(np.ptp(state.hull[:, free], axis=0), 1e-12)
     _, _, axes = np.linalg.svd((cloud[:, free] - cloud[:, free].mean(axis=0)) / scale)
@@ -484,7 +479,6 @@ def _fractions(
     rng = np.random.default_rng(0)
     spots = rng.uniform(low, high, (_SAMPLES, len(free))) @ np.linalg.inv(directions[:, free]).T
     rows = [values[: state.k] for values in pool]
-    is_inner = [_misfit(state, problem, values[: state.k], pool, INNER) <= level for values in pool]
     counts = np.zeros(2)
     for spot in spots:
         values = state.hull[:, : state.k].mean(axis=0)
@@ -493,13 +487,11 @@ def _fractions(
             continue
         if _misfit(state, problem, values, pool, OUTER) > level:
             continue
-        inner = _misfit(state, problem, values, pool, INNER) <= level
-        counts += [inner, 1.0]
+        counts += [_misfit(state, problem, values, pool, INNER) <= level, 1.0]
         rows.append(values)
-        is_inner.append(inner)
     share = np.prod(high - low) / np.prod(widths[free]) / abs(np.linalg.det(directions[:, free]))
     inner_fraction, outer_fraction = map(float, np.minimum(counts / _SAMPLES * share, 1.0))
-    return np.array(rows), np.array(is_inner), (inner_fraction, outer_fraction)
+    return np.array(rows), (inner_fraction, outer_fraction)
 
 
 def _misfit(

@@ -272,7 +272,9 @@ def _of_left(
     rows = {"quantities": [], "limits": [], "next": []}
     if result.is_refuted or not len(result.samples):
         return rows
-    unit = result.samples[:_MOST_LEFT]
+    samples = result.samples
+    order = [*samples.argmin(axis=0), *samples.argmax(axis=0), *range(len(samples))]
+    unit = samples[[*dict.fromkeys(order)][:_MOST_LEFT]]
     records = model.records(model.plan, runs_at(model.plan, unit))
     rows["next"] = _next_tests(model, np.array([r.values for r in records]), tests, folder)
     if not model.experiment.quantities:

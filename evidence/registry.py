@@ -114,6 +114,18 @@ STUDIES = {
             quick=True,
         ),
         Study(
+            "measured",
+            "Narrowing boxes by measured curves whose hidden values are known, and a real arm's",
+            uses=(
+                "deployable/intervals",
+                "deployable/campaign/answers/measured.py",
+                "deployable/campaign/config/measured.py",
+                "evidence/measured",
+            ),
+            parts=("synthetic", "arm-viscous", "arm-dry"),
+            quick=True,
+        ),
+        Study(
             "scaling",
             "Timing scissor masts of 1 to 100 units, and joints alone and coupled",
             uses=("evidence/scaling", "evidence/benchmark"),

@@ -41,6 +41,7 @@ class Folder:
     further = _file("further.nc", "The further runs that answers took.")
     requirements = _file("requirements.json", "What of the box meets the requirements.")
     choice = _file("choice.json", "The best choice.")
+    measured = _file("measured.json", "What of the box explains measured curves.")
     report = _file("report.html", "The page to open.")
     motions = _file("motions", "The folder of the whole motions of the runs that the page shows.")
 

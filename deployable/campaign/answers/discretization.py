@@ -246,7 +246,7 @@ def _levels(plan: Plan, components: tuple) -> dict[str, RefinementLevel]:
     and with a quarter of the step, and on a mesh half as fine."""
     time, experiment, levels = plan.time, plan.experiment, {}
     if "step" in components:
-        time, quarter = _halved(plan.time), _halved(_halved(plan.time))
+        time, quarter = halved(plan.time), halved(halved(plan.time))
         levels["step"] = RefinementLevel(
             replace(plan, time=time), replace(plan, time=quarter), True
         )
@@ -270,5 +270,5 @@ def _levels(plan: Plan, components: tuple) -> dict[str, RefinementLevel]:
     return levels
 
 
-def _halved(time: TimeStep) -> TimeStep:
+def halved(time: TimeStep) -> TimeStep:
     return replace(time, step=time.step / 2, steps_per_instant=2 * time.steps_per_instant)

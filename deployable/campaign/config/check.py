@@ -165,12 +165,17 @@ def merge(target: dict, update: Mapping) -> dict:
 
 
 def anchored(raw: Mapping, folder: str | Path) -> Mapping:
-    """Return the raw config with the paths of its structures' files, written relative to `folder`,
-    as seen from the working folder: relative if they lie in that, else absolute."""
-    cases = raw.get("cases")
-    if isinstance(cases, Mapping):
-        raw = {**raw, "cases": {name: _anchored_file(case, folder) for name, case in cases.items()}}
-    return {**raw, "scene": _anchored_file(raw["scene"], folder)} if "scene" in raw else raw
+    """Return the raw config with the paths of its structures' files and measured curves, written
+    relative to `folder`, as seen from the working folder: relative if they lie in that, else
+    absolute."""
+    anchored_raw = dict(raw)
+    if "scene" in raw:
+        anchored_raw["scene"] = _anchored_file(raw["scene"], folder)
+    for key in ("cases", "measured"):
+        if isinstance(named := raw.get(key), Mapping):
+            sections = {name: _anchored_file(section, folder) for name, section in named.items()}
+            anchored_raw[key] = sections
+    return anchored_raw
 
 
 def _anchored_file(section: Any, folder: str | Path) -> Any:

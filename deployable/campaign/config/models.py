@@ -24,7 +24,7 @@ CampaignName = Annotated[
     Rule(
         "up to 64 letters, digits, `_` and `-`, starting with a letter or digit, and not the "
         "name of a study",
-        pattern="(?!(accuracy|benchmark|calibration|extremes|scaling|search|tradeoff|verification)$)"
+        pattern="(?!(accuracy|benchmark|calibration|extremes|measured|scaling|search|tradeoff|verification)$)"
         "[A-Za-z0-9][A-Za-z0-9_-]{0,63}",
     ),
 ]
@@ -348,6 +348,63 @@ class Jobs(ConfigSection):
     On a cluster as many as a node has cores, so that a job fills it."""
 
 
+Pair = Annotated[tuple[float, float], Rule("`[lower, upper]`, two numbers")]
+_ByResponse = Rule("a mapping from names of responses in `columns` to numbers above 0")
+_Size = Annotated[float, Rule(gt=0)]
+
+
+@dataclass(frozen=True)
+class UnknownSensor(ConfigSection):
+    """What is not known of the sensor, and eliminated within this test."""
+
+    delay: Pair = (0.0, 0.0)
+    """How much later than the structure's the file's times are, at least and at most (s)."""
+    offset: Annotated[dict[Name, _Size], _ByResponse] = field(default_factory=dict)
+    """Half width about 0 of what the sensor adds, in the response's unit, by response."""
+    gain: Annotated[dict[Name, _Size], _ByResponse] = field(default_factory=dict)
+    """Half width about 1 of the factor on the response, by response."""
+
+    def __post_init__(self):
+        if self.delay[0] > self.delay[1]:
+            text = f"{list(self.delay)} is not allowed; allowed: a lower and an upper delay"
+            raise RefusedError("delay", text)
+
+
+@dataclass(frozen=True)
+class MeasuredTest(ConfigSection):
+    """Measured curves of one test, and what held in it (docs/measured.md)."""
+
+    file: Annotated[str, Rule("the path of a CSV file", pattern=r"[^\0]*")]
+    """A CSV file, sought from the folder of the config: in its first line names with units, the
+    time first (`t [s],angle [rad]`), then rows of numbers."""
+    columns: Annotated[
+        dict[str, Name], Rule("a mapping from names of columns to names of responses", least=1)
+    ]
+    """Which column measures which response; the unit of the column may be any that fits."""
+    band: Annotated[dict[Name, _Size], _ByResponse] = field(default_factory=dict)
+    """By how much the sensor may be wrong, beyond what `unknown` says, in the response's unit, by
+    response; or the file has a column `<column>_band`."""
+    model: Annotated[dict[Name, _Size], _ByResponse] = field(default_factory=dict)
+    """By how much the model may be wrong, which is added to the band."""
+    unknown: UnknownSensor = UnknownSensor()
+    start: Annotated[
+        dict[str, Annotated[Pair, Rule("`[lower, upper]`, two numbers",
+                                       about="Interval in this test, in the parameter's unit.")]],
+        Rule("a mapping from the scene's parameter names to `[lower, upper]`"),
+    ] = field(default_factory=dict)  # fmt: skip
+    """Parameters of the scene that only this test does not know, such as the angle and the rate at
+    its start: they are eliminated within it."""
+    window: Pair = ABSENT
+    """First and last time of the file that count (s). Default: all behind the longest delay."""
+    scene: Annotated[
+        dict[str, Any], Rule("a mapping from the scene's parameter names to values")
+    ] = field(default_factory=dict)
+    """Values that held in this test, by the scene's parameter names; an interval parameter among
+    them is not narrowed by it."""
+    use: Literal["calibrate", "check"] = "calibrate"
+    """`check`: it may refute what the other tests leave, and narrows nothing."""
+
+
 def _definition(noun: str, example: str) -> Any:
     """The type of a response's or quantity's definition, which the mechanics read."""
     key = Rule(f"a mapping such as {example}", about=f"Definition of one {noun}.", least=1)
@@ -439,6 +496,12 @@ class Config(ConfigSection):
     choose: Annotated[
         Choosing, Rule("a mapping with `parameters`, and `minimise` or `maximise`")
     ] = Choosing()  # fmt: skip
+    measured: Annotated[
+        dict[Name, Annotated[MeasuredTest, Rule("a mapping with `file`, `columns` and `band`")]],
+        Rule("a mapping from names of tests to mappings"),
+    ] = field(default_factory=dict)
+    """Tests whose measured curves tell which part of the box is left, or that none is, by names of
+    your own."""
     figures: FigureChoice = FigureChoice()
     jobs: Jobs = Jobs()
     cases: Annotated[

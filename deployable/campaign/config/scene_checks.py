@@ -6,12 +6,14 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 import fpm
 from deployable.campaign.config.disk import LISTED, room_problems
+from deployable.campaign.config.measured import resolve_tests
 from deployable.campaign.config.models import Aim, Config
 from deployable.campaign.config.read import show
 from deployable.campaign.config.resolve import (
@@ -71,6 +73,9 @@ def resolve(config: Config, user_config: Mapping) -> tuple[Campaign | None, list
         problems += _memory_problems(campaign.experiment)
     if not problems:
         problems += _quantity_problems(campaign.experiment) + answer_problems(campaign)
+    if not problems and config.measured:
+        tests, problems = resolve_tests(config.measured, campaign.experiment)
+        campaign = replace(campaign, measured=tests)
     if not trouble:
         problems += _design_problems(campaign)
     return campaign, problems

@@ -32,6 +32,7 @@ from deployable.campaign.config.models import (
     ErrorDisplay,
     FigureChoice,
     Jobs,
+    MeasuredTest,
     Name,
     Solver,
     Verify,
@@ -352,6 +353,13 @@ class Choose(Choosing):
 
 
 @dataclass(frozen=True)
+class ResolvedTest(MeasuredTest):
+    """A test with measured curves; digest: of its file when it was checked."""
+
+    digest: str = ""
+
+
+@dataclass(frozen=True)
 class Campaign:
     """A whole config, checked and resolved: the experiment, which determines the runs, and the
     sections on what is made of the runs.
@@ -374,6 +382,7 @@ class Campaign:
     jobs: Jobs
     cases: dict[str, dict] = field(default_factory=dict)
     case_campaigns: dict[str, Campaign] = field(default_factory=dict)
+    measured: dict[str, ResolvedTest] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -434,8 +443,9 @@ def as_json(**sections: Any) -> str:
 
 
 def plain_data(section: Any) -> Any:
-    """Turn a section of the config into nested dicts and lists; returns other values unchanged."""
-    if isinstance(section, dict):
+    """Turn a section of the config, or a mapping to some, into nested dicts and lists; returns
+    other values unchanged."""
+    if isinstance(section, Mapping):
         return {name: plain_data(item) for name, item in section.items()}
     return asdict(section) if is_dataclass(section) else section
 

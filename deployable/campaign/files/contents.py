@@ -256,6 +256,7 @@ def data_of(path: str | os.PathLike, content: bytes) -> dict:
         "requirements.json": {"required": [*answers, "further_runs"], "properties": answers},
         "choice.json": properties["choice"],
         "cases.json": {"required": ["cases", "together"]},
+        "measured.json": properties["measured"],
     }
     with reading(path):
         data = json.loads(content, parse_constant=_no_number)

@@ -49,13 +49,18 @@ _NUMBERS = ("lower", "upper", "simulated_lower", "simulated_upper", "surrogate_l
 
 
 def facts_of(
-    folder: Folder, published: Mapping[str, float], requirements: bool = False, choice: bool = False
+    folder: Folder,
+    published: Mapping[str, float],
+    requirements: bool = False,
+    choice: bool = False,
+    measured: bool = False,
 ) -> dict[str, Any]:
     """Collect a campaign's results as plain data for JSON: the content of `summary.json`, whose
     keys `summary.schema.json` describes. Other functions call it the facts. folder: the campaign's
     files, which are read; published: largest difference of the bounds in the literature, by name of
-    response; requirements, choice: whether the campaign has requirements or a choice of parameters,
-    so that `requirements.json` or `choice.json` is read."""
+    response; requirements, choice, measured: whether the campaign has requirements, a choice of
+    parameters or measured curves, so that `requirements.json`, `choice.json` or `measured.json` is
+    read."""
     plan = read_plan(folder.plan)
     experiment = plan.experiment
     with open_netcdf(folder.bounds) as bounds, open_netcdf(folder.samples) as samples:
@@ -84,6 +89,8 @@ def facts_of(
             further = assessment["further_runs"]
         if choice:
             facts["choice"] = read_json(folder.choice)
+    if measured:
+        facts["measured"] = read_json(folder.measured)
     facts["further_runs"] = further
     rows = [*facts["responses"], *facts["quantities"]]
     if (rounds := plan.adaptive) is not None:

@@ -71,7 +71,7 @@ CLAUSES = {
         Clause("4.8.2.6", "failure cases", "failure"),
         Clause("4.8.2.6", "integrity of the model, by a balance of energy or momentum", "balance"),
         Clause("4.8.2.6", "sensitivity to the uncertainty of parameters", "influence"),
-        Clause("4.8.2.6", "inputs updated by tests; where these differ, the reason", ""),
+        Clause("4.8.2.6", "inputs updated by tests; where these differ, the reason", "tests"),
         Clause("4.8.2.11", "shock that the mechanism makes", "shock"),
     ),
 }  # fmt: skip
@@ -627,6 +627,33 @@ class _Sheet:
             verdict = Verdict(PARTLY, f"partly analysed: these do not vary: {'; '.join(fixed)}")
         return _row("parameters that are intervals", verdict, ", ".join(varied))
 
+    def tests(self) -> dict[str, str]:
+        """Row on what measured curves leave of the parameters' box, or that they refute it."""
+        if (measured := self.facts.get("measured")) is None:
+            return _row("", NOTHING)
+        analysed = "measured curves: " + ", ".join(test["name"] for test in measured["tests"])
+        worst = measured["worst"]
+        nearest = (
+            f"a run comes within {numbers.number(measured['attained'])} bands, farthest off at "
+            f"{numbers.quantity(worst['time'], 's', 4)} of {worst['test']} ({worst['response']})"
+        )
+        failed_checks = [check["name"] for check in measured["checks"] if check["inside"] is False]
+        if measured["refuted"] or failed_checks:
+            least = numbers.number(measured["least"])
+            text = f"not met: the model comes no nearer than {least} bands to the tests"
+            if not measured["refuted"]:
+                text = f"not met: what the tests leave does not explain {', '.join(failed_checks)}"
+            return _row(analysed, Verdict(UNMET, text), "", nearest)
+        value = "; ".join(
+            f"{p['name']} {numbers.number(p['after'][0], 4)} to "
+            f"{numbers.quantity(p['after'][1], p['units'], 4)}"
+            for p in measured["parameters"]
+        )
+        verdict = Verdict(REPORTED, "reported: the inputs that the tests leave")
+        if measured["attained"] > 1:
+            verdict = Verdict(OPEN, "undecided: no run explains the tests, and none is excluded")
+        return _row(analysed, verdict, value, nearest)
+
     def influence(self) -> dict[str, str] | None:
         """Row that names for each quantity the parameter that contributes most to its interval's
         width."""
@@ -655,6 +682,7 @@ class _Sheet:
 ANALYSES: dict[str, Callable[[_Sheet], dict | None]] = {
     "together": _Sheet.all_requirements, "balance": _Sheet.balance, "influence": _Sheet.influence,
     "budget": _Sheet.budget, "redundant": _Sheet.redundant, "parametric": _Sheet.parametric,
+    "tests": _Sheet.tests,
 }  # fmt: skip
 """What analyses clauses that are about no quantity."""
 

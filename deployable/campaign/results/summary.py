@@ -23,15 +23,16 @@ from deployable.campaign.results.templates import summary_text
 
 def summarise(
     folder: Folder, published: Mapping[str, float], requirements: bool = False,
-    choice: bool = False, review: str | None = None,
+    choice: bool = False, review: str | None = None, measured: bool = False,
 ) -> str:  # fmt: skip
     """Write a campaign's results as `summary.json` (facts, for programs) and `summary.md` (text,
     for people) into its folder; returns that text. folder: the results, read and written to;
     published: largest difference of the bounds in the literature, by name of response;
-    requirements, choice: whether the campaign has requirements, or seeks a best choice, whose
-    results are then read; review: key of the standard, in `review.CLAUSES`, by whose clauses a
-    review sheet is written too, `review.csv` and `review.md`; None: no sheet."""
-    facts = facts_of(folder, published, requirements, choice)
+    requirements, choice, measured: whether the campaign has requirements, seeks a best choice, or
+    has measured curves, whose results are then read; review: key of the standard, in
+    `review.CLAUSES`, by whose clauses a review sheet is written too, `review.csv` and `review.md`;
+    None: no sheet."""
+    facts = facts_of(folder, published, requirements, choice, measured)
     if review:
         facts["mechanism"] = mechanism_of(folder, facts["quantities"])
         rows = rows_of(facts, read_plan(folder.plan).experiment, review)

@@ -165,7 +165,8 @@ def _answered(campaign: Campaign) -> list[str]:
     names = ["summary.json", "summary.md"]
     names += ANSWERS * bool(campaign.experiment.quantities)
     names += ["requirements.json"] * bool(campaign.requirements)
-    return names + ["choice.json"] * bool(campaign.choose.parameters)
+    names += ["choice.json"] * bool(campaign.choose.parameters)
+    return names + ["measured.json"] * bool(campaign.measured)
 
 
 def _pictures(*names: str) -> list[str]:
@@ -192,7 +193,7 @@ STAGES = {
               ("bounds", "verify", "jobs"), (PLAN,), lambda _: BOUNDS_FILES, ("threads", "bundles"),
               is_sought=False),
         Stage("answers", "Find intervals of quantities, what meets the requirements, the choice.",
-              ("requirements", "choose", "published", "review", "verify", "jobs"),
+              ("requirements", "choose", "published", "review", "verify", "jobs", "measured"),
               (PLAN, SAMPLES, BOUNDS), _answered, ("threads",)),
         Stage("figures", "Draw responses with their bounds, and what parameters contribute.",
               ("error",), (PLAN, BOUNDS, SENSITIVITIES), _figures, draws=True),

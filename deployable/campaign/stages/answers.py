@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from deployable.campaign.answers import choice, quantities
+from deployable.campaign.answers import measured as tests
 from deployable.campaign.answers import requirements as limits
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
@@ -14,7 +15,7 @@ from deployable.campaign.runs.progress import Tell
 
 def work(
     folder: Folder, tell: Tell, requirements: Any, choose: Any, published: Any, review: Any,
-    verify: Any, jobs: Any, threads: int = 1,
+    verify: Any, jobs: Any, measured: Any, threads: int = 1,
 ) -> None:  # fmt: skip
     """Do the work of the stage `answers`: bound quantities, assess requirements, find the best
     choice, with the runs that this takes, and write the results and the summary into `folder`.
@@ -26,4 +27,10 @@ def work(
         limits.answer(folder, requirements, jobs, tell)
     if choose.parameters:
         choice.answer(folder, choose, requirements, verify, jobs, tell, threads)
-    tell(summarise(folder, published, bool(requirements), bool(choose.parameters), review))
+    if measured:
+        tests.answer(folder, measured, requirements, verify, jobs, tell, threads)
+    tell(
+        summarise(
+            folder, published, bool(requirements), bool(choose.parameters), review, bool(measured)
+        )
+    )

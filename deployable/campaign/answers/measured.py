@@ -1,0 +1,349 @@
+"""From measured curves to what of the box explains them, `measured.json`.
+
+    refuted             whether nothing in the box explains all tests
+    least, attained     the least misfit in bands, at least, and of a run
+    explained, left, hull   fractions of the box's volume that explain, that are not excluded, and
+                        of the narrowed box
+    worst               {test, response, units, time, bands, residual}: where the nearest run is
+                        farthest off
+    parameters          [{name, units, before, after, best, seen}]: seen is both, lower or upper
+                        (sides that the tests bound) or none; after is null if the tests are refuted
+    trade_offs          [{names, correlation, slope}] of what is left, of parameters' values
+    quantities          [{name, units, before, after, error, happens}] over what is left; happens:
+                        in all, some or none of its runs
+    limits              [{requirement, quantity, kind, level, units, met}] over what is left: all,
+                        some, none or undecided
+    next                [{response, units, time, spread, bands, fraction, measured}]: where runs
+                        that are left differ most, in the unit, in bands (null where none is known),
+                        and as a fraction of the width of the bounds
+    checks              [{name, inside, least, attained, worst}], with what the tests leave; if they
+                        are refuted, alone with what comes nearest to them; inside: whether a run
+                        explains it, null if that is undecided
+    tests               [{name, file, digest, use, rows, instants, window, curves}]
+    runs
+
+Curves by response are {units, times, values, bands, lower, upper, best}: measured, of all runs, and
+of the nearest run as the sensor has it, which a check has not.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from deployable.campaign.answers.discretization import halved
+from deployable.campaign.answers.evaluations import ModelEvaluator, number, runs_at
+from deployable.campaign.answers.limits import describe_limit, list_limits
+from deployable.campaign.config.measured import CurvesFileError, MeasuredCurves, read_test
+from deployable.campaign.config.sections import (
+    Accuracy,
+    Interval,
+    Jobs,
+    ResolvedTest,
+    Verify,
+)
+from deployable.campaign.errors import CampaignError
+from deployable.campaign.files import open_netcdf, write_result
+from deployable.campaign.folder import Folder
+from deployable.campaign.plan.plan import Plan, choose_step
+from deployable.campaign.runs.progress import Tell
+from deployable.intervals.calibration import Calibration, Measurement, calibrate
+from deployable.intervals.scalars.fits import best_fit
+
+_LEAST_MOVE = 0.005  # of a parameter's width, by which a side must move
+_STRONG = 0.9  # correlation from which two parameters are said to trade off
+_MOST_LEFT = 32  # runs of what is left, of which quantities are taken
+
+
+def answer(
+    folder: Folder,
+    measured: Mapping[str, ResolvedTest],
+    requirements: Mapping[str, Mapping],
+    verify: Verify,
+    jobs: Jobs,
+    tell: Tell,
+    threads: int,
+) -> None:
+    """Find what of a campaign's box explains its measured curves, with the runs that this takes,
+    and write `measured.json` into `folder`, that of a campaign with `samples.nc`. measured,
+    requirements, verify, jobs: sections of the config; tell: called with each message; threads: how
+    many simulate. Raises `CampaignError`, also if a file of measured curves has changed."""
+    model = ModelEvaluator.from_folder(folder, jobs, tell, threads)
+    tests = [_Test(name, test, model, folder, threads) for name, test in measured.items()]
+    sources = [test for test in tests if test.settings.use == "calibrate"]
+    cube = np.array([-1.0, 1.0])[:, None] * model.experiment.box.free
+    result = _calibrate(sources, cube, verify, tell)
+    checks = []
+    for test in tests:
+        if test not in sources:
+            # Beside tests that nothing explains, the check alone, about what comes nearest to them.
+            group = [test] if result.is_refuted else [*sources, test]
+            row = _check_row(_calibrate(group, result.hull, verify, tell), group)
+            checks.append({"name": test.name, **row})
+    rows = {
+        **_verdict(result, sources, model.experiment.box.free),
+        **_parameters(model, result),
+        **_of_left(model, result, requirements, sources, folder),
+        "checks": checks,
+        "tests": [t.describe(result, sources.index(t) if t in sources else None) for t in tests],
+        "runs": sum(test.runs for test in tests),
+    }
+    write_result(folder.measured, json.dumps(rows, indent=1) + "\n")
+
+
+class _Test:
+    """A test of a campaign: its measured curves, and the runs that are compared with them."""
+
+    def __init__(
+        self, name: str, settings: ResolvedTest, model: ModelEvaluator, folder: Folder, threads: int
+    ):
+        self.name, self.settings, self.tell = name, settings, model.tell
+        try:
+            self.curves: MeasuredCurves = read_test(settings)
+        except CurvesFileError as error:
+            raise CampaignError(f"measured.{name}.file: {error}") from None
+        base, starts = model.experiment, settings.start
+        intervals = {
+            key: interval
+            for key, interval in base.intervals.items()
+            if key not in settings.scene and key not in starts
+        }
+        axes = [list(base.intervals).index(key) for key in intervals]
+        intervals |= {
+            key: Interval(low, (low + high) / 2, high) for key, (low, high) in starts.items()
+        }
+        scene = replace(base.scene, parameters=base.scene.parameters | settings.scene)
+        experiment = replace(
+            base, scene=scene, intervals=intervals, quantities={}, accuracy=Accuracy()
+        )
+        self.plan = replace(
+            model.plan, experiment=experiment, time=choose_step(experiment), adaptive=None
+        )
+        self.model = ModelEvaluator(self.plan, model.jobs, folder, model.tell, threads)
+        self.responses = list(settings.columns.values())
+        self.instants = np.linspace(0.0, base.solver.duration, base.solver.instants)
+        self.rows = [list(base.responses).index(response) for response in self.responses]
+        self.units = [base.curves[row].unit for row in self.rows]
+        sensor = settings.unknown
+        limits = [list(sensor.delay)]
+        for center, widths in ((1.0, sensor.gain), (0.0, sensor.offset)):
+            limits += [
+                [center - widths.get(response, 0.0), center + widths.get(response, 0.0)]
+                for response in self.responses
+            ]
+        data = self.curves.times, self.curves.values, self.curves.bands
+        self.measurement = Measurement(*data, np.array(limits).T, np.array(axes), len(starts))
+        self.runs, self.envelope = 0, np.array([np.inf, -np.inf])[:, None, None]
+        count, rows = len(self.curves.times), self.curves.rows
+        if count < rows:
+            self.tell(f"{name}: {count} of {rows} measured instants are compared, evenly chosen")
+
+    def evaluate(self, points: np.ndarray, plan: Plan | None = None) -> np.ndarray:
+        """Curves (N, n, R) of runs at coordinates (N, p), of the test's responses."""
+        plan = plan or self.plan
+        records = self.model.records(plan, runs_at(plan, points))
+        self.runs += len(points)
+        curves = np.array([record.values[self.rows] for record in records])
+        least, largest = self.envelope
+        self.envelope = (
+            np.minimum(least, curves.min(axis=0)),
+            np.maximum(largest, curves.max(axis=0)),
+        )
+        return curves
+
+    def finer(self, point: np.ndarray) -> np.ndarray:
+        """Curves (n, R) of the run at a point (p) with half the step."""
+        return self.evaluate(point[None], replace(self.plan, time=halved(self.plan.time)))[0]
+
+    def describe(self, result: Calibration, index: int | None) -> dict:
+        """Describe the test as plain data, with its curves; index: of its fit, None if it is only
+        checked."""
+        times, settings = self.curves.times, self.settings
+        rows = {
+            "name": self.name, "file": settings.file, "digest": settings.digest,
+            "use": settings.use, "rows": self.curves.rows, "instants": len(times),
+            "window": [float(times[0]), float(times[-1])],
+        }  # fmt: skip
+        described_curves = {}
+        for i, (response, unit) in enumerate(zip(self.responses, self.units, strict=True)):
+            described_curves[response] = {
+                "units": unit, "times": times.tolist(), "values": self.curves.values[i].tolist(),
+                "bands": self.curves.bands[i].tolist(),
+                **{name: np.interp(times, self.instants, curves[i]).tolist()
+                   for name, curves in zip(("lower", "upper"), self.envelope, strict=True)},
+            }  # fmt: skip
+            if index is not None:
+                best = self.curves.values[i] + result.residuals[index][i]
+                described_curves[response]["best"] = best.tolist()
+        return {**rows, "curves": described_curves}
+
+
+def _calibrate(tests: Sequence[_Test], hull: np.ndarray, verify: Verify, tell: Tell) -> Calibration:
+    """What of a part of the box explains the tests."""
+    times = np.linspace(0.0, (solver := tests[0].plan.experiment.solver).duration, solver.instants)
+    return calibrate(
+        [test.measurement for test in tests],
+        times,
+        lambda t, points: tests[t].evaluate(points),
+        lambda t, point: tests[t].finer(point),
+        hull,
+        waves=max(1, verify.max_iterations),
+        tell=lambda text: tell(f"{', '.join(test.name for test in tests)}: {text}"),
+    )
+
+
+def _worst(result: Calibration, tests: Sequence[_Test], t: int, i: int, instant: int) -> dict:
+    test, residual = tests[t], float(result.residuals[t][i, instant])
+    bands = residual / test.curves.bands[i, instant]
+    return {
+        "test": test.name, "response": test.responses[i], "units": test.units[i],
+        "time": float(test.curves.times[instant]), "bands": float(bands), "residual": residual,
+    }  # fmt: skip
+
+
+def _verdict(result: Calibration, tests: Sequence[_Test], free: np.ndarray) -> dict:
+    return {
+        "refuted": bool(result.is_refuted),
+        "least": float(result.least),
+        "attained": float(result.attained),
+        "explained": result.fractions[0],
+        "left": result.fractions[1],
+        "hull": float(np.prod(np.ptp(result.hull, axis=0)[free] / 2.0)),
+        "worst": _worst(result, tests, *result.worst),
+    }
+
+
+def _check_row(result: Calibration, tests: Sequence[_Test]) -> dict:
+    """What the last of the tests says of what the others leave."""
+    t = len(tests) - 1
+    bands = np.abs(result.residuals[t]) / tests[t].curves.bands
+    i, instant = np.unravel_index(bands.argmax(), bands.shape)
+    return {
+        "inside": False if result.is_refuted else True if result.attained <= 1.0 else None,
+        "least": float(result.least),
+        "attained": float(result.attained),
+        "worst": _worst(result, tests, t, int(i), int(instant)),
+    }
+
+
+def _parameters(model: ModelEvaluator, result: Calibration) -> dict:
+    """Intervals before and after, and what trades off."""
+    experiment, box = model.experiment, model.experiment.box
+    units = {name: parameter.unit for name, parameter in experiment.scene_type.parameters.items()}
+    low, high = box.from_unit(result.hull)
+    rows, words = [], {(True, True): "both", (True, False): "lower", (False, True): "upper"}
+    for j, (name, interval) in enumerate(experiment.intervals.items()):
+        sides = result.hull[0, j] > -1 + 2 * _LEAST_MOVE, result.hull[1, j] < 1 - 2 * _LEAST_MOVE
+        rows.append({
+            "name": name, "units": units[name], "before": [interval.lower, interval.upper],
+            "after": None if result.is_refuted else [float(low[j]), float(high[j])],
+            "best": float(box.from_unit(result.best)[j]),
+            "seen": words.get(tuple(map(bool, sides)), "none") if box.free[j] else "none",
+        })  # fmt: skip
+    values = box.from_unit(result.samples) if len(result.samples) else np.zeros((0, len(rows)))
+    trade_offs = []
+    for i in range(len(rows)):
+        for j in range(i):
+            spread = np.ptp(values[:, [i, j]], axis=0) if len(values) > 8 else np.zeros(2)
+            if not spread.all():
+                continue
+            correlation = float(np.corrcoef(values[:, j], values[:, i])[0, 1])
+            if abs(correlation) >= _STRONG:
+                slope = correlation * values[:, i].std() / values[:, j].std()
+                names = [rows[j]["name"], rows[i]["name"]]
+                trade_offs.append(
+                    {"names": names, "correlation": correlation, "slope": float(slope)}
+                )
+    return {"parameters": rows, "trade_offs": trade_offs}
+
+
+def _of_left(
+    model: ModelEvaluator,
+    result: Calibration,
+    requirements: Mapping[str, Mapping],
+    tests: Sequence[_Test],
+    folder: Folder,
+) -> dict:
+    """Quantities, limits and the next test, by runs of what is left in the campaign's own case."""
+    rows = {"quantities": [], "limits": [], "next": []}
+    if result.is_refuted or not len(result.samples):
+        return rows
+    samples = result.samples
+    order = [*samples.argmin(axis=0), *samples.argmax(axis=0), *range(len(samples))]
+    unit = samples[[*dict.fromkeys(order)][:_MOST_LEFT]]
+    records = model.records(model.plan, runs_at(model.plan, unit))
+    rows["next"] = _next_tests(model, np.array([r.values for r in records]), tests, folder)
+    if not model.experiment.quantities:
+        return rows
+    with open_netcdf(folder.quantities) as data:
+        intervals = np.array([data["lower"][:], data["upper"][:]]).T
+    numbers = np.array([record.numbers for record in records])
+    center, half = result.hull.mean(axis=0), np.maximum(np.ptp(result.hull, axis=0) / 2, 1e-9)
+    bounds = []
+    for q, quantity in enumerate(model.experiment.numbers):
+        has = np.isfinite(numbers[:, q])
+        lower, upper, error = np.nan, np.nan, np.nan
+        if has.any():
+            fit = best_fit((unit[has] - center) / half, numbers[has, q])
+            values = fit.evaluate((result.samples - center) / half)
+            ends = result.samples[[values.argmin(), values.argmax()]]
+            extra = model.evaluate(model.plan, ends)[0][:, q]
+            found_values = np.concatenate([numbers[has, q], extra[np.isfinite(extra)]])
+            lower, upper, error = found_values.min(), found_values.max(), fit.error
+        bounds.append((lower, upper, error if np.isfinite(error) else np.inf, has))
+        rows["quantities"].append({
+            "name": quantity.name, "units": quantity.unit,
+            "before": [number(end) for end in intervals[q]],
+            "after": [number(lower), number(upper)], "error": number(error),
+            "happens": "all" if has.all() else "some" if has.any() else "none",
+        })  # fmt: skip
+    for spec in list_limits(requirements, list(model.experiment.quantities)):
+        row = {"requirement": spec.requirement, **describe_limit(model, spec)}
+        rows["limits"].append({**row, "met": _met(spec, *bounds[spec.quantity])})
+    return rows
+
+
+def _met(spec: Any, lower: float, upper: float, error: float, has: np.ndarray) -> str:
+    """In which part of what is left a limit is met: all, some, none, or undecided."""
+    if spec.kind == "happens":
+        share = np.mean(has == bool(spec.level))
+        return "all" if share == 1 else "some" if share else "none"
+    if not has.all():
+        return "some" if has.any() else "none"
+    sign = 1.0 if spec.kind == "at_least" else -1.0
+    slack = sorted((sign * (lower - spec.level), sign * (upper - spec.level)))
+    if slack[0] >= error:
+        return "all"
+    if slack[1] < -error:
+        return "none"
+    return "some" if slack[0] < 0 <= slack[1] else "undecided"
+
+
+def _next_tests(
+    model: ModelEvaluator, curves: np.ndarray, tests: Sequence[_Test], folder: Folder
+) -> list[dict]:
+    """Where runs (R, n, T) that are left differ most, each response once, the clearest first."""
+    with open_netcdf(folder.bounds) as data:
+        widths, times = np.ptp([data["lower"][:], data["upper"][:]], axis=0), data["time"][:]
+    bands = {}
+    for test in tests:
+        for response, band in zip(test.responses, test.curves.bands, strict=True):
+            bands[response] = min(band.min(), bands.get(response, np.inf))
+    rows = []
+    for i, curve in enumerate(model.experiment.curves):
+        if curve.kind == "margin":
+            continue
+        spread = np.ptp(curves[:, i], axis=0)
+        instant = int(spread.argmax())
+        band, width = bands.get(curve.name), widths[i].max()
+        rows.append({
+            "response": curve.name, "units": curve.unit, "time": float(times[instant]),
+            "spread": float(spread[instant]), "measured": band is not None,
+            "bands": None if band is None else float(spread[instant] / band),
+            "fraction": float(spread[instant] / width) if width > 0 else 0.0,
+        })  # fmt: skip
+    return sorted(rows, key=lambda row: -row["fraction"])

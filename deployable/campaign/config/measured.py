@@ -1,0 +1,226 @@
+"""Measured curves: their files, and the checks of the section `measured`."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from deployable.campaign.config.models import MeasuredTest
+from deployable.campaign.config.resolve import allows, real_names, unknown
+from deployable.campaign.config.sections import Experiment, ResolvedTest
+from deployable.intervals.box import MAX_DIMENSION
+from fpm.structures.units import UnitError, unit
+
+MOST_INSTANTS = 150
+"""Measured instants of a test that are compared, evenly chosen."""
+
+_BAND = "_band"
+_HEADER = re.compile(r"\s*([A-Za-z]\w*)\s*\[([^\]]*)\]\s*")
+
+
+class CurvesFileError(ValueError):
+    """Raised for a file of measured curves that cannot be used; its text says where and why."""
+
+
+@dataclass(frozen=True)
+class CurvesFile:
+    """Content of a CSV file of measured curves: times (R) in s, `columns` (R) by name in SI units,
+    and the `dimension` of each; digest: of the whole file."""
+
+    times: np.ndarray
+    columns: dict[str, np.ndarray]
+    dimensions: dict[str, Any]
+    digest: str
+
+    @classmethod
+    def read(cls, path: str | Path) -> CurvesFile:
+        """Read the file `path`: a line of names with units, such as `t [s],angle [rad]`, then
+        increasing times and finite numbers. Raises `CurvesFileError`."""
+        try:
+            content = Path(path).read_bytes()
+            lines = content.decode("utf-8-sig").splitlines()
+        except (OSError, UnicodeDecodeError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or "it is no text in UTF-8"
+            raise CurvesFileError(f"{path}: {reason}; allowed: a CSV file") from None
+        names, units = _header(f"{path}, line 1", lines[0] if lines else "")
+        if not any(map(str.strip, lines[1:])):
+            raise CurvesFileError(f"{path}: no rows; allowed: at least three")
+        try:
+            table = np.loadtxt(lines[1:], delimiter=",", comments=None, ndmin=2)
+        except ValueError:
+            table = None
+        if table is None or table.shape[1] != len(names) or not np.isfinite(table).all():
+            raise CurvesFileError(_row_problem(str(path), lines, len(names)))
+        pairs = zip(names, units, table.T, strict=True)
+        columns = {name: own_unit.si(column) for name, own_unit, column in pairs}
+        times = columns.pop(names[0])
+        reversals = np.flatnonzero(np.diff(times) <= 0)
+        if len(reversals):
+            numbers = [i for i, line in enumerate(lines, 1) if i > 1 and line.strip()]
+            place = f"{path}, line {numbers[reversals[0] + 1]}"
+            text = f"{place}: the time {times[reversals[0] + 1]:.9g} s does not follow "
+            raise CurvesFileError(f"{text}{times[reversals[0]]:.9g} s; allowed: increasing times")
+        dimensions = {name: u.dimension for name, u in zip(names, units, strict=True)}
+        return cls(times, columns, dimensions, hashlib.sha256(content).hexdigest()[:16])
+
+
+def _header(place: str, line: str) -> tuple[list[str], list[Any]]:
+    """Names and units of the columns, the time first."""
+    names, units = [], []
+    for cell in line.split(","):
+        match = _HEADER.fullmatch(cell)
+        if not match:
+            text = f"{place}: {cell.strip()!r} is no name with a unit"
+            raise CurvesFileError(f"{text}; allowed: such as `t [s],angle [rad]`")
+        if match[1] in names:
+            text = f"{place}: the column {match[1]} stands twice; allowed: each name once"
+            raise CurvesFileError(text)
+        try:
+            units.append(unit(match[2]))
+        except UnitError as error:
+            raise CurvesFileError(f"{place}: {error}") from None
+        names.append(match[1])
+    if not units[0].dimension.fits(unit("s").dimension) or len(names) < 2:
+        text = f"{place}: {line.strip()!r} does not begin with a time and a column behind it"
+        raise CurvesFileError(f"{text}; allowed: such as `t [s],angle [rad]`")
+    return names, units
+
+
+def _row_problem(path: str, lines: list[str], count: int) -> str:
+    """What is wrong with the first row that is not `count` finite numbers."""
+    for number, line in enumerate(lines[1:], 2):
+        cells = line.split(",") if line.strip() else []
+        if cells and len(cells) != count:
+            return f"{path}, line {number}: {len(cells)} values; allowed: {count}, as in line 1"
+        for cell in cells:
+            try:
+                is_finite = bool(np.isfinite(float(cell)))
+            except ValueError:
+                is_finite = False
+            if not is_finite:
+                text = f"{path}, line {number}: {cell.strip()!r} is not allowed"
+                return f"{text}; allowed: a finite number"
+    return f"{path}: rows that cannot be read; allowed: numbers with commas between them"
+
+
+def resolve_tests(
+    tests: Mapping[str, MeasuredTest], experiment: Experiment
+) -> tuple[dict[str, ResolvedTest], list[str]]:
+    """Check the section `measured` (`tests` by name) against an experiment and the files; returns
+    the tests with the files' digests, and a sentence for each problem."""
+    resolved, problems = {}, []
+    for name, test in tests.items():
+        try:
+            file = CurvesFile.read(test.file)
+        except CurvesFileError as error:
+            problems.append(f"measured.{name}.file: {error}")
+            continue
+        own = [f"measured.{name}.{text}" for text in _test_problems(test, file, experiment)]
+        problems += own
+        if not own:
+            resolved[name] = ResolvedTest(**vars(test), digest=file.digest)
+    if tests and all(test.use == "check" for test in tests.values()):
+        problems.append("measured: all tests are of use check; allowed: at least one to calibrate")
+    return resolved, problems
+
+
+def _test_problems(test: MeasuredTest, file: CurvesFile, experiment: Experiment) -> Iterator[str]:
+    curves = {curve.name: curve for curve in experiment.curves if curve.kind != "margin"}
+    columns = [name for name in file.columns if not name.endswith(_BAND)]
+    for column, response in test.columns.items():
+        if column not in file.columns:
+            yield f"columns.{column}: {unknown(column, f'column of {test.file}', columns)}"
+        elif response not in curves:
+            yield f"columns.{column}: {unknown(response, 'response over time', curves)}"
+        elif not file.dimensions[column].fits(unit(curves[response].unit).dimension):
+            text = f"{test.file}, line 1: its unit is not that of {response}"
+            yield f"columns.{column}: {text}; allowed: one of {curves[response].unit}"
+        elif (has_column := column + _BAND in file.columns) == (response in test.band):
+            text = "has two bands" if has_column else "has no band"
+            yield f"band.{response}: {response} {text}; allowed: one here or as {column}{_BAND}"
+        elif has_column and not (file.columns[column + _BAND] > 0).all():
+            text = f"{test.file}: a band of {column}{_BAND} is not above 0"
+            yield f"columns.{column}: {text}; allowed: numbers above 0"
+    responses = [*test.columns.values()]
+    for response in {response for response in responses if responses.count(response) > 1}:
+        yield f"columns: {response} stands twice; allowed: each response once"
+    for key in ("band", "model", "unknown.offset", "unknown.gain"):
+        names = getattr(test, key) if "." not in key else getattr(test.unknown, key[8:])
+        for name in set(names) - set(responses):
+            yield f"{key}.{name}: {unknown(name, 'response in columns', responses)}"
+    yield from _instant_problems(test, file, experiment.solver.duration)
+    yield from _value_problems(test, experiment)
+
+
+def _instant_problems(test: MeasuredTest, file: CurvesFile, duration: float) -> Iterator[str]:
+    low, high = file.times[0], file.times[-1]
+    first, last = test.window or (max(low, test.unknown.delay[1]), high)
+    if last + max(0.0, -test.unknown.delay[0]) > duration:
+        text = f"it lasts until {last:.6g} s, the run until {duration:.6g} s"
+        yield f"window: {text}; allowed: an earlier end, or a longer solver.duration"
+    elif first < max(low, test.unknown.delay[1]) - 1e-12 or last > high + 1e-12:
+        least = max(low, test.unknown.delay[1])
+        text = f"{first:.6g} to {last:.6g} s are not all in the file behind the longest delay"
+        yield f"window: {text}; allowed: {least:.6g} to {high:.6g}"
+    elif (count := ((file.times >= first) & (file.times <= last)).sum()) < 3:
+        yield f"window: {count} instants of {test.file} lie there; allowed: at least three"
+
+
+def _value_problems(test: MeasuredTest, experiment: Experiment) -> Iterator[str]:
+    structure = experiment.scene_type
+    real = real_names(structure)
+    for name, (low, high) in test.start.items():
+        if name not in real:
+            yield f"start.{name}: {unknown(name, 'real parameter', real)}"
+        elif name in test.scene:
+            yield f"start.{name}: {name} is defined twice, here and in scene; allowed: once"
+        elif not low < high or not all(allows(structure.parameters[name], v) for v in (low, high)):
+            text = f"[{low:g}, {high:g}] is not allowed; allowed: a lower and a larger value, each "
+            yield f"start.{name}: {text}{structure.parameters[name].allowed}"
+    for name, value in test.scene.items():
+        if name not in structure.parameters:
+            yield f"scene.{name}: {unknown(name, 'parameter', structure.parameters)}"
+        elif not allows(structure.parameters[name], value):
+            text = f"{value!r} is not allowed; allowed: {structure.parameters[name].allowed}"
+            yield f"scene.{name}: {text}"
+    count = len({*experiment.intervals, *test.start} - set(test.scene))
+    if count > MAX_DIMENSION:
+        yield f"start: {count} unknown values with the intervals; allowed: {MAX_DIMENSION}"
+
+
+@dataclass(frozen=True)
+class MeasuredCurves:
+    """Curves (n, T) of a test at T instants, with the `bands` of sensor and model together, both in
+    the units of the responses. rows: how many rows of the file lie there."""
+
+    times: np.ndarray
+    values: np.ndarray
+    bands: np.ndarray
+    rows: int
+
+
+def read_test(test: ResolvedTest) -> MeasuredCurves:
+    """Read the curves of a test between its times, thinned to `MOST_INSTANTS`. Raises
+    `CurvesFileError`, also if the file is no longer the one that was checked."""
+    file = CurvesFile.read(test.file)
+    if file.digest != test.digest:
+        text = f"{test.file}: it changed since it was checked; allowed: the campaign again"
+        raise CurvesFileError(text)
+    first, last = test.window or (max(file.times[0], test.unknown.delay[1]), file.times[-1])
+    rows = np.flatnonzero((file.times >= first) & (file.times <= last))
+    count = len(rows)
+    rows = rows[np.linspace(0, count - 1, min(count, MOST_INSTANTS)).round().astype(int)]
+    bands = [
+        file.columns[column + _BAND][rows] if column + _BAND in file.columns
+        else np.full(len(rows), test.band[response])
+        for column, response in test.columns.items()
+    ]  # fmt: skip
+    margins = [[test.model.get(response, 0.0)] for response in test.columns.values()]
+    values = np.array([file.columns[column][rows] for column in test.columns])
+    return MeasuredCurves(file.times[rows], values, np.array(bands) + margins, count)

@@ -1,0 +1,506 @@
+"""Which part of a box explains measured curves within their bands: set-membership calibration.
+
+A point x of the box explains a test if its curve y, after the sensor's gain g, offset o and delay
+d, comes within a band b of the measured curve m at every instant: its misfit, the largest
+|g y(t - d; x) + o - m(t)| / b, is at most 1 for some g, o, d within their limits, and for some
+start s of the test within its own. Each test's g, o, d and s are variables of that test only.
+
+Between runs, y is a polynomial of x and s, whose leave-one-out errors e(t) are known at every
+instant. Where (|residual| - e) / b > 1 at an instant, a point is excluded, where
+(|residual| + e) / b <= 1 at all, it explains; between, it is undecided. Waves of runs follow in the
+interval hull of what is not excluded, where the next polynomials are less wrong (history matching,
+Craig et al. 1997, with bounded errors in place of probabilities). Extremes over the hull, of a
+coordinate or of the misfit, are found by sequential linear programming with a trust region and
+second-order corrections (Fletcher and Sainz de la Maza 1989), as the constraints are many and
+nearly linear.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import comb, inf
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy
+
+from .chebyshev import least_squares, product_basis, total_degree
+from .designs import scan_points
+
+OUTER, PLAIN, INNER = 1.0, 0.0, -1.0
+"""Signs of the surrogate's error in a misfit: what is not excluded, as fitted, what explains."""
+
+_PENALTY = 100.0  # in units of the box for each band beyond the level
+_ITERATIONS, _STARTS = 40, 4
+_WIDER = 0.02  # of the hull's width, which is added on each side, and of the level
+_PRECISE = 0.05  # of the band, at which the surrogate's error no longer matters
+_STATIONARY = 0.8  # of the hull's volume, above which a wave does not pay where errors are small
+_SAMPLES = 128  # points at which the fraction of the hull is counted
+
+
+class Measurement(NamedTuple):
+    """Measured curves of one test, n responses at T instants.
+
+    times (T) in s; values, bands (n, T) in the units of the responses, bands above 0; limits (2, 1
+    + 2 n): lower and upper delay (s), gain of each response, then offset of each; axes: indices of
+    the box's coordinates on which the test depends; starts: number of its own unknown values.
+    """
+
+    times: np.ndarray
+    values: np.ndarray
+    bands: np.ndarray
+    limits: np.ndarray
+    axes: np.ndarray
+    starts: int = 0
+
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates of a run of this test: of the box, then of its start."""
+        return len(self.axes) + self.starts
+
+
+class CurveFit(NamedTuple):
+    """Polynomials fitted to the curves of a test's runs in a part of its box, `center` +- `half`
+    (p). spline: of their coefficients (terms, n) over time; indices (terms, p): degrees; errors (n,
+    T): estimated errors at the instants of the `test`."""
+
+    test: Measurement
+    center: np.ndarray
+    half: np.ndarray
+    spline: Any
+    indices: np.ndarray
+    errors: np.ndarray
+
+    def linearise(self, point: np.ndarray, sensor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return residuals (n T) and their Jacobian (n T, p + 1 + 2 n) at a point (p) and values of
+        the sensor (1 + 2 n): delay, gains, offsets."""
+        n, p = len(self.test.values), len(point)
+        shifts = np.concatenate([np.zeros((1, p)), np.eye(p), -np.eye(p)]) * 1e-4
+        basis = product_basis((point - self.center) / self.half + shifts, self.indices)
+        coefficients = self.spline(self.test.times - sensor[0])  # (T, terms, n)
+        curves = np.einsum("sm,tmn->snt", basis, coefficients)
+        rates = np.einsum("m,tmn->nt", basis[0], self.spline(self.test.times - sensor[0], 1))
+        gains, offsets = sensor[1 : 1 + n, None], sensor[1 + n :, None]
+        slopes = (curves[1 : 1 + p] - curves[1 + p :]) / (2e-4 * self.half[:, None, None])
+        columns = np.zeros((p + 1 + 2 * n, *curves[0].shape))
+        columns[:p], columns[p] = gains * slopes, -gains * rates
+        rows = np.arange(n)
+        columns[p + 1 + rows, rows], columns[p + 1 + n + rows, rows] = curves[0], 1.0
+        residuals = gains * curves[0] + offsets - self.test.values
+        return residuals.ravel(), columns.reshape(len(columns), -1).T
+
+
+def fit_curves(
+    test: Measurement, points: np.ndarray, curves: np.ndarray, times: np.ndarray,
+    hull: np.ndarray, own_errors: np.ndarray | float = 0.0,
+) -> CurveFit:  # fmt: skip
+    """Fit the polynomials of the total degree whose leave-one-out errors are least.
+
+    Parameters
+    ----------
+    test
+        Its instants are those at which the errors count.
+    points, curves
+        Coordinates (N, p) of its runs, at least one, and their curves (N, n, R).
+    times
+        Recorded instants (R) in s, at least four.
+    hull
+        Lower and upper coordinates (2, p) of the part that is fitted; runs near it count.
+    own_errors
+        Errors (n, T) of the runs themselves, such as those of their time step.
+
+    Returns
+    -------
+    CurveFit
+        Errors are the largest left-out ones, with that of cubic interpolation between instants.
+    """
+    center, half = hull.mean(axis=0), np.maximum(np.ptp(hull, axis=0) / 2, 1e-9)
+    unit = (points - center) / half
+    rows = np.flatnonzero((np.abs(unit) <= 1.0 + 2 * _WIDER).all(axis=1))
+    rows = rows if len(rows) else np.abs(unit).max(axis=1).argmin()[None]
+    unit, curves = unit[rows], curves[rows]
+    middle = test.limits[:, 0].mean()
+    sampled = scipy.interpolate.CubicSpline(times, curves, axis=2)(test.times - middle)
+    flat = sampled.reshape(len(rows), -1)
+    free = np.ptp(unit, axis=0) > 0
+    best, least = None, inf
+    for degree in range(9):
+        terms = comb(degree + int(free.sum()), degree)
+        if degree and (terms > 0.75 * len(rows) or not free.any()):
+            break
+        indices = total_degree(np.where(free, degree, 0))
+        basis = product_basis(unit, indices)
+        if (solution := least_squares(basis, flat, 1e-7)) is None:
+            break
+        coefficients, leverage = solution
+        rest = np.abs(flat - basis @ coefficients) / np.maximum(1.0 - leverage, 1e-6)[:, None]
+        errors = rest.max(axis=0) if len(rows) > 1 else np.zeros(flat.shape[1])
+        score = float(np.log(errors / test.bands.ravel() + 1e-3).mean())
+        if score < least:
+            best, least = (indices, basis, errors), score
+    indices, basis, errors = best
+    coefficients, _ = least_squares(basis, curves.reshape(len(rows), -1), 1e-7)
+    coefficients = coefficients.reshape(len(indices), *curves.shape[1:])
+    spline = scipy.interpolate.CubicSpline(times, coefficients.transpose(2, 0, 1))
+    coarse = scipy.interpolate.CubicSpline(times[::2], curves[:1, :, ::2], axis=2)
+    gaps = np.abs(coarse(times) - curves[:1])[0].max(axis=1, keepdims=True) / 16
+    errors = errors.reshape(sampled.shape[1:]) + gaps + own_errors
+    return CurveFit(test, center, half, spline, indices, errors)
+
+
+class _Problem:
+    """Residuals of several tests over all their variables: the box's coordinates (k), then of each
+    test its starts and sensor, all from -1 to 1."""
+
+    def __init__(self, fits: Sequence[CurveFit], k: int):
+        self.fits, self.k, self.places, self.size = fits, k, [], k
+        for fit in fits:
+            count = fit.test.starts + fit.test.limits.shape[1]
+            self.places.append(
+                np.concatenate([fit.test.axes, self.size + np.arange(count)]).astype(int)
+            )
+            self.size += count
+        self.bands = np.concatenate([fit.test.bands.ravel() for fit in fits])
+        self.errors = np.concatenate([fit.errors.ravel() for fit in fits])
+
+    def linearise(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Residuals (M) in bands, and their Jacobian (M, size)."""
+        residuals, rows = [], []
+        for fit, places in zip(self.fits, self.places, strict=True):
+            p, (low, high) = fit.test.dimension, fit.test.limits
+            sensor = (low + high) / 2 + values[places[p:]] * (high - low) / 2
+            part, columns = fit.linearise(values[places[:p]], sensor)
+            jacobian = np.zeros((len(part), self.size))
+            jacobian[:, places[:p]] = columns[:, :p]
+            jacobian[:, places[p:]] = columns[:, p:] * (high - low) / 2
+            residuals.append(part)
+            rows.append(jacobian)
+        return (
+            np.concatenate(residuals) / self.bands,
+            np.concatenate(rows) / self.bands[:, None],
+        )
+
+    def excess(self, residuals: np.ndarray, sign: float) -> np.ndarray:
+        """By how many bands each residual (M) is off, less or more the surrogate's error."""
+        return np.abs(residuals) - sign * self.errors / self.bands
+
+    def search(
+        self, start: np.ndarray, hull: np.ndarray, sign: float, cost: np.ndarray | None = None,
+        level: float = 0.0, sufficient: float = -inf,
+    ) -> tuple[np.ndarray, float]:  # fmt: skip
+        """Return values (size), and their misfit: the least one, or with a `cost` (size) those of
+        the least cost among misfits up to `level`. hull (2, size): limits; sufficient: misfit at
+        which the search may end."""
+        cost, penalty = (np.zeros(self.size), 1.0) if cost is None else (cost, _PENALTY)
+        half = np.ptp(hull, axis=0) / 2
+        values, radius = np.clip(start, *hull), 1.0
+        residuals, jacobian = self.linearise(values)
+        misfit = self.excess(residuals, sign).max()
+        for _ in range(_ITERATIONS):
+            if misfit <= sufficient:
+                break
+            merit = cost @ values + penalty * max(misfit - level, 0.0)
+            sides = np.clip(hull - values, -radius * half, radius * half)
+            step, predicted = self._step(residuals, jacobian, sides, half, sign, cost, level)
+            gain = merit - cost @ values - predicted
+            if gain <= 1e-4 * max(abs(merit), 0.01):
+                break
+            for _ in range(2):  # the second with the curvature that the first met
+                trial = np.clip(values + step, *hull)
+                trial_residuals, trial_jacobian = self.linearise(trial)
+                trial_misfit = self.excess(trial_residuals, sign).max()
+                ratio = (merit - cost @ trial - penalty * max(trial_misfit - level, 0.0)) / gain
+                if ratio > 0.3:
+                    break
+                curved = trial_residuals - jacobian @ step
+                step, _ = self._step(curved, jacobian, sides, half, sign, cost, level)
+            if ratio > 0.05:
+                values, misfit = trial, trial_misfit
+                residuals, jacobian = trial_residuals, trial_jacobian
+            radius = min(1.0, 2 * radius) if ratio > 0.7 else radius if ratio > 0.3 else radius / 3
+            if radius < 1e-6:
+                break
+        return values, float(misfit)
+
+    def _step(
+        self, residuals: np.ndarray, jacobian: np.ndarray, sides: np.ndarray, half: np.ndarray,
+        sign: float, cost: np.ndarray, level: float,
+    ) -> tuple[np.ndarray, float]:  # fmt: skip
+        """The best step (size) of the linearised problem within `sides` (2, size), and by how much
+        it changes the merit from that of a misfit within `level`."""
+        penalty = _PENALTY if cost.any() else 1.0
+        excess, reach = self.excess(residuals, sign), np.abs(jacobian) @ np.abs(sides).max(axis=0)
+        rows = np.flatnonzero(excess + reach >= max(level, (excess - reach).max()))
+        unit = np.where(half > 0, half, 1.0)
+        scaled = jacobian[rows] * unit
+        limit = self.errors[rows] / self.bands[rows] * sign + level
+        slack = -np.ones((len(rows), 1))
+        matrix = np.block([[scaled, slack], [-scaled, slack]])
+        bound = np.concatenate([limit - residuals[rows], limit + residuals[rows]])
+        bounds = [*(sides / unit).T, (0.0, None)]
+        result = scipy.optimize.linprog(
+            np.append(cost * unit, penalty), matrix, bound, bounds=bounds, method="highs-ds"
+        )
+        if result.x is None:
+            return np.zeros(self.size), inf
+        return result.x[:-1] * unit, float(result.fun)
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """What of a box explains measured curves.
+
+    hull (2, k): lower and upper coordinates, -1 to 1, of what is not excluded; or, if the tests are
+    refuted, of what comes within the least band. starts: of each test, likewise (2, s). least,
+    attained: least misfit of any point, in bands, as it is at least and as a run has it; best (k):
+    that run's point. fractions: of the box's volume that explains, and that is not excluded;
+    samples (S, k): points that are not excluded, extremes of their hull among them. runs: made so
+    far, of all tests; worst: (test, response, instant) at which the best run is farthest off;
+    residuals (n, T) of each test there.
+    """
+
+    hull: np.ndarray
+    starts: list[np.ndarray]
+    least: float
+    attained: float
+    best: np.ndarray
+    fractions: tuple[float, float]
+    samples: np.ndarray
+    runs: int
+    worst: tuple[int, int, int]
+    residuals: list[np.ndarray]
+
+    @property
+    def is_refuted(self) -> bool:
+        """Whether no point explains the tests, whatever the errors of surrogate and runs are."""
+        return self.least > 1.0
+
+
+class _Waves:
+    """Runs of all tests so far, and the hull (2, size) of what they leave."""
+
+    def __init__(
+        self, tests: Sequence[Measurement], times: np.ndarray, evaluate: Callable, finer: Callable,
+        hull: np.ndarray, tell: Callable,
+    ):  # fmt: skip
+        self.tests, self.times, self.evaluate, self.finer = tests, times, evaluate, finer
+        self.k, self.tell, self.runs = hull.shape[1], tell, 0
+        blank = [np.zeros((0, len(test.values), len(times))) for test in tests]
+        self.points, self.curves = [np.zeros((0, test.dimension)) for test in tests], blank
+        self.attained, self.best, self.residuals = inf, None, []
+        sizes = [test.starts + test.limits.shape[1] for test in tests]
+        ends = np.full(sum(sizes), 1.0)
+        self.hull = self.widest = np.concatenate([hull, [-ends, ends]], axis=1)
+
+    def add(self, t: int, points: np.ndarray) -> np.ndarray:
+        """Make runs of test `t` at coordinates (N, p), and return their curves (N, n, R)."""
+        curves = self.evaluate(t, points)
+        self.points[t] = np.concatenate([self.points[t], points])
+        self.curves[t] = np.concatenate([self.curves[t], curves])
+        self.runs += len(points)
+        return curves
+
+    def fits(self, number: int, most: int) -> list[CurveFit]:
+        """Curves of all tests in the hull, after further runs there and, at its centre, with half
+        the step. number: of the wave; most: runs of each test."""
+        fits, size = [], self.k
+        for t, test in enumerate(self.tests):
+            own = np.arange(size, size + test.starts)
+            size += test.starts + test.limits.shape[1]
+            hull = self.hull[:, np.concatenate([test.axes, own]).astype(int)]
+            half, center = np.ptp(hull, axis=0) / 2, hull.mean(axis=0)
+            count = int(1.5 * comb(test.dimension + 2, 2))
+            count = min(count, most - len(self.points[t]))
+            free, whole = half > 0, scan_points(half > 0, max(count - 1, 1), seed=number)
+            points = np.concatenate([center[None], center + whole * half])[: max(count, 1)]
+            middle = self.add(t, np.where(free, points, center))[0]
+            change = np.abs(self.finer(t, center) - middle) * 4 / 3
+            change = scipy.interpolate.CubicSpline(self.times, change, axis=1)
+            errors = np.abs(change(test.times - test.limits[:, 0].mean()))
+            data = self.points[t], self.curves[t], self.times
+            fits.append(fit_curves(test, *data, hull, errors))
+        return fits
+
+    def run(self, values: np.ndarray, problem: _Problem) -> None:
+        """Run all tests at the variables `values`, and keep that if no run came nearer."""
+        own_fits, points = [], []
+        for t, (test, places) in enumerate(zip(self.tests, problem.places, strict=True)):
+            points.append(values[places[: test.dimension]])
+            curves = self.add(t, points[t][None])
+            hull = np.array([points[t], points[t]])
+            own_fits.append(fit_curves(test, points[t][None], curves, self.times, hull))
+        run_problem = _Problem(own_fits, self.k)
+        hull = np.array([values, values])
+        for test, places in zip(self.tests, problem.places, strict=True):
+            hull[:, places[test.dimension :]] = [[-1.0], [1.0]]
+        values, misfit = run_problem.search(values, hull, PLAIN)
+        if misfit < self.attained:
+            self.attained, self.best = misfit, values
+            self.residuals = run_problem.linearise(values)[0]
+
+    def narrow(self, level: float | None, waves: int, most: int) -> tuple[_Problem, float, list]:
+        """Narrow the hull to misfits up to `level`, None for that of the best run; return the last
+        problem, the least misfit that its errors allow, and points (size) that are not excluded."""
+        least, self.hull = 0.0, self.widest
+        spent = [len(points) for points in self.points]
+        most += max(spent)
+        for number in range(waves):
+            problem = _Problem(self.fits(number, most), self.k)
+            rng = np.random.default_rng(number)
+            starts = [rng.uniform(*self.hull) for _ in range(_STARTS)]
+            starts += [self.hull.mean(axis=0)] + [self.best] * (self.best is not None)
+            plain = [problem.search(start, self.hull, PLAIN) for start in starts]
+            best = min(plain, key=lambda pair: pair[1])[0]
+            outer = [problem.search(v, self.hull, OUTER) for v, _ in plain]
+            least = max(least, min(misfit for _, misfit in outer))
+            self.run(best, problem)
+            limit = max(self.attained, 1.0) * (1 + _WIDER) if level is None else level
+            pool = [v for v, misfit in outer if misfit <= limit]
+            error = (problem.errors / problem.bands).max() / limit
+            self.tell(
+                f"wave {number + 1}: {self.runs} runs, least misfit {least:.3g} to "
+                f"{self.attained:.3g} bands"
+            )
+            if not pool:
+                return problem, least, []
+            pool = self.extremes(problem, limit, pool, np.eye(problem.size)[self.narrowed])
+            low, high = np.min(pool, axis=0), np.max(pool, axis=0)
+            wider = _WIDER * (high - low)
+            hull = np.clip([low - wider, high + wider], *self.hull)
+            fixed = np.setdiff1d(np.arange(problem.size), self.narrowed)
+            hull[:, fixed] = self.hull[:, fixed]
+            volumes = [np.ptp(side, axis=0).prod() for side in (hull, self.hull)]
+            self.hull = hull
+            is_precise = error <= _PRECISE or (
+                error <= 4 * _PRECISE and volumes[0] > _STATIONARY * volumes[1]
+            )
+            is_met = level is None and self.attained - least <= _PRECISE * self.attained
+            if is_precise or is_met or min(map(len, self.points)) >= most:
+                break
+        return problem, least, pool
+
+    @property
+    def narrowed(self) -> np.ndarray:
+        """Indices of the variables whose limits are narrowed: of the box, and of starts."""
+        indices, size = list(range(self.k)), self.k
+        for test in self.tests:
+            indices += range(size, size + test.starts)
+            size += test.starts + test.limits.shape[1]
+        return np.array(indices)
+
+    def extremes(
+        self, problem: _Problem, level: float, pool: list[np.ndarray], directions: np.ndarray
+    ) -> list[np.ndarray]:
+        """Return points (size) up to the `level`, the farthest in `directions` (D, size), both
+        ways, among them; pool: some, at least one, from which to start."""
+        for direction in np.concatenate([-directions, directions] * 2):
+            start = max(pool, key=lambda values: direction @ values)
+            values, misfit = problem.search(start, self.hull, OUTER, -direction, level)
+            if misfit <= level * (1 + _WIDER):
+                pool = [*pool, values]
+        return pool
+
+
+def calibrate(
+    tests: Sequence[Measurement], times: np.ndarray, evaluate: Callable, finer: Callable,
+    hull: np.ndarray, waves: int = 6, most: int = 120, tell: Callable = lambda text: None,
+) -> Calibration:  # fmt: skip
+    """Find what of a box explains all tests, with runs where that is open.
+
+    Parameters
+    ----------
+    tests
+        At least one.
+    times
+        Recorded instants (R) of runs in s, which span the instants of all tests and delays.
+    evaluate
+        Function of the number of a test and coordinates (N, p), -1 to 1 in its box and starts, that
+        returns the curves (N, n, R) of runs there.
+    finer
+        Function of the number of a test and coordinates (p) that returns the curves (n, R) of a run
+        there with half the step.
+    hull
+        Part of the box (2, k) in which to look, -1 to 1.
+    waves, most
+        Most waves of runs, and most runs of each test; twice that where no point explains.
+    tell
+        Called with messages.
+
+    Returns
+    -------
+    Calibration
+        What explains the tests; if they are refuted, where the least band is attained.
+    """
+    state = _Waves(tests, times, evaluate, finer, hull, tell)
+    problem, least, pool = state.narrow(1.0, waves, most)
+    is_refuted = least > 1.0
+    if is_refuted:
+        problem, least, pool = state.narrow(None, waves, most)
+    k, level = hull.shape[1], max(1.0, state.attained) * (1 + _WIDER) if is_refuted else 1.0
+    samples, fractions = _fractions(state, problem, pool, level)
+    index = int(np.abs(state.residuals).argmax())
+    sizes = [test.values.size for test in tests]
+    residuals = [
+        part.reshape(test.values.shape) * test.bands
+        for part, test in zip(np.split(state.residuals, np.cumsum(sizes)[:-1]), tests, strict=True)
+    ]
+    t = int(np.searchsorted(np.cumsum(sizes), index, side="right"))
+    row = divmod(index - sum(sizes[:t]), len(tests[t].times))
+    own = [places[len(f.test.axes) : f.test.dimension] for f, places in
+           zip(problem.fits, problem.places, strict=True)]  # fmt: skip
+    return Calibration(
+        state.hull[:, :k], [state.hull[:, places] for places in own], least, state.attained,
+        state.best[:k], (0.0, 0.0) if is_refuted else fractions, samples, state.runs,
+        (t, *row), residuals,
+    )  # fmt: skip
+
+
+def _fractions(
+    state: _Waves, problem: _Problem, pool: list[np.ndarray], level: float
+) -> tuple[np.ndarray, tuple[float, float]]:
+    """Points (S, k) that are not excluded, and the fractions of the box's volume that explain and
+    that are not excluded, counted in the box along the principal axes of what is left."""
+    widths = np.ptp(state.widest[:, : state.k], axis=0)
+    if not pool or not widths.any():
+        points = np.array(pool).reshape(-1, problem.size)[:, : state.k]
+        is_inner = bool(pool) and state.attained <= 1.0
+        return points, (float(is_inner), float(bool(pool)))
+    free, cloud = np.flatnonzero(widths > 0), np.array(pool)[:, : state.k]
+    scale = np.maximum(np.ptp(state.hull[:, free], axis=0), 1e-12)
+    _, _, axes = np.linalg.svd((cloud[:, free] - cloud[:, free].mean(axis=0)) / scale)
+    directions = np.zeros((len(free), problem.size))
+    directions[:, free] = axes / scale
+    pool = state.extremes(problem, level, pool, directions)
+    reach = np.array(pool) @ directions.T
+    low, high = reach.min(axis=0), reach.max(axis=0)
+    wider = _WIDER * (high - low)
+    low, high = low - wider, high + wider
+    rng = np.random.default_rng(0)
+    spots = rng.uniform(low, high, (_SAMPLES, len(free))) @ np.linalg.inv(directions[:, free]).T
+    rows = [values[: state.k] for values in pool]
+    counts = np.zeros(2)
+    for spot in spots:
+        values = state.hull[:, : state.k].mean(axis=0)
+        values[free] = spot
+        if (values < state.hull[0, : state.k]).any() or (values > state.hull[1, : state.k]).any():
+            continue
+        if _misfit(state, problem, values, pool, OUTER) > level:
+            continue
+        counts += [_misfit(state, problem, values, pool, INNER) <= level, 1.0]
+        rows.append(values)
+    share = np.prod(high - low) / np.prod(widths[free]) / abs(np.linalg.det(directions[:, free]))
+    inner_fraction, outer_fraction = map(float, np.minimum(counts / _SAMPLES * share, 1.0))
+    return np.array(rows), (inner_fraction, outer_fraction)
+
+
+def _misfit(
+    state: _Waves, problem: _Problem, point: np.ndarray, pool: list[np.ndarray], sign: float
+) -> float:
+    """The least misfit at a point (k) of the box, by the tests' own variables alone, or any below
+    1."""
+    nearest = min(pool, key=lambda values: np.abs(values[: state.k] - point).sum()).copy()
+    nearest[: state.k] = point
+    hull = state.hull.copy()
+    hull[:, : state.k] = point
+    return problem.search(nearest, hull, sign, sufficient=1.0)[1]

@@ -1,0 +1,1 @@
+"""Measured curves: hidden values by an independent solver, and a real arm."""

@@ -1,0 +1,159 @@
+"""Measured curves: what is refused before any job starts, and what a campaign says of them."""
+
+import copy
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from deployable import campaign
+from deployable.campaign.config.check import check_config
+from deployable.campaign.config.measured import MOST_INSTANTS, CurvesFileError, read_test
+from deployable.campaign.errors import ConfigError
+from deployable.campaign.stages import STAGES
+from evidence.measured.study import measure_synthetic, report
+
+FOLDER = Path(__file__).parents[2] / "config/measured"
+CURVES = "t [s],angle [rad]\n0.1,2\n0.2,1.9\n0.3,1.8\n"
+BAND = "t [s],angle [rad],angle_band [rad]\n0.1,2,1e-3\n0.2,1.9,1e-3\n0.3,1.8,{}\n"
+
+
+@pytest.fixture
+def raw(tmp_path):
+    """The first test's config, with the curves `CURVES`."""
+    (tmp_path / "curves.csv").write_text(CURVES)
+    content = yaml.safe_load((FOLDER / "first_test.yaml").read_text(encoding="utf-8"))
+    content["scene"] = {"file": str(FOLDER / "arm.yaml")}
+    content["measured"]["swing"]["file"] = str(tmp_path / "curves.csv")
+    return content
+
+
+def problems(raw, curves=None, **changes):
+    """What a config with other curves, or changed keys of its test, is refused for."""
+    raw = copy.deepcopy(raw)
+    test = raw["measured"]["swing"]
+    if curves is not None:
+        Path(test["file"]).write_text(curves)
+    for key, value in changes.items():
+        test[key] = value
+    with pytest.raises(ConfigError) as error:
+        check_config(raw)
+    assert all("allowed: " in problem for problem in error.value.problems)
+    return "\n".join(error.value.problems)
+
+
+@pytest.mark.parametrize(
+    ("curves", "words"),
+    [
+        ("", "line 1: '' is no name with a unit"),
+        ("t [s],angle\n0,1\n", "line 1: 'angle' is no name with a unit"),
+        ("t [s],angle [deg C]\n0,1\n", "line 1: 'deg C' is not a unit"),
+        ("t [s],angle [mm]\n0,1\n1,1\n2,1\n", "line 1: its unit is not that of phi; allowed: one"),
+        ("angle [rad],t [s]\n0,1\n", "does not begin with a time"),
+        ("t [s],angle [rad],angle [rad]\n0,1,1\n", "the column angle stands twice"),
+        ("t [s],angle [rad]\n", "no rows"),
+        (CURVES + "0.25,1\n", "line 5: the time 0.25 s does not follow 0.3 s"),
+        (CURVES + "0.4,\n", "line 5: '' is not allowed; allowed: a finite number"),
+        (CURVES + "0.4,nan\n", "line 5: 'nan' is not allowed"),
+        (CURVES + "\n0.4,1,2\n", "line 6: 3 values; allowed: 2"),
+        ("t [s],phi [rad]\n0,1\n1,1\n2,1\n", "there is no such column of "),
+        (CURVES + "3.1,1\n", "it lasts until 3.1 s, the run until 3 s"),
+        (BAND.format("1e-3"), "phi has two bands"),
+    ],
+)
+def test_curves_that_cannot_be_used_are_told_with_file_and_line(raw, curves, words):
+    assert words in problems(raw, curves)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"file": "absent.csv"}, "measured.swing.file: absent.csv: No such file"),
+        ({"columns": {"angle": "psi"}}, "measured.swing.columns.angle: there is no such response"),
+        ({"band": {}}, "measured.swing.band.phi: phi has no band"),
+        ({"band": {"phi": 0.0}}, "measured.swing.band.phi: 0.0 is not allowed; allowed: a number"),
+        ({"model": {"psi": 1.0}}, "measured.swing.model.psi: there is no such response"),
+        ({"unknown": {"delay": [1, 0]}}, "measured.swing.unknown.delay: [1.0, 0.0] is not allowed"),
+        ({"unknown": {"delay": [0, 0.15]}, "window": [0.1, 0.3]}, "allowed: 0.15 to 0.3"),
+        ({"window": [0.15, 0.25]}, "1 instants of "),
+        ({"start": {"angel": [1, 2]}}, "measured.swing.start.angel: there is no such real para"),
+        ({"start": {"rate": [1, 1]}}, "measured.swing.start.rate: [1, 1] is not allowed"),
+        ({"scene": {"angle": 2}}, "measured.swing.start.angle: angle is defined twice"),
+        ({"scene": {"mass": -1}}, "measured.swing.scene.mass: -1 is not allowed"),
+        ({"use": "check"}, "measured: all tests are of use check"),
+        ({"use": "verify"}, "measured.swing.use: 'verify' is not allowed"),
+    ],
+)
+def test_tests_that_cannot_be_used_are_told_with_key_and_value(raw, changes, words):
+    assert words in problems(raw, **changes)
+
+
+def test_units_of_the_file_do_not_matter_and_its_band_may_be_a_column(raw):
+    test = check_config(raw).measured["swing"]
+    curves = read_test(test)
+    raw["measured"]["swing"]["band"] = {}
+    degrees = "t [ms],angle [deg],angle_band [mrad]\n" + "".join(
+        f"{1000 * t},{np.degrees(v)},2\n" for t, v in zip(curves.times, curves.values[0],
+                                                           strict=True)
+    )  # fmt: skip
+    Path(test.file).write_text(degrees)
+    other = read_test(check_config(raw).measured["swing"])
+    for name in ("times", "values", "bands"):
+        assert getattr(other, name) == pytest.approx(getattr(curves, name), rel=1e-12)
+
+
+def test_many_rows_are_read_at_once_and_thinned(raw):
+    times = np.linspace(0.1, 2.9, 100_000)
+    path = Path(raw["measured"]["swing"]["file"])
+    np.savetxt(path, np.array([times, times]).T, "%.6f", ",", header="t [s],angle [rad]",
+               comments="")  # fmt: skip
+    test, start = check_config(raw).measured["swing"], time.process_time()
+    curves = read_test(test)
+    assert time.process_time() - start < 1.5
+    assert (len(curves.times), curves.rows) == (MOST_INSTANTS, 100_000)
+
+
+def test_a_file_that_changed_makes_the_answers_stale_and_is_not_taken(raw):
+    first = check_config(raw)
+    path = Path(first.measured["swing"].file)
+    path.write_text(CURVES.replace("1.8", "1.7"))
+    second = check_config(raw)
+    basis = [[stage.basis(stage.sections_of(c)) for stage in STAGES.values()]
+             for c in (first, second)]  # fmt: skip
+    names = [n for n, a, b in zip(STAGES, *basis, strict=True) if a != b]
+    assert names == ["answers"]
+    with pytest.raises(CurvesFileError, match="it changed since it was checked"):
+        read_test(first.measured["swing"])
+
+
+@pytest.mark.slow
+def test_a_campaign_tells_what_the_first_test_leaves(raw, tmp_path):
+    """With the same test as a check, which must be inside, under a name that comes before."""
+    test = {**raw["measured"]["swing"], "file": str(FOLDER / "first_test.csv")}
+    tests = {"again": {**test, "use": "check"}, "swing": test}
+    raw |= {"measured": tests, "review": "ecss-e-st-33-01c", "verify": {"max_iterations": 2},
+            "requirements": {"in_time": {"t_low": {"at_most": 0.215}}}}  # fmt: skip
+    campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+    folder = tmp_path / "first_test"
+    facts = json.loads((folder / "measured.json").read_text(encoding="utf-8"))
+    hidden = {"distance": 0.1479, "viscous": 2.2e-4}
+    for p in facts["parameters"]:
+        assert p["seen"] == "both" and p["after"][0] < hidden[p["name"]] < p["after"][1]
+    assert not facts["refuted"] and facts["attained"] < 1 and facts["checks"][0]["inside"]
+    assert facts["limits"][0]["met"] == "all"
+    summary = (folder / "summary.md").read_text(encoding="utf-8")
+    assert "Explained by" in summary and "Check again: inside." in summary
+    sheet = (folder / "review.csv").read_text(encoding="utf-8")
+    assert "the inputs that the tests leave" in sheet
+
+
+@pytest.mark.slow
+def test_an_arm_with_air_is_refuted_by_the_study():
+    test = measure_synthetic(100, "air")
+    assert test["refuted"] and test["attained"] > test["least"] > 1
+    truth = {**test, "lack": "", "is_left": False, "refuted": True}
+    failed = [row.name for row in report({"synthetic": [truth, test]}).rows if row.is_failed]
+    assert failed == ["tests whose truth is left"]

@@ -37,6 +37,7 @@ _WIDER = 0.02  # of the hull's width, which is added on each side, and of the le
 _PRECISE = 0.05  # of the band, at which the surrogate's error no longer matters
 _STATIONARY = 0.8  # of the hull's volume, above which a wave does not pay where errors are small
 _SAMPLES = 128  # points at which the fraction of the hull is counted
+_DEVIATIONS = 2.0  # standard deviations of such a count that are allowed for
 
 
 class Measurement(NamedTuple):
@@ -459,8 +460,9 @@ def calibrate(
 def _fractions(
     state: _Waves, problem: _Problem, pool: list[np.ndarray], level: float
 ) -> tuple[np.ndarray, tuple[float, float]]:
-    """Points (S, k) that are not excluded, and the fractions of the box's volume that explain and
-    that are not excluded, counted in the box along the principal axes of what is left."""
+    """Points (S, k) that are not excluded, and the fractions of the box's volume that explain, at
+    least, and that are not excluded, at most, counted in the box along the principal axes of what
+    is left; two standard deviations of the count are in them."""
     widths = np.ptp(state.widest[:, : state.k], axis=0)
     if not pool or not widths.any():
         points = np.array(pool).reshape(-1, problem.size)[:, : state.k]
@@ -490,8 +492,10 @@ def _fractions(
         counts += [_misfit(state, problem, values, pool, INNER) <= level, 1.0]
         rows.append(values)
     share = np.prod(high - low) / np.prod(widths[free]) / abs(np.linalg.det(directions[:, free]))
-    inner_fraction, outer_fraction = map(float, np.minimum(counts / _SAMPLES * share, 1.0))
-    return np.array(rows), (inner_fraction, outer_fraction)
+    shares = counts / _SAMPLES
+    spread = _DEVIATIONS * np.sqrt(shares * (1.0 - shares) / _SAMPLES)
+    inner, outer = np.clip((shares + spread * [-1.0, 1.0]) * share, 0.0, 1.0)
+    return np.array(rows), (float(inner), float(outer))
 
 
 def _misfit(

@@ -32,8 +32,8 @@ CaseName = Annotated[
     str,
     Rule(
         "a name of up to 64 letters, digits, spaces, `_` and `-` that starts with a letter, and "
-        "not that of a folder of results",
-        pattern="(?!(batches|exports|extremes|figures|logs|motions|responses|rounds|trajectories)$)"
+        "not that of a folder of results, or `all`",
+        pattern="(?!(all|batches|exports|extremes|figures|logs|motions|responses|rounds|trajectories)$)"
         "[A-Za-z][A-Za-z0-9 _-]{0,63}",
     ),
 ]

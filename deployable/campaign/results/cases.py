@@ -9,8 +9,9 @@
                   case, in their order, null where it is not required
     worst         the limit in the case that decides: its margin, error and place, with its
                   `requirement`, `case` and `close`, the cases as bad within both errors
-    quantities    [{name, units, lower, lower_cases, upper, upper_cases, beyond, never, by_case}]:
-                  beyond, never: cases in which it has no latest time, does not happen
+    quantities    [{name, units, lower, lower_error, lower_cases, upper, upper_error, upper_cases,
+                  beyond, never, by_case}]: errors of the ends; beyond, never: cases in which it has
+                  no latest time, in which no run has it
     together      {met, failing, open, free}: of all requirements; cases in which some fail, are
                   undecided, or nothing is required; null without requirements
     worst         the limit that decides over all requirements
@@ -177,7 +178,7 @@ def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
         for end, choose in (("lower", min), ("upper", max)):
             values = {c: row for c, row in by_case.items() if row[end] is not None}
             last = choose(values.values(), key=itemgetter(end), default={end: None})
-            ends[end] = last[end]
+            ends[end], ends[f"{end}_error"] = last[end], last.get("error")
             ends[f"{end}_cases"] = [c for c, row in values.items() if _is_same(row, last, end)]
         rows.append({
             "name": name, "units": first["units"], "long_name": first["long_name"], **ends,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
+from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.report.cases import render_cases
@@ -16,7 +17,9 @@ from deployable.campaign.runs.progress import Tell
 def work(folder: Folder, tell: Tell, cases: Any) -> None:
     """Compare the cases of a campaign, whose results are in folders below `folder`: writes
     `cases.json`, `summary.md` and the page. tell: called with each message; cases: section of the
-    config."""
+    config. Raises `CampaignError` where there are none."""
+    if not cases:
+        raise CampaignError("cases: there are none in the config; allowed: a campaign with `cases`")
     facts = cases_facts(folder, cases)
     text = summary_text(facts, "cases.md.jinja")
     write_result(folder / "cases.json", json.dumps(facts, indent=2) + "\n")

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fpm.assembly.conditions import ParticlePoses, conditions_of, dependence, scaled
+from fpm.elements import kinds_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
@@ -117,7 +118,9 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
         reaction_force, couple = (a - b - c for a, b, c in zip(*terms, strict=True))
         reaction_force, couple = reaction_force * fixed[:3], couple * fixed[3:]
         if _is_ground(scene, particle):
-            reaction_force = reaction_force + Gravity.weight(scene, particle)
+            fields = [kind for kind in kinds_of([scene]) if issubclass(kind, Gravity)]
+            weights = [kind.weight(scene, particle) for kind in fields]
+            reaction_force = reaction_force + sum(weights)
         force = force + reaction_force
         moment = couple - np.cross(run.arm(support.beam), reaction_force)
     return force, moment

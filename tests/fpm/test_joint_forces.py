@@ -161,7 +161,7 @@ class Pull(Gravity):
         return scene.kinds.get(cls, [])
 
     @classmethod
-    def weight(cls, scene, particle, time):
+    def weight(cls, scene, particle):
         return scene.mass[particle] * cls.of(scene)[0].acceleration
 
     @classmethod

@@ -17,6 +17,7 @@ nearly linear.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import comb, inf
@@ -25,6 +26,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy
 
+from .box import corner_points
 from .chebyshev import least_squares, product_basis, total_degree
 from .designs import scan_points
 
@@ -32,7 +34,10 @@ OUTER, PLAIN, INNER = 1.0, 0.0, -1.0
 """Signs of the surrogate's error in a misfit: what is not excluded, as fitted, what explains."""
 
 _PENALTY = 100.0  # in units of the box for each band beyond the level
-_ITERATIONS, _STARTS = 40, 4
+_ITERATIONS, _STARTS, _CELLS = 40, 8, 64
+_CORNERS = 4  # most directions of whose box the corners are run
+_ALIKE = 0.05  # of the difference of runs: so far left-out errors tell of those between
+_UNBOUNDED = 1e3  # times the band and the size: an error that is not known
 _WIDER = 0.02  # of the hull's width, which is added on each side, and of the level
 _PRECISE = 0.05  # of the band, at which the surrogate's error no longer matters
 _STATIONARY = 0.8  # of the hull's volume, above which a wave does not pay where errors are small
@@ -120,6 +125,8 @@ def fit_curves(
     unit = (points - center) / half
     rows = np.flatnonzero((np.abs(unit) <= 1.0 + 2 * _WIDER).all(axis=1))
     rows = rows if len(rows) else np.abs(unit).max(axis=1).argmin()[None]
+    # A run that is left out must not stand there a second time.
+    rows = rows[np.unique(unit[rows].round(9), axis=0, return_index=True)[1]]
     unit, curves = unit[rows], curves[rows]
     middle = test.limits[:, 0].mean()
     sampled = scipy.interpolate.CubicSpline(times, curves, axis=2)(test.times - middle)
@@ -144,8 +151,14 @@ def fit_curves(
     coefficients, _ = least_squares(basis, curves.reshape(len(rows), -1), 1e-7)
     coefficients = coefficients.reshape(len(indices), *curves.shape[1:])
     spline = scipy.interpolate.CubicSpline(times, coefficients.transpose(2, 0, 1))
+    # Left-out errors of runs that hardly resemble each other bound nothing between them.
+    bands, size = test.bands.ravel(), np.abs(flat).max(axis=0)
+    is_known = errors <= np.maximum(_ALIKE * np.ptp(flat, axis=0), _PRECISE * bands)
+    errors = np.where(is_known, 3.0 * errors, _UNBOUNDED * (bands + size))
     coarse = scipy.interpolate.CubicSpline(times[::2], curves[:1, :, ::2], axis=2)
-    gaps = np.abs(coarse(times) - curves[:1])[0].max(axis=1, keepdims=True) / 16
+    gaps = np.abs(coarse(times) - curves[:1])[0].max(axis=1, keepdims=True)
+    is_resolved = gaps <= _ALIKE * np.ptp(curves[0], axis=1, keepdims=True)
+    gaps = np.where(is_resolved, gaps / 16, gaps)  # of a cubic: the fourth power of the distance
     errors = errors.reshape(sampled.shape[1:]) + gaps + own_errors
     return CurveFit(test, center, half, spline, indices, errors)
 
@@ -205,7 +218,7 @@ class _Problem:
             sides = np.clip(hull - values, -radius * half, radius * half)
             step, predicted = self._step(residuals, jacobian, sides, half, sign, cost, level)
             gain = merit - cost @ values - predicted
-            if gain <= 1e-4 * max(abs(merit), 0.01):
+            if gain <= 1e-4 * (np.abs(cost) @ half if cost.any() else max(merit, 0.01)):
                 break
             for _ in range(2):  # the second with the curvature that the first met
                 trial = np.clip(values + step, *hull)
@@ -311,11 +324,10 @@ class _Waves:
             size += test.starts + test.limits.shape[1]
             hull = self.hull[:, np.concatenate([test.axes, own]).astype(int)]
             half, center = np.ptp(hull, axis=0) / 2, hull.mean(axis=0)
-            count = int(1.5 * comb(test.dimension + 2, 2))
-            count = min(count, most - len(self.points[t]))
-            free, whole = half > 0, scan_points(half > 0, max(count - 1, 1), seed=number)
-            points = np.concatenate([center[None], center + whole * half])[: max(count, 1)]
-            middle = self.add(t, np.where(free, points, center))[0]
+            spread = _design(half > 0, int(1.5 * comb(test.dimension + 2, 2)), number)
+            points = np.concatenate([center[None], center + half * spread])
+            points = points[: max(most - len(self.points[t]), 1)]
+            middle = self.add(t, points)[0]
             change = np.abs(self.finer(t, center) - middle) * 4 / 3
             change = scipy.interpolate.CubicSpline(self.times, change, axis=1)
             errors = np.abs(change(test.times - test.limits[:, 0].mean()))
@@ -343,7 +355,7 @@ class _Waves:
     def narrow(self, level: float | None, waves: int, most: int) -> tuple[_Problem, float, list]:
         """Narrow the hull to misfits up to `level`, None for that of the best run; return the last
         problem, the least misfit that its errors allow, and points (size) that are not excluded."""
-        least, self.hull = 0.0, self.widest
+        least, pool, self.hull = 0.0, [], self.widest
         spent = [len(points) for points in self.points]
         most += max(spent)
         for number in range(waves):
@@ -354,10 +366,14 @@ class _Waves:
             plain = [problem.search(start, self.hull, PLAIN) for start in starts]
             best = min(plain, key=lambda pair: pair[1])[0]
             outer = [problem.search(v, self.hull, OUTER) for v, _ in plain]
-            least = max(least, min(misfit for _, misfit in outer))
+            nearest = min(misfit for _, misfit in outer)
             self.run(best, problem)
+            if nearest > self.attained:  # a run comes nearer: the errors were too small
+                continue
+            least = max(least, nearest)
             limit = max(self.attained, 1.0) * (1 + _WIDER) if level is None else level
             pool = [v for v, misfit in outer if misfit <= limit]
+            pool += self.islands(problem, starts, limit)
             error = (problem.errors / problem.bands).max() / limit
             self.tell(
                 f"wave {number + 1}: {self.runs} runs, least misfit {least:.3g} to "
@@ -379,6 +395,8 @@ class _Waves:
             is_met = level is None and self.attained - least <= _PRECISE * self.attained
             if is_precise or is_met or min(map(len, self.points)) >= most:
                 break
+        if not pool and self.attained <= (1.0 if level is None else level):
+            pool = [self.best]
         return problem, least, pool
 
     @property
@@ -389,6 +407,26 @@ class _Waves:
             indices += range(size, size + test.starts)
             size += test.starts + test.limits.shape[1]
         return np.array(indices)
+
+    def islands(
+        self, problem: _Problem, starts: list[np.ndarray], level: float
+    ) -> list[np.ndarray]:
+        """Return points (size) that misfits up to the `level` do not exclude, one of each cell of
+        the hull that has one: what is left may be in several parts, and a search of the whole ends
+        in one of them. starts: points whose variables of the tests are begun with."""
+        low, high = self.hull[:, : self.k]
+        free = high > low
+        count = max(2, round(_CELLS ** (1 / max(free.sum(), 1))))
+        lines = [np.arange(count) if is_free else [0] for is_free in free]
+        sides = np.where(free, (high - low) / count, 0.0)
+        left = []
+        for i, cell in enumerate(itertools.product(*lines)):
+            hull, start = self.hull.copy(), starts[i % len(starts)].copy()
+            hull[:, : self.k] = low + sides * cell, low + sides * (np.array(cell) + 1.0)
+            start[: self.k] = hull[:, : self.k].mean(axis=0)
+            values, misfit = problem.search(start, hull, OUTER, sufficient=level)
+            left += [values] * (misfit <= level)
+        return left
 
     def extremes(
         self, problem: _Problem, level: float, pool: list[np.ndarray], directions: np.ndarray
@@ -401,6 +439,16 @@ class _Waves:
             if misfit <= level * (1 + _WIDER):
                 pool = [*pool, values]
         return pool
+
+
+def _design(free: np.ndarray, count: int, number: int) -> np.ndarray:
+    """Coordinates (N, p), -1 to 1, of a wave's runs: the ends, beyond which no left-out error tells
+    anything, corners or of many directions those of the axes, then the next `count` of a sequence.
+    free (p): directions with a width; number: of the wave."""
+    axes = np.eye(len(free))[free]
+    ends = corner_points(free) if free.sum() <= _CORNERS else np.concatenate([-axes, axes])
+    spread = scan_points(free, (number + 1) * count, corners=False)
+    return np.concatenate([ends, spread[-count:]])
 
 
 def calibrate(

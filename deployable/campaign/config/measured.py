@@ -21,6 +21,7 @@ MOST_INSTANTS = 150
 """Measured instants of a test that are compared, evenly chosen."""
 
 _BAND = "_band"
+_LEAST_INSTANTS = 51  # recorded ones, between which curves are interpolated
 _HEADER = re.compile(r"\s*([A-Za-z]\w*)\s*\[([^\]]*)\]\s*")
 
 
@@ -127,6 +128,11 @@ def resolve_tests(
             resolved[name] = ResolvedTest(**vars(test), digest=file.digest)
     if tests and all(test.use == "check" for test in tests.values()):
         problems.append("measured: all tests are of use check; allowed: at least one to calibrate")
+    if tests and experiment.solver.instants < _LEAST_INSTANTS:
+        problems.append(
+            f"solver.instants: {experiment.solver.instants} instants are too few to have curves "
+            f"between them; allowed: {_LEAST_INSTANTS} or more"
+        )
     return resolved, problems
 
 
@@ -144,6 +150,11 @@ def _test_problems(test: MeasuredTest, file: CurvesFile, experiment: Experiment)
         elif (has_column := column + _BAND in file.columns) == (response in test.band):
             text = "has two bands" if has_column else "has no band"
             yield f"band.{response}: {response} {text}; allowed: one here or as {column}{_BAND}"
+        elif has_column and not file.dimensions[column + _BAND].fits(
+            unit(curves[response].unit).dimension
+        ):
+            text = f"{test.file}, line 1: the unit of {column}{_BAND} is not one of {column}"
+            yield f"columns.{column}: {text}; allowed: one of {curves[response].unit}"
         elif has_column and not (file.columns[column + _BAND] > 0).all():
             text = f"{test.file}: a band of {column}{_BAND} is not above 0"
             yield f"columns.{column}: {text}; allowed: numbers above 0"
@@ -173,6 +184,9 @@ def _instant_problems(test: MeasuredTest, file: CurvesFile, duration: float) -> 
 
 
 def _value_problems(test: MeasuredTest, experiment: Experiment) -> Iterator[str]:
+    if not set(experiment.intervals) - set(test.scene):
+        names = ", ".join(experiment.intervals)
+        yield f"scene: it fixes all intervals; allowed: at least one of {names} left"
     structure = experiment.scene_type
     real = real_names(structure)
     for name, (low, high) in test.start.items():

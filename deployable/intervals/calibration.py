@@ -419,14 +419,14 @@ class _Waves:
         count = max(2, round(_CELLS ** (1 / max(free.sum(), 1))))
         lines = [np.arange(count) if is_free else [0] for is_free in free]
         sides = np.where(free, (high - low) / count, 0.0)
-        left = []
+        pool = []
         for i, cell in enumerate(itertools.product(*lines)):
             hull, start = self.hull.copy(), starts[i % len(starts)].copy()
             hull[:, : self.k] = low + sides * cell, low + sides * (np.array(cell) + 1.0)
             start[: self.k] = hull[:, : self.k].mean(axis=0)
             values, misfit = problem.search(start, hull, OUTER, sufficient=level)
-            left += [values] * (misfit <= level)
-        return left
+            pool += [values] * (misfit <= level)
+        return pool
 
     def extremes(
         self, problem: _Problem, level: float, pool: list[np.ndarray], directions: np.ndarray

@@ -324,7 +324,7 @@ class _Waves:
             size += test.starts + test.limits.shape[1]
             hull = self.hull[:, np.concatenate([test.axes, own]).astype(int)]
             half, center = np.ptp(hull, axis=0) / 2, hull.mean(axis=0)
-            spread = _design(half > 0, int(1.5 * comb(test.dimension + 2, 2)), number)
+            spread = _design(half > 0, comb(test.dimension + 2, 2), number)
             points = np.concatenate([center[None], center + half * spread])
             points = points[: max(most - len(self.points[t]), 1)]
             middle = self.add(t, points)[0]

@@ -154,6 +154,6 @@ def test_a_campaign_tells_what_the_first_test_leaves(raw, tmp_path):
 def test_an_arm_with_air_is_refuted_by_the_study():
     test = measure_synthetic(100, "air")
     assert test["refuted"] and test["attained"] > test["least"] > 1
-    truth = {**test, "lack": "", "is_left": False, "refuted": True}
+    truth = {**test, "lack": "", "is_left": False, "refuted": True, "runs": 100}
     failed = [row.name for row in report({"synthetic": [truth, test]}).rows if row.is_failed]
     assert failed == ["tests whose truth is left"]

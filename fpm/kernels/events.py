@@ -23,8 +23,8 @@ def note_crossings(log, element, previous, value, timing):
     no longer is, at the time found by linear interpolation. log: of the element's type (Log);
     element: index in its type; previous, value (lanes): at the start and end of the step; timing:
     times of this step (s)."""
-    signs = where_negative(value, -1.0, 0.0 * value + 1.0)
-    if any_negative(signs * where_negative(previous, -1.0, 0.0 * previous + 1.0)):
+    signs = where_negative(value, -1.0, 1.0)
+    if any_negative(signs * where_negative(previous, -1.0, 1.0)):
         store(log.ends, 0, 0, previous)
         store(log.ends, 1, 0, value)
         for s in range(log.ends.shape[2]):

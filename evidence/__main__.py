@@ -64,7 +64,7 @@ def main(arguments: list[str] | None = None) -> int:
         text = results.as_json(measured[options.part])
         write_text(folder / "parts" / f"{options.part}.json", text)
         return 0
-    return tell(study, module.report(measured), folder, options.strict)
+    return notify(study, module.report(measured), folder, options.strict)
 
 
 def measure(parts: Mapping[str, Callable[[bool], Any]], quick: bool = False) -> dict[str, Any]:
@@ -89,7 +89,7 @@ def read_parts(study: Study, folder: Path) -> dict[str, Any]:
     }
 
 
-def tell(study: Study, report: results.Report, folder: Path, strict: bool) -> int:
+def notify(study: Study, report: results.Report, folder: Path, strict: bool) -> int:
     """Write the files, print the failing rows; returns the exit status."""
     results.write(folder, study.name, report)
     failures = [row for row in report.rows if row.is_failed]

@@ -20,14 +20,14 @@ ROOT = Path(__file__).parents[1]
 class Study:
     """One study.
 
-    about: a line for those who wait; uses: folders and files, beside the solver, whose code decides
+    text: a line for those who wait; uses: folders and files, beside the solver, whose code decides
     what is measured; plots: figures that it always leaves; parts: measured by a process of their
     own each, side by side (without them, one process does all); exclusive: it times things, so that
     nothing should run beside it; quick: it has a quick form.
     """
 
     name: str
-    about: str
+    text: str
     uses: tuple[str, ...]
     plots: tuple[str, ...] = ()
     parts: tuple[str, ...] = ()

@@ -61,7 +61,7 @@ def info(name: str, value: float | str, unit: str = "", note: str = "") -> Row:
     return Row(name, value, unit, note=note)
 
 
-def within(
+def close_to(
     name: str, value: float, reference: float, tolerance: float, source: str = "", note: str = "",
     unit: str = "",
 ) -> Row:  # fmt: skip

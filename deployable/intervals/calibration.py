@@ -296,10 +296,10 @@ class _Waves:
 
     def __init__(
         self, tests: Sequence[Measurement], times: np.ndarray, evaluate: Callable, finer: Callable,
-        hull: np.ndarray, tell: Callable,
+        hull: np.ndarray, notify: Callable,
     ):  # fmt: skip
         self.tests, self.times, self.evaluate, self.finer = tests, times, evaluate, finer
-        self.k, self.tell, self.runs = hull.shape[1], tell, 0
+        self.k, self.notify, self.runs = hull.shape[1], notify, 0
         blank = [np.zeros((0, len(test.values), len(times))) for test in tests]
         self.points, self.curves = [np.zeros((0, test.dimension)) for test in tests], blank
         self.attained, self.best, self.residuals = inf, None, []
@@ -375,7 +375,7 @@ class _Waves:
             pool = [v for v, misfit in outer if misfit <= limit]
             pool += self.islands(problem, starts, limit)
             error = (problem.errors / problem.bands).max() / limit
-            self.tell(
+            self.notify(
                 f"wave {number + 1}: {self.runs} runs, least misfit {least:.3g} to "
                 f"{self.attained:.3g} bands"
             )
@@ -453,7 +453,7 @@ def _design(free: np.ndarray, count: int, number: int) -> np.ndarray:
 
 def calibrate(
     tests: Sequence[Measurement], times: np.ndarray, evaluate: Callable, finer: Callable,
-    hull: np.ndarray, waves: int = 6, most: int = 120, tell: Callable = lambda text: None,
+    hull: np.ndarray, waves: int = 6, most: int = 120, notify: Callable = lambda text: None,
 ) -> Calibration:  # fmt: skip
     """Find what of a box explains all tests, with runs where that is open.
 
@@ -473,7 +473,7 @@ def calibrate(
         Part of the box (2, k) in which to look, -1 to 1.
     waves, most
         Most waves of runs, and most runs of each test; twice that where no point explains.
-    tell
+    notify
         Called with messages.
 
     Returns
@@ -481,7 +481,7 @@ def calibrate(
     Calibration
         What explains the tests; if they are refuted, where the least band is attained.
     """
-    state = _Waves(tests, times, evaluate, finer, hull, tell)
+    state = _Waves(tests, times, evaluate, finer, hull, notify)
     problem, least, pool = state.narrow(1.0, waves, most)
     is_refuted = least > 1.0
     if is_refuted:

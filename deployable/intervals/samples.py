@@ -172,14 +172,15 @@ class Samples:
 
 
 def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) -> Samples:
-    """Check a samples dataset and return it as `Samples`, whose values are read later; responses:
-    names of those wanted, None: all. IntervalError for what is missing or unknown.
+    """Check a samples dataset and return it as `Samples`, whose values are read at first use;
+    responses: names of those wanted, None: all. IntervalError for what is missing or unknown.
 
-    Variables ``values`` (run, response, time), ``normalized`` and ``value`` (run, parameter),
-    perhaps ``role`` (run); coordinates ``time`` and ``response``. A scan may have, in the place of
-    ``values`` and ``role``, the running bounds ``lower``, ``upper``, ``lower_run``, ``upper_run``
-    (quarter, response, time) of each quarter of its runs, and perhaps ``nominal`` (response, time),
-    which the first of its runs then is.
+    Variables ``values`` (run, response, time), ``normalized`` (-1 to 1) and ``value`` (run,
+    parameter), perhaps ``role`` (run); coordinates ``time`` (s) and ``response``. A scan may have,
+    in the place of ``values`` and ``role``, the least and largest value within each quarter of its
+    runs, ``lower`` and ``upper`` (quarter, response, time), and which runs have them, ``lower_run``
+    and ``upper_run`` (-1: no runs); perhaps ``nominal`` (response, time), the responses at nominal
+    parameters, at which its first run then is.
     """
     arrays = ("values",) if "lower_run" not in samples else _RUNNING
     for name in ("time", "response", *arrays, "normalized", "value"):

@@ -133,7 +133,7 @@ def attack_by_running(checked: Campaign, text: str, place: Path, ledger: Ledger)
 
     def run() -> str:
         try:
-            bounds = campaign.run(checked, place, figures=False, tell=silent)
+            bounds = campaign.run(checked, place, figures=False, notify=silent)
         except CampaignError:
             return "refused"
         return "right" if bool((bounds["lower"] <= bounds["upper"]).all()) else "wrong"

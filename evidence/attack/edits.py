@@ -86,7 +86,7 @@ class Edits:
         (self.base,), calls = self._run("base", calls=True)
         if "failed" in self.base["numbers"]:
             raise RuntimeError(self.base["numbers"]["failed"])
-        self._called = {tuple(item) for item in compiled + calls}
+        self._executed_code = {tuple(item) for item in compiled + calls}
 
     def close(self) -> None:
         """End the process that runs campaigns."""
@@ -118,7 +118,7 @@ class Edits:
         """Places that can be changed, by room, in files of which something is called: file, and
         number in it."""
         places: dict[str, list[tuple[str, int]]] = {}
-        for name in sorted({name for name, _ in self._called}):
+        for name in sorted({name for name, _ in self._executed_code}):
             if name.startswith(ROOMS):
                 tree = ast.parse((self.place / name).read_text(encoding="utf-8"))
                 lines = self._lines(name, tree)
@@ -136,7 +136,7 @@ class Edits:
                 own = set(range(node.lineno, node.end_lineno + 1))
                 inner |= own
                 first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", ()))])
-                executed |= own if (name, first) in self._called else set()
+                executed |= own if (name, first) in self._executed_code else set()
         return executed | (set(range(tree.body[-1].end_lineno + 1)) - inner)
 
     def drawn(self, compiled: bool = False) -> tuple[str, int]:

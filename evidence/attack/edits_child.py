@@ -55,7 +55,7 @@ def run_whole(campaigns: list, results: Path) -> dict:
         from deployable.campaign.folder import Folder
 
         for raw in campaigns:
-            campaign.run(raw, results, figures=False, tell=lambda text: None)
+            campaign.run(raw, results, figures=False, notify=lambda text: None)
             folder = Folder(results / "kept-whole")
             result["numbers"] |= numbers_in(folder.samples)
             for name, digest in numbers_in(folder.bounds).items():

@@ -45,9 +45,9 @@ class Victim:
         """Its name, and that of its folder."""
         return self.raw["campaign"]
 
-    def run(self, results: Path, tell: Callable[[str], None] = silent) -> dict[str, np.ndarray]:
+    def run(self, results: Path, notify: Callable[[str], None] = silent) -> dict[str, np.ndarray]:
         """Run it (what is there already is used); its bounds."""
-        bounds = campaign.run(self.raw, results, figures=self.drawn, tell=tell)
+        bounds = campaign.run(self.raw, results, figures=self.drawn, notify=notify)
         return {name: bounds[name].values for name in VARIABLES}
 
     def copy(self, results: Path) -> Path:

@@ -70,10 +70,10 @@ def scan(folder: Path, samples: int, keep: str) -> Path:
 def snakemake(folder: Path, config: Path | None, cores: int, *options: str) -> float:
     """Wall seconds of one call."""
     config_options = ("--configfile", str(config)) if config else ()
-    return called(folder, "snakemake", f"-c{cores}", *config_options, *options)
+    return run_seconds(folder, "snakemake", f"-c{cores}", *config_options, *options)
 
 
-def called(folder: Path, module: str, *arguments: str) -> float:
+def run_seconds(folder: Path, module: str, *arguments: str) -> float:
     """Wall seconds of a call of a module."""
     command = [sys.executable, "-m", module, *arguments]
     start = time.perf_counter()
@@ -158,7 +158,7 @@ def whole(samples: int, keep: str) -> tuple[list[Row], float]:
     """The same of a scan by `python -m deployable run`, which has all cores of the machine."""
     cores = os.cpu_count() or 1
     with warm(samples, keep, cores) as (folder, config):
-        wall = called(folder, "deployable", "run", str(config))
+        wall = run_seconds(folder, "deployable", "run", str(config))
         share = integrating(manifests_in(folder)) / cores / wall
     note = f"one process that computes, one that draws; {cores} cores"
     return [info("all", wall, "s", note)], share

@@ -109,7 +109,7 @@ def closures(scans: list[Scan]) -> Figure:
         law = time * np.sqrt(k / main.K_F)
         ax.plot(main.K_F, law, "k", linewidth=0.9, linestyle=style, label="rigid linkage, 1/√K_F")
     for name, marker in (("BD", "."), ("vBz", "+")):
-        instants = [n.at[name] for n in main.numbers]
+        instants = [n.times[name] for n in main.numbers]
         ax.plot(main.K_F, instants, marker, color="0.5", markersize=3, label=f"largest in {name}")
     ax.axhline(DURATION, color="0.3", linewidth=0.8)
     _finish(ax, "time (s)")

@@ -10,7 +10,7 @@ from evidence.calibration.plan import GRID, MESHES
 from evidence.calibration.scans import CLOSE, DURATION, PAPER, Numbers, Scan
 from evidence.linkage.rigid import RigidBennett
 from evidence.linkage.runs import default
-from evidence.rows import Row, within
+from evidence.rows import Row, close_to
 
 COINCIDE = 0.05
 UNITS = {"BD": "m", "vBz": "m/s"}
@@ -21,7 +21,7 @@ OWN_SOURCE = "this study"
 
 def near_to(name, value, reference, share, source, note="") -> Row:
     """A value that may miss its reference by a share of it."""
-    return within(name, value, reference, share * abs(reference), source, note)
+    return close_to(name, value, reference, share * abs(reference), source, note)
 
 
 @cache
@@ -36,12 +36,12 @@ def rigid_closings(stiffness: float) -> np.ndarray:
 def checks(scans: list[Scan]) -> list[Row]:
     """The rows of summary.json. `scans` as planned, the default reading first."""
     main, k = scans[0], default("K_F")
-    numbers = main.at(k)
+    numbers = main.numbers_at(k)
     best = min((n for n in main.numbers if 4.8 <= n.K_F <= 6), key=lambda n: n.misfit)
     name = "K_F of the scene against the least misfit of the default reading, 4.8 to 6 N/rad"
     return [
         *_against_the_paper(numbers),
-        within(name, k, best.K_F, 0.1, OWN_SOURCE),
+        close_to(name, k, best.K_F, 0.1, OWN_SOURCE),
         *_against_finer(scans, numbers),
         *_against_rigid(main, numbers),
     ]
@@ -52,15 +52,15 @@ def _against_the_paper(numbers: Numbers) -> list[Row]:
     counts = [len(c) for c in numbers.closures]
     rows = [
         near_to(f"{n}: largest difference of the bounds ({UNITS[n]})", numbers.largest[n], PAPER[n],
-                CLOSE, PAPER_SOURCE, f"at {numbers.at[n]:.4f} s")
+                CLOSE, PAPER_SOURCE, f"at {numbers.times[n]:.4f} s")
         for n in PAPER
     ]  # fmt: skip
     rows += [
-        within(f"closures in 1 s, {word} of the samples", value, 2, 0, PAPER_SOURCE)
+        close_to(f"closures in 1 s, {word} of the samples", value, 2, 0, PAPER_SOURCE)
         for word, value in (("fewest", min(counts)), ("most", max(counts)))
     ]
     return rows + [
-        within(f"{n}: largest difference before the first closure, share of the curve's range",
+        close_to(f"{n}: largest difference before the first closure, share of the curve's range",
                numbers.early[n] / numbers.span[n], 0, COINCIDE, PAPER_SOURCE,
                f"{numbers.early[n]:.3g} {UNITS[n]}; the paper: the bounds coincide")
         for n in PAPER
@@ -72,7 +72,7 @@ def _against_finer(scans: list[Scan], numbers: Numbers) -> list[Row]:
     rows, by_label = [], {scan.reading.label: scan for scan in scans}
     for label, tolerance in ((f"{max(MESHES)} elements a link", 0.1), ("step × 0.5", 0.05)):
         if label in by_label:
-            finer = by_label[label].at(numbers.K_F)
+            finer = by_label[label].numbers_at(numbers.K_F)
             rows += [
                 near_to(f"{n}: largest difference, default against {label} ({UNITS[n]})",
                         numbers.largest[n], finer.largest[n], tolerance, OWN_SOURCE)
@@ -89,7 +89,7 @@ def _against_rigid(main: Scan, numbers: Numbers) -> list[Row]:
     return [
         near_to("first closure, mean of the samples (s)", first, rigid[0], 0.02, RIGID_SOURCE,
                 "the real links bend, the reference's do not"),
-        within("first closure times √K_F, largest relative departure over the scan", departure, 0,
+        close_to("first closure times √K_F, largest relative departure over the scan", departure, 0,
                0.02, "rigid linkage: time scales with 1/√K_F until contact"),
     ]  # fmt: skip
 
@@ -97,7 +97,7 @@ def _against_rigid(main: Scan, numbers: Numbers) -> list[Row]:
 def findings(scans: list[Scan]) -> dict:
     """How sharp the fit is, and what explains it; numbers for summary.json and table.md."""
     main, k = scans[0], default("K_F")
-    numbers = main.at(k)
+    numbers = main.numbers_at(k)
     stiffnesses = [n.K_F for n in main.numbers if all(len(c) > 1 for c in n.closures)]
     first, second = numbers.closure(0), numbers.closure(1)
     return {
@@ -105,7 +105,9 @@ def findings(scans: list[Scan]) -> dict:
         "misfit there": numbers.misfit,
         "least misfit": main.best.misfit,
         "K_F of the least misfit (N/rad)": main.best.K_F,
-        "K_F with a misfit within 20 % of the least (N/rad)": spans(main.K_F, main.within(0.2)),
+        "K_F with a misfit within 20 % of the least (N/rad)": spans(
+            main.K_F, main.mask_within(0.2)
+        ),
         "K_F that fits (N/rad)": spans(main.K_F, main.fits),
         "K_F that fits, largest differences at the second closure (N/rad)": spans(
             main.K_F, main.fits & main.at_second_closure
@@ -128,7 +130,7 @@ def _comparable(scans: list[Scan]) -> list[Scan]:
     """All starts and meshes over the same K_F; the default reading was scanned more finely."""
     main = scans[0]
     comparable = [s for s in scans if np.array_equal(s.K_F, GRID)]
-    return [*comparable, Scan(main.reading, [main.at(x) for x in GRID])]
+    return [*comparable, Scan(main.reading, [main.numbers_at(x) for x in GRID])]
 
 
 def _share(scans: list[Scan]) -> np.ndarray:

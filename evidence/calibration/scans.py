@@ -45,14 +45,14 @@ class Reading:
 class Numbers:
     """What the paper's campaign gives for one K_F (N/rad) under one reading.
 
-    largest and at: response -> largest difference of the bounds and its time (s); early: the same
-    before any sample's first closure; closures: one tuple of times (s) for each of the samples;
-    step (s).
+    largest and times: response -> largest difference of the bounds and its time (s); early: the
+    same before any sample's first closure; closures: one tuple of times (s) for each of the
+    samples; step (s).
     """
 
     K_F: float
     largest: dict[str, float]
-    at: dict[str, float]
+    times: dict[str, float]
     early: dict[str, float]
     span: dict[str, float]
     closures: tuple[tuple[float, ...], ...]
@@ -74,7 +74,7 @@ class Numbers:
         second = self.closure(1)
         return bool(
             np.isfinite(second).all()
-            and all(abs(time - second.mean()) <= SAME_TIME for time in self.at.values())
+            and all(abs(time - second.mean()) <= SAME_TIME for time in self.times.values())
         )
 
     def closure(self, index: int) -> np.ndarray:
@@ -109,11 +109,11 @@ class Scan:
     def best(self) -> Numbers:
         return min(self.numbers, key=lambda n: n.misfit)
 
-    def at(self, K_F: float) -> Numbers:
+    def numbers_at(self, K_F: float) -> Numbers:
         """The numbers of the scan's value next to K_F."""
         return min(self.numbers, key=lambda n: abs(n.K_F - K_F))
 
-    def within(self, share: float) -> np.ndarray:
+    def mask_within(self, share: float) -> np.ndarray:
         """Where the misfit is at most (1 + share) times the least misfit, (values,) bool."""
         return self.misfit <= (1 + share) * self.misfit.min()
 

@@ -59,7 +59,7 @@ def _plain(n: Numbers) -> dict:
     return {
         "K_F": n.K_F,
         **{f"{name}_largest": n.largest[name] for name in PAPER},
-        **{f"{name}_time": n.at[name] for name in PAPER},
+        **{f"{name}_time": n.times[name] for name in PAPER},
         "misfit": n.misfit,
         "closures": [len(c) for c in n.closures],
     }
@@ -85,7 +85,7 @@ def tables(facts: dict, scans: list[Scan]) -> str:
 
 
 def _line(scan: Scan, k: float) -> tuple[str, ...]:
-    best, numbers, fitting = scan.best, scan.at(k), scan.K_F[scan.fits]
+    best, numbers, fitting = scan.best, scan.numbers_at(k), scan.K_F[scan.fits]
     if not scan.K_F.min() <= k <= scan.K_F.max():
         raise ValueError(f"K_F = {k} N/rad of the scene is outside the scan of {scan.reading}")
     second = numbers.closure(1)

@@ -131,8 +131,8 @@ def attempt(name: str, scene: fpm.Scene, duration: float):
 
 def widest(outcome: fpm.Outcome) -> float:
     """The largest gap of any joint, m."""
-    gaps = [outcome.recorded[k].values.max() for k in ("joint_gap", "hinge_gap")
-             if k in outcome.recorded]  # fmt: skip
+    gaps = [outcome.records[k].values.max() for k in ("joint_gap", "hinge_gap")
+             if k in outcome.records]  # fmt: skip
     return float(max(gaps))
 
 

@@ -48,7 +48,7 @@ def config_of(name: str, intervals: Mapping, duration: float, measured: Mapping)
 def find(config: Mapping) -> dict[str, Any]:
     """What measured.json of a campaign says; of its curves the residuals of the nearest run."""
     with tempfile.TemporaryDirectory() as folder:
-        campaign.run(config, folder, figures=False, tell=lambda text: None)
+        campaign.run(config, folder, figures=False, notify=lambda text: None)
         path = Path(folder, config["campaign"], "measured.json")
         facts = json.loads(path.read_text(encoding="utf-8"))
     for test in facts["tests"]:

@@ -81,7 +81,7 @@ def _size(units: int, build, steps: int, repeats: int) -> Size:
 def _widest(outcome: fpm.Outcome, suffix: str) -> float:
     """The largest gap, or axis_gap, of all hinges and joints."""
     names = (f"hinge_{suffix}", f"joint_{suffix}")
-    return float(max(outcome.recorded[n].values.max() for n in names if n in outcome.recorded))
+    return float(max(outcome.records[n].values.max() for n in names if n in outcome.records))
 
 
 def _checked(scene: fpm.Scene) -> fpm.Scene:

@@ -16,7 +16,7 @@ import numpy as np
 
 import fpm
 from evidence.plots import Chart
-from evidence.rows import Row, at_least, within
+from evidence.rows import Row, at_least, close_to
 
 
 class Bench:
@@ -68,13 +68,13 @@ class Bench:
         if scale is None:
             scale = abs(reference) if measure == "relative" else 1.0
         note = "" if measure == "absolute" else f"tolerance {tolerance:g}, {measure}"
-        self._add(within(name, value, reference, tolerance * scale, source, note))
+        self._add(close_to(name, value, reference, tolerance * scale, source, note))
 
     def check_small(
         self, name: str, value: float, tolerance: float, source: str, whole: str
     ) -> None:
         """Write a row for a value that should be zero; `whole`: what it is a share of."""
-        self._add(within(name, value, 0.0, tolerance, source, f"share of {whole}"))
+        self._add(close_to(name, value, 0.0, tolerance, source, f"share of {whole}"))
 
     def check_at_least(self, name: str, value: float, least: float, source: str) -> None:
         """Write a row for a value that must not be below `least`."""

@@ -39,7 +39,7 @@ def bounce(bench: Bench) -> None:
         period = (times[2 * turns] - times[0]) / turns
         bench.check(f"period of {turns}, {name} (s)", period, 2 * fall + flight, 1e-3,
                     "free flight and part of a swing")  # fmt: skip
-        tension = outcome.recorded["cable_tension"].values[:, 0]
+        tension = outcome.records["cable_tension"].values[:, 0]
         most = mass * G + np.hypot(mass * G, mass * rate * G * fall)
         bench.check(f"largest tension, {name} (N)", tension.max(), most, 1e-3,
                     "m g + √((m g)² + m k v²)")  # fmt: skip
@@ -66,7 +66,7 @@ def atwood(bench: Bench) -> None:
         name, exact = f"{heavy:g} and {light:g} kg", G * (heavy - light) / (heavy + light)
         drop = outcome.points["left"][0][0, 2] - outcome.points["left"][0][-1, 2]
         bench.check(f"acceleration, {name} (m/s²)", 8 * drop, exact, 1e-4, "g (m₁-m₂)/(m₁+m₂)")
-        tension = outcome.recorded["cable_tension"].values[:, 0]
+        tension = outcome.records["cable_tension"].values[:, 0]
         exact = 2 * heavy * light * G / (heavy + light)
         worst = np.abs(tension / exact - 1).max()
         bench.check_small(f"tension, {name}", worst, 1e-4, "2 m₁ m₂ g/(m₁+m₂)", "it")
@@ -95,7 +95,7 @@ def vee(bench: Bench) -> None:
         outcomes = bench.simulate(scenes, duration=24.0, instants=3, step=5e-4)
         for span, outcome in zip(spans, outcomes, strict=True):
             name = f"{'running through' if running else 'two cables'}, {span[0]} + {span[1]} m"
-            tensions = outcome.recorded["cable_tension"].values[-1]
+            tensions = outcome.records["cable_tension"].values[-1]
             place = outcome.points["mass"][0][-1]
             exact = _hangs_in_one(span, mass, EA, 2.0) if running else _hangs(span, mass, EA, 0.7)
             for label, value, reference in zip(("x", "z"), place[[0, 2]], exact[0], strict=True):

@@ -71,7 +71,7 @@ def interval_of_a_latch(bench: Bench) -> None:
     from deployable import campaign
 
     with TemporaryDirectory() as folder, bench.timed():
-        campaign.run(CONFIG / "latch.yaml", folder, figures=False, tell=lambda text: None)
+        campaign.run(CONFIG / "latch.yaml", folder, figures=False, notify=lambda text: None)
         with xarray.open_dataset(Path(folder, "latch", "quantities.nc")) as file:
             row = file.sel(quantity="t_latch").load()
     times = [

@@ -50,7 +50,7 @@ def latches(bench: Bench) -> None:
         bench.check(f"catches at, {name} (s)", outcome.events[0, 0], exact, 1e-6, "closed form",
                     measure="absolute")  # fmt: skip
         fast = np.sqrt(k / J * (rest**2 - (rest - angle) ** 2))
-        rate = outcome.recorded["latch_rate"].values[-1, 0]
+        rate = outcome.records["latch_rate"].values[-1, 0]
         bench.check(f"rate there, {name} (rad/s)", rate, fast, 1e-6, "energy", measure="absolute")
         omega = np.sqrt((hold + k) / J)
         push = k * (rest - angle) / (hold + k)
@@ -58,7 +58,7 @@ def latches(bench: Bench) -> None:
         bench.check(f"largest opening, {name} (rad)", opening.max(), swing, 1e-5,
                     "θ + p + √(p² + (w/ω)²)")  # fmt: skip
         cycle = exact + 2 * np.pi / omega
-        impulse = np.interp(cycle, time, outcome.recorded["latch_impulse"].values[:, 0])
+        impulse = np.interp(cycle, time, outcome.records["latch_impulse"].values[:, 0])
         reference = -k * (rest - angle - push) * 2 * np.pi / omega
         bench.check(f"impulse over a cycle, {name} (N m s)", impulse, reference, 1e-3,
                     "momentum: minus that of the spring", J * fast, "of J w")  # fmt: skip

@@ -60,7 +60,7 @@ def n_four_bar(bench: Bench) -> None:
         ("vy at 10 s (m/s)", velocity[-1, 1], -0.494868845, 3e-5),
     ):
         bench.check(f"B0 {name}", value, exact, tolerance, source, measure="absolute")
-    gap = outcome.recorded["joint_gap"].values.max()
+    gap = outcome.records["joint_gap"].values.max()
     bench.check_small("largest gap (m)", gap, 1e-10, "joints stay closed", "m")
     worst = np.abs(outcome.energies["balance"]).max() / np.ptp(outcome.energies["kinetic"])
     bench.check_small("energy balance", worst, 1e-4, "no damping", "energy")
@@ -96,7 +96,7 @@ def bricard(bench: Bench) -> None:
             value = outcome.points["C"][0][100 * second, k]
             bench.check(f"rigid: C {axis} at {second} s (m)", value, place[k], 1e-6, source,
                         measure="absolute")  # fmt: skip
-    bench.check_small("rigid: largest gap (m)", outcome.recorded["joint_gap"].values.max(), 1e-10,
+    bench.check_small("rigid: largest gap (m)", outcome.records["joint_gap"].values.max(), 1e-10,
                       "joints stay closed", "m")  # fmt: skip
 
     errors = []

@@ -42,7 +42,7 @@ def synchronised(bench: Bench) -> None:
         bench.check(f"time to 90°, {name} (s)", time, 2.059970910, close, source)
         bench.check(f"rate there, {name} (rad/s)", rate, 0.75 * np.pi, 10 * close, "energy, 3π/4")
         slip = np.abs(0.2 * root - 0.1 * outcome.openings["middle"]).max()
-        pull = np.abs(outcome.recorded["loop_force"].values).max()
+        pull = np.abs(outcome.records["loop_force"].values).max()
         bench.check(f"largest pull, {name} (N)", pull, stiffness * slip, 1e-6, "k times the slip")
         worst = np.abs(outcome.energies["balance"]).max() / outcome.energies["kinetic"].max()
         bench.check_small(f"energy balance, {name}", worst, 1e-4, "no loss", "kinetic energy")

@@ -71,7 +71,7 @@ def impacts(bench: Bench) -> None:
         share = masses(latch).sum(axis=0)[1] / total
         rest = outer - share**2 * total
         fast = np.copysign(np.sqrt((2 * energy - momentum**2 / total) / rest), latch)
-        records = {k: outcome.recorded[k].values[-1, 0] for k in ("latch_rate", "latch_impact")}
+        records = {k: outcome.records[k].values[-1, 0] for k in ("latch_rate", "latch_impact")}
         bench.check(f"{name}: rate of the knee (rad/s)", records["latch_rate"], fast, 1e-5,
                     "momentum and energy")  # fmt: skip
         bench.check(f"{name}: kinetic energy just before it (J)", just_before(outcome), energy,

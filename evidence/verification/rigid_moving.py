@@ -117,7 +117,7 @@ def motors(bench: Bench) -> None:
         bench.check(f"{name}: work (J)", outcome.energies["motor_work"][-1], work, 1e-4,
                     "height, and speed less that at the start", G / 2, "of m g l/2")  # fmt: skip
         late = outcome.time > 1.3
-        moment = outcome.recorded["motor_moment"].values[late, 0]
+        moment = outcome.records["motor_moment"].values[late, 0]
         worst = np.abs(moment - G / 2 * np.cos(psi[late])).max() / (G / 2)
         bench.check_small(f"{name}: moment at a constant rate", worst, 1e-6, "m g l/2 cos ψ",
                           "m g l/2")  # fmt: skip
@@ -152,7 +152,7 @@ def light_coupler(bench: Bench) -> None:
         angle, delta = 10 * outcome.time, 1e-3
         low, exact, high = (rocker(angle + k * delta) for k in (-1, 0, 1))
         moment = 0.8 * (high - low) / (2 * delta) * (high - 2 * exact + low) / delta**2 * 100
-        measured = outcome.recorded["motor_moment"].values[:, 0]
+        measured = outcome.records["motor_moment"].values[:, 0]
         name = f"step {1e3 * step:g} ms"
         worst = np.abs(outcome.openings["rocker"] - exact).max()
         bench.check_small(f"rocker, {name} (rad)", worst, 1e-8, "its geometry", "1 rad")
@@ -171,7 +171,7 @@ def by_rate(bench: Bench) -> None:
         ramp = scene.add_curve([0.0, 1.0, 2.0], [0.0, 1.0, 0.0])
         scene.add(RigidMotor(0, 0.0, 1.0, ramp, by_rate=True))
         (outcome,) = bench.simulate(scene, duration=400 * step, instants=401, step=step)
-        force = outcome.recorded["slide_motor_force"].values[:, 0]
+        force = outcome.records["slide_motor_force"].values[:, 0]
         worst = np.abs(force - 10.0).max() / 10.0
         bench.check_small(f"force, step {1e3 * step:g} ms", worst, 1e-9, "m a", "10 N")
 

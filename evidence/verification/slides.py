@@ -120,7 +120,7 @@ def slides(bench: Bench) -> None:
     omega = np.sqrt(800.0 / 2.0)
     exact = np.where(time < 0.3, time, 0.3 + np.sin(omega * (time - 0.3)) / omega)
     curve("latched", exact, 1e-6, "m s'' = -k (s - s_c) from s_c on")
-    impulse = outcome.recorded["slide_latch_impulse"].values[:, 0]
+    impulse = outcome.records["slide_latch_impulse"].values[:, 0]
     exact = np.where(time < 0.3, 0.0, 2.0 * (np.cos(omega * (time - 0.3)) - 1.0))
     bench.check_small("latched: impulse", np.abs(impulse - exact).max() / 4.0, 1e-3,
                       "m (s' - v)", "2 m v")  # fmt: skip
@@ -150,7 +150,7 @@ def slides(bench: Bench) -> None:
 
 def _check_exact_holds(bench: Bench, outcome: fpm.Outcome) -> None:
     """Latches, releases and motors that hold slides and crosses exactly."""
-    time, opening, records = outcome.time, outcome.openings, outcome.recorded
+    time, opening, records = outcome.time, outcome.openings, outcome.records
     late = time >= 0.5
     exact = np.where(late, 0.5, time)
     bench.check_small("caught: opening (m)", np.abs(opening["caught"] - exact).max(), 1e-9,

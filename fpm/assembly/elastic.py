@@ -136,5 +136,5 @@ def elastic_of(scene) -> Elastic:
     nodes, _, half = elements_of(scene.beams)
     if not len(nodes):
         return Elastic(nodes, np.zeros((0, 5)), np.zeros((0, 4, 3)), half)
-    stiffness = np.concatenate([beams.stiffness() for beams in Beams.of(scene)])
+    stiffness = np.concatenate([beams.stiffness() for beams in Beams.find(scene)])
     return Elastic(nodes, stiffness, end_axes(scene).reshape(-1, 4, 3), half)

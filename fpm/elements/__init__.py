@@ -67,7 +67,7 @@ def kinds_of(scenes) -> list[type[ElementType]]:
     elements: those in the registry KINDS in its order, then others by module and name."""
     types = {kind for scene in scenes for kind in scene.kinds}
     own = sorted(types.difference(KINDS), key=lambda kind: (kind.__module__, kind.__qualname__))
-    return [kind for kind in (*KINDS, *own) if any(kind.of(scene) for scene in scenes)]
+    return [kind for kind in (*KINDS, *own) if any(kind.find(scene) for scene in scenes)]
 
 
 def energies_of(kinds) -> list:

@@ -58,12 +58,13 @@ class SceneData(Protocol):
 
 class Slices:
     """Where the rows of each key lie in one array that several share, one key after the other.
-    sizes (argument): number of rows by key; of: slice of each key; count: number of all rows."""
+    sizes (argument): number of rows by key; slices: slice of each key; count: number of all
+    rows."""
 
     def __init__(self, sizes: dict):
         ends = np.cumsum([0, *sizes.values()])
         self.count = int(ends[-1])
-        self.of = {key: slice(int(a), int(b)) for key, a, b in zip(sizes, ends, ends[1:])}  # noqa: B905
+        self.slices = {key: slice(int(a), int(b)) for key, a, b in zip(sizes, ends, ends[1:])}  # noqa: B905
 
 
 class Batch:
@@ -72,8 +73,8 @@ class Batch:
     scenes: one for each sample simulated side by side (lane); scene: the first, for what is equal
     in all; kinds: their element types, in order; energies: of their balance (Energy); width: number
     of lanes, at least that of scenes; dtype: of arrays; instants: number of recorded instants;
-    room: number of events of each scene for which there is room; moved, free: indices of the
-    particles that some element type moves itself, and of the others."""
+    room: number of events of each scene for which there is room; moved_particles, free: indices of
+    the particles that some element type moves itself, and of the others."""
 
     def __init__(
         self,
@@ -88,8 +89,8 @@ class Batch:
         self.scenes, self.width, self.dtype, self.instants = scenes, width, dtype, instants
         self.scene = scenes[0]
         self.kinds, self.energies = kinds, energies
-        self.moved = {p for kind in self.kinds for p in kind.moved(self.scene)}
-        self.free = [p for p in range(len(self.scene.position)) if p not in self.moved]
+        self.moved_particles = {p for kind in self.kinds for p in kind.moved_particles(self.scene)}
+        self.free = [p for p in range(len(self.scene.position)) if p not in self.moved_particles]
         self._parts: dict[type, NamedTuple] = {}
         self.accounts = self._accounts()
         self.watches = Slices({kind: len(kind.watches) for kind in self.kinds})
@@ -97,7 +98,7 @@ class Batch:
         self.rows = Slices({kind: len(kind.names(self.scene)) for kind in of_kinds})
         eventful = {k: len(k.names(self.scene)) for k in self.kinds if k.events}
         self.eventful = Slices(eventful)
-        self._watched = self.blank(1, self.watches.count)
+        self._peaks = self.blank(1, self.watches.count)
         self._rows = self.blank(self.rows.count, 1)
         self.events = np.full((room, 3, width), np.nan, dtype)
         self.event_count = np.zeros(width, np.int64)
@@ -130,8 +131,8 @@ class Batch:
     def table(self, kind: type, columns: int, row: Callable) -> np.ndarray:
         """Return an array (elements, columns, lanes) with some numbers of every element of a type.
         kind: the element type; columns: how many of each; row(element): returns those of one."""
-        count = len(kind.of(self.scene))
-        return self.stack(count, columns, lambda scene: [row(e) for e in kind.of(scene)])
+        count = len(kind.find(self.scene))
+        return self.stack(count, columns, lambda scene: [row(e) for e in kind.find(scene)])
 
     # -- arrays that are the same for all lanes ---------------------------------------------------
 
@@ -156,32 +157,32 @@ class Batch:
         in every step (lists it in its class attribute `reads`)."""
         return any(kind in reader.reads for reader in self.kinds)
 
-    def given_by(self, kind: type) -> int:
+    def work_account(self, kind: type) -> int:
         """Return the index, in the axis of accounts of World.accounts, of the work (J) that
         elements of type `kind` give."""
         return self.accounts.index(kind.gives)
 
-    def taken_by(self, kind: type) -> int:
+    def loss_account(self, kind: type) -> int:
         """Return the index, in the axis of accounts of World.accounts, of the energy (J) that
         elements of type `kind` take out."""
         return self.accounts.index(kind.takes)
 
-    def watched_by(self, kind: type) -> np.ndarray:
-        """Return a view (1, criteria, lanes) of World.watched: largest values so far of the
+    def peaks_of(self, kind: type) -> np.ndarray:
+        """Return a view (1, criteria, lanes) of World.peaks: largest values so far of the
         quantities by which runs with element type `kind` may fail. Kernels write to it."""
-        return self._watched[:, self.watches.of[kind]]
+        return self._peaks[:, self.watches.slices[kind]]
 
     def rows_of(self, kind: type) -> np.ndarray:
         """Return a view (elements, 1, lanes) of World.rows: one number for each element of the type
         `kind`, its energy or watched quantity, which its kernels write once a run has failed, to
         name the worst element."""
-        return self._rows[self.rows.of[kind]]
+        return self._rows[self.rows.slices[kind]]
 
     def log_of(self, kind: type) -> Log:
         """Return the log into which kernels of an element type `kind` write events: the arrays that
         all types share (time, element, number of the event), and `first`, the number of the type's
         first element among all elements with events."""
-        first = self.eventful.of[kind].start
+        first = self.eventful.slices[kind].start
         return Log(self.events, self.event_count, first, self.blank(2, 1))
 
     # -- the whole --------------------------------------------------------------------------------
@@ -193,7 +194,7 @@ class Batch:
         from fpm.kernels.hooks import KERNELS
 
         for kind in self.kinds:
-            if (kind.stores is None) == ((type(self.part(kind)), "stored") in KERNELS):
+            if (kind.stores is None) == ((type(self.part(kind)), "sum_energies") in KERNELS):
                 raise TypeError(
                     f"kind {kind.__name__} has `stores` or a kernel for energy_of or stored, "
                     "not both; expected both, or neither"
@@ -206,7 +207,7 @@ class Batch:
         scene, n, points = self.scene, len(self.scene.position), self.scene.points
         lengths = [len(times) for times, _ in scene.curves]
         watches = [(kind, watch) for kind in self.kinds for watch in kind.watches]
-        rows, unity = [self.rows.of[kind] for kind, _ in watches], np.ones(self.width)
+        rows, unity = [self.rows.slices[kind] for kind, _ in watches], np.ones(self.width)
         return World(
             state=self.stack(n, layout.STATE, _state),
             start_state=self.blank(n, layout.STATE),
@@ -215,12 +216,12 @@ class Batch:
             curve_start=self.integers(np.cumsum([0, *lengths])),
             curve_time=np.concatenate([np.zeros(0), *(times for times, _ in scene.curves)]),
             curve_value=np.concatenate([np.zeros(0), *(values for _, values in scene.curves)]),
-            point_on=self.integers(p.particle for p in points.values()),
+            point_particle=self.integers(p.particle for p in points.values()),
             point_arm=self.stack(len(points), 3, lambda s: [p.arm for p in s.points.values()]),
             accounts=self.blank(1, len(self.accounts)),
             givers=self.givers,
             sums=self.blank(1, layout.SUMS),
-            watched=self._watched,
+            peaks=self._peaks,
             size=(size := self.stack(1, 1, lambda s: [[size_of(s)]])),
             most=np.array(
                 [w.most * (size[0, 0] if w.of_size else unity) for _, w in watches]

@@ -20,11 +20,11 @@ _KEY = "fpm"
 class FieldSpec:
     """What is stated of one dataclass field of an element type. name: of the field; same: whether
     its value must be equal in scenes simulated side by side; words: its name in messages, in which
-    {called} stands for the type's word and {title} for the element; "": the field's name; text: its
+    {noun} stands for the type's word and {title} for the element; "": the field's name; text: its
     meaning, for docs; is_shown: whether descriptions of a structure say its value."""
 
     name: str = ""
-    same: bool = False
+    is_topology: bool = False
     words: str = ""
     text: str = ""
     is_shown: bool = False
@@ -72,11 +72,11 @@ class Word(FieldSpec):
 
 @dataclass(frozen=True)
 class Index(FieldSpec):
-    """Spec of a field that holds an index into a list of the scene. of: name of the list, as
+    """Spec of a field that holds an index into a list of the scene. group: name of the list, as
     "hinges"; least: -1 where that is allowed and means none, else 0; types: allowed types of the
     hinge ("revolute", ...), empty: all."""
 
-    of: str = ""
+    group: str = ""
     least: int = 0
     types: tuple[str, ...] = ()
 
@@ -96,9 +96,9 @@ def number(
     return _field(Number(unit=unit, least=least, above=above, **keys), default)
 
 
-def stiffness(unit: str = "N m/rad", words: str = "{called} stiffness", **keys) -> Any:
+def stiffness(unit: str = "N m/rad", words: str = "{noun} stiffness", **keys) -> Any:
     """Declare a dataclass field of an element that holds a stiffness, at least 0. unit: as "N/m";
-    words: its name in messages, in which {called} stands for the type's word; keys: further
+    words: its name in messages, in which {noun} stands for the type's word; keys: further
     arguments of `number`."""
     return number(unit, 0.0, words=words, **keys)
 
@@ -120,13 +120,13 @@ def index(group: str, least: int = 0, *, default=MISSING, **keys) -> Any:
     """Declare a dataclass field of an element that holds an index into a list of the scene. group:
     name of the list, as "hinges"; least: -1 where that is allowed and means none, else 0; default:
     MISSING where one must be given; keys: further ones of its spec `Index` (types, words, text)."""
-    return _field(Index(of=group, least=least, same=True, **keys), default)
+    return _field(Index(group=group, least=least, is_topology=True, **keys), default)
 
 
-def same(default: Any = MISSING) -> Any:
+def topology(default: Any = MISSING) -> Any:
     """Declare a dataclass field of an element, of any type, whose value must be equal in scenes
     simulated side by side. default: MISSING where a value must be given."""
-    return _field(FieldSpec(same=True), default)
+    return _field(FieldSpec(is_topology=True), default)
 
 
 @cache

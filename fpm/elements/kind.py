@@ -95,9 +95,9 @@ class Deformations(NamedTuple):
 SHARED = {
     "rows": Batch.rows_of,
     "log": Batch.log_of,
-    "watched": Batch.watched_by,
-    "given": Batch.given_by,
-    "taken": Batch.taken_by,
+    "peaks": Batch.peaks_of,
+    "work_account": Batch.work_account,
+    "loss_account": Batch.loss_account,
 }
 """What stands under some names in the tuples of all kernels: shares of what is common."""
 
@@ -127,7 +127,7 @@ class ElementType:
 
     resists_as: ClassVar[str] = "HA"  # class of its part in slow travel (fpm/travel); "": none
 
-    called: ClassVar[str] = ""  # in messages; kinds that are called alike are one to a user
+    noun: ClassVar[str] = ""  # in messages; kinds that are called alike are one to a user
     cost: ClassVar[float] = 100.0  # core time of one of its elements in a step (ns; effort.py)
 
     # -- of one element -----------------------------------------------------------------------
@@ -155,7 +155,7 @@ class ElementType:
         """Check that an index in one of the element's fields exists in a list of the scene; raises
         SceneError if not. field: spec of the field: `of`, the list's attribute, and `least`, the
         lowest index allowed (-1: none); value: the index."""
-        count = len(getattr(scene, field.of))
+        count = len(getattr(scene, field.group))
         if not (isinstance(value, Integral) and field.least <= value < count):
             raise SceneError(self.subject(scene, field), value, f"{field.least} to {count - 1}")
 
@@ -164,12 +164,12 @@ class ElementType:
         holds the element's hinge; field: the field's spec, with its name or words."""
         words = field.words or field.name.replace("_", " ") + " of {title}"
         title = self.title(scene) if "{title}" in words else ""
-        return words.format(called=self.called, title=title)
+        return words.format(noun=self.noun, title=title)
 
     def title(self, scene: SceneData) -> str:
         """Return what a message calls this element: by default its type's word (`called`);
         overridden where elements have names, as "latch A". scene: with what it acts on."""
-        return self.called
+        return self.noun
 
     def unit_in(self, scene: SceneData, unit: str) -> str:
         """Return the unit of one of the element's fields in this scene: by default `unit`, which
@@ -179,7 +179,9 @@ class ElementType:
     def topology(self) -> Hashable:
         """Return, as a tuple, those of this element's fields (stated with same=True, or indices)
         that must be equal in scenes whose runs are computed together, side by side."""
-        return tuple(getattr(self, n) for n, field in specs(type(self)).items() if field.same)
+        return tuple(
+            getattr(self, n) for n, field in specs(type(self)).items() if field.is_topology
+        )
 
     def acts_on(self) -> tuple[int, ...]:
         """Return the indices of the hinges of the scene on whose openings (angles, or lengths of
@@ -189,29 +191,29 @@ class ElementType:
     # -- of all elements of the kind in a scene -------------------------------------------------
 
     @classmethod
-    def of(cls, scene: SceneData) -> list[Any]:
+    def find(cls, scene: SceneData) -> list[Any]:
         """Elements of this type in a scene, in the order in which they were added."""
         return scene.kinds.get(cls, [])
 
     @classmethod
-    def led(cls, scene: SceneData) -> list["ElementType"]:
+    def sweep_elements(cls, scene: SceneData) -> list["ElementType"]:
         """Return the elements that replace this type's where an opening is moved slowly through
         static equilibria, to find what resists it (fpm/travel); by default the scene's own."""
-        return cls.of(scene)
+        return cls.find(scene)
 
     @classmethod
     def topology_of(cls, scene: SceneData) -> Hashable:
         """Return, as a hashable value, what of this type's elements in a scene, as their indices,
         must be equal in scenes simulated side by side, in one batch; None: nothing, not even their
         number."""
-        return tuple(element.topology() for element in cls.of(scene))
+        return tuple(element.topology() for element in cls.find(scene))
 
     @classmethod
     def names(cls, scene: SceneData) -> list[str]:
         """Return the names of the type's elements in a scene, for messages: one for each row in
         which kernels note who fails; by default the type's word and a number. An object that stands
         for several elements, as a group of beams, has several names."""
-        return [f"{cls.called or cls.__name__} {i}" for i in range(len(cls.of(scene)))]
+        return [f"{cls.noun or cls.__name__} {i}" for i in range(len(cls.find(scene)))]
 
     @classmethod
     def eventful(cls, scene: SceneData) -> list[Eventful]:
@@ -220,7 +222,7 @@ class ElementType:
         return [Eventful(name, cls.events) for name in cls.names(scene) if cls.events]
 
     @classmethod
-    def moved(cls, scene: SceneData) -> list[int]:
+    def moved_particles(cls, scene: SceneData) -> list[int]:
         """Return the indices of the particles of a scene that this type's kernels move themselves,
         so that the time loop must not; by default none."""
         return []
@@ -262,10 +264,10 @@ class ElementType:
         the field: "numbers": constants of each element, in the order of NUMBERS in the kernels'
         module; "state": zeros, STATE for each element; "track": zeros, TRACK for each at every
         instant; "account": index in World.accounts of the work that it gives, else of the energy
-        that it takes out; "rows", "log", "watched", "given", "taken": what Batch.rows_of, log_of,
-        watched_by, given_by, taken_by return; any other: the elements' own field of that name, as
-        whole numbers. batch: the scenes that are simulated side by side."""
-        elements = cls.of(batch.scene)
+        that it takes out; "rows", "log", "peaks", "work_account", "loss_account": what the methods
+        of Batch of these names, or with _of, return; any other: the elements' own field of that
+        name, as whole numbers. batch: the scenes that are simulated side by side."""
+        elements = cls.find(batch.scene)
         match name:
             case "numbers":
                 columns = [(n, specs(cls).get(n)) for n in cls.kernels().NUMBERS]
@@ -276,7 +278,7 @@ class ElementType:
             case "track":
                 return batch.blank((batch.instants + 1) * len(elements), cls.kernels().TRACK)
             case "account":
-                return (batch.given_by if cls.gives else batch.taken_by)(cls)
+                return (batch.work_account if cls.gives else batch.loss_account)(cls)
             case _ if name in SHARED:
                 return SHARED[name](batch, cls)
         return batch.integers(getattr(element, name) for element in elements)
@@ -308,7 +310,7 @@ class ElementType:
         return False
 
     @classmethod
-    def recorded(cls, part: Any, scene: SceneData, lane: int) -> dict[str, Series]:
+    def read_records(cls, part: Any, scene: SceneData, lane: int) -> dict[str, Series]:
         """Return the recorded series of one sample after a run, by names of variables in its
         trajectory file; by default none. part: arrays of the type's kernels; scene: the sample's;
         lane: index of the sample among those simulated side by side."""

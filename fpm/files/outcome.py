@@ -47,7 +47,7 @@ class Outcome(Curves):
     ----------
     scene: the simulated scene.
     energy_kinds: names and texts (Energy) of the `energies`, in their order.
-    recorded: further series (Series) by name, of what element types record, as "cable_tension".
+    records: further series (Series) by name, of what element types record, as "cable_tension".
     steps: number of time steps.
     limit: the scene's stable step (StableStep); None if the run was given its step and did not
         fail.
@@ -59,7 +59,7 @@ class Outcome(Curves):
 
     scene: Scene
     energy_kinds: tuple[Energy, ...]
-    recorded: dict[str, Series]
+    records: dict[str, Series]
     steps: int
     limit: StableStep | None
     failure: InstabilityError | SceneError | None
@@ -87,7 +87,7 @@ class Outcome(Curves):
         return self._recorded_or_zero("hinge_axis_gap")
 
     def _recorded_or_zero(self, name: str) -> np.ndarray:
-        return self.recorded[name].values if name in self.recorded else np.zeros(len(self.time))
+        return self.records[name].values if name in self.records else np.zeros(len(self.time))
 
     def dataset(self, responses=(), attributes=None, parameters=None) -> "xarray.Dataset":
         """Return the trajectory as an xarray.Dataset; raises the failure of a run that failed.

@@ -41,8 +41,9 @@ class DamagedError(OSError):
 
 def seal(path: str | os.PathLike, facts: Mapping[str, str]) -> None:
     """Append a seal to the complete file at `path` (in JSON: insert it as the first key): a line of
-    JSON with the file's digest and facts. facts: text by key: `name` (what the file is) and
-    whatever else its readers need. A JSON file must be an object over several lines."""
+    JSON, in an HTML comment in pages, SVG and Markdown, with the facts and a digest of file and
+    facts. facts: text by key: `name` (what the file is) and whatever else its readers need. A JSON
+    file must be an object over several lines."""
     path = Path(path)
     if path.suffix == ".json":
         content = read_bytes(path)

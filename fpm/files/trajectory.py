@@ -183,7 +183,7 @@ def _energies(outcome) -> dict[str, classic.NetcdfVariable]:
 def _record_variables(outcome) -> dict[str, classic.NetcdfVariable]:
     """What the kinds in the scene have recorded, and the coordinates of it."""
     variables = {}
-    for name, (values, unit, long_name, dimension, labels, axis, code) in outcome.recorded.items():
+    for name, (values, unit, long_name, dimension, labels, axis, code) in outcome.records.items():
         dims = (axis,) if dimension is None else (axis, dimension)
         extra = {CODE: code} if code else {}
         variables[name] = _variable(dims, values, unit, long_name, **extra)

@@ -44,7 +44,7 @@ def hook(arrays: type, name: str | None = None) -> Callable:
         compiled = function if hasattr(function, "py_func") else kernel(function)
         kernels = {hook_name: compiled}
         if hook_name == "energy_of":
-            kernels |= {"stored": _sum(compiled), "list_energies": _list(compiled)}
+            kernels |= {"sum_energies": _sum(compiled), "list_energies": _list(compiled)}
         for key, entry in kernels.items():
             if (arrays, key) in KERNELS:
                 raise ValueError(f"{arrays.__name__} has a kernel for {key} already")
@@ -149,10 +149,10 @@ def prepare(parts, world, timing):
 
 @_unrolled()
 def decide(parts, world, timing):
-    """Hold or free openings in this step (as rigid latches do), by the impulses that `solve` found.
-    Where anything changed, World.undecided is set, and `solve` and `decide` are repeated; an
-    element may change only finitely often per step. parts: arrays of each element type; world:
-    solver state (World); timing: times of this step (s)."""
+    """Hold or free openings in this step (as rigid latches and rigid friction do), by the impulses
+    that `solve` found. Where anything changed, World.undecided is set, and `solve` and `decide` are
+    repeated; an element may change only finitely often per step. parts: arrays of each element
+    type; world: solver state (World); timing: times of this step (s)."""
 
 
 @_unrolled()
@@ -186,7 +186,7 @@ def work_after(parts, world, timing):
 @_unrolled(
     "store(energies, row, ACCOUNTS + world.accounts.shape[1] + {j}, {kernel}({part}, world))"
 )
-def stored(parts, world, energies, row):
+def sum_energies(parts, world, energies, row):
     """Store the energy (J, lanes) of all elements of each type in its column of row `row` of
     `energies`, the recorded ones. A type's kernel, of (part, world), returns that sum; `energy_of`,
     for one element, is simpler. parts: arrays of each element type; world: solver state (World)."""
@@ -201,15 +201,16 @@ def work_of_place(parts, world, energies, row):
 @_unrolled()
 def record(parts, world, row):
     """Write what each element type records at an instant into its arrays, and raise its watched
-    quantities (World.watched), by which runs fail. parts: arrays of each element type; world:
+    quantities (World.peaks), by which runs fail. parts: arrays of each element type; world:
     solver state (World); row: index of the recorded instant in them."""
 
 
 @_unrolled()
 def record_points(parts, world, points, row, timing):
-    """Correct the recorded velocities (m/s) of named points on particles that an element type moves
-    without momenta. parts: arrays of each element type; world: solver state; points: Record.points,
-    written; row: index of the recorded instant; timing: times of this step (s)."""
+    """Overwrite the recorded velocities (m/s) of named points on particles that an element type
+    moves without momenta, as drives do. parts: arrays of each element type; world: solver state;
+    points ((instants + 1) p, 6, lanes): Record.points, of p named points, changed; row: index of
+    the recorded instant, whose point n is points[row p + n]; timing: times of this step (s)."""
 
 
 @_unrolled()

@@ -75,7 +75,7 @@ def record_before(parts, world, record, row):
     """Record what depends on positions at an instant: energies, and what each element type records.
     parts: arrays of each element type; world: solver state (World); record: arrays of the run,
     written (Record); row: index of the instant in them."""
-    hooks.stored(parts, world, record.energies, row)
+    hooks.sum_energies(parts, world, record.energies, row)
     for k in range(world.accounts.shape[1]):
         store(record.energies, row, ACCOUNTS + k, load(world.accounts, 0, k))
     hooks.work_of_place(parts, world, record.energies, row)
@@ -89,9 +89,9 @@ def record_after(parts, world, record, row, timing):
     World.start_state: that of the instant, with momenta half a step before it; record: arrays of
     the run, written (Record); row: index of the instant in them; timing: times of this step (s)."""
     start, state, points = world.start_state, world.state, record.points
-    count = world.point_on.shape[0]
+    count = world.point_particle.shape[0]
     for n in range(count):
-        i, index = world.point_on[n], row * count + n
+        i, index = world.point_particle[n], row * count + n
         axes = frame(start, i)
         arm = to_global(axes, get3(world.point_arm, n, 0))
         put3(points, index, POSITION, get3(start, i, X) + arm)

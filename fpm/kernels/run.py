@@ -108,6 +108,7 @@ def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
 
 @kernel
 def act(parts, world, timing):
-    """Add the forces of all element types to those of the particles, in World.state, once; no step
-    is done. parts: arrays of each element type; world: solver state; timing: step times (s)."""
+    """Add the forces (N, N m) of all element types at timing.time to those of particles in
+    World.state, without a step: at the poses of slow motions (fpm/travel). parts: arrays of each
+    element type; world: solver state, changed; timing: step times (s)."""
     hooks.forces(by_reference(parts), by_reference(world), timing)

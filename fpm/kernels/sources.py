@@ -296,7 +296,8 @@ def _tree_digest(content: bytes, path: str) -> str:
 
 
 def user_cache() -> Path:
-    """Return the user's folder for files that can be made again; it need not exist."""
+    """Return this program's own folder in the user's cache (~/.cache, or XDG_CACHE_HOME), for files
+    that can be made again; it need not exist."""
     return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "deployable-intervals"
 
 

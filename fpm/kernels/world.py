@@ -41,12 +41,12 @@ class World(NamedTuple):
     curve_start: np.ndarray  # (curves + 1,) first point of each curve
     curve_time: np.ndarray  # (points,) s
     curve_value: np.ndarray  # (points,)
-    point_on: np.ndarray  # (p,) particles of the named points
+    point_particle: np.ndarray  # (p,) particles of the named points
     point_arm: np.ndarray  # (p, 3, lanes)
     accounts: np.ndarray  # (1, a, lanes) energy given by the first ones, taken by the others (J)
     givers: int  # number of accounts that give
     sums: np.ndarray  # (1, SUMS, lanes)
-    watched: np.ndarray  # (1, w, lanes) largest so far of what kinds watch
+    peaks: np.ndarray  # (1, w, lanes) largest so far of what kinds watch
     size: np.ndarray  # (1, 1, lanes) of the scene (m)
     most: np.ndarray  # (w, lanes) above which a lane fails
     unconditional: np.ndarray  # (w,) whether also where the energy does not balance
@@ -71,7 +71,7 @@ class Record(NamedTuple):
     positions (m), velocities (m/s) of named points; energies (J): kinetic, balance, accounts,
     stored by type. Of the first failed check, lanes last: failed_step: its step, -1: none;
     failed_cause: index of the watched quantity, -1: the balance; failed_row: worst element, a row
-    of World.rows; failed_balance (J); failed_watched: World.watched then. scale (lanes,): largest
+    of World.rows; failed_balance (J); failed_watched: World.peaks then. scale (lanes,): largest
     energy so far (J)."""
 
     points: np.ndarray  # ((instants + 1) p, POINT, lanes)
@@ -80,5 +80,5 @@ class Record(NamedTuple):
     failed_cause: np.ndarray  # (lanes,) what was watched and is too large; -1: the balance
     failed_row: np.ndarray  # (lanes,) the worst element, a row of World.rows; -1: none
     failed_balance: np.ndarray  # (lanes,) J
-    failed_watched: np.ndarray  # (w, lanes) World.watched then
+    failed_watched: np.ndarray  # (w, lanes) World.peaks then
     scale: np.ndarray  # (lanes,) largest energy so far

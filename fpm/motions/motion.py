@@ -38,8 +38,9 @@ def whole_motion(
     attributes: Sequence[dict] | None = None,
     extra_variables: Callable[[int, Outcome], Mapping] = lambda number, outcome: {},
 ) -> list:
-    """Simulate scenes that differ in numbers only and return the motion of all particles, an
-    xarray.Dataset for each: positions (m), own axes, velocities (m/s), strains and stresses (Pa).
+    """Simulate scenes that differ in numbers only and return the whole motion of each as an
+    xarray.Dataset: of all particles positions (m), own axes (columns) and velocities (m/s), of all
+    elements strains and stresses (Pa).
 
     Parameters
     ----------
@@ -47,12 +48,12 @@ def whole_motion(
     duration, instants, step: of the run (s), number of recorded instants, time step (s).
     frames: number of recorded instants that are returned, evenly spread.
     times: further times (s), of which the nearest instants are returned as well.
-    energy_tolerance: error of the energy balance at which a run fails (fraction).
+    energy_tolerance: energy error at which a run fails, as a fraction of its largest energy so far.
     record: columns (variable, label) to record, as `simulate` takes them, for the Outcome that
         extra_variables takes; the datasets do not have them.
     attributes: further global attributes by name, for each scene's dataset.
     extra_variables: called with the number of a scene (from 0) and its Outcome, returns further
-        variables by name for its dataset.
+        variables for its dataset, by name, as xarray.Dataset.assign takes them.
 
     Raises
     ------

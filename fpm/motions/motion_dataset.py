@@ -184,7 +184,7 @@ def _cables(motion: RecordedMotion) -> dict[str, tuple]:
         np.array([beam.particle for beam in beams]),
         np.array([beam.arm for beam in beams]),
     )
-    tension = motion.outcome.recorded["cable_tension"].values[motion.rows]
+    tension = motion.outcome.records["cable_tension"].values[motion.rows]
     return {
         "cable_tension": (("time", "cable"), tension, "N", "tension of the cables"),
         "cable_point_cable": ("cable_point", owner.astype(np.int32), "1", "cable of the point"),

@@ -15,9 +15,11 @@ MOST_PAIRS = 1 << 20
 
 
 def clearance(scene: Scene, first: Bar, second: Bar, place, axes) -> np.ndarray:
-    """Return the shortest distance (t,) m between the surfaces of two bars, `first` and `second`,
-    of a scene, below 0 where they overlap; place(particle), axes(particle): positions (t, 3) m and
-    frames (t, 3, 3) of a particle (index)."""
+    """Return the clearance (t,) m of two bars of a scene, `first` and `second`, at t instants: at
+    most the shortest distance between their surfaces, equal to it where sides or edges face each
+    other; a value that is not above 0 does not show that they overlap. place(particle),
+    axes(particle): positions (t, 3) m and frames (t, 3, 3), axes as columns, of a particle
+    (index)."""
     lines1, lines2 = (_lines(scene, bar, place, axes) for bar in (first, second))
     count, pairs = len(lines1[0]), lines1[0].shape[1] * lines2[0].shape[1]
     size = max(1, MOST_PAIRS // pairs)

@@ -27,7 +27,7 @@ SUPPORT = " (its support)"  # what joints are called that hold the point of a hi
 def joints_of(scene: Scene) -> dict[str, Hinge | Joint]:
     """Return all joints of a scene that connect two bodies (hinges, slides, balls, ...), by name;
     without those that only hold an opening."""
-    joints = (*Hinge.of(scene), *Joint.of(scene))
+    joints = (*Hinge.find(scene), *Joint.find(scene))
     return {j.name: j for j in joints if len(j.beams) == 2 and not j.holds_opening}
 
 
@@ -48,7 +48,7 @@ def couple_on_two(run: Recording, joint: Hinge | Joint, sides: Sides) -> np.ndar
     opposite = sides.about_two - np.cross(point - place2, sides.on_two)
     moment = np.cross(point - place1, sides.on_one) - sides.about_one
     second = joint.beams[1].particle
-    turns = ~run.scene.fixed[second, 3:] | (second in Drive.moved(run.scene))
+    turns = ~run.scene.fixed[second, 3:] | (second in Drive.moved_particles(run.scene))
     return np.where(turns, opposite, moment)
 
 
@@ -83,7 +83,7 @@ class Reaction(NamedTuple):
 def reactions_of(scene: Scene) -> dict[str, Reaction]:
     """Return the points of a scene that have a reaction force, by name: supports and drives, named
     points on particles that are fixed or driven, and hinges with a support."""
-    holding = {joint.name: joint for joint in Joint.of(scene) if len(joint.beams) == 1}
+    holding = {joint.name: joint for joint in Joint.find(scene) if len(joint.beams) == 1}
     is_fixed = scene.fixed.any(axis=1)
     reactions = {}
     for name, beam in {**scene.points, **scene.supports}.items():
@@ -129,7 +129,9 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
 def _is_ground(scene: Scene, particle: int) -> bool:
     """Whether a particle represents the ground."""
     on_bars = any(particle in beams.nodes for beams in scene.beams)
-    has_role = on_bars or particle in scene.bodies.values() or particle in Drive.moved(scene)
+    has_role = (
+        on_bars or particle in scene.bodies.values() or particle in Drive.moved_particles(scene)
+    )
     return bool(scene.fixed[particle].all()) and not has_role
 
 

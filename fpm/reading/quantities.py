@@ -48,14 +48,15 @@ class Quantity:
 
     @property
     def is_time(self) -> bool:
-        """Whether the quantity is a time of the run (s)."""
+        """Whether the quantity is the time (s) of a crossing, event or settling, which lies between
+        0 and the run's end, and can be another's `at`; not that of a smallest value."""
         return KINDS[self.kind].unit == "s"
 
     @property
     def least(self) -> float | None:
         """Physical lower bound of the quantity, in its unit; None where there is none."""
-        if self.kind == "smallest_at":
-            return None
+        if self.kind == "smallest_at":  # a time, or a place along the response
+            return None if self.response.along else 0.0
         return 0.0 if self.is_time or KINDS[self.kind].positive else self.response.least
 
     @property

@@ -60,7 +60,7 @@ class Recording:
     def _driven_rates(self) -> dict[int, np.ndarray]:
         """Velocity and spin (3, t, 2, 3) of driven particles half a step before the instants, at
         them, and half a step after."""
-        if not Drive.of(self.scene):
+        if not Drive.find(self.scene):
             return {}
         half = 0.5 * self.step
         motions = [[Drive.motion(self.scene, t + s) for t in self.time] for s in (-half, 0.0, half)]
@@ -149,7 +149,7 @@ class Recording:
         """Return the moments on a hinge (its index) at t instants, (t, a) N m, on a slide forces N,
         one column for each of the `a` components ("spring", "damper", ...: PARTS), and the work (t,
         a) J of each since the start."""
-        rows = self._rows(self._parts[Opening].told_track, len(self.scene.hinges) * len(PARTS))
+        rows = self._rows(self._parts[Opening].part_track, len(self.scene.hinges) * len(PARTS))
         own = rows[:, hinge * len(PARTS) : (hinge + 1) * len(PARTS)]
         return own[..., 0], own[..., 1]
 
@@ -175,7 +175,7 @@ class Recording:
         particles: pairs (Hinge or Joint, Sides)."""
         pairs = []
         for kind in (Hinge, Joint):
-            if elements := kind.of(self.scene):
+            if elements := kind.find(self.scene):
                 rows = self._rows(self._parts[kind].forces, len(elements)).swapaxes(0, 1)
                 sides = (Sides(*np.split(own, 4, axis=1)) for own in rows)
                 pairs += zip(elements, sides, strict=True)

@@ -201,7 +201,7 @@ def _opening(spec: Definition, unit: str, words: str) -> Response:
 def _latch(spec: Definition) -> Response:
     """What every run records of a latch; impacts are those of latches that hold exactly."""
     kinds = (RigidLatch,) if spec.kind == "latch_impact" else (Latch, RigidLatch)
-    latches = {latch.label(spec.scene): latch for k in kinds for latch in k.of(spec.scene)}
+    latches = {latch.label(spec.scene): latch for k in kinds for latch in k.find(spec.scene)}
     value, hinges = spec.data[spec.kind], spec.scene.hinges
     labels = [label for label, latch in latches.items() if hinges[latch.hinge].name == value]
     label = labels[0] if len(labels) == 1 and value not in latches else spec.one_of(latches)
@@ -217,7 +217,7 @@ def parts_on(scene: Scene, hinge: str) -> list[str]:
     elements that act on it, each once. hinge: its name."""
     index = [h.name for h in scene.hinges].index(hinge)
     acting = (kind for kind in kinds_of([scene]) if kind.acts_as)
-    parts = (k.acts_as for k in acting for e in k.of(scene) if index in e.acts_on())
+    parts = (k.acts_as for k in acting for e in k.find(scene) if index in e.acts_on())
     return list(dict.fromkeys(parts))
 
 

@@ -24,14 +24,14 @@ def doubt(scene: Scene, response: Response) -> str:
         jumps = response.subjects[1] in _HOLDING
     if not jumps:
         return ""
-    if latches := [latch.label(scene) for latch in RigidLatch.of(scene)]:
+    if latches := [latch.label(scene) for latch in RigidLatch.find(scene)]:
         return (
             f"{_listed(latches)} without `stiffness` stops the joint within one step, a blow as "
             "large as mesh and step make it: state the `stiffness` of the latch, or of what "
             "bears it"
         )
-    sudden = any(_sudden(scene, load) for load in Load.of(scene))
-    if scene.beams and sudden and not any(viscosity.share for viscosity in Viscosity.of(scene)):
+    sudden = any(_sudden(scene, load) for load in Load.find(scene))
+    if scene.beams and sudden and not any(viscosity.share for viscosity in Viscosity.find(scene)):
         return (
             "a load begins at once, and the wave that it sends through the bars rings in the last "
             "mode of the mesh, a quarter too high and more the finer it is: state "

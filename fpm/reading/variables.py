@@ -138,7 +138,7 @@ def _constraint(moment: bool, recording: Recording, name: str) -> np.ndarray:
 def _keep_reaction(scene: Scene, name: str) -> Probe:
     support = reactions_of(scene)[name]
     particle = support.beam.particle
-    joints = [*Hinge.of(scene), *Joint.of(scene)]
+    joints = [*Hinge.find(scene), *Joint.find(scene)]
     particles = {p for joint in joints if particle in joint.particles for p in joint.particles}
     frames = tuple(sorted(particles | {particle}))
     return Probe(frames, (particle,) if support.particle else (), impulses=bool(joints))
@@ -328,12 +328,12 @@ def numbers(scene: Scene, columns: Iterable[Column]) -> int:
 
     probe = Probe.of_scene(prepared(scene, columns))
     count = probe_kernels.FRAME * len(probe.frames) + probe_kernels.FORCES * len(probe.forces)
-    joints = len(Hinge.of(scene)) + len(Joint.of(scene))
+    joints = len(Hinge.find(scene)) + len(Joint.find(scene))
     moments = 2 * len(PARTS) * len(scene.hinges)
     return count + SUMS * joints * probe.impulses + moments * probe.moments
 
 
-def recorded(recording: Recording, columns: Iterable[Column]) -> dict[str, Series]:
+def read_records(recording: Recording, columns: Iterable[Column]) -> dict[str, Series]:
     """Return what was recorded of a run in the form of trajectory files: a Series by variable,
     values (t, labels). recording: what the time loop recorded; columns: pairs (variable, label)."""
     series = {}

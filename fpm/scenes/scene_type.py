@@ -96,8 +96,9 @@ class SceneType:
 
     @cached_property
     def energies(self) -> tuple[str, ...]:
-        """Names of the energies (J) that a run of the structure records: kinetic, those of its
-        element types, and balance (the error of their sum)."""
+        """Names of the energies (J) that a run of the structure records: kinetic, those of all
+        element types in the registry (zero where the structure has no such element) and of its own
+        types, and balance (the error of the energy balance)."""
         own = (energy.name for energy in energies_of(self.sample.kinds))
         return ("kinetic", *own, "balance")
 

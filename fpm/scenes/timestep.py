@@ -8,9 +8,9 @@ are looked at, and the fastest one counts:
 
 - all that always acts, with all hinges cut;
 - for a type that acts in one position only, as contacts do at opening zero: the same with its
-  elements, there, without the motions that are ruled out there (Contact.shut). To cut these
-  hinges too would double the frequency of a stiff contact: the particles beside it turn about the
-  hinge line, not about their own axes.
+  elements, there, without the motions that are ruled out there (Contact.blocked_motions). To cut
+  these hinges too would double the frequency of a stiff contact: the particles beside it turn about
+  the hinge line, not about their own axes.
 
 Dampers C whose rate is extrapolated, 3/2 of that of the last half step less 1/2 of the one before,
 count as springs of 4 C/h. A mode z^n u, with a = h u*Cu and b = h² u*Ku for u*Mu = 1, has
@@ -134,7 +134,9 @@ def _limit(scene: Scene, step: float = np.inf) -> StableStep:
     deformations, kind_of, names = deformation_modes(scene, step)
     modes, element, inverse = _scaled(scene, deformations)
     kinds = kinds_of([scene])
-    blocked = {n: kind.shut(scene, inverse) for n, kind in enumerate(kinds) if kind is Contact}
+    blocked = {
+        n: kind.blocked_motions(scene, inverse) for n, kind in enumerate(kinds) if kind is Contact
+    }
     acting = ~np.isin(kind_of, list(blocked))
     cases = [(modes[acting], element[acting])]
     for number, columns in blocked.items():

@@ -53,7 +53,7 @@ def consistent_scene(scene: Scene) -> Scene:
     SceneError as `check_masses` does."""
     check_masses(scene)
     # One for each that has any: of a motor and a latch on one hinge, the motor alone.
-    rates = [(scene.hinges[h.hinge], h.rate_at_start(scene)) for h in Turn.of(scene)]
+    rates = [(scene.hinges[h.hinge], h.rate_at_start(scene)) for h in Turn.find(scene)]
     rates = [(hinge, rate) for hinge, rate in rates if rate is not None]
     is_led = any(rate for _, rate in rates) or bool(scene.drives)
     if not (is_led or scene.velocity.any() or scene.spin.any()):

@@ -31,18 +31,18 @@ def outcome_of(
     kinds = (KINETIC, *batch.energies, BALANCE)
     records = {}
     for kind, part in zip(batch.kinds, parts, strict=True):
-        for name, series in kind.recorded(part, scene, lane).items():
+        for name, series in kind.read_records(part, scene, lane).items():
             series = series._replace(values=series.values[:instants])
             records[name] = series.merge(records[name]) if name in records else series
     is_failed, failure = record.failed_step[lane] >= 0, None
     if extra and not is_failed:
         recording = Recording(batch, parts, lane, times, division.step)
         try:
-            records |= variables.recorded(recording, extra)
+            records |= variables.read_records(recording, extra)
         except SceneError as error:  # this sample cannot do what is to be recorded of it
             failure = error
     watches = [watch for kind in batch.kinds for watch in kind.watches]
-    values = record.failed_watched[:, lane] if is_failed else world.watched[0, :, lane]
+    values = record.failed_watched[:, lane] if is_failed else world.peaks[0, :, lane]
     largest = {watch.name: float(x) for watch, x in zip(watches, values, strict=True)}
     if is_failed:
         limit = limit or stable_step(scene)
@@ -54,10 +54,10 @@ def outcome_of(
         points=points,
         energies=_energies(batch, record, lane, instants),
         energy_kinds=kinds,
-        recorded=records,
+        records=records,
         columns=columns_of(records),
         events=batch.events[: min(event_count, len(batch.events)), :, lane],
-        eventful=eventful(scene, batch.eventful.of),
+        eventful=eventful(scene, batch.eventful.slices),
         events_dropped=max(0, event_count - len(batch.events)),
         step=division.step,
         steps=steps,
@@ -72,7 +72,7 @@ def _start_velocity(scene: Scene, beam, velocity: np.ndarray) -> None:
     """Set the first row of a velocity (t, 3) m/s of a point to that of the scene at its start, in
     place; the mean of the half steps before and after the start is right to second order only."""
     particle = beam.particle
-    if particle not in Drive.moved(scene):
+    if particle not in Drive.moved_particles(scene):
         arm = scene.frame[particle] @ beam.arm
         spin = scene.spin[particle] * ~scene.fixed[particle, 3:]
         velocity[0] = scene.velocity[particle] + np.cross(spin, arm)
@@ -97,7 +97,7 @@ def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityE
     """The InstabilityError of a lane that failed: cause, element and remedy."""
     batch, _, _, record = run
     scene, balance = batch.scenes[lane], float(record.failed_balance[lane])
-    names = [(name, kind) for kind in batch.rows.of for name in kind.names(scene)]
+    names = [(name, kind) for kind in batch.rows.slices for name in kind.names(scene)]
     row, cause = record.failed_row[lane], record.failed_cause[lane]
     element, worst = names[row] if row >= 0 else ("none", None)
     remedies = [w.unbalanced(element) for w in (worst.watches if worst else ()) if w.unbalanced]

@@ -114,7 +114,7 @@ def acting(scene: Scene) -> list[str]:
     in the order of the joints: name, joints and nonzero numbers with units."""
     texts = []
     for kind in kinds_of([scene]):
-        pairs = zip(kind.names(scene), kind.of(scene), strict=True) if kind.acts_as else ()
+        pairs = zip(kind.names(scene), kind.find(scene), strict=True) if kind.acts_as else ()
         for name, element in pairs:
             if not (indices := element.acts_on()):
                 continue

@@ -161,7 +161,9 @@ class Expression:
                 zero = isinstance(args[0], ast.Constant) and args[0].value == 0
                 return (
                     lambda names: function(*[value(names) for value in values]),
-                    lambda names: _called(name, [measure(names) for measure in measures], zero),
+                    lambda names: _call_dimension(
+                        name, [measure(names) for measure in measures], zero
+                    ),
                 )
         raise ExpressionError(f"not arithmetic{number_hint(self.text) or f'; allowed: {ALLOWED}'}")
 
@@ -187,7 +189,7 @@ class Expression:
             case ast.Pow():
                 return lambda u, w: _power(u, w, None if named else value)
         verb = "added" if isinstance(op, ast.Add) else "subtracted"
-        return lambda u, w: _same((u, w), verb)
+        return lambda u, w: _common_dimension((u, w), verb)
 
 
 def _quotient(first: Dimension, second: Dimension, guess: bool) -> Dimension:
@@ -213,17 +215,17 @@ def _power(base: Dimension, exponent: Dimension, value: Value | None) -> Dimensi
         raise ExpressionError("an exponent is no finite number") from None
 
 
-def _called(name: str, values: list[Dimension], zero: bool) -> Dimension:
+def _call_dimension(name: str, values: list[Dimension], zero: bool) -> Dimension:
     """The dimension of a function's value from those of its own; zero: of the plain number 0."""
     if name in ("abs", "min", "max"):
-        return _same(values, f"values of one {name}")
+        return _common_dimension(values, f"values of one {name}")
     if name == "interpolate":
-        _same([values[0], *values[1::2]], f"places of one {name}")
-        return _same(values[2::2], f"values of one {name}")
+        _common_dimension([values[0], *values[1::2]], f"places of one {name}")
+        return _common_dimension(values[2::2], f"values of one {name}")
     if name == "sqrt":
         return power(values[0], 0.5)
     if name == "atan2":
-        _same(values, "values of one atan2")
+        _common_dimension(values, "values of one atan2")
     elif any(values[0].powers):
         raise ExpressionError(f"{name} takes {NUMBER}, not {values[0]}")
     elif name in _ANGULAR and values[0].bare and not zero:
@@ -231,7 +233,7 @@ def _called(name: str, values: list[Dimension], zero: bool) -> Dimension:
     return NUMBER
 
 
-def _same(values: Sequence[Dimension], verb: str) -> Dimension:
+def _common_dimension(values: Sequence[Dimension], verb: str) -> Dimension:
     """The dimension that all have; a bare number goes with numbers only."""
     if len({dimension.powers for dimension in values}) > 1:
         raise ExpressionError(f"{' and '.join(sorted({str(d) for d in values}))} cannot be {verb}")

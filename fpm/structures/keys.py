@@ -144,16 +144,16 @@ class DirectionKey(Key):
             dimensions = [bound.dimension(place.names.numbers) for bound in bounds]
             if len({d.powers for d in dimensions if not d.bare}) > 1:
                 place.refuse(node, "three numbers of one unit")
-            return lambda build: self._of(
+            return lambda build: self._unit_vector(
                 np.array([build.number(bound, place.key) for bound in bounds]), place
             )
         if node.entries.keys() == {"from", "to"}:
             ends = ((end, node.entries[end]) for end in ("from", "to"))
             start, stop = (place.child(end).reference(end_node, "points") for end, end_node in ends)
-            return lambda build: self._of(build.point(stop) - build.point(start), place)
+            return lambda build: self._unit_vector(build.point(stop) - build.point(start), place)
         return place.refuse(node, self.allowed)
 
-    def _of(self, vector: np.ndarray, place: Place) -> np.ndarray:
+    def _unit_vector(self, vector: np.ndarray, place: Place) -> np.ndarray:
         size = np.linalg.norm(vector)
         if not 0 < size < np.inf:
             raise SceneError(place.key, vector.tolist(), "a direction that is not zero")

@@ -190,7 +190,7 @@ class FileStatements:
         if name in self.names.numbers:
             self.problems.say(node.line, f"{key}: the name {name} is defined twice")
         elif self.names.allows(name, key, node.line, number=True):
-            number = NamedNumber(key, node.line, NUMBER, whole=True, given=float(sheet.number))
+            number = NamedNumber(key, node.line, NUMBER, whole=True, count=float(sheet.number))
             self.names.numbers[sheet.context.prefix + name] = number
 
     def _define(self, sheet: Sheet) -> None:

@@ -100,7 +100,7 @@ class NamedNumber:
     line: int
     dimension: Dimension | None = None
     whole: bool = False
-    given: float | None = None
+    count: float | None = None
     bound: Bound | None = None
 
 

@@ -33,13 +33,13 @@ def warnings(scene: Scene, duration: float | None = None) -> list[str]:
     if all is usual. duration: of the run (s), to tell whether latches have the time to catch; None:
     unknown."""
     sentences = [*_sizes(scene), *_support(scene)]
-    moving = {friction.hinge for friction in Friction.of(scene) if friction.load is not None}
+    moving = {friction.hinge for friction in Friction.find(scene) if friction.load is not None}
     sentences += [
         f"bearing of {scene.hinges[hinge].name}: without a `load` it counts in margins only"
         for hinge in sorted(scene.bearings.keys() - moving)
     ]
     for kind in (Latch, RigidLatch):
-        for latch in kind.of(scene):
+        for latch in kind.find(scene):
             sentences += _latch(scene, latch, duration)
     sentences = list(dict.fromkeys(sentences))
     rest = len(sentences) - MOST
@@ -78,7 +78,7 @@ def _usual(noun: str, value: float, owner: str) -> Iterator[str]:
 
 
 def _support(scene: Scene) -> Iterator[str]:
-    is_loaded = np.any(scene.gravity) or Load.of(scene)
+    is_loaded = np.any(scene.gravity) or Load.find(scene)
     if is_loaded and not (scene.fixed.any() or scene.supports):
         yield "nothing holds it, neither a support nor a joint with the ground: it falls, or drifts"
 
@@ -88,12 +88,12 @@ def _latch(scene: Scene, latch: Latch | RigidLatch, duration: float | None) -> I
     hinge = scene.hinges[latch.hinge]
     start, travel = hinge.opening, latch.angle - hinge.opening
     head = f"latch {latch.label(scene)} at {opening_text(hinge, latch.angle)}"
-    for stop in Stop.of(scene):
+    for stop in Stop.find(scene):
         side = {"above": 1, "below": -1}[stop.side]
         if stop.hinge == latch.hinge and 0 < side * (stop.angle - start) < side * travel:
             yield f"{head} is beyond the stop at {opening_text(hinge, stop.angle)}: it cannot catch"
     kinds = [kind for kind in kinds_of([scene]) if kind.acts_as]
-    elements = [e for kind in kinds for e in kind.of(scene) if latch.hinge in e.acts_on()]
+    elements = [e for kind in kinds for e in kind.find(scene) if latch.hinge in e.acts_on()]
     springs = [e for e in elements if e.acts_as == "spring"]
     is_led = not {"motor", "loop", "release"}.isdisjoint(e.acts_as for e in elements)
     if springs and abs(travel) >= 1e-9 and not is_led:

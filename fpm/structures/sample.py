@@ -43,8 +43,8 @@ def _number(build: Builder, model: FileStatements, values: Mapping[str, float]) 
         number = model.names.numbers[name]
         if name in values:
             build.numbers[name] = float(values[name])
-        elif number.given is not None:
-            build.numbers[name] = number.given
+        elif number.count is not None:
+            build.numbers[name] = number.count
         elif number.bound is not None:
             try:
                 build.numbers[name] = build.number(number.bound, number.key)

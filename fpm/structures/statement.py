@@ -105,11 +105,11 @@ def key_of(kind: type[ElementType], name: str, left_out: str = "", **changes: An
     field = specs(kind)[name]
     default = {f.name: f.default for f in fields(kind)}[name]
     default = NO_VALUE if default is MISSING else default
-    if isinstance(field, Index) and field.of == "hinges":
+    if isinstance(field, Index) and field.group == "hinges":
         return replace(JOINT, types=field.types or JOINT.types)
     if isinstance(field, Index):
         default = None if default == -1 else default
-        key: Key = ReferenceKey(default, field.text, group=field.of)
+        key: Key = ReferenceKey(default, field.text, group=field.group)
     elif isinstance(field, Word):
         key = ChoiceKey(default, field.text, options=tuple(field.values))
     else:
@@ -152,7 +152,7 @@ def acting(
     keys |= {**{name: key for name, key in extra.items() if name not in own}, **own, **extra}
     keys |= CLASS if kind.resists_as else {}
     required_first = sorted(keys.items(), key=lambda pair: pair[1].default is not NO_VALUE)
-    return statement("actions", kind.called, text, **dict(required_first))
+    return statement("actions", kind.noun, text, **dict(required_first))
 
 
 def whole(kind: type[ElementType]) -> Statement:

@@ -125,7 +125,9 @@ def components_of(scene) -> list[Component]:
     bearings = {bearing_name(scene, hinge) for hinge in scene.bearings}
     for kind in kinds:
         own = kind.resists_as
-        for i, (name, element) in enumerate(zip(kind.names(scene), kind.led(scene), strict=True)):
+        for i, (name, element) in enumerate(
+            zip(kind.names(scene), kind.sweep_elements(scene), strict=True)
+        ):
             if (action := scene.action_names.get((kind, i))) and name not in bearings:
                 name = f"{action} ({name})" if action_counts[action] > 1 else action
             count[name] += 1
@@ -134,7 +136,7 @@ def components_of(scene) -> list[Component]:
             components.append(
                 Component(name, _load_cases_of(scene, element), is_class, own in DRAGS)
             )
-    for cable, smooth in zip(scene.cables, Cable.led(scene), strict=True):
+    for cable, smooth in zip(scene.cables, Cable.sweep_elements(scene), strict=True):
         if cable.rubs:
             components.append(Component(_of_cable(scene, cable)[1], (cable,), "FR", True, smooth))
     return components

@@ -90,8 +90,9 @@ class SampledTravel:
         return values
 
     def look(self, position: float) -> tuple[np.ndarray, object]:
-        """Measure values (k,) and the caller's state at a position (0 to 1); both are only
-        returned."""
+        """Measure the values (k,) at a position (0 to 1, fraction of the travel), without storing
+        them. Returns them and the new state, as `measure` returns it: an object of the caller's.
+        Starts from the state of the nearest sampled position not above, None if there is none."""
         k = bisect_right(self.positions, position) - 1
         return self._measure(position, self._states[k] if k >= 0 else None)
 

@@ -106,7 +106,7 @@ class _Sweep:
         self.names = [part.name for part in components_of(scene)]
         self.names += [bearing_name(scene, hinge) for hinge in scene.bearings]
         self.works, self.largest = len(self.names), TINY
-        frictions = {friction.hinge for friction in Friction.of(scene)}
+        frictions = {friction.hinge for friction in Friction.find(scene)}
         self._rubbing = sorted(frictions | set(scene.bearings))
 
     def measure(self, position: float, state):
@@ -181,6 +181,6 @@ def _root(function: Callable[[float], float], ends, values) -> float:
 
 def _bends(scene) -> list[tuple[int, float]]:
     """Hinges by index, with openings at which a moment on them bends or jumps."""
-    bends = [(e.hinge, a) for k in (TableSpring, Friction) for e in k.of(scene) for a in e.angles]
-    bends += [(e.hinge, e.angle) for k in (Stop, Latch, RigidLatch) for e in k.of(scene)]
-    return bends + [(contact.hinge, 0.0) for contact in Contact.of(scene)]
+    bends = [(e.hinge, a) for k in (TableSpring, Friction) for e in k.find(scene) for a in e.angles]
+    bends += [(e.hinge, e.angle) for k in (Stop, Latch, RigidLatch) for e in k.find(scene)]
+    return bends + [(contact.hinge, 0.0) for contact in Contact.find(scene)]

@@ -49,13 +49,13 @@ def test_damaged_figures_pages_and_motions_are_named_and_made_again(tmp_path):
         assert check(path)["name"] in (path.name, f"run {path.stem}")
     for path, harm in zip(paths, (flip, zero, truncate, flip, zero), strict=True):
         harm(path, rng)
-    made_again(paths, lambda tell: drawn.run(folder.parent, tell))
+    made_again(paths, lambda notify: drawn.run(folder.parent, notify))
     assert not broken_in(folder)
 
 
 def test_one_call_names_results_that_were_cut_off(tmp_path):
-    def run(tell):
-        campaign.run(RAW, tmp_path, figures=False, tell=tell)
+    def run(notify):
+        campaign.run(RAW, tmp_path, figures=False, notify=notify)
 
     run(silent)
     folder = tmp_path / RAW["campaign"]

@@ -87,7 +87,7 @@ class ClosedBench(ModelEvaluator):
         )  # fmt: skip
         self.unit = scan_points(np.ones(closed.k, dtype=bool), count)
         self.numbers, self.margins = self.evaluate(self.plan, self.unit)
-        self.tell = lambda text: None
+        self.notify = lambda text: None
 
     @property
     def experiment(self):

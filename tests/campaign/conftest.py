@@ -39,7 +39,7 @@ def plan():
 def finished(tmp_path_factory) -> Folder:
     """The files of a campaign of five runs, simulated once."""
     results = tmp_path_factory.mktemp("campaign")
-    campaign.run(copy.deepcopy(RAW), results, figures=False, tell=silent)
+    campaign.run(copy.deepcopy(RAW), results, figures=False, notify=silent)
     return Folder(results / "test")
 
 
@@ -56,7 +56,7 @@ def rich(tmp_path_factory) -> tuple[Folder, dict[str, str]]:
         "choose": {"parameters": {"a": [0.034, 0.036]}, "minimise": ["upper(most)"]},
     }
     results = tmp_path_factory.mktemp("rich")
-    campaign.run(raw, results, figures=False, tell=silent)
+    campaign.run(raw, results, figures=False, notify=silent)
     workflow = Workflow(campaign.check_config(raw), results)
     sections = {stage: workflow.sections(stage) for stage in STAGES}
     assert main(["page", str(workflow.folder.path), "--config", sections["page"]]) == 0

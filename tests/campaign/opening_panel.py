@@ -45,5 +45,5 @@ def panel(**changes) -> dict:
 
 
 def run(raw, results) -> Folder:
-    campaign.run(raw, results, figures=False, tell=lambda text: None)
+    campaign.run(raw, results, figures=False, notify=lambda text: None)
     return Folder(results / raw["campaign"])

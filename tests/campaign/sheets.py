@@ -96,6 +96,6 @@ def head(facts, numbers=()):
     return head_of(facts, rows_of(facts, experiment(numbers), ECSS), ECSS)
 
 
-def of(rows, clause, word=""):
+def find(rows, clause, word=""):
     """The rows of a clause whose question has a word."""
     return [row for row in rows if row["clause"] == clause and word in row["asks"]]

@@ -121,7 +121,7 @@ def test_what_a_round_takes_fits_the_budget_or_it_is_not_begun(what):
     parts = {"runs": {"surrogate": 0.3, "mesh": 0.01}, "check": {"surrogate": 0.3, "mesh": 0.01},
              "step": {"surrogate": 0.01, "mesh": 0.0, "step": 0.3},
              "mesh": {"surrogate": 0.01, "mesh": 0.3}}[what]  # fmt: skip
-    runs, seconds = COST.of(what)
+    runs, seconds = COST.find(what)
     # Half the step costs twice, a mesh twice as fine four times; what is checked is run as it is
     # from then on, with half its step, and on a mesh twice as fine. There is room for the last
     # check, of step and mesh.
@@ -297,7 +297,7 @@ def test_an_accuracy_is_met_by_what_is_told_last_and_not_by_the_rounds():
 @pytest.fixture(scope="module")
 def met(tmp_path_factory):
     results = tmp_path_factory.mktemp("asked")
-    campaign.run(OPENING, results, figures=False, tell=lambda text: None)
+    campaign.run(OPENING, results, figures=False, notify=lambda text: None)
     return Folder(results / "asked")
 
 
@@ -330,7 +330,7 @@ def test_the_true_error_is_what_was_asked_for(met, tmp_path):
     raw = {key: value for key, value in OPENING.items() if key not in ("accuracy", "quantities")}
     scene = {"name": "bennett", "parameters": {k: 2 * v for k, v in elements.items()}}
     raw |= {"scene": scene, "design": {"method": "sobol", "samples": 17}, "campaign": "scan"}
-    scan = campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+    scan = campaign.run(raw, tmp_path, figures=False, notify=lambda text: None)
     with xr.open_dataset(met.bounds) as bounds:
         off = np.maximum(abs(bounds["lower"] - scan["lower"]), abs(bounds["upper"] - scan["upper"]))
         width = (scan["upper"] - scan["lower"]).mean("time")
@@ -347,7 +347,7 @@ def test_a_campaign_that_was_stopped_goes_on_to_the_same_end(met, tmp_path):
         (folder / name).unlink()
     shutil.rmtree(folder.round(1).path)
     told: list[str] = []
-    campaign.run(OPENING, tmp_path, figures=False, tell=told.append)
+    campaign.run(OPENING, tmp_path, figures=False, notify=told.append)
     with xr.open_dataset(met.bounds) as before, xr.open_dataset(folder.bounds) as after:
         for name in ("lower", "upper", "error", "error_mesh", "error_step"):
             np.testing.assert_array_equal(before[name], after[name])

@@ -27,7 +27,7 @@ def run(raw, folder, **responses):
     """Run a campaign with further responses; what it told."""
     config, told = copy.deepcopy(raw), []
     config["responses"] |= responses
-    campaign.run(config, folder, figures=False, tell=told.append)
+    campaign.run(config, folder, figures=False, notify=told.append)
     return campaign.check_config(config), "\n".join(told)
 
 
@@ -66,7 +66,7 @@ def test_their_quantities_have_intervals(raw, tmp_path):
     """The largest stress of a few milliseconds: with ends that were simulated."""
     raw["responses"] |= STRESS
     raw["quantities"] = {"peak": {"largest": "stress"}}
-    campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+    campaign.run(raw, tmp_path, figures=False, notify=lambda text: None)
     folder = Folder(tmp_path / "test")
     import xarray
 
@@ -82,7 +82,7 @@ def test_their_quantities_have_intervals(raw, tmp_path):
 def test_with_responses_only_they_are_there_too(raw, tmp_path):
     raw["responses"] |= STRESS
     raw["jobs"] = {"group": 2, "keep": "responses"}
-    bounds = campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+    bounds = campaign.run(raw, tmp_path, figures=False, notify=lambda text: None)
     assert bounds["response_units"].sel(response="stress") == "Pa"
     assert (
         runs_there(campaign.check_config(raw), Folder(tmp_path / "test")) == "5 of them are there"

@@ -200,7 +200,7 @@ def test_a_wing_in_four_cases_is_that_of_equations_by_hand(tmp_path):
         "verify": {"max_iterations": 1},
     }
     raw["scene"]["file"] = str(ROOT / "config/structures/wing.yaml")
-    campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+    campaign.run(raw, tmp_path, figures=False, notify=lambda text: None)
     facts = json.loads((tmp_path / "wing/cases.json").read_text())
     times = next(row for row in facts["quantities"] if row["name"] == "t_open")
     for case, changes in raw["cases"].items():

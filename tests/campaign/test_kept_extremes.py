@@ -55,11 +55,11 @@ def sample(plan, folder, group=4, batches=1, keep="extremes"):
 
 
 def test_bounds_and_answers_are_those_of_all_curves_bit_for_bit(scan, tmp_path):
-    found = campaign.run(scan, tmp_path, figures=False, tell=silent)
+    found = campaign.run(scan, tmp_path, figures=False, notify=silent)
     folder = tmp_path / "test"
     whole = copy.deepcopy(scan) | {"campaign": "whole"}
     whole["jobs"]["keep"] = "trajectories"
-    expected = campaign.run(whole, tmp_path, figures=False, tell=silent)
+    expected = campaign.run(whole, tmp_path, figures=False, notify=silent)
     for name in (*expected.data_vars, "time", "response"):
         np.testing.assert_array_equal(found[name], expected[name])
     assert not (folder / "trajectories").exists()
@@ -169,7 +169,7 @@ def test_impacts_are_those_of_the_runs(scan, tmp_path):
 
 @pytest.mark.slow
 def test_the_page_draws_the_runs_at_the_bounds(scan, tmp_path):
-    campaign.run(scan, tmp_path, tell=silent)
+    campaign.run(scan, tmp_path, notify=silent)
     data = from_results(tmp_path / "test")
     assert data.facts["design"]["runs"] == SAMPLES + 1
     assert 3 <= len(data.runs) == len(data.moving)

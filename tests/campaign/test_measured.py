@@ -136,7 +136,7 @@ def test_a_campaign_tells_what_the_first_test_leaves(raw, tmp_path):
     tests = {"again": {**test, "use": "check"}, "swing": test}
     raw |= {"measured": tests, "review": "ecss-e-st-33-01c", "verify": {"max_iterations": 2},
             "requirements": {"in_time": {"t_low": {"at_most": 0.215}}}}  # fmt: skip
-    campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+    campaign.run(raw, tmp_path, figures=False, notify=lambda text: None)
     folder = tmp_path / "first_test"
     facts = json.loads((folder / "measured.json").read_text(encoding="utf-8"))
     hidden = {"distance": 0.1479, "viscous": 2.2e-4}

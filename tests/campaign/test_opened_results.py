@@ -108,7 +108,7 @@ def test_no_file_that_only_results_name_is_read(rich, tmp_path, capsys, command,
 def test_results_of_two_campaigns_are_not_told_as_those_of_one(rich, tmp_path, raw, capsys):
     whole, sections = rich
     raw["solver"]["duration"] = 0.003
-    run(raw | {"campaign": "rich"}, tmp_path / "other", figures=False, tell=lambda text: None)
+    run(raw | {"campaign": "rich"}, tmp_path / "other", figures=False, notify=lambda text: None)
     place = Folder(tmp_path / "rich")
     shutil.copytree(whole.path, place.path)
     facts = check(place.bounds)

@@ -35,9 +35,9 @@ def test_a_campaign_does_not_know_in_which_order_its_parameters_were_named(raw, 
 def test_an_interval_without_width_does_not_hide_another(raw, tmp_path, names):
     raw["design"] = {"method": "tensor_lobatto", "order": 2}
     raw["intervals"] = {name: INTERVALS[name] for name in names}
-    both = campaign.run(raw, tmp_path / "both", figures=False, tell=lambda text: None)
+    both = campaign.run(raw, tmp_path / "both", figures=False, notify=lambda text: None)
     raw["intervals"] = {"a": INTERVALS["a"]}
-    alone = campaign.run(raw, tmp_path / "alone", figures=False, tell=lambda text: None)
+    alone = campaign.run(raw, tmp_path / "alone", figures=False, notify=lambda text: None)
     assert float(alone["largest_width"].min()) > 0
     for side in ("lower", "upper", "error"):
         np.testing.assert_allclose(both[side], alone[side], rtol=1e-12, atol=1e-15)
@@ -48,7 +48,7 @@ def test_responses_whose_names_begin_alike_keep_their_bounds(raw, tmp_path):
     bounds = {}
     for names in (("v_inner", "v"), ("v", "v_inner")):
         raw["responses"] = {names[0]: velocity, names[1]: place}
-        run = campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+        run = campaign.run(raw, tmp_path, figures=False, notify=lambda text: None)
         for name, what in zip(names, ("velocity", "place"), strict=True):
             bounds.setdefault(what, []).append(run["upper"].sel(response=name).values)
     for first, second in bounds.values():

@@ -11,7 +11,7 @@ import pytest
 import fpm
 from deployable import campaign
 from deployable.campaign.answers.estimate import _rounded, estimate
-from deployable.campaign.runs.progress import Progress, Teller, warm_up
+from deployable.campaign.runs.progress import MessagePrinter, Progress, warm_up
 from deployable.campaign.text.numbers import size_text
 from fpm import structures
 from fpm.scenes.effort import compile_seconds
@@ -26,12 +26,12 @@ class Terminal(io.StringIO):
 
 def test_on_a_terminal_progress_is_one_line_that_moves():
     terminal, file = Terminal(), io.StringIO()
-    tell = Teller(terminal, file)
-    tell("plan")
+    notify = MessagePrinter(terminal, file)
+    notify("plan")
     for state in ("1 of 3", "2 of 3", "3 of 3"):
-        tell.move(state)
-    tell.move("3 of 3", last=True)
-    tell("bounds")
+        notify.move(state)
+    notify.move("3 of 3", last=True)
+    notify("bounds")
     clear = "\r\x1b[2K"
     assert (
         terminal.getvalue()
@@ -42,9 +42,9 @@ def test_on_a_terminal_progress_is_one_line_that_moves():
 
 def test_a_message_goes_below_a_line_that_has_not_ended():
     terminal = Terminal()
-    tell = Teller(terminal)
-    tell.move("1 of 3")
-    tell("compiling")
+    notify = MessagePrinter(terminal)
+    notify.move("1 of 3")
+    notify("compiling")
     assert terminal.getvalue().endswith("1 of 3\ncompiling\n")
 
 
@@ -58,7 +58,7 @@ def now(monkeypatch):
 
 def test_the_line_tells_how_long_it_will_take(now):
     done, terminal = [10], Terminal()
-    progress = Progress("mast", 110, lambda: done[0], Teller(terminal))
+    progress = Progress("mast", 110, lambda: done[0], MessagePrinter(terminal))
     now[0], done[0] = 120.0, 30  # one a second
     progress.report(last=False)
     assert terminal.getvalue().endswith("mast: 30 of 110 runs done, about 1 min 20 s left")
@@ -90,7 +90,7 @@ def test_the_disk_space_told_is_what_is_used(raw, tmp_path, keep):
     raw["solver"] = {"duration": 0.01, "instants": 3001}
     raw["jobs"] |= {"keep": keep}
     told = estimate(campaign.check_config(raw))
-    campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+    campaign.run(raw, tmp_path, figures=False, notify=lambda text: None)
     used = sum(path.stat().st_size for path in tmp_path.rglob("*.nc"))
     assert told.bytes == pytest.approx(used, rel=0.3)
     assert told.runs == 6

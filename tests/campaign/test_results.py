@@ -181,7 +181,7 @@ def test_responses_of_any_name_have_bounds_of_their_own(raw, tmp_path):
     for names in (ODD, [f"r{i}" for i in range(len(ODD))]):
         raw["responses"] = {name: kinds[i % 5] for i, name in enumerate(names)}
         folder = Folder(tmp_path / names[0] / "test")
-        campaign.run(raw, tmp_path / names[0], figures=False, tell=lambda text: None)
+        campaign.run(raw, tmp_path / names[0], figures=False, notify=lambda text: None)
         for file in NETCDF:
             with xr.open_dataset(getattr(folder, file)) as data:
                 assert data["response"].values.tolist() == list(names)
@@ -200,7 +200,7 @@ def test_responses_of_any_name_have_bounds_of_their_own(raw, tmp_path):
 @pytest.mark.slow
 def test_responses_of_any_name_have_figures_of_their_own(raw, tmp_path):
     raw["responses"] = {name: {"distance": ["B", "D"]} for name in ODD}
-    campaign.run(raw, tmp_path, tell=lambda text: None)
+    campaign.run(raw, tmp_path, notify=lambda text: None)
     figures = list((tmp_path / "test/figures").rglob("*.*"))
     assert len(figures) == 3 * len({*ODD, "of the campaign"})
     assert {path.stem for path in figures} == set(ODD)

@@ -311,7 +311,7 @@ def test_a_reviewer_reads_which_fails_where_and_why(tmp_path):
     """Of each design from its `review.md` alone."""
     text = {}
     for name in "xyz":
-        campaign.run(DESIGNS / f"{name}.yaml", tmp_path, figures=False, tell=lambda line: None)
+        campaign.run(DESIGNS / f"{name}.yaml", tmp_path, figures=False, notify=lambda line: None)
         text[name] = (tmp_path / name / "review.md").read_text()
     margin = {
         name: next(row for row in rows_of(text[name]) if row[0] == "4.7.5.3") for name in "xyz"

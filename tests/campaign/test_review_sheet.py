@@ -659,7 +659,7 @@ def test_bounds_of_a_margin_over_five_parameters(tmp_path):
                           "classes": {"wires": "HA"}}},
         "review": ECSS,
     }  # fmt: skip
-    campaign.run(config, tmp_path, tell=lambda text: None)
+    campaign.run(config, tmp_path, notify=lambda text: None)
     folder = tmp_path / "led"
     nominal = np.array([0.1, np.pi, 0.01, 0.005, 0.02])
     draw = np.random.default_rng(1).uniform(-1, 1, (10_000, 5))

@@ -37,7 +37,7 @@ def asked(**changes) -> campaign.config.sections.Campaign:
 def whole(tmp_path_factory) -> Folder:
     """A campaign of which everything was asked, with its figures drawn in this process."""
     results, wanted = tmp_path_factory.mktemp("stale"), asked()
-    campaign.run(wanted, results, figures=False, tell=lambda text: None)
+    campaign.run(wanted, results, figures=False, notify=lambda text: None)
     folder = Folder(results / wanted.name)
     for name in ("figures", "page"):
         STAGES[name].run(folder, lambda text: None, **STAGES[name].sections_of(wanted))

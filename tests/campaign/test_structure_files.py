@@ -71,7 +71,7 @@ def test_the_plan_tells_the_strain_energy_that_forcing_parts_together_leaves(pat
 
 def test_an_interval_of_a_file_is_bounded_as_the_closed_form_says(path, tmp_path):
     said = []
-    bounds = campaign.run(path, tmp_path / "results", tell=said.append)
+    bounds = campaign.run(path, tmp_path / "results", notify=said.append)
     inertia = 1 / 3 + 0.1**2 / 12  # kg m², of length and of thickness
     time = bounds["time"].values
     for k, found in ((0.08, bounds["lower"]), (0.12, bounds["upper"])):

@@ -255,7 +255,7 @@ def test_what_mesh_and_step_decide_is_told_beside_its_numbers(raw, tmp_path, mon
     assert main(["check", str(path)]) == 0
     text = f"Not determined by the model: BD, top: {why}"
     assert f"{path}: {text}" in capsys.readouterr().out
-    campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+    campaign.run(raw, tmp_path, figures=False, notify=lambda text: None)
     folder = tmp_path / raw["campaign"]
     summary = json.loads((folder / "summary.json").read_text())
     rows = [*summary["responses"], *summary["quantities"]]

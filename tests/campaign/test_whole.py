@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[2]
 
 def run(raw, results, **options) -> Folder:
     """The folder of a campaign that was run."""
-    options = {"figures": False, "tell": lambda text: None, **options}
+    options = {"figures": False, "notify": lambda text: None, **options}
     campaign.run(raw, results, **options)
     return Folder(results / raw["campaign"])
 
@@ -37,7 +37,7 @@ def test_a_campaign_returns_its_bounds_and_leaves_all_files(raw, tmp_path):
     said = []
     raw["intervals"]["E"] = {"relative": 0.05}
     raw["design"]["order"] = 1
-    bounds = campaign.run(raw, tmp_path, tell=said.append)
+    bounds = campaign.run(raw, tmp_path, notify=said.append)
     assert bounds.sizes["response"] == 2
     assert (bounds["lower"] <= bounds["upper"]).all()
     folder = Folder(tmp_path / "test")
@@ -54,8 +54,8 @@ def test_a_campaign_returns_its_bounds_and_leaves_all_files(raw, tmp_path):
 
 
 def test_the_returned_bounds_do_not_hold_their_file(finished, raw):
-    first = campaign.run(raw, finished.path.parent, figures=False, tell=lambda text: None)
-    again = campaign.run(raw, finished.path.parent, figures=False, tell=lambda text: None)
+    first = campaign.run(raw, finished.path.parent, figures=False, notify=lambda text: None)
+    again = campaign.run(raw, finished.path.parent, figures=False, notify=lambda text: None)
     xr.testing.assert_identical(first, again)
     assert simulated(finished) == 0
 

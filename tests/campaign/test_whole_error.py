@@ -31,7 +31,7 @@ def campaigns(tmp_path_factory):
 
     def run(name, **change):
         whole = {**raw, "campaign": name, **change}
-        return campaign.run(whole, results, figures=False, tell=lambda text: None)
+        return campaign.run(whole, results, figures=False, notify=lambda text: None)
 
     found = {"usual": run("usual", verify={"discretization": True})}
     halved = {**raw["solver"], "step": found["usual"].attrs["time_step"] / 2}
@@ -76,7 +76,7 @@ def test_the_error_of_the_step_is_what_much_finer_steps_change(tmp_path):
     }
 
     def run(**more):
-        return campaign.run({**raw, **more}, tmp_path, figures=False, tell=lambda text: None)
+        return campaign.run({**raw, **more}, tmp_path, figures=False, notify=lambda text: None)
 
     found = run()
     solver = {**raw["solver"], "step": found.attrs["time_step"] / 8}

@@ -297,7 +297,7 @@ def test_the_structure_and_campaigns_of_the_pages_are_right(folder, monkeypatch)
 def test_the_drawer_of_the_page_is_caught_when_it_says(folder):
     """By the closed form for what is in the scene; that such latches catch then, tests/fpm show."""
     scene = structures.load(folder / "drawer.yaml").build()
-    (spring,), (latch,) = scene.springs, RigidLatch.of(scene)
+    (spring,), (latch,) = scene.springs, RigidLatch.find(scene)
     mass = scene.mass[~scene.fixed[:, :3].all(axis=1)].sum()
     rate = math.sqrt(spring.stiffness / mass)
     caught = math.acos(1 - latch.angle / spring.rest) / rate

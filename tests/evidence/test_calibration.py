@@ -75,7 +75,7 @@ def test_widths_are_those_of_the_cubic_through_the_four_runs(coarse):
     width = np.ptp(values, axis=1)
     middle = coarse.numbers[1]
     assert middle.largest["vBz"] == pytest.approx(width.max(), rel=1e-5)
-    assert middle.at["vBz"] == pytest.approx(runs[0].time[width.argmax()], abs=1e-12)
+    assert middle.times["vBz"] == pytest.approx(runs[0].time[width.argmax()], abs=1e-12)
 
 
 def test_numbers_do_not_depend_on_neighbours_or_on_the_file_they_went_through(coarse):
@@ -98,7 +98,7 @@ def test_scan_tells_how_sharp_the_fit_is():
     values = [(5.0, 0.04), (5.1, 0.058), (5.2, 0.06), (5.3, 0.0604), (5.4, 0.1)]
     scan = Scan(Reading("made up"), [numbers(k, bd, 4.38) for k, bd in values])
     assert scan.best.K_F == 5.3
-    assert scan.at(5.12).K_F == 5.1
+    assert scan.numbers_at(5.12).K_F == 5.1
     assert spans(scan.K_F, scan.fits) == [[5.1, 5.3]]
     assert spans(scan.K_F, scan.within(0.2)) == [[5.2, 5.3]]
     assert spans(scan.K_F, scan.misfit < 0) == []

@@ -43,7 +43,7 @@ def test_pairs_are_solved_alone_or_together_as_asked():
     from fpm.elements.joints.joint import Joint
 
     alone, coupled, chain = joints.pairs(False), joints.pairs(True), joints.chain(5)
-    assert [len(kind.of(alone)) for kind in (Hinge, Joint)] == [joints.PAIRS, 0]
-    assert [len(kind.of(coupled)) for kind in (Hinge, Joint)] == [0, joints.PAIRS]
-    assert [len(kind.of(chain)) for kind in (Hinge, Joint)] == [0, 4]
+    assert [len(kind.find(alone)) for kind in (Hinge, Joint)] == [joints.PAIRS, 0]
+    assert [len(kind.find(coupled)) for kind in (Hinge, Joint)] == [0, joints.PAIRS]
+    assert [len(kind.find(chain)) for kind in (Hinge, Joint)] == [0, 4]
     assert joint_rows({"alone": 1.0, "other": 2.0})[1].passed

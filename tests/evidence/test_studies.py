@@ -10,7 +10,7 @@ import pytest
 from evidence import registry
 from evidence.__main__ import main
 from evidence.registry import ROOT, STUDIES
-from evidence.rows import within
+from evidence.rows import close_to
 from evidence.verification import study as verification
 from fpm.kernels.sources import syntax_digest
 
@@ -75,8 +75,8 @@ def test_parts_of_processes_of_their_own_make_the_same_report(tmp_path, monkeypa
     """Two parts measured one by one and told from their files, and both measured at once."""
     module = importlib.import_module("evidence.extremes.study")
     rows = {
-        "stable-step": [within("stable step: a", 0.9, 1.0, 0.3).plain()],
-        "lengths": [within("b", 0.1, 0.0, 0.3).plain()],
+        "stable-step": [close_to("stable step: a", 0.9, 1.0, 0.3).plain()],
+        "lengths": [close_to("b", 0.1, 0.0, 0.3).plain()],
     }
     parts = {name: lambda quick, name=name: rows[name] for name in rows}
     monkeypatch.setattr(module, "PARTS", parts)

@@ -7,14 +7,14 @@ import pytest
 
 from evidence import plots
 from evidence.results import Report, write
-from evidence.rows import Row, at_least, at_most, grouped, info, refusal, skipped, within
+from evidence.rows import Row, at_least, at_most, close_to, grouped, info, refusal, skipped
 
 ROWS = grouped(
     "one",
     [
-        within("one: right", 1.0, 1.0, 1e-3, "book"),
-        within("one: wrong", 2.0, 1.0, 1e-3, "book"),
-        within("one: not a number", math.nan, 1.0, 1e-3, "book"),
+        close_to("one: right", 1.0, 1.0, 1e-3, "book"),
+        close_to("one: wrong", 2.0, 1.0, 1e-3, "book"),
+        close_to("one: not a number", math.nan, 1.0, 1e-3, "book"),
     ],
 ) + grouped(
     "two",
@@ -36,7 +36,7 @@ def test_rows_pass_fail_or_are_not_judged():
 
 
 def test_how_much_of_its_allowance_a_row_takes():
-    assert within("n", 1.5, 1.0, 2.0).utilization == pytest.approx(0.25)
+    assert close_to("n", 1.5, 1.0, 2.0).utilization == pytest.approx(0.25)
     assert at_most("n", 3.0, 6.0).utilization == pytest.approx(0.5)
     for row in (info("n", 1.0), refusal("n", "why"), skipped("n", "why"), at_least("n", 1.0, 2.0)):
         assert math.isnan(row.utilization)

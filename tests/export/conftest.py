@@ -40,7 +40,7 @@ def motion():
 def results(tmp_path_factory):
     """The folder of a campaign with one parameter and one response, run once."""
     results = tmp_path_factory.mktemp("results")
-    campaign.run(CONFIG, results, figures=False, tell=lambda text: None)
+    campaign.run(CONFIG, results, figures=False, notify=lambda text: None)
     return results / CONFIG["campaign"]
 
 

@@ -19,12 +19,12 @@ class GroundSpring(ElementType):
 
     stores = Energy("ground", "ground_energy", "energy of the springs to the ground")
     events = ("stretches", "slackens")
-    called = "ground spring"
+    noun = "ground spring"
 
     @classmethod
     def deformations(cls, scene):
         """Along all three axes, as the spring may turn anywhere."""
-        springs = cls.of(scene)
+        springs = cls.find(scene)
         dofs = np.array([[6 * s.particle + k for k in range(6)] * 2 for s in springs])
         values = np.zeros((3, len(springs), 12))
         values[[0, 1, 2], :, [0, 1, 2]] = 1.0
@@ -35,7 +35,7 @@ class GroundSpring(ElementType):
         )
 
     @classmethod
-    def recorded(cls, part, scene, lane):
+    def read_records(cls, part, scene, lane):
         names = tuple(cls.names(scene))
         lengths = part.track[:, 0, lane].reshape(-1, len(names))
         return {"spring_length": Series(lengths, "m", "length", "ground_spring", names)}

@@ -39,12 +39,12 @@ def test_a_mass_falls_free_and_bounces_in_the_cable(bounce):
         [fall + k * period for k in range(7)] + [fall + held + k * period for k in range(7)]
     )
     np.testing.assert_allclose(times, exact[: len(times)], atol=2e-4)
-    tension = bounce.recorded["cable_tension"].values[:, 0]
+    tension = bounce.records["cable_tension"].values[:, 0]
     most = MASS * G + np.hypot(MASS * G, np.sqrt(MASS * EA / REST) * speed)
     # Leapfrog's amplitudes are off by (rate · step)²/8, 2.5e-4 here.
     assert tension.max() == pytest.approx(most, rel=3e-4)
     assert tension.min() == 0.0
-    length = bounce.recorded["cable_length"]
+    length = bounce.records["cable_length"]
     assert (length.dimension, length.labels, length.unit) == ("cable", ("rope",), "m")
     np.testing.assert_allclose(length.values[:, 0], -bounce.points["mass"][0][:, 2], atol=1e-12)
 
@@ -56,7 +56,7 @@ def test_energy_is_kept_through_turns_from_slack_to_tight(bounce):
     assert np.array_equal(bounce.energies["reel"], np.zeros(3001))
     stored = bounce.energies["cable"]
     np.testing.assert_allclose(
-        stored, bounce.recorded["cable_tension"].values[:, 0] ** 2 * REST / (2 * EA), atol=1e-12
+        stored, bounce.records["cable_tension"].values[:, 0] ** 2 * REST / (2 * EA), atol=1e-12
     )
 
 
@@ -111,7 +111,7 @@ def test_two_masses_over_a_point_accelerate_as_atwoods():
     outcome = fpm.simulate(atwood(start=tension), duration=0.5, instants=51)[0]
     z = outcome.points["left"][0][:, 2] + 1.0
     np.testing.assert_allclose(z, -G / 5 * outcome.time**2 / 2, atol=2e-5)
-    np.testing.assert_allclose(outcome.recorded["cable_tension"].values[:, 0], tension, rtol=1e-3)
+    np.testing.assert_allclose(outcome.records["cable_tension"].values[:, 0], tension, rtol=1e-3)
     assert np.abs(outcome.energies["balance"]).max() < 1e-6 * outcome.energies["kinetic"].max()
 
 
@@ -191,7 +191,7 @@ def test_alone_and_in_a_batch_it_gives_the_same_bits(bounce):
     for name, values in bounce.energies.items():
         assert np.array_equal(batch[1].energies[name], values)
     assert np.array_equal(batch[1].events, bounce.events)
-    recorded = [o.recorded["cable_tension"].values for o in (batch[1], bounce)]
+    recorded = [o.records["cable_tension"].values for o in (batch[1], bounce)]
     assert np.array_equal(*recorded)
     assert not np.array_equal(batch[0].events[0], bounce.events[0])
 

@@ -76,11 +76,11 @@ from fpm.kernels.hooks import hook
 from own_numbers import RATE
 
 class Own(NamedTuple):
-    on: np.ndarray
+    index: np.ndarray
 
 @hook(Own)
 def forces(part, world, timing):
-    part.on[0] = RATE * own_functions.twice(part.on[0])
+    part.index[0] = RATE * own_functions.twice(part.index[0])
 """,
     "own_numbers": "RATE = 1.0",
     "own_functions": """
@@ -123,7 +123,7 @@ def test_an_edit_of_what_a_kind_imports_is_refused_in_its_process(own, tmp_path,
 def test_threads_do_not_mix_up_their_caches(monkeypatch, tmp_path):
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(compiled, "LOOPS", {})
-    kinds = [NamedTuple(f"Kind{i}", [("on", np.ndarray)]) for i in range(16)]
+    kinds = [NamedTuple(f"Kind{i}", [("index", np.ndarray)]) for i in range(16)]
     world, start = SimpleNamespace(state=np.zeros(1)), threading.Barrier(len(kinds))
     refused = []
 
@@ -198,7 +198,7 @@ with _one_at_a_time(Path(sys.argv[1])) as is_locked:
 class Lonely(NamedTuple):
     """What a kind has, of which there is no kernel."""
 
-    on: np.ndarray
+    index: np.ndarray
 
 
 @pytest.mark.parametrize("reason", [errno.ENOLCK, errno.EOPNOTSUPP])

@@ -93,7 +93,7 @@ def test_motors_work_is_moved_stored_or_lost(outcomes):
     lost = cumulative_trapezoid(2.0 * rate**2, time, initial=0.0)
     lost += 0.08 * (time > 0.3004) + 0.08 * (time > 0.60263)  # what the releases had stored
     np.testing.assert_allclose(outcomes[0].energies["joint_loss"], lost, atol=1e-2 * lost.max())
-    recorded = outcomes[0].recorded["motor_moment"]
+    recorded = outcomes[0].records["motor_moment"]
     assert (recorded.dimension, recorded.labels, recorded.unit) == ("motor", ("H0",), "N m")
     np.testing.assert_allclose(recorded.values[10:500, 0], moment[10:500], atol=2e-2)
 
@@ -105,7 +105,7 @@ def test_a_torque_motor_comes_up_to_its_no_load_speed(outcomes):
         outcomes[0].openings["H1"], 2 * (time - 1 + np.exp(-time)), atol=1e-6
     )
     np.testing.assert_allclose(outcomes[2].openings["H1"], -(time**2), atol=1e-9)
-    moment = outcomes[0].recorded["torque_motor_moment"].values[1:, 0]
+    moment = outcomes[0].records["torque_motor_moment"].values[1:, 0]
     np.testing.assert_allclose(moment, np.exp(-time[1:]), atol=1e-3)
 
 
@@ -136,7 +136,7 @@ def test_a_loop_swings_between_its_hinges_and_gets_slack(outcomes):
     slip = [r * o for r, o in zip(radii, (outcomes[0].openings[n] for n in ("H4", "H5")),
                                   strict=True)]  # fmt: skip
     np.testing.assert_allclose(slip[0] - slip[1], 0.1 / fast * np.sin(fast * time), atol=1e-6)
-    pull = outcomes[0].recorded["loop_force"].values[:, 0]
+    pull = outcomes[0].records["loop_force"].values[:, 0]
     np.testing.assert_allclose(pull, k * (slip[0] - slip[1]), atol=1e-9)
     np.testing.assert_allclose(outcomes[0].energies["loop"], pull**2 / (2 * k), atol=1e-12)
     # A strand without tension from the slip of 2 P/k on: half the stiffness is left.
@@ -148,7 +148,7 @@ def test_a_loop_swings_between_its_hinges_and_gets_slack(outcomes):
     events = outcomes[1].events[outcomes[1].events[:, 1] == names.index("loop belt")]
     np.testing.assert_allclose(events[:2, 0], [turned, again], atol=2e-5)
     assert events[:2, 2].tolist() == [1, 0]
-    pull = outcomes[1].recorded["loop_force"].values[:, 0]
+    pull = outcomes[1].records["loop_force"].values[:, 0]
     assert pull.max() == pytest.approx(k / 2 * size, rel=1e-3)
 
 
@@ -255,7 +255,7 @@ def release(**more):
 )
 def test_what_is_refused(element, message):
     scene = everything()
-    count = len(type(element).of(scene))
+    count = len(type(element).find(scene))
     with pytest.raises(fpm.SceneError, match=message):
         scene.add(element)
-    assert len(type(element).of(scene)) == count
+    assert len(type(element).find(scene)) == count

@@ -34,7 +34,7 @@ def test_a_kind_states_its_cost():
 
 @pytest.mark.parametrize("scene", [chain(6), pairs(True), parallelogram(5, 1.0)])
 def test_eliminations_are_counted_as_they_are_done(scene):
-    joints = Joint.of(scene)
+    joints = Joint.find(scene)
     on = sorted({p for joint in joints for p in joint.particles})
     slots = np.array([[on.index(p) for p in joint.particles] for joint in joints])
     movable = ~scene.fixed[on].all(axis=1)

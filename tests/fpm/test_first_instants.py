@@ -67,7 +67,7 @@ def off(step: float) -> dict[str, float]:
     first = {
         f"{kind} {name}": vector(found, f"{kind} {name}")[0] for kind in "aF" for name in BODIES
     }
-    first["M motor"] = outcome.recorded["motor_moment"].values[0]
+    first["M motor"] = outcome.records["motor_moment"].values[0]
     right = closed_forms()
     return {
         name: float(np.linalg.norm(value - right[name[2:]]) / np.linalg.norm(right[name[2:]]))

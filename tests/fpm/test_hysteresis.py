@@ -93,7 +93,7 @@ def test_a_sheet_turns_where_the_branch_has_taken_its_energy_and_sticks_there():
     assert abs(0.03 - 0.03 * farthest) < half(farthest)
     for run in runs:
         assert run.failure is None
-        opening = run.recorded["opening"].values[:, 0]
+        opening = run.records["opening"].values[:, 0]
         assert opening.max() == pytest.approx(farthest, abs=1e-5)
         assert farthest - 0.05 < opening[-1] < farthest
         assert np.ptp(opening[-20:]) < 1e-6

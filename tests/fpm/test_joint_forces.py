@@ -157,16 +157,16 @@ class Pull(Gravity):
     """A weight by a user's own kind, of which `Scene.gravity` knows nothing."""
 
     @classmethod
-    def of(cls, scene):
+    def find(cls, scene):
         return scene.kinds.get(cls, [])
 
     @classmethod
     def weight(cls, scene, particle):
-        return scene.mass[particle] * cls.of(scene)[0].acceleration
+        return scene.mass[particle] * cls.find(scene)[0].acceleration
 
     @classmethod
     def pack(cls, batch):
-        rows = batch.stack(1, 3, lambda scene: cls.of(scene)[0].acceleration[None])
+        rows = batch.stack(1, 3, lambda scene: cls.find(scene)[0].acceleration[None])
         return Weight(rows, batch.given_by(cls))
 
 

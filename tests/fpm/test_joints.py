@@ -34,8 +34,8 @@ def double_pendulum(hinge_to=None) -> fpm.Scene:
 def run(scene, duration=1.0, step=1e-3, instants=101):
     (outcome,) = fpm.simulate(scene, duration=duration, instants=instants, step=step)
     assert outcome.failure is None
-    assert outcome.recorded["joint_gap"].values.max() < 1e-10
-    assert outcome.recorded["joint_axis_gap"].values.max() < 1e-9
+    assert outcome.records["joint_gap"].values.max() < 1e-10
+    assert outcome.records["joint_axis_gap"].values.max() < 1e-9
     return outcome
 
 

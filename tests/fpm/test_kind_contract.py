@@ -61,7 +61,7 @@ def test_what_is_alone_on_its_hinge_may_stand_beside_a_kind_with_its_fields(elem
     scene.add(element)
     assert parts_on(scene, "hinge") == [element.acts_as]
     (text,) = acting(scene)
-    assert text.startswith(f"{element.called} hinge (on hinge")
+    assert text.startswith(f"{element.noun} hinge (on hinge")
     with pytest.raises(fpm.SceneError, match=r"without a|no other latch"):
         scene.add(element)
 
@@ -71,7 +71,7 @@ def test_a_joint_is_added_beside_it_and_its_events_are_on_no_hinge():
     scene.add(Door())
     more = [int(p) for p in scene.add_particles([(1, 0, 0), (2, 0, 0)], 1.0, 1.0)]
     scene.add_joint("ball", "spherical", more, (1, 0, 0))
-    assert [joint.name for joint in Joint.of(scene)] == ["ball"]
+    assert [joint.name for joint in Joint.find(scene)] == ["ball"]
     assert eventful(scene) == (("Door 0", ("opens",), ""),)
     with pytest.raises(fpm.SceneError, match="a name not yet used"):
         scene.add_joint("hinge", "spherical", more, (1, 0, 0))
@@ -105,6 +105,6 @@ def test_the_page_names_all_that_a_kind_may_state():
         for name, made in inspect.getmembers(fields, inspect.isfunction)
         if name[0] != "_" and "_field(" in inspect.getsource(made)
     }
-    assert makes >= {"number", "word", "index", "same"}
+    assert makes >= {"number", "word", "index", "topology"}
     for name in (*own, *makes, *SHARED, *hooks.NAMES):
         assert f"`{name}`" in section or f"`{name}(" in section, name

@@ -64,7 +64,7 @@ class Design:
         self.acting.append((hinge, "FR", lambda x: -f + 0 * x))
 
     def table(self, hinge, name, angles, moments):
-        self.scene.classes[TableSpring, len(TableSpring.of(self.scene))] = name
+        self.scene.classes[TableSpring, len(TableSpring.find(self.scene))] = name
         self.scene.add(TableSpring(hinge, tuple(angles), tuple(moments)))
         self.acting.append((hinge, name, lambda x: np.interp(x, angles, moments)))
         self.points += list(np.array(angles) / self.rates[hinge])
@@ -87,7 +87,7 @@ class Design:
         if self.rng.random() < 0.4:
             way = np.linspace(-0.1, 1.1, 5) * self.end * rate
             most, shares = self.rng.uniform(0.002, 0.02), np.append(self.rng.uniform(0, 1, 4), 1.0)
-            number = len(Friction.of(self.scene))
+            number = len(Friction.find(self.scene))
             self.scene.classes[Friction, number] = "HY"
             self.scene.add(Friction(hinge, most, angles=tuple(way), shares=tuple(shares)))
             self.acting.append((hinge, "HY", lambda x: -most * np.interp(x, way, shares)))

@@ -377,7 +377,7 @@ def test_a_margin_of_nothing_is_not_below_it_by_rounding():
     for k in np.linspace(0.1, 0.9, 9):
         scene = hinged(0.0)
         for moment in (k, k, k, -k):
-            scene.classes[TableSpring, len(TableSpring.of(scene))] = "S"
+            scene.classes[TableSpring, len(TableSpring.find(scene))] = "S"
             scene.add(TableSpring(0, (-9.0, 9.0), (moment, moment)))
         ends.add(found(scene, definition)[1])
     assert ends == {0.0}

@@ -82,10 +82,10 @@ def test_a_latch_catches_at_the_exact_time_and_rate(ran):
     held = ran["held"]
     assert events_of(held) == ["latches"]
     assert held.eventful[0].name == "latch hinge"
-    assert held.recorded["latch_rate"].values[-1, 0] == pytest.approx(1.490188240, abs=1e-8)
+    assert held.records["latch_rate"].values[-1, 0] == pytest.approx(1.490188240, abs=1e-8)
     before = held.time < 1.9119
     for name in ("latch_moment", "latch_impulse", "latch_rate"):
-        assert np.array_equal(held.recorded[name].values[before, 0], np.zeros(before.sum()))
+        assert np.array_equal(held.records[name].values[before, 0], np.zeros(before.sum()))
     # It comes to rest between its spring and the panel's.
     rest = (100 * np.pi / 2 + 0.1 * np.pi) / 100.1
     late = held.time > 1.9119 + 2.0  # exp(-1.5 · 2) of the swing is left
@@ -94,7 +94,7 @@ def test_a_latch_catches_at_the_exact_time_and_rate(ran):
     # Angular momentum that the latch took, with what the spring gave meanwhile.
     spring = np.trapezoid(0.1 * (np.pi - opening(held)), held.time)
     turned = np.gradient(opening(held), held.time, edge_order=2)[-1] * J
-    assert held.recorded["latch_impulse"].values[-1, 0] == pytest.approx(turned - spring, abs=1e-4)
+    assert held.records["latch_impulse"].values[-1, 0] == pytest.approx(turned - spring, abs=1e-4)
 
 
 @pytest.mark.slow
@@ -119,7 +119,7 @@ def test_the_impulse_of_a_latch_takes_the_panel_s_momentum(ran):
     still = (np.pi - np.arctan(rate / (push * omega))) / omega
     turned = push * (still - np.sin(omega * still) / omega)
     turned += rate / omega**2 * (1 - np.cos(omega * still))
-    impulse = outcome.recorded["latch_impulse"].values[:, 0]
+    impulse = outcome.records["latch_impulse"].values[:, 0]
     found = np.interp(outcome.events[0, 0] + still, outcome.time, impulse)
     spring = 0.1 * (np.pi / 2 * still - turned)
     assert found == pytest.approx(-J * rate - spring, abs=2e-4)
@@ -133,7 +133,7 @@ def test_a_one_sided_latch_resists_going_back_only(ran):
     up = np.argmax(opening(outcome))
     exact = np.sqrt(J) * np.sin(outcome.time / np.sqrt(J))
     np.testing.assert_allclose(opening(outcome)[: up + 1], exact[: up + 1], atol=1e-7)
-    moment = outcome.recorded["latch_moment"].values[:, 0]
+    moment = outcome.records["latch_moment"].values[:, 0]
     assert moment.min() > -1e-3 * moment.max()  # but for the edge, it never pulls
     assert opening(outcome)[up:].min() > 0.3 - 0.06
     assert opening(outcome)[-1] == pytest.approx(0.3 * 100 / 101, abs=0.01)
@@ -156,7 +156,7 @@ def test_a_latch_is_missed_if_it_is_passed_too_fast_or_from_the_other_side(ran):
     assert events_of(slow) == ["latches"]
     omega = np.sqrt(1 / J)
     assert slow.events[0, 0] == pytest.approx(np.arccos(0.5) / omega, abs=2e-4)
-    assert slow.recorded["latch_rate"].values[-1, 0] == pytest.approx(-0.5, abs=1e-3)
+    assert slow.records["latch_rate"].values[-1, 0] == pytest.approx(-0.5, abs=1e-3)
 
 
 @pytest.mark.slow

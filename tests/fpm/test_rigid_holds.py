@@ -80,7 +80,7 @@ def test_a_rigid_latch_stops_its_hinge_at_its_angle_and_keeps_the_momentum(
     assert np.abs(angles_of(outcome) - exact[:2]).max() < 5e-6
     knee = outcome.openings["knee"]
     assert np.abs(knee[outcome.time > at] - angle).max() < 1e-12
-    recorded = {n: outcome.recorded[n].values[-1, 0] for n in ("latch_rate", "latch_impact")}
+    recorded = {n: outcome.records[n].values[-1, 0] for n in ("latch_rate", "latch_impact")}
     assert recorded["latch_rate"] == pytest.approx(state[3] - state[2], rel=1e-5)
     assert recorded["latch_impact"] == pytest.approx(impulse, rel=1e-3)
     lost = kinetic(state[:2], state[2:]) - kinetic(state[:2], rates)
@@ -183,7 +183,7 @@ def test_moments_that_hold_are_told_apart_and_reactions_know_them(ran):
     (outcome,) = fpm.simulate(CASES["swings"], record=asked, **RUN)
     assert np.array_equal(angles_of(outcome), angles_of(ran["swings"]))
     moment, work, x, y, twist = (outcome.columns[column] for column in asked)
-    np.testing.assert_array_equal(moment, outcome.recorded["latch_moment"].values[:, 0])
+    np.testing.assert_array_equal(moment, outcome.records["latch_moment"].values[:, 0])
     np.testing.assert_allclose(work, -outcome.energies["joint_loss"], atol=1e-14)
     assert np.abs(twist).max() < 1e-9  # about its own axis the hinge itself has none
     late = slice(500, -1)
@@ -196,9 +196,9 @@ def test_moments_that_hold_are_told_apart_and_reactions_know_them(ran):
 def test_rigid_holds_cost_no_step_and_make_joints_of_their_hinges():
     scene = bars(latch=0.4, hold={"time": 1.0})
     assert fpm.stable_step(scene).step == np.inf
-    assert Hinge.of(scene) == []
-    assert [joint.type for joint in Joint.of(scene)] == ["revolute"] * 3 + ["opening"] * 3
-    assert len(Turn.of(scene)) == 3
+    assert Hinge.find(scene) == []
+    assert [joint.type for joint in Joint.find(scene)] == ["revolute"] * 3 + ["opening"] * 3
+    assert len(Turn.find(scene)) == 3
 
 
 @pytest.mark.parametrize(

@@ -114,7 +114,7 @@ def test_a_rigid_motor_is_where_its_curve_is_and_its_work_is_told(ran):
     rate = VALUES[1] / TIMES[1]
     work = outcome.energies["motor_work"][-1]
     assert work == pytest.approx(0.5 * G * np.sin(psi[-1]) - J / 2 * rate**2, abs=2e-4)
-    moment = outcome.recorded["motor_moment"].values[outcome.time > 2.1, 0]
+    moment = outcome.records["motor_moment"].values[outcome.time > 2.1, 0]
     np.testing.assert_allclose(moment, 0.5 * G * np.cos(0.1), rtol=1e-9)
 
 

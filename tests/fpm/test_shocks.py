@@ -86,5 +86,5 @@ def test_the_peak_of_a_latch_with_stiffness_is_the_rate_times_the_root_of_stiffn
     rate, stiffness = 2.0, 200.0
     for step in (1e-3, 5e-4):
         scene = flap(rate=rate, latch={"angle": 1.0, "stiffness": stiffness})
-        assert Latch.of(scene)
+        assert Latch.find(scene)
         assert _peak(scene, 0, step) == pytest.approx(rate * np.sqrt(stiffness * J), rel=2e-3)

@@ -35,10 +35,10 @@ def pair(support="", arm=(0.0, 0.0, 0.0)) -> fpm.Scene:
 def test_what_a_lone_hinge_cannot_bear_is_a_joint(supports, support):
     """Each leaves impulses that move nothing, or turns a body about some axes only."""
     scene = pair(support)
-    assert (len(Hinge.of(scene)), len(Joint.of(scene))) == (1, 0)
+    assert (len(Hinge.find(scene)), len(Joint.find(scene))) == (1, 0)
     for particle, (translations, rotations) in supports.items():
         scene.fix(particle, translations, rotations)
-    assert (len(Hinge.of(scene)), len(Joint.of(scene))) == (0, 1 + bool(support))
+    assert (len(Hinge.find(scene)), len(Joint.find(scene))) == (0, 1 + bool(support))
 
 
 def response(scene: fpm.Scene) -> np.ndarray:

@@ -86,7 +86,7 @@ def test_latch_and_stop_lose_what_the_account_of_all_has():
     assert not found["M latch"][before].any() and not found["M stop"][before].any()
     assert found["M stop"].min() < -1.0 and found["M stop"].max() <= 0.0
     np.testing.assert_allclose(
-        found["M latch"], outcome.recorded["latch_moment"].values[:, 0], atol=1e-12
+        found["M latch"], outcome.records["latch_moment"].values[:, 0], atol=1e-12
     )
     np.testing.assert_allclose(found["sum"], sum(found[f"M {part}"] for part in PARTS), atol=1e-12)
     # What turns the flap is the sum: J ψ'' at the instants, J from the energy of the flap.

@@ -152,13 +152,13 @@ def test_columns_that_were_asked_come_back_and_make_up_their_responses(outcome, 
     """With made-up columns: 1, 2, ... in the order of their names."""
     responses = {n: fpm.responses.parse(n, d, BENNETT.sample) for n, d in ASKED.items()}
     needs = sorted({need for response in responses.values() for need in response.needs})
-    recorded = dict(outcome.recorded)
+    recorded = dict(outcome.records)
     for name in dict.fromkeys(variable for variable, _ in needs):
         unit, text = VARIABLES[name][:2]
         labels = tuple(label for variable, label in needs if variable == name)
         values = np.array([[needs.index((name, label)) + 1.0 for label in labels]] * 11)
         recorded[name] = Series(values, unit, text, f"{name}_of", labels)
-    asked = replace(outcome, recorded=recorded, columns=columns_of(recorded))
+    asked = replace(outcome, records=recorded, columns=columns_of(recorded))
     fpm.trajectory.write(fpm.trajectory.contents(asked), tmp_path / "run.nc")
     curves = fpm.trajectory.read_curves(tmp_path / "run.nc")
     for i, need in enumerate(needs):

@@ -93,7 +93,7 @@ supports: {foot: {part: one, at: a}}
     found = Viscosity.dampings(stated)
     assert found.stiffness == pytest.approx(0.2 * np.pi * 25e-6 * np.sqrt(210e9 * 7800), rel=1e-9)
     assert found.element.tolist() == [0, 1, 2, 3, 4]
-    assert not Viscosity.of(plain)
+    assert not Viscosity.find(plain)
 
 
 @pytest.mark.parametrize("share", [-0.1, np.nan, np.inf])

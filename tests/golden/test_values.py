@@ -38,7 +38,7 @@ def test_bounds_are_those_of_before(name, tmp_path):
     if name == "scan64":
         config = load(CONFIGS / "scan.yaml")
         config["design"]["samples"] = 64
-        bounds = campaign.run(config, tmp_path, figures=False, tell=lambda text: None)
+        bounds = campaign.run(config, tmp_path, figures=False, notify=lambda text: None)
     else:  # as the README says
         path, results = str(CONFIGS / f"{name}.yaml"), str(tmp_path)
         assert main(["run", path, "--results", results, "--no-figures"]) == 0

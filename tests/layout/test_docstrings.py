@@ -78,7 +78,7 @@ def test_values_of_element_types_are_documented(kind):
 
 @pytest.mark.parametrize("stage", STAGES.values(), ids=list(STAGES))
 def test_options_of_stages_are_documented(stage):
-    assert stage.about and stage.about[0].isupper() and stage.about.endswith(".")
+    assert stage.text and stage.text[0].isupper() and stage.text.endswith(".")
     assert all(OPTIONS[option]["help"] for option in stage.options)
 
 

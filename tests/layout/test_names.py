@@ -38,15 +38,10 @@ ALLOWED = {
 }
 """Terms of the field, with the reason; `path:name` allows it there."""
 
-ELEMENT_TYPE = (
-    "above", "called", "given", "led", "moved", "of", "on", "past", "recorded", "same", "shut",
-    "stored", "taken", "watched",
-)  # fmt: skip
-QUANTITY = ("about", "at", "within", "way")
 MEMBERS = {
-    **dict.fromkeys(ELEMENT_TYPE, "interface of element types, docs/mechanics.md"),
-    **dict.fromkeys(QUANTITY, "keys of quantities, docs/quantities.md"),
+    **dict.fromkeys(("about", "at", "within", "way"), "keys of quantities, docs/quantities.md"),
     "along": "key of margins, docs/responses.md; what a response lies along",
+    "above": "exclusive lower bound of a number, docs/mechanics.md",
 }
 """Names of the public interface, allowed for fields and methods and for functions of modules."""
 
@@ -121,9 +116,9 @@ PLANTED = {
     "_given, before2 = 1, 2": "_given before2",
     "def here(it, *, told=1, **others): pass": "here it told others",
     "f = lambda at: at": "at",
-    "class Held:\n    known: int\n    called = watched = 1\n    shut: int": "Held known",
-    "self.left, self.of = 1, 2": "left",
-    "def stored(): shut = 1": "shut",
+    "class Held:\n    known: int\n    above = watched = 1\n    within: int": "Held known watched",
+    "self.left, self.at = 1, 2": "left",
+    "def within(): shut = 1": "shut",
     "for one in x: pass": "one",
     "with x as this: pass": "this",
     "y = [both for both in x]": "both",

@@ -27,7 +27,7 @@ CONFIG = {
 def results(tmp_path_factory):
     """The folder of a campaign with two parameters and two responses, run once."""
     results = tmp_path_factory.mktemp("results")
-    campaign.run(copy.deepcopy(CONFIG), results, figures=False, tell=lambda text: None)
+    campaign.run(copy.deepcopy(CONFIG), results, figures=False, notify=lambda text: None)
     folder = results / CONFIG["campaign"]
     make_motions(folder, frames=41)
     return folder

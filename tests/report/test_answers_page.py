@@ -21,7 +21,7 @@ from deployable.campaign.results.templates import sentence, summary_text
 def folder(tmp_path_factory):
     """The results of a panel with requirements that part of the box meets, and a choice."""
     results = tmp_path_factory.mktemp("results")
-    campaign.run(copy.deepcopy(CONFIG), results, figures=False, tell=lambda text: None)
+    campaign.run(copy.deepcopy(CONFIG), results, figures=False, notify=lambda text: None)
     return results / CONFIG["campaign"]
 
 
@@ -155,7 +155,7 @@ def test_the_runs_at_the_ends_of_quantities_move(folder):
 def test_a_page_without_requirements_has_the_intervals_only(opened, tmp_path):
     raw = {name: CONFIG[name] for name in CONFIG if name not in ("requirements", "choose")}
     raw["quantities"] = {"t_never": CONFIG["quantities"]["t_never"]}
-    campaign.run(raw, tmp_path, figures=False, tell=lambda text: None)
+    campaign.run(raw, tmp_path, figures=False, notify=lambda text: None)
     data = from_results(tmp_path / CONFIG["campaign"])
     assert sentence("headline", data.facts) == "None of the quantities happens in any run."
     page = render(data)

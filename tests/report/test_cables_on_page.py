@@ -40,7 +40,7 @@ def folder(tmp_path_factory):
     home = tmp_path_factory.mktemp("cables")
     (home / "swing.yaml").write_text(STRUCTURE)
     config = {**CONFIG, "scene": {"file": str(home / "swing.yaml")}}
-    campaign.run(config, home / "results", figures=False, tell=lambda text: None)
+    campaign.run(config, home / "results", figures=False, notify=lambda text: None)
     make_motions(home / "results" / "cables", frames=41)
     return home / "results" / "cables"
 

@@ -91,7 +91,7 @@ class Queue:
         there = self.folder / "here"
         text = self.config.replace("JOBS", "{group: 32}")
         (self.folder / "here.yaml").write_text(text, encoding="utf-8")
-        campaign.run(self.folder / "here.yaml", there, figures=False, tell=lambda text: None)
+        campaign.run(self.folder / "here.yaml", there, figures=False, notify=lambda text: None)
         with (
             xr.open_dataset(self.folder / SAMPLES) as queued,
             xr.open_dataset(there / "queued/samples.nc") as here,

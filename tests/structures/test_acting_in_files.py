@@ -125,12 +125,12 @@ def test_motors_and_what_lets_go_are_in_the_scene():
     scene = loads(MOTORS).build(L=1.5, stow=15.0)
     knee, root = ([hinge.name for hinge in scene.hinges].index(name) for name in ("knee", "root"))
     stow = np.radians(15.0)
-    belt, tie = SyncLoop.of(scene)
+    belt, tie = SyncLoop.find(scene)
     assert (belt.name, belt.hinges, belt.radii) == ("belt", (root, knee), (0.06, -0.03))
     assert (belt.stiffness, belt.preload, tie.preload) == (2e4, 5.0, np.inf)
     np.testing.assert_allclose([*belt.rest, *tie.rest], [stow, 0.2, np.radians(5.0), 0.0])
     np.testing.assert_allclose(tie.radii, [0.15, 0.15])
-    (motor,), (aid,), (bolt, pin) = (kind.of(scene) for kind in (Motor, TorqueMotor, Release))
+    (motor,), (aid,), (bolt, pin) = (kind.find(scene) for kind in (Motor, TorqueMotor, Release))
     assert (motor.hinge, motor.stiffness, motor.damping, motor.curve) == (root, 5.0, 2.0, 0)
     np.testing.assert_allclose([motor.start, motor.turn], [stow, np.pi / 3])
     assert (aid.hinge, aid.torque, aid.curve) == (knee, 3.0, 0)
@@ -165,12 +165,12 @@ def test_what_has_no_stiffness_holds_exactly():
     assert scene.kinds[RigidFriction] == [RigidFriction(0, 0.4)]
     assert Friction not in scene.kinds
     scene = loads(changed(MOTORS, ("stiffness: 100 N m/rad, watch", "watch"))).build()
-    (bolt,) = RigidRelease.of(scene)
+    (bolt,) = RigidRelease.find(scene)
     assert (scene.hinges[bolt.hinge].name, bolt.time) == ("knee", np.inf)
     assert (bolt.level, bolt.held_at_start(scene)) == pytest.approx((np.pi / 4, 0.2))
     rigid = changed(MOTORS, (", stiffness: 5, damping: 2 N m s/rad", ""))
     scene = loads(rigid).build(stow=15.0)
-    (drive,) = RigidMotor.of(scene)
+    (drive,) = RigidMotor.find(scene)
     assert scene.hinges[drive.hinge].name == "root"
     assert [drive.target(scene, t) for t in (0.0, 1.0)] == pytest.approx(np.radians([15.0, 45.0]))
 
@@ -316,5 +316,5 @@ def test_the_latch_of_the_library_catches_at_the_published_time():
     for time, outcome in zip(exact, outcomes[:3], strict=True):
         assert outcome.events[0, 0] == pytest.approx(time, abs=1e-6)
         assert outcome.eventful[0][:2] == ("latch catch", ("latches", "misses"))
-    assert outcomes[0].recorded["latch_rate"].values[-1, 0] == pytest.approx(1.490188240, abs=1e-6)
+    assert outcomes[0].records["latch_rate"].values[-1, 0] == pytest.approx(1.490188240, abs=1e-6)
     assert outcomes[3].events[0, 2] == 1  # missed

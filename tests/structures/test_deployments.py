@@ -50,7 +50,7 @@ def test_one_cable_opens_the_ring(rings):
         np.testing.assert_allclose(np.degrees(found[:, 0]), 60.0)
         assert np.abs(np.degrees(found[:, -1])).max() < 1.0
         assert outcome.tensions["hoist"][-1] > 1.0
-        length = outcome.recorded["cable_length"].values[:, 0]
+        length = outcome.records["cable_length"].values[:, 0]
         np.testing.assert_allclose(length, diagonals(found).sum(axis=0), rtol=1e-3)
         # In the end the ring is its polygon: a square of 0.5 m with four bays.
         near, beside = (outcome.points[name][0][-1] for name in ("near", "beside"))
@@ -79,12 +79,12 @@ def test_any_number_of_panels_is_joined_into_one_array(array):
         scene = array.build(n=n)
         assert len(scene.position) == n + 1
         assert [hinge.opening for hinge in scene.hinges] == [0.0] * n
-        assert len(scene.springs) == len(Damper.of(scene)) == len(Latch.of(scene)) == n
-        hinges = [[scene.hinges[h].name for h in loop.hinges] for loop in SyncLoop.of(scene)]
+        assert len(scene.springs) == len(Damper.find(scene)) == len(Latch.find(scene)) == n
+        hinges = [[scene.hinges[h].name for h in loop.hinges] for loop in SyncLoop.find(scene)]
         between = [f"panel{i}.hinge" for i in range(1, n)]
         pairs = [["root", between[0]], *map(list, pairwise(between))]
         assert sorted(hinges) == sorted(pairs)
-        ratios = {loop.name: loop.radii[0] / loop.radii[1] for loop in SyncLoop.of(scene)}
+        ratios = {loop.name: loop.radii[0] / loop.radii[1] for loop in SyncLoop.find(scene)}
         assert ratios.pop("root_belt") == 2
         assert set(ratios.values()) <= {1.0}
         assert not scene.fixed.any()
@@ -146,7 +146,7 @@ def test_each_tube_latches_when_and_as_fast_as_points_on_a_line_do():
     found = {names[int(e)]: t for t, e, which in outcome.events if names[int(e)][:5] == "latch"}
     wanted = dict(zip([f"latch stage{k}.latch" for k in (1, 2, 3)], times, strict=True))
     assert found == pytest.approx(wanted, abs=2e-4)
-    caught = outcome.recorded["slide_latch_rate"]
+    caught = outcome.records["slide_latch_rate"]
     told = dict(zip(caught.labels, caught.values[-1], strict=True))
     assert [told[f"stage{k}.latch"] for k in (1, 2, 3)] == pytest.approx(rates, rel=1e-3)
     assert outcome.points["tip"][0][-1, 2] == pytest.approx(1.05 + 3 * 0.8, abs=1e-9)

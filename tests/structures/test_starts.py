@@ -138,7 +138,7 @@ def test_a_motor_by_its_rate_gives_the_even_force_at_any_step(step):
     steps = 300
     scene = loads(LIFT).build()
     (outcome,) = fpm.simulate(scene, duration=steps * step, instants=steps + 1, step=step)
-    force = outcome.recorded["slide_motor_force"].values[:, 0]
+    force = outcome.records["slide_motor_force"].values[:, 0]
     np.testing.assert_allclose(force, 10.0, rtol=1e-9)
     np.testing.assert_allclose(outcome.openings["rail"], outcome.time**2 / 2, atol=1e-15)
 
@@ -150,7 +150,7 @@ def test_a_coupler_of_nearly_no_mass_does_not_ring(step):
     scene = loads(RSSR).build(coupler=1e-6)
     (outcome,) = fpm.simulate(scene, duration=40 * step, instants=41, step=step)
     first, second = slopes(10 * outcome.time)
-    moment = outcome.recorded["motor_moment"].values[:, 0]
+    moment = outcome.records["motor_moment"].values[:, 0]
     exact = 0.8 * first * second * 100
     assert exact[0] == pytest.approx(-14.88, abs=0.01)
     np.testing.assert_allclose(outcome.openings["rocker"] - rocker(10 * outcome.time), 0, atol=1e-9)

@@ -46,7 +46,7 @@ def test_the_workflow_answers_what_a_campaign_in_one_call_does(workplace):
     results = workplace.folder / "results" / "opening"
     assert (results / "figures" / "campaign" / "ranges.png").exists()
     other = workplace.folder / "other"
-    campaign.run(path, other, figures=False, tell=lambda text: None)
+    campaign.run(path, other, figures=False, notify=lambda text: None)
     for name in ANSWERS:
         ours, theirs = unsealed(results / name), unsealed(other / "opening" / name)
         if name.endswith("json"):

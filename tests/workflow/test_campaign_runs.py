@@ -111,7 +111,7 @@ def test_what_runs_no_job_needs_no_number_of_cores(small, arguments):
 def test_the_same_campaign_in_one_call_gives_the_same_files(small, tmp_path):
     results = small.folder / "results" / "small"
     config = small.folder / "config" / "small.yaml"
-    campaign.run(config, tmp_path, tell=lambda text: None)
+    campaign.run(config, tmp_path, notify=lambda text: None)
     for name in ("samples.nc", "surrogate.nc", "bounds.nc", "sensitivities.nc"):
         with (
             xr.open_dataset(results / name) as first,

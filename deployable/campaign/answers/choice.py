@@ -35,7 +35,7 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, choose_step, read_plan
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.results.facts import ROUNDING
-from deployable.campaign.runs.progress import Tell
+from deployable.campaign.runs.progress import Notify
 from deployable.campaign.text.words import words_of
 
 _HELD_OUT, _DOUBTS = 4, 4
@@ -47,19 +47,19 @@ def answer(
     requirements: Mapping[str, Mapping],
     verify: Verify,
     jobs: Jobs,
-    tell: Tell,
+    notify: Notify,
     threads: int,
 ) -> None:
     """Find the nominal values of chosen parameters whose worst case is best, with the runs that
     this takes, and write `choice.json` into `folder`, that of a campaign's results, where the plan
-    is. choose, requirements, verify, jobs: sections of the config; tell: called with each message;
-    threads: how many simulate."""
+    is. choose, requirements, verify, jobs: sections of the config; notify: called with each
+    message; threads: how many simulate."""
     base_plan = read_plan(folder.plan)
     experiment = widened(base_plan.experiment, choose)
-    plan = Plan(experiment, base_plan.mechanics, choose_step(experiment), Runs.of([]))
-    model = ModelEvaluator(plan, jobs, folder, tell, threads)
+    plan = Plan(experiment, base_plan.mechanics, choose_step(experiment), Runs.from_runs([]))
+    model = ModelEvaluator(plan, jobs, folder, notify, threads)
     design = design_points(experiment, choose)
-    tell(f"{experiment.name}: {len(design)} runs over choices and intervals")
+    notify(f"{experiment.name}: {len(design)} runs over choices and intervals")
     model.add(design)
     specs = list_limits(requirements, list(experiment.quantities))
     for iteration in range(verify.max_iterations + 1):

@@ -22,7 +22,7 @@ from deployable.campaign.config.sections import Experiment, Jobs, Verify
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, TimeStep, choose_step
-from deployable.campaign.runs.progress import Tell
+from deployable.campaign.runs.progress import Notify
 from deployable.intervals.estimates import refinement_ratio, richardson_error
 
 MAX_POINTS = 8
@@ -51,19 +51,19 @@ def check_bounds(
     folder: Folder,
     bounds: Any,
     jobs: Jobs,
-    tell: Tell,
+    notify: Notify,
     threads: int = 1,
     components: tuple = COMPONENTS,
 ) -> Any:
     """Add errors by time step and mesh to a campaign's response bounds: runs at a few points where
     these are attained are simulated again with half the step, then on a finer mesh. Returns a copy
     of the dataset with error components (`intervals.add_errors`). folder: of the results, with plan
-    and samples; bounds: the dataset; jobs: section of the config; tell: called with each message;
+    and samples; bounds: the dataset; jobs: section of the config; notify: called with each message;
     threads: number that simulate; components: "step", "mesh" or both. With an `accuracy` it also
     gets ``quantity_error_<component>`` (quantity), in their units."""
     from deployable import intervals
 
-    model = ModelEvaluator.from_folder(folder, jobs, tell, threads)
+    model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
     dataset = intervals.add_errors(bounds, _curve_errors(model, bounds, components))
     if model.experiment.is_sought and model.experiment.quantities:
         errors = estimate_discretization_errors(model, converge_bounds(model, 0), components)
@@ -75,7 +75,7 @@ def check_bounds(
             }
         )
     names = " and ".join(components)
-    tell(f"{model.experiment.name}: the places that decide were run again with a finer {names}")
+    notify(f"{model.experiment.name}: the places that decide were run again with a finer {names}")
     return dataset
 
 
@@ -232,7 +232,7 @@ def _evaluate_third(
         return evaluate(level.third)
     except CampaignError as error:
         name = model.experiment.name
-        model.tell(f"{name}: the order of an error is not measured, and counts as 1: {error}")
+        model.notify(f"{name}: the order of an error is not measured, and counts as 1: {error}")
         return None
 
 

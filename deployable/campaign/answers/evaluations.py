@@ -19,8 +19,8 @@ from deployable.campaign.plan.event_margins import margins_of, margins_of_sample
 from deployable.campaign.plan.plan import Plan, read_plan
 from deployable.campaign.plan.runs import PlannedRun, Runs, run_id
 from deployable.campaign.results.which import fitted_rows
-from deployable.campaign.runs.batch import Simulation, check_structure, tell_again
-from deployable.campaign.runs.progress import Tell, warm_up
+from deployable.campaign.runs.batch import Simulation, check_structure, notify_reruns
+from deployable.campaign.runs.progress import Notify, warm_up
 from deployable.campaign.runs.results import RunRecord
 from deployable.campaign.runs.store import open_store
 
@@ -36,7 +36,7 @@ class ModelEvaluator:
     stored before. Of a large scan only some runs are taken: `unfitted` counts the others,
     `unfitted_with` (q) those of them with each quantity.
 
-    plan: sets scene, step and mesh; jobs: section of the config; folder: of the results; tell:
+    plan: sets scene, step and mesh; jobs: section of the config; folder: of the results; notify:
     called with each message; threads: number that simulate. A new evaluator has no runs (see
     `from_folder`).
     """
@@ -44,9 +44,9 @@ class ModelEvaluator:
     max_further: float = math.inf
 
     def __init__(
-        self, plan: Plan, jobs: Jobs, folder: Folder, tell: Tell, threads: int = 1
+        self, plan: Plan, jobs: Jobs, folder: Folder, notify: Notify, threads: int = 1
     ) -> None:
-        self.plan, self.jobs, self.tell, self.threads = plan, jobs, tell, threads
+        self.plan, self.jobs, self.notify, self.threads = plan, jobs, notify, threads
         # Of runs that are asked for one by one all responses are wanted.
         self.keep = "responses" if jobs.keep == "extremes" else jobs.keep
         self.store = folder.runs(self.keep)
@@ -59,13 +59,13 @@ class ModelEvaluator:
 
     @classmethod
     def from_folder(
-        cls, folder: Folder, jobs: Jobs, tell: Tell, threads: int = 1, further: bool = False
+        cls, folder: Folder, jobs: Jobs, notify: Notify, threads: int = 1, further: bool = False
     ) -> ModelEvaluator:
         """Make an evaluator of a folder of results, from its plan and `samples.nc` (of a large scan
         those runs only that are fitted), with event margins; further: whether to add the runs in
-        `further.nc`, which must exist. jobs: section of the config; tell: called with each message;
-        threads: how many simulate."""
-        model = cls(read_plan(folder.plan), jobs, folder, tell, threads)
+        `further.nc`, which must exist. jobs: section of the config; notify: called with each
+        message; threads: how many simulate."""
+        model = cls(read_plan(folder.plan), jobs, folder, notify, threads)
         with open_netcdf(folder.samples) as samples:
             unit = samples["normalized"][:]
             numbers = np.zeros((len(unit), 0))
@@ -163,13 +163,13 @@ class ModelEvaluator:
         order, simulated unless stored. Raises `CampaignError` if a run fails."""
         store = open_store(self.keep, self.store, plan.experiment)
         records, simulation = {}, Simulation(plan, self.jobs.group, self.threads)
-        for group in store.groups(Runs.of(runs).unique(), self.jobs.group):
+        for group in store.groups(Runs.from_runs(runs).unique(), self.jobs.group):
             missing = store.missing(group)
-            tell_again(store, self.tell)
+            notify_reruns(store, self.notify)
             if len(missing):
                 check_structure(plan)
                 scene = plan.experiment.build(plan.named(missing[0]))
-                warm_up(scene, self.tell, plan.experiment.record)
+                warm_up(scene, self.notify, plan.experiment.record)
                 store.write(group, simulation.results(missing, store.previous_columns(missing)))
             records |= store.read(group)
         self.simulated += simulation.count

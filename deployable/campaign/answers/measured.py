@@ -50,7 +50,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import open_netcdf, write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, choose_step
-from deployable.campaign.runs.progress import Tell
+from deployable.campaign.runs.progress import Notify
 from deployable.intervals.calibration import Calibration, Measurement, calibrate
 from deployable.intervals.scalars.fits import best_fit
 
@@ -65,24 +65,24 @@ def answer(
     requirements: Mapping[str, Mapping],
     verify: Verify,
     jobs: Jobs,
-    tell: Tell,
+    notify: Notify,
     threads: int,
 ) -> None:
     """Find what of a campaign's box explains its measured curves, with the runs that this takes,
     and write `measured.json` into `folder`, that of a campaign with `samples.nc`. measured,
-    requirements, verify, jobs: sections of the config; tell: called with each message; threads: how
-    many simulate. Raises `CampaignError`, also if a file of measured curves has changed."""
-    model = ModelEvaluator.from_folder(folder, jobs, tell, threads)
+    requirements, verify, jobs: sections of the config; notify: called with each message; threads:
+    how many simulate. Raises `CampaignError`, also if a file of measured curves has changed."""
+    model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
     tests = [_Test(name, test, model, folder, threads) for name, test in measured.items()]
     sources = [test for test in tests if test.settings.use == "calibrate"]
     cube = np.array([-1.0, 1.0])[:, None] * model.experiment.box.free
-    result = _calibrate(sources, cube, verify, tell)
+    result = _calibrate(sources, cube, verify, notify)
     checks = []
     for test in tests:
         if test not in sources:
             # Beside tests that nothing explains, the check alone, about what comes nearest to them.
             group = [test] if result.is_refuted else [*sources, test]
-            row = _check_row(_calibrate(group, result.hull, verify, tell), group)
+            row = _check_row(_calibrate(group, result.hull, verify, notify), group)
             checks.append({"name": test.name, **row})
     rows = {
         **_verdict(result, sources, model.experiment.box.free),
@@ -101,7 +101,7 @@ class _Test:
     def __init__(
         self, name: str, settings: ResolvedTest, model: ModelEvaluator, folder: Folder, threads: int
     ):
-        self.name, self.settings, self.tell = name, settings, model.tell
+        self.name, self.settings, self.notify = name, settings, model.notify
         try:
             self.curves: MeasuredCurves = read_test(settings)
         except CurvesFileError as error:
@@ -123,7 +123,7 @@ class _Test:
         self.plan = replace(
             model.plan, experiment=experiment, time=choose_step(experiment), adaptive=None
         )
-        self.model = ModelEvaluator(self.plan, model.jobs, folder, model.tell, threads)
+        self.model = ModelEvaluator(self.plan, model.jobs, folder, model.notify, threads)
         self.responses = list(settings.columns.values())
         self.instants = np.linspace(0.0, base.solver.duration, base.solver.instants)
         self.rows = [list(base.responses).index(response) for response in self.responses]
@@ -140,7 +140,7 @@ class _Test:
         self.runs, self.envelope = 0, np.array([np.inf, -np.inf])[:, None, None]
         count, rows = len(self.curves.times), self.curves.rows
         if count < rows:
-            self.tell(f"{name}: {count} of {rows} measured instants are compared, evenly chosen")
+            self.notify(f"{name}: {count} of {rows} measured instants are compared, evenly chosen")
 
     def evaluate(self, points: np.ndarray, plan: Plan | None = None) -> np.ndarray:
         """Curves (N, n, R) of runs at coordinates (N, p), of the test's responses."""
@@ -182,7 +182,9 @@ class _Test:
         return {**rows, "curves": described_curves}
 
 
-def _calibrate(tests: Sequence[_Test], hull: np.ndarray, verify: Verify, tell: Tell) -> Calibration:
+def _calibrate(
+    tests: Sequence[_Test], hull: np.ndarray, verify: Verify, notify: Notify
+) -> Calibration:
     """What of a part of the box explains the tests."""
     times = np.linspace(0.0, (solver := tests[0].plan.experiment.solver).duration, solver.instants)
     return calibrate(
@@ -192,7 +194,7 @@ def _calibrate(tests: Sequence[_Test], hull: np.ndarray, verify: Verify, tell: T
         lambda t, point: tests[t].finer(point),
         hull,
         waves=max(1, verify.max_iterations),
-        tell=lambda text: tell(f"{', '.join(test.name for test in tests)}: {text}"),
+        notify=lambda text: notify(f"{', '.join(test.name for test in tests)}: {text}"),
     )
 
 

@@ -36,7 +36,7 @@ from deployable.campaign.config.sections import Jobs, Verify, plain_data
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.decide import CHECKED_RUNS
 from deployable.campaign.results.bounds import write_dataset
-from deployable.campaign.runs.progress import Tell
+from deployable.campaign.runs.progress import Notify
 from fpm.files.trajectory import CONVENTIONS
 
 _DIM, _DIMS = ("quantity",), ("quantity", "parameter")
@@ -47,14 +47,14 @@ def answer(
     requirements: Mapping[str, Mapping],
     verify: Verify,
     jobs: Jobs,
-    tell: Tell,
+    notify: Notify,
     threads: int,
 ) -> None:
     """Bound each quantity over the parameter box, with further runs where bounds and requirements
     need them, and write `quantities.nc` and `further.nc` into `folder`, that of a campaign's
-    results with `samples.nc`. requirements, verify, jobs: sections of the config; tell: called with
-    each message; threads: how many simulate."""
-    model = ModelEvaluator.from_folder(folder, jobs, tell, threads)
+    results with `samples.nc`. requirements, verify, jobs: sections of the config; notify: called
+    with each message; threads: how many simulate."""
+    model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
     if (rounds := model.plan.adaptive) is not None and rounds.rounds:
         reserve = CHECKED_RUNS * len(model.experiment.quantities)
         budget = model.experiment.accuracy.max_runs - rounds.rounds[-1].runs
@@ -62,7 +62,7 @@ def answer(
     specs = list_limits(requirements, list(model.experiment.quantities))
     bounds = converge_bounds(model, verify.max_iterations, specs)
     if model.further:
-        tell(f"{model.experiment.name}: further runs where it is decided: {len(model.further)}")
+        notify(f"{model.experiment.name}: further runs where it is decided: {len(model.further)}")
     finer = estimate_discretization_errors(model, bounds) if verify.discretization else {}
     dataset = quantities_dataset(model, bounds, finer)
     write_dataset(dataset, folder.quantities, "Intervals of quantities")

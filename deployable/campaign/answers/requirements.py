@@ -39,15 +39,15 @@ from deployable.campaign.answers.limits import (
 from deployable.campaign.config.sections import Jobs
 from deployable.campaign.files import open_netcdf, write_result
 from deployable.campaign.folder import Folder
-from deployable.campaign.runs.progress import Tell
+from deployable.campaign.runs.progress import Notify
 
 
-def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, tell: Tell) -> None:
+def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, notify: Notify) -> None:
     """Assess in which part of the box a campaign's requirements are met, and write
     `requirements.json` into `folder`, its results, which hold `quantities.nc` and `further.nc`
-    already; nothing is simulated. requirements, jobs: sections of the config; tell: called with
+    already; nothing is simulated. requirements, jobs: sections of the config; notify: called with
     each message."""
-    model = ModelEvaluator.from_folder(folder, jobs, tell, further=True)
+    model = ModelEvaluator.from_folder(folder, jobs, notify, further=True)
     specs = list_limits(requirements, list(model.experiment.quantities))
     errors = _of_the_runs(folder)
     result = assess_limits(model, model.surrogates(), specs, errors)

@@ -29,7 +29,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import refuse_links, unforeseen
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import program
-from deployable.campaign.runs.progress import Teller
+from deployable.campaign.runs.progress import MessagePrinter
 from deployable.campaign.stages import OPTIONS, STAGES
 from fpm.errors import SceneError
 
@@ -60,7 +60,7 @@ def _parser(is_stage: bool = False) -> argparse.ArgumentParser:
     if not is_stage:
         import_module("deployable.campaign.cli.commands").add_to(commands, command)
     for name, stage in STAGES.items():
-        stage_parser = command(commands, name, stage.about, _run_stage)
+        stage_parser = command(commands, name, stage.text, _run_stage)
         stage_parser.set_defaults(stage=stage)
         stage_parser.add_argument("folder", type=Path, help="folder of the results")
         stage_parser.add_argument("--config", required=True, help="YAML file, or sections as JSON")
@@ -114,18 +114,18 @@ def _run_stage(options: argparse.Namespace) -> int:
             options.log.parent.mkdir(parents=True, exist_ok=True)
             log = options.log.open("w", encoding="utf-8")
 
-    tell = Teller(*filter(None, (sys.stderr, log)))
+    notify = MessagePrinter(*filter(None, (sys.stderr, log)))
     values = {key: getattr(options, key) for key in options.stage.options}
     try:
         sections = options.stage.sections_in(options.config, Folder(options.folder))
-        options.stage.run(Folder(options.folder), tell, **sections, **values)
+        options.stage.run(Folder(options.folder), notify, **sections, **values)
     except (CampaignError, SceneError) as error:
-        tell(f"error: {error}")
+        notify(f"error: {error}")
     except Exception as error:  # a fault of the program, which the log should have
         trace = traceback.format_exc()
         if (message := unforeseen(error)) is not None and log:
             log.write(trace)
-        tell(f"error: {message}" if message else trace)
+        notify(f"error: {message}" if message else trace)
     else:
         return 0
     return 1

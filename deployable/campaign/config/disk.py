@@ -26,10 +26,10 @@ def bytes_of_run(campaign: Campaign) -> float:
         return 8.0 * numbers + 2 * _EVENTS_BYTES
     if campaign.jobs.keep == "responses":
         return 8.0 * instants * responses
-    return 8.0 * instants * (recorded(experiment) + responses)
+    return 8.0 * instants * (count_curves(experiment) + responses)
 
 
-def recorded(experiment: Experiment) -> int:
+def count_curves(experiment: Experiment) -> int:
     """Return how many curves over time the trajectory of a run has, responses not counted, by which
     its size is estimated. experiment: has the scene and the recorded columns."""
     scene = experiment.nominal_scene

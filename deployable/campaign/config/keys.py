@@ -27,12 +27,12 @@ class RefusedError(ValueError):
 @dataclass(frozen=True)
 class Rule:
     """Limits and wording of a config key, put beside its type by `Annotated`; pydantic checks by
-    them. allowed: what is allowed, in words, if the limits do not say it; about: what an entry of a
+    them. allowed: what is allowed, in words, if the limits do not say it; text: what an entry of a
     mapping is; unit: of the number; pattern: regular expression for the whole text; gt, ge, le: the
     number is above, at least, at most this; least, most: number of entries of a mapping or list."""
 
     allowed: str = ""
-    about: str = ""
+    text: str = ""
     unit: str = ""
     pattern: str = ""
     gt: float | None = None
@@ -83,13 +83,13 @@ def _text(limit: float) -> str:
 @dataclass(frozen=True)
 class ConfigKey:
     """A config key and the keys below it: `children` by name, or `entry`, which describes entries
-    of any name (None: there are none). key: its `Rule`; allowed, about: what is allowed and what it
+    of any name (None: there are none). key: its `Rule`; allowed, text: what is allowed and what it
     is, in words; default: value if left out, `MISSING` if required; names: what names of entries
     may be, in words."""
 
     key: Rule
     allowed: str
-    about: str
+    text: str
     default: Any
     children: dict[str, ConfigKey]
     entry: ConfigKey | None
@@ -119,9 +119,7 @@ def config_key_of(kind: Any, default: Any = MISSING, description: str = "") -> C
                 f.name: config_key_of(hints[f.name], _default(f), docstrings.get(f.name, ""))
                 for f in fields(option)
             }
-    return ConfigKey(
-        key, key.words(kind), description or key.about, default, children, entry, names
-    )
+    return ConfigKey(key, key.words(kind), description or key.text, default, children, entry, names)
 
 
 def _default(field: Field) -> Any:
@@ -151,11 +149,11 @@ are in SI units unless a unit is given. This page is made from
 def rows(section: ConfigKey, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
     """Yield the rows of the table of all config keys below a section: key, description, what is
     allowed and default, as texts. prefix: put before the names of the keys, such as `solver.`."""
-    entries = {"<name>": section.entry} if section.entry and section.entry.about else {}
+    entries = {"<name>": section.entry} if section.entry and section.entry.text else {}
     for name, child in (section.children | entries).items():
         unit = f" ({child.key.unit})" if child.key.unit else ""
         default = "" if name == "<name>" else _default_text(child)
-        yield f"{prefix}{name}", child.about + unit, child.allowed, default
+        yield f"{prefix}{name}", child.text + unit, child.allowed, default
         yield from rows(child, f"{prefix}{name}.")
 
 

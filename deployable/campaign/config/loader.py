@@ -68,8 +68,9 @@ class UniqueKeyLoader(yaml.SafeLoader):
             raise ExcessError(f"the file holds more than {MOST} values; allowed: fewer")
 
     def construct_mapping(self, node, deep=False):
-        """Make the dict of a YAML mapping (method of `yaml.SafeLoader`); repeated keys, and those
-        that are not text, are noted in `problems`."""
+        """Make the dict of a YAML mapping (method of `yaml.SafeLoader`), empty if a key is not
+        text. Such keys, and repeated ones (the last counts), are noted in the list `problems`, a
+        sentence with the line for each. deep: as in `yaml.SafeLoader`."""
         first: dict[object, int] = {}
         for key_node, _ in node.value:
             if key_node.tag == "tag:yaml.org,2002:merge":

@@ -41,7 +41,8 @@ class CurvesFile:
 
     @classmethod
     def read(cls, path: str | Path) -> CurvesFile:
-        """Read the file `path`: a line of names with units, such as `t [s],angle [rad]`, then
+        """Read the CSV file `path` of measured curves, into SI units. Line 1 has names with units,
+        such as `t [s],angle [rad]`, first that of the time, in any unit of time; then come
         increasing times and finite numbers. Raises `CurvesFileError`."""
         try:
             content = Path(path).read_bytes()

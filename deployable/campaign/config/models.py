@@ -60,7 +60,7 @@ class Aim(ConfigSection):
     """Share of the width, for all responses and quantities that `tolerance_by_name` does not
     name."""
     tolerance_by_name: Annotated[
-        dict[str, Annotated[float, Rule(about="Share of the width of one response or quantity.",
+        dict[str, Annotated[float, Rule(text="Share of the width of one response or quantity.",
                                        ge=1e-4, le=1)]],
         Rule("a mapping from names of `responses` and `quantities` to numbers from 0.0001 to 1"),
     ] = field(default_factory=dict)  # fmt: skip
@@ -257,7 +257,7 @@ class Choosing(ConfigSection):
     parameters: Annotated[
         dict[str, Annotated[tuple[float, float], Rule(
             "`[lower, upper]`, two numbers",
-            about="Range of the nominal value, in the parameter's unit.")]],
+            text="Range of the nominal value, in the parameter's unit.")]],
         Rule("a mapping from 1 to 3 parameter names to `[lower, upper]`", most=3),
     ] = field(default_factory=dict)  # fmt: skip
     """Ranges of the nominal values, by the scene's parameter names. An interval that is given as
@@ -389,7 +389,7 @@ class MeasuredTest(ConfigSection):
     unknown: UnknownSensor = UnknownSensor()
     start: Annotated[
         dict[str, Annotated[Pair, Rule("`[lower, upper]`, two numbers",
-                                       about="Interval in this test, in the parameter's unit.")]],
+                                       text="Interval in this test, in the parameter's unit.")]],
         Rule("a mapping from the scene's parameter names to `[lower, upper]`"),
     ] = field(default_factory=dict)  # fmt: skip
     """Parameters of the scene that only this test does not know, such as the angle and the rate at
@@ -407,7 +407,7 @@ class MeasuredTest(ConfigSection):
 
 def _definition(noun: str, example: str) -> Any:
     """The type of a response's or quantity's definition, which the mechanics read."""
-    key = Rule(f"a mapping such as {example}", about=f"Definition of one {noun}.", least=1)
+    key = Rule(f"a mapping such as {example}", text=f"Definition of one {noun}.", least=1)
     return Annotated[dict[str, Any], key]
 
 
@@ -467,7 +467,7 @@ class Config(ConfigSection):
     and no other response or quantity, `duration` is 1 ms if nothing is said: it moves no margin."""
     published: Annotated[
         dict[str, Annotated[
-            float, Rule(about="Published largest difference, in the response's unit.")]],
+            float, Rule(text="Published largest difference, in the response's unit.")]],
         Rule("a mapping from names of `responses` to numbers"),
     ] = field(default_factory=dict)  # fmt: skip
     """Largest differences of the bounds that somebody has published, by response; the summary puts
@@ -484,7 +484,7 @@ class Config(ConfigSection):
                 "a mapping with `at_least`, `at_most` or `happens`, by quantity as in "
                 "`{t_shut: {at_most: 0.32}}`")]],
             Rule("a mapping such as `{t_shut: {at_least: 0.3, at_most: 0.32}}`", least=1,
-                about="The limits of one requirement, by quantity; all of them must be kept. A "
+                text="The limits of one requirement, by quantity; all of them must be kept. A "
                 "list `cases: [on ground]` beside them: it is of these cases alone."),
         ]],
         Rule("a mapping from names to limits of quantities, such as `{in_time: {t_shut: {at_most: "

@@ -230,8 +230,9 @@ def real_names(scene_type: Any) -> list[str]:
 
 
 def unknown(name: str, noun: str, names: Iterable[str]) -> str:
-    """Write a message that nothing is called `name`, with the most similar and all allowed `names`.
-    noun: what was looked for, such as "response"."""
+    """Write the end of a message about an unknown name: that there is no such noun, a hint such as
+    the most similar name, and all allowed `names`. name: the unknown one, for the hint; the
+    caller's part of the message tells it; noun: what was looked for, such as "response"."""
     hint, names = did_you_mean(name, names), ", ".join(names)
     return f"there is no such {noun}{hint}; allowed: {names or 'none'}"
 

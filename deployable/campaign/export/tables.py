@@ -20,9 +20,10 @@ _BOUNDS = ("lower", "upper", "nominal", "error")
 
 
 def write_tables(run: SelectedRun, folder: Path) -> list[Path]:
-    """Simulate a run, write its curves over time as `<name>.csv` into `folder`, and return the
-    paths of all files. For a run of a campaign's results these are also `bounds.csv`, `runs.csv`
-    and, if there are quantities, `quantities.csv`. Raises `CampaignError` if the run fails."""
+    """Simulate a run, write its curves over time as one table `<run.name>.csv` into `folder`, which
+    is made if missing, and return the paths of all files. For a run of a campaign's results these
+    are also `bounds.csv`, `runs.csv` and, if there are quantities, `quantities.csv`, of the whole
+    campaign. Units stand in the headings. Raises `CampaignError` if the run fails."""
     tables = {f"{run.name}.csv": _columns(curves(run.outcome(), run.responses))}
     if run.folder:
         tables["bounds.csv"] = _columns(bounds(run.folder))

@@ -17,9 +17,9 @@ numbers lie in other datasets."""
 
 
 def refuse_outside(path: str | Path) -> None:
-    """Raise DamagedError if a netCDF-4 file may lead to other files (links, external storage,
-    virtual datasets), or has groups, as no result does. Without the HDF5 library nothing is
-    checked."""
+    """Raise DamagedError if a file is no netCDF-4 file, may lead to other files (links, external
+    storage, virtual datasets), or has groups, as no result does. Where the HDF5 library within the
+    package netCDF4 cannot be called (as on Windows), nothing is checked. path: of the file."""
     if (hdf5 := _library()) is None:
         return
     file = hdf5.H5Fopen(os.fsencode(path), 0, 0)

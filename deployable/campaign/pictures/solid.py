@@ -31,7 +31,8 @@ class CablePoints:
 
     @cached_property
     def stretches(self) -> np.ndarray:
-        """Pairs (s, 2) of indices of successive points of a cable, its straight stretches."""
+        """Indices (s, 2), among the p points of all cables, of the ends of each straight stretch:
+        successive points of one cable."""
         first = np.flatnonzero(self.cable[1:] == self.cable[:-1])
         return np.stack([first, first + 1], axis=1)
 

@@ -68,7 +68,7 @@ class Resources:
     elements: int
     reserved: int = 0
 
-    def of(self, action: str) -> tuple[int, float]:
+    def need_of(self, action: str) -> tuple[int, float]:
         """Return the runs and the seconds of one core that an action ("check", "runs", "step" or
         "mesh") takes, with its own check and a last one of step and mesh, which the budget must
         allow too."""
@@ -265,7 +265,7 @@ class Standing:
     def _too_dear(self, action: str) -> str:
         """Why the budget does not allow an action; nothing where it does."""
         cost, budget = self.cost, self.accuracy
-        runs, seconds = cost.of(action)
+        runs, seconds = cost.need_of(action)
         if cost.runs + runs + cost.reserved > budget.max_runs:
             reserve = 2 * cost.checked + cost.reserved
             spent = f"{cost.runs} are spent, {reserve} kept for the last check"
@@ -292,7 +292,7 @@ class Standing:
         """Whether surrogates are expected to be accurate enough after the next runs, and a check is
         cheaper than a round of its own."""
         fall = self.cost.nodes / (self.cost.nodes + self.cost.next_runs)
-        return self.cost.of("check")[1] <= _ROUND and all(
+        return self.cost.need_of("check")[1] <= _ROUND and all(
             error.parts["surrogate"] * fall ** self._rate(error) <= error.allowance
             for error in self.pursued
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 
-from deployable.campaign.config.disk import recorded
+from deployable.campaign.config.disk import count_curves
 from deployable.campaign.config.sections import Campaign, Experiment
 from deployable.campaign.plan.plan import TimeStep, choose_step
 from fpm.scenes import effort
@@ -54,7 +54,7 @@ def job_megabytes(campaign: Campaign) -> int:
     """Return the megabytes of memory to ask a queue for, for one job: the program, and for each
     process two groups of runs, one being written and one being simulated."""
     experiment, jobs = campaign.experiment, campaign.jobs
-    run = 8 * experiment.solver.instants * (recorded(experiment) + len(experiment.responses))
+    run = 8 * experiment.solver.instants * (count_curves(experiment) + len(experiment.responses))
     return math.ceil(PROGRAM + jobs.processes * (PROCESS + 2.0 * jobs.group * run / 1e6))
 
 

@@ -232,7 +232,7 @@ def _plan(path: str | Path, data: Mapping) -> Plan:
         for run in data["runs"]:
             if not RUN_ID.fullmatch(run["id"]):
                 raise DamagedError(path, f"{run['id']!r} is no name of a run")
-        runs = Runs.of([
+        runs = Runs.from_runs([
             PlannedRun(r["id"], r["role"], tuple(r["normalized"]), tuple(r["values"]))
             for r in data["runs"]
         ])  # fmt: skip

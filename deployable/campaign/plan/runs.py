@@ -45,7 +45,7 @@ class Runs(Sequence[PlannedRun]):
         self.role, self.normalized, self.values, self.name = role, unit, values, name
 
     @classmethod
-    def of(cls, runs: Sequence[PlannedRun]) -> Runs:
+    def from_runs(cls, runs: Sequence[PlannedRun]) -> Runs:
         """Make the sequence from `PlannedRun` objects, which keep their ids."""
         role = np.array([ROLES.index(run.role) for run in runs], np.int8)
         names = {run.values: run.id for run in runs}
@@ -74,7 +74,8 @@ class Runs(Sequence[PlannedRun]):
 
     @property
     def digest(self) -> str:
-        """Digest of all roles, points and values, to the last bit; of equal sequences the same."""
+        """Digest (16 hex digits) of the roles, normalized points and parameter values of all runs,
+        to the last bit, the same for equal sequences; the runs' results are no part of it."""
         sha = hashlib.sha256(self.role.tobytes())
         sha.update(self.normalized.tobytes())
         sha.update(self.values.tobytes())
@@ -96,9 +97,10 @@ class Runs(Sequence[PlannedRun]):
 
 
 def values_of(experiment: Experiment, role: np.ndarray, unit: np.ndarray) -> np.ndarray:
-    """Compute the values (N, k) of the interval parameters in runs at normalized points `unit` (N,
-    k). role (N): indices into `ROLES`; nominal runs get the config's values exactly, which the map
-    from the box might round."""
+    """Compute the values (N, k) of the k interval parameters, in their units, in N runs. unit (N,
+    k): normalized points, from -1 at the lower end of an interval to 1 at the upper; role (N):
+    indices into `ROLES`; nominal runs get the config's values exactly, which the map from the box
+    might round."""
     values = experiment.box.from_unit(unit)
     values[role == ROLES.index("nominal")] = experiment.nominal
     return values

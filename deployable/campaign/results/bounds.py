@@ -26,7 +26,8 @@ def analyse(
 ) -> None:
     """Fit the runs of a campaign, and write `surrogate.nc`, `bounds.nc` and `sensitivities.nc` into
     `folder`, that of its results with `samples.nc`, the responses of all runs. choice: section
-    `bounds` of the config, with the model (polynomial or spline) whose bounds are taken;
+    `bounds` of the config, with the model (polynomial or spline) whose bounds
+    `bounds.nc` has; the other two files are of the polynomial;
     with_errors: function of the dataset of bounds that returns it with further estimates of their
     errors; None: it is written as it is. A scan's samples are read in pieces, so they may be larger
     than memory."""

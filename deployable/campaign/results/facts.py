@@ -208,7 +208,7 @@ def _of_contacts(experiment: Any, fixed: Iterable[Mapping]) -> list[str]:
     """Which parameters the stiffness of contacts is proportional to."""
 
     def stiffness(**values: float) -> np.ndarray:
-        return np.array([contact.stiffness for contact in Contact.of(experiment.build(values))])
+        return np.array([contact.stiffness for contact in Contact.find(experiment.build(values))])
 
     nominal, variations = dict(zip(experiment.intervals, experiment.nominal, strict=True)), {}
     in_proportion = 1.01 * stiffness(**nominal)
@@ -418,7 +418,7 @@ def _approach(quantity: Any, experiment: Any, folder: Folder) -> dict[str, Any]:
         latches = {
             name: latch
             for kind in (Latch, RigidLatch)
-            for name, latch in zip(kind.names(scene), kind.of(scene), strict=True)
+            for name, latch in zip(kind.names(scene), kind.find(scene), strict=True)
         }
         latch = latches[quantity.places[0]]
         opening = "opening", (scene.hinges[latch.hinge].name,)

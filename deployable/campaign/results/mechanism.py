@@ -105,10 +105,10 @@ def margin_of(
         "unit": positions.unit,
         "travel": travel_of(scenes, openings, positions, stowed),
         "latches": [
-            latch.label(nominal) for kind in (Latch, RigidLatch) for latch in kind.of(nominal)
+            latch.label(nominal) for kind in (Latch, RigidLatch) for latch in kind.find(nominal)
             if latch.hinge in indices and low + room < latch.angle < high - room
         ],
-        "motors": [nominal.hinges[motor.hinge].name for motor in Motor.of(nominal)],
+        "motors": [nominal.hinges[motor.hinge].name for motor in Motor.find(nominal)],
         "own": own_settings(nominal, definition, response),
         "weaker": weaker_classes(nominal, response),
         "added": [f"{key} {definition[key]:g}" for key in ("accelerate", "deliver")
@@ -179,9 +179,9 @@ def travel_of(
         latches, stops = [], []
         for number, start in (hinges[name] for name in openings):
             side = "above" if sign > 0 else "below"
-            own = [x for kind in (Latch, RigidLatch) for x in kind.of(scene) if x.hinge == number]
+            own = [x for kind in (Latch, RigidLatch) for x in kind.find(scene) if x.hinge == number]
             latches += [zero + latch.angle - start for latch in own]
-            own = [x for x in Stop.of(scene) if x.hinge == number and x.side == side]
+            own = [x for x in Stop.find(scene) if x.hinge == number and x.side == side]
             stops += [zero + stop.angle - start for stop in own]
         latches, stops = (
             [sign * end for end in candidates if sign * (end - zero) > 0]

@@ -31,7 +31,7 @@ from deployable.campaign.files import write_result
 from deployable.campaign.plan.plan import Plan, share
 from deployable.campaign.plan.runs import PlannedRun, Runs
 from deployable.campaign.provenance import as_attribute, check_code
-from deployable.campaign.runs.progress import Progress, Tell, warm_up
+from deployable.campaign.runs.progress import Notify, Progress, warm_up
 from deployable.campaign.runs.results import Result, groups_of
 from deployable.campaign.runs.store import open_store
 from fpm.files.sealed import sweep
@@ -56,7 +56,7 @@ def run_batch(
     jobs: Jobs,
     folder: str | Path,
     manifest: str | Path,
-    tell: Tell,
+    notify: Notify,
     threads: int = 1,
     processes: int = 1,
 ) -> None:
@@ -66,9 +66,9 @@ def run_batch(
     plan: the runs, and their time step; batch, batches: number of the batch, from 0, and of all
     batches; jobs: section of the config, what is kept, and how many runs are integrated together;
     folder: of the store; manifest: path of the JSON file to be written, with numbers of runs and
-    seconds; tell: called with each message; threads, processes: threads that share a group of runs,
-    and processes that share the groups. Raises `CampaignError` with the runs that failed, after all
-    others were written; then there is no manifest.
+    seconds; notify: called with each message; threads, processes: threads that share a group of
+    runs, and processes that share the groups. Raises `CampaignError` with the runs that failed,
+    after all others were written; then there is no manifest.
     """
     start_clocks = clocks()
     store = open_store(jobs.keep, folder, plan.experiment)
@@ -76,15 +76,15 @@ def run_batch(
     groups = store.groups(plan.unique_runs(), jobs.group)
     mine = share(groups, batch, batches)
     work = [(group, missing) for group in mine if len(missing := store.missing(group))]
-    tell_again(store, tell)
+    notify_reruns(store, notify)
 
     simulation = Simulation(plan, jobs.group, threads)
     if work:
         check_structure(plan)
         scene = plan.experiment.build(plan.named(work[0][1][0]))
-        warm_up(scene, tell, plan.experiment.record)
+        warm_up(scene, notify, plan.experiment.record)
         total = sum(map(len, groups))
-        progress = Progress(plan.experiment.name, total, store.counter(groups), tell)
+        progress = Progress(plan.experiment.name, total, store.counter(groups), notify)
         loop_start = clocks()
         simulation.after_group = lambda: progress.report(last=False)
         lots = [work] if processes == 1 else [[item] for item in work]
@@ -95,7 +95,7 @@ def run_batch(
         progress.report()
         if simulation.count and jobs.minutes:
             seconds = (clocks() - loop_start)[0] * min(processes, len(lots)) / simulation.count
-            tell(f"jobs.run_seconds: {seconds:.3g} s of a core for a run here")
+            notify(f"jobs.run_seconds: {seconds:.3g} s of a core for a run here")
     simulation.check()
     facts = {
         "batch": batch,
@@ -158,29 +158,29 @@ def check_structure(plan: Plan) -> None:
         raise CampaignError(f"{source} has changed since the runs were planned; start again")
 
 
-def tell_again(store: Any, tell: Tell) -> None:
-    """Report, by calls of `tell`, each file of a store found damaged or without variables that
+def notify_reruns(store: Any, notify: Notify) -> None:
+    """Report, by calls of `notify`, each file of a store found damaged or without variables that
     responses now need, whose runs are made again; then clear these notes in the store."""
     for error in store.damage.values():
-        tell(f"{error}; its runs are made again")
+        notify(f"{error}; its runs are made again")
     store.damage.clear()
     if store.lacking:
         variables = words(sorted(set().union(*store.lacking.values())))
         count = len(store.lacking)
-        tell(f"{count} runs lack {variables} as this version reads it; they are simulated again")
+        notify(f"{count} runs lack {variables} as this version reads it; they are simulated again")
     store.lacking.clear()
 
 
-def make_again(plan: Plan, store: Any, group: Runs, size: int, tell: Tell) -> None:
+def make_again(plan: Plan, store: Any, group: Runs, size: int, notify: Notify) -> None:
     """Simulate the runs of a group that a store lacks, and write them into it. size: how many runs
-    are integrated together; tell: called with each message. Raises `CampaignError` with the runs
+    are integrated together; notify: called with each message. Raises `CampaignError` with the runs
     that failed, or if structure or code changed since the plan was made."""
     missing = store.missing(group)
-    tell_again(store, tell)
+    notify_reruns(store, notify)
     if not len(missing):
         return
     check_structure(plan)
-    tell(f"{plan.experiment.name}: {len(missing)} runs are missing and made again")
+    notify(f"{plan.experiment.name}: {len(missing)} runs are missing and made again")
     simulation = Simulation(plan, size)
     store.write(group, simulation.results(missing, store.previous_columns(missing)))
     simulation.check()

@@ -16,17 +16,17 @@ from fpm.scenes.effort import compile_seconds
 PAUSE = 5.0
 """Seconds between two words while kernels are compiled."""
 
-Tell = Callable[[str], None]
+Notify = Callable[[str], None]
 
 
-class Teller:
+class MessagePrinter:
     """Prints each message it is called with to text files, flushed at once; `move` rewrites one
     line on terminals, and on other files prints each new text as a line of its own."""
 
     def __init__(self, *files: TextIO):
         self.files = files
         self.is_open = False  # whether the cursor stands behind a line that moves
-        self.moved = ""  # its last state
+        self.text_shown = ""  # its last state
 
     def __call__(self, text: str) -> None:
         for file in self.files:
@@ -40,9 +40,9 @@ class Teller:
         for file in self.files:
             if file.isatty():
                 self._print(f"\r\x1b[2K{text}{end}", file)
-            elif text != self.moved:
+            elif text != self.text_shown:
                 self._print(f"{text}\n", file)
-        self.is_open, self.moved = not last, text
+        self.is_open, self.text_shown = not last, text
 
     @staticmethod
     def _print(text: str, file: TextIO) -> None:
@@ -54,10 +54,10 @@ class Teller:
 class Progress:
     """Reports how many runs of a campaign are done, and the time left, estimated from those that
     all jobs finished since this object was made. campaign: its name; total: number of runs; count:
-    function that returns how many are done; tell: called with each message."""
+    function that returns how many are done; notify: called with each message."""
 
-    def __init__(self, campaign: str, total: int, count: Callable[[], int], tell: Tell):
-        self.campaign, self.total, self.count, self.tell = campaign, total, count, tell
+    def __init__(self, campaign: str, total: int, count: Callable[[], int], notify: Notify):
+        self.campaign, self.total, self.count, self.notify = campaign, total, count, notify
         self.start_time, self.start_count = time.monotonic(), count()
         self.reported = -math.inf
 
@@ -72,18 +72,18 @@ class Progress:
         if count < self.total and gained > 0:
             seconds = (time_now - self.start_time) / gained * (self.total - count)
             text += f", about {duration_text(seconds)} left"
-        if isinstance(self.tell, Teller):
-            self.tell.move(text, last)
+        if isinstance(self.notify, MessagePrinter):
+            self.notify.move(text, last)
         else:
-            self.tell(text)
+            self.notify(text)
 
 
-def warm_up(scene: Any, tell: Tell, record: Sequence = ()) -> None:
+def warm_up(scene: Any, notify: Notify, record: Sequence = ()) -> None:
     """Compile the kernels that a scene needs, or load them from the cache, before runs are timed;
-    `tell` is called with a message every five seconds while that lasts. record: variables to be
+    `notify` is called with a message every five seconds while that lasts. record: variables to be
     recorded, (name, label) pairs as for `fpm.simulate`."""
     start, end, total = time.monotonic(), threading.Event(), compile_seconds(scene)
-    move = tell.move if isinstance(tell, Teller) else tell
+    move = notify.move if isinstance(notify, MessagePrinter) else notify
 
     def report() -> None:
         while not end.wait(PAUSE):

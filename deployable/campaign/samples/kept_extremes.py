@@ -29,7 +29,7 @@ from deployable.campaign.plan.plan import Plan
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs.batch import make_again
 from deployable.campaign.runs.extremes import CURVES, EVENTS, ScanChunk
-from deployable.campaign.runs.progress import Tell
+from deployable.campaign.runs.progress import Notify
 from deployable.campaign.runs.store import open_store
 from deployable.campaign.samples import samples
 from deployable.intervals.samples import Running, quarter_ends
@@ -44,11 +44,11 @@ _LONG_NAMES = {
 
 
 def gather(
-    plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, tell: Tell = lambda text: None
+    plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, notify: Notify = lambda text: None
 ) -> None:
     """Write `samples.nc` to `path` from the stored chunks (parts) of a scan with `jobs.keep:
     extremes`: least and largest responses over quarters of its runs. plan: the runs; jobs: section
-    of the config; folder: of the store; tell: called with each message. One chunk at a time is in
+    of the config; folder: of the store; notify: called with each message. One chunk at a time is in
     memory. Missing or damaged ones are simulated again; raises `CampaignError` if runs fail."""
     import netCDF4
 
@@ -63,7 +63,7 @@ def gather(
         file.createDimension("run", len(runs))
         samples.write_places(file, runs, **_packing(len(runs), len(plan.experiment.intervals)))
         for group in store.groups(runs, jobs.group):
-            chunk = _chunk(plan, store, group, jobs.group, tell)
+            chunk = _chunk(plan, store, group, jobs.group, notify)
             if first == 0:
                 _define(file, chunk, store, len(runs))
             _write(file, chunk, first, store)
@@ -76,10 +76,10 @@ def gather(
         _write_quarters(file, quarters)
 
 
-def _chunk(plan: Plan, store: Any, group: Runs, size: int, tell: Tell) -> ScanChunk:
+def _chunk(plan: Plan, store: Any, group: Runs, size: int, notify: Notify) -> ScanChunk:
     chunk = store.read(group)
     if chunk is None or not chunk.mask.all():
-        make_again(plan, store, group, size, tell)
+        make_again(plan, store, group, size, notify)
         chunk = store.read(group)
     return chunk
 

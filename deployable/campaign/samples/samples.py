@@ -39,7 +39,7 @@ from deployable.campaign.plan.plan import Plan
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.provenance import as_attribute
 from deployable.campaign.runs.batch import make_again
-from deployable.campaign.runs.progress import Tell
+from deployable.campaign.runs.progress import Notify
 from deployable.campaign.runs.results import EVENT_VARIABLES, RunRecord, padded, write_dimension
 from deployable.campaign.runs.store import open_store
 from fpm.files.trajectory import CONVENTIONS
@@ -58,10 +58,10 @@ ATTRIBUTES = {
 
 
 def gather(
-    plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, tell: Tell = lambda text: None
+    plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, notify: Notify = lambda text: None
 ) -> None:
     """Write the responses and quantities of all runs of a plan, from their store, to `path`
-    (`samples.nc`). jobs: section of the config; folder: of the store; tell: called with each
+    (`samples.nc`). jobs: section of the config; folder: of the store; notify: called with each
     message. One group of runs at a time is in memory. Missing or damaged runs are simulated again;
     raises `CampaignError` if runs fail."""
     import netCDF4
@@ -85,7 +85,7 @@ def gather(
         for group in groups:
             records = store.read(group)
             if len(records) < len(group):
-                make_again(plan, store, group, jobs.group, tell)
+                make_again(plan, store, group, jobs.group, notify)
                 records = store.read(group)
             if "time" not in file.variables:
                 _define_curves(file, next(iter(records.values())), plan.experiment.intervals)

@@ -23,7 +23,7 @@ from deployable.campaign.errors import CampaignError, of_files
 from deployable.campaign.files import HISTORY, check_results, refuse_links, results_of
 from deployable.campaign.folder import PICTURES, Folder
 from deployable.campaign.provenance import program_digest
-from deployable.campaign.runs.progress import Tell
+from deployable.campaign.runs.progress import Notify
 from fpm.errors import SceneError
 from fpm.files.sealed import DamagedError, check, sweep
 
@@ -62,7 +62,7 @@ class Stage:
     """
 
     name: str
-    about: str
+    text: str
     sections: tuple[str, ...]
     takes: tuple[str, ...]
     leaves: Callable[[Campaign], Sequence[str]]
@@ -70,15 +70,15 @@ class Stage:
     is_sought: bool | None = None
     draws: bool = False
 
-    def work(self, folder: Folder, tell: Tell, **arguments: Any) -> None:
+    def work(self, folder: Folder, notify: Notify, **arguments: Any) -> None:
         """Do the work of the stage, and write its files, whose seals (checksums) do not say what
-        they are made of unless `run` calls this. folder: of the campaign's results; tell: called
+        they are made of unless `run` calls this. folder: of the campaign's results; notify: called
         with each message; arguments: its sections and options by name."""
-        import_module(f"{__name__}.{self.name}").work(folder, tell, **arguments)
+        import_module(f"{__name__}.{self.name}").work(folder, notify, **arguments)
 
-    def run(self, folder: Folder, tell: Tell, **arguments: Any) -> None:
+    def run(self, folder: Folder, notify: Notify, **arguments: Any) -> None:
         """Do the work of the stage in a folder of results, and seal the files that it writes with
-        what they are made of. tell: called with each message; arguments: its sections and options
+        what they are made of. notify: called with each message; arguments: its sections and options
         by name. Raises `CampaignError` for trouble with files, also if those that it reads are not
         of one plan."""
         sections = {name: arguments[name] for name in self.sections}
@@ -88,7 +88,7 @@ class Stage:
                 sweep(place)
             facts = {"basis": self.basis(sections), **plan_of(folder, self.takes)}
             with results_of(facts):
-                self.work(folder, tell, **arguments)
+                self.work(folder, notify, **arguments)
         except SceneError as error:  # of the structure that the results name
             place = HISTORY[-1] if HISTORY else folder.path
             raise CampaignError(f"{place}: {error}; run the campaign again") from error

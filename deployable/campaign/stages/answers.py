@@ -10,26 +10,26 @@ from deployable.campaign.answers import requirements as limits
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.summary import summarise
-from deployable.campaign.runs.progress import Tell
+from deployable.campaign.runs.progress import Notify
 
 
 def work(
-    folder: Folder, tell: Tell, requirements: Any, choose: Any, published: Any, review: Any,
+    folder: Folder, notify: Notify, requirements: Any, choose: Any, published: Any, review: Any,
     verify: Any, jobs: Any, measured: Any, threads: int = 1,
 ) -> None:  # fmt: skip
     """Do the work of the stage `answers`: bound quantities, assess requirements, find the best
     choice, with the runs that this takes, and write the results and the summary into `folder`.
-    tell: called with each message; threads: how many simulate; the others: sections of the
+    notify: called with each message; threads: how many simulate; the others: sections of the
     config."""
     if read_plan(folder.plan).experiment.quantities:
-        quantities.answer(folder, requirements, verify, jobs, tell, threads)
+        quantities.answer(folder, requirements, verify, jobs, notify, threads)
     if requirements:
-        limits.answer(folder, requirements, jobs, tell)
+        limits.answer(folder, requirements, jobs, notify)
     if choose.parameters:
-        choice.answer(folder, choose, requirements, verify, jobs, tell, threads)
+        choice.answer(folder, choose, requirements, verify, jobs, notify, threads)
     if measured:
-        tests.answer(folder, measured, requirements, verify, jobs, tell, threads)
-    tell(
+        tests.answer(folder, measured, requirements, verify, jobs, notify, threads)
+    notify(
         summarise(
             folder, published, bool(requirements), bool(choose.parameters), review, bool(measured)
         )

@@ -8,37 +8,39 @@ from deployable.campaign.answers.discretization import check_bounds, checked_com
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.bounds import analyse
-from deployable.campaign.runs.progress import Tell
+from deployable.campaign.runs.progress import Notify
 from deployable.campaign.runs.store import unpack
 from deployable.campaign.samples.kept_extremes import gather as gather_extremes
 from deployable.campaign.samples.samples import gather
 
 
 def work(
-    folder: Folder, tell: Tell, bounds: Any, verify: Any, jobs: Any, threads: int = 1,
+    folder: Folder, notify: Notify, bounds: Any, verify: Any, jobs: Any, threads: int = 1,
     bundles: Any = (),
 ) -> None:  # fmt: skip
     """Do the work of the stage `bounds`: gather the responses of all runs, fit the surrogate and
     write its bounds (`bounds.nc`) into `folder`, with the influence of each parameter, and errors
-    by mesh and step if `verify` or the plan asks. tell: called with each message; bundles: tar
+    by mesh and step if `verify` or the plan asks. notify: called with each message; bundles: tar
     files of runs to be extracted first; threads: how many simulate; the others: sections of the
     config."""
     unpack(bundles, folder.runs(jobs.keep))
-    bound(folder, tell, bounds, verify, jobs, threads)
+    bound(folder, notify, bounds, verify, jobs, threads)
 
 
-def bound(folder: Folder, tell: Tell, bounds: Any, verify: Any, jobs: Any, threads: int) -> None:
+def bound(
+    folder: Folder, notify: Notify, bounds: Any, verify: Any, jobs: Any, threads: int
+) -> None:
     """Gather the runs of the plan in `folder`, fit the surrogate, and write its bounds with errors
-    there. bounds, verify, jobs: sections of the config; tell: called with each message; threads:
+    there. bounds, verify, jobs: sections of the config; notify: called with each message; threads:
     how many simulate."""
     plan = read_plan(folder.plan)
     collect = gather_extremes if jobs.keep == "extremes" else gather
-    collect(plan, jobs, folder.runs(jobs.keep), folder.samples, tell)
+    collect(plan, jobs, folder.runs(jobs.keep), folder.samples, notify)
     components = checked_components(plan, verify)
 
     def add_discretization(dataset: Any) -> Any:
         return (
-            check_bounds(folder, dataset, jobs, tell, threads, components)
+            check_bounds(folder, dataset, jobs, notify, threads, components)
             if components
             else dataset
         )

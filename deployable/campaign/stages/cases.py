@@ -11,12 +11,12 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.report.cases import render_cases
 from deployable.campaign.results.cases import cases_facts
 from deployable.campaign.results.templates import summary_text
-from deployable.campaign.runs.progress import Tell
+from deployable.campaign.runs.progress import Notify
 
 
-def work(folder: Folder, tell: Tell, cases: Any) -> None:
+def work(folder: Folder, notify: Notify, cases: Any) -> None:
     """Compare the cases of a campaign, whose results are in folders below `folder`: writes
-    `cases.json`, `summary.md` and the page. tell: called with each message; cases: section of the
+    `cases.json`, `summary.md` and the page. notify: called with each message; cases: section of the
     config. Raises `CampaignError` where there are none."""
     if not cases:
         raise CampaignError("cases: there are none in the config; allowed: a campaign with `cases`")
@@ -25,5 +25,5 @@ def work(folder: Folder, tell: Tell, cases: Any) -> None:
     write_result(folder / "cases.json", json.dumps(facts, indent=2) + "\n")
     write_result(folder / "summary.md", text)
     write_result(folder.report, render_cases(facts))
-    tell(text)
-    tell(f"Open {folder.report}")
+    notify(text)
+    notify(f"Open {folder.report}")

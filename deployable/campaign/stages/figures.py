@@ -9,13 +9,13 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.figures import draw_envelopes, draw_sensitivities
 from deployable.campaign.results.ranges import draw_ranges
-from deployable.campaign.runs.progress import Tell
+from deployable.campaign.runs.progress import Notify
 from deployable.campaign.stages import ANSWERS, PLAN, SAMPLES, drawings
 
 
-def work(folder: Folder, tell: Tell, error: Any) -> None:
+def work(folder: Folder, notify: Notify, error: Any) -> None:
     """Do the work of the stage `figures`: draw into `folder` each response with its bounds, the
-    influence of each parameter, and the range of each quantity. tell: not used; error: section of
+    influence of each parameter, and the range of each quantity. notify: not used; error: section of
     the config, with the error above which instants are hatched."""
     experiment = read_plan(folder.plan).experiment
     names = drawings(experiment)

@@ -8,13 +8,13 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import check_results, read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.report import draw_nominal, from_results, make_motions, write_page
-from deployable.campaign.runs.progress import Tell
+from deployable.campaign.runs.progress import Notify
 from deployable.campaign.stages import ANSWERS, FRAMES, SAMPLES
 
 
-def work(folder: Folder, tell: Tell, figures: Any, frames: int = FRAMES) -> None:
+def work(folder: Folder, notify: Notify, figures: Any, frames: int = FRAMES) -> None:
     """Do the work of the stage `page`: write the page of a campaign (`report.html`) into its folder
-    of results, with moving pictures of some runs, and draw some moments of the nominal run. tell:
+    of results, with moving pictures of some runs, and draw some moments of the nominal run. notify:
     called with each message; figures: section of the config; frames: number of each motion, at
     least 2."""
     if frames < 2:
@@ -23,7 +23,7 @@ def work(folder: Folder, tell: Tell, figures: Any, frames: int = FRAMES) -> None
         check_results(folder, (SAMPLES, *ANSWERS))
     check_results(folder, (SAMPLES, "surrogate.nc"))
     if not make_motions(folder.path, frames):
-        tell("no run is made again: the structure or the mechanics have changed since")
+        notify("no run is made again: the structure or the mechanics have changed since")
     write_page(from_results(folder.path), folder.report)
     draw_nominal(folder, figures.moments)
-    tell(f"Open {folder.report}")
+    notify(f"Open {folder.report}")

@@ -9,40 +9,40 @@ from deployable.campaign.files import results_of
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.accuracy import first_plan, next_plan
 from deployable.campaign.plan.plan import read_plan, write_plan
-from deployable.campaign.runs.progress import Tell
+from deployable.campaign.runs.progress import Notify
 from deployable.campaign.stages import BOUNDS_FILES, PLAN, plan_of, simulate
 from deployable.campaign.stages.bounds import bound
 from deployable.campaign.stages.plan import warn
 
 
 def work(
-    folder: Folder, tell: Tell, experiment: Any, bounds: Any, verify: Any, jobs: Any,
+    folder: Folder, notify: Notify, experiment: Any, bounds: Any, verify: Any, jobs: Any,
     threads: int = 1,
 ) -> None:  # fmt: skip
     """Do the work of the stage `rounds`: simulate in rounds until an accuracy is met or its budget
-    is spent, and leave plan, samples and bounds of the last round in `folder`. tell: called with
+    is spent, and leave plan, samples and bounds of the last round in `folder`. notify: called with
     each message; experiment, bounds, verify, jobs: sections of the config; threads: how many
     simulate."""
     number = 0
-    while not _plan_round(place := folder.round(number), tell, experiment):
+    while not _plan_round(place := folder.round(number), notify, experiment):
         with results_of(plan_of(place, (PLAN,))):
-            simulate.work(place, tell, jobs, threads=threads)
-            bound(place, tell, bounds, verify, jobs, threads)
+            simulate.work(place, notify, jobs, threads=threads)
+            bound(place, notify, bounds, verify, jobs, threads)
         number += 1
     last = [place.plan, *(place.previous() / name for name in BOUNDS_FILES)]
     for path in last:
         shutil.copy(path, folder.path)
 
 
-def _plan_round(folder: Folder, tell: Tell, experiment: Any) -> bool:
+def _plan_round(folder: Folder, notify: Notify, experiment: Any) -> bool:
     """Choose the runs of the next round towards an accuracy; whether there is to be none."""
     if previous := folder.previous():
         plan = next_plan(experiment, read_plan(previous.plan), previous.samples, previous.bounds)
-        tell(f"{experiment.name}: {plan.adaptive.rounds[-1].reason}")
+        notify(f"{experiment.name}: {plan.adaptive.rounds[-1].reason}")
     else:
-        warn(tell, experiment)
+        warn(notify, experiment)
         plan = first_plan(experiment)
     write_plan(plan, folder.plan)
     if not plan.is_finished:
-        tell(f"{experiment.name}: {len(plan.unique_runs())} runs")
+        notify(f"{experiment.name}: {len(plan.unique_runs())} runs")
     return plan.is_finished

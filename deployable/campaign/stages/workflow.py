@@ -20,7 +20,7 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.plan.jobs import batch_count, job_megabytes, job_minutes
 from deployable.campaign.plan.plan import read_plan, read_step
 from deployable.campaign.provenance import check_code
-from deployable.campaign.runs.progress import Tell, Teller
+from deployable.campaign.runs.progress import MessagePrinter, Notify
 from deployable.campaign.stages import STAGES, Stage, stages_of
 from deployable.one_thread import one_thread
 from fpm.errors import ChangedError, SceneError
@@ -169,7 +169,7 @@ def run(
     config: str | Path | Mapping | Campaign,
     results: str | Path = "results",
     figures: bool = True,
-    tell: Tell | None = None,
+    notify: Notify | None = None,
 ) -> Any:
     """Run a campaign and return the bounds of its responses over the parameter box.
 
@@ -187,7 +187,7 @@ def run(
         Folder of all campaigns' results; made where it is missing.
     figures
         False: neither figures nor motions nor the page are made.
-    tell
+    notify
         Called with each message of progress, a text; None: messages go to standard error.
 
     Returns
@@ -204,12 +204,12 @@ def run(
         If runs fail, or the program or the structure was edited since this session loaded it.
     """
     with one_thread():
-        campaign, tell = _campaign(config), tell or Teller(sys.stderr)
+        campaign, notify = _campaign(config), notify or MessagePrinter(sys.stderr)
         for _, variant in variants(campaign):
             _check_memory(variant)
         if not campaign.cases:
-            return _run(campaign, results, figures, tell)
-        return _run_cases(campaign, results, figures, tell)
+            return _run(campaign, results, figures, notify)
+        return _run_cases(campaign, results, figures, notify)
 
 
 def _check_memory(campaign: Campaign) -> None:
@@ -224,49 +224,49 @@ def _check_memory(campaign: Campaign) -> None:
 
 
 def _run_cases(
-    campaign: Campaign, results: str | Path, figures: bool, tell: Tell
+    campaign: Campaign, results: str | Path, figures: bool, notify: Notify
 ) -> dict[str, Any]:
     """Run the cases of a campaign one after another, and compare them."""
     folder, bounds = Workflow(campaign, results).folder, {}
     for name, case in campaign.case_campaigns.items():
-        tell(f"Case {name}")
+        notify(f"Case {name}")
         try:
-            bounds[name] = _run(case, folder.path, figures, tell)
+            bounds[name] = _run(case, folder.path, figures, notify)
         except CampaignError as error:
             raise CampaignError(f"case {name}: {error}") from error
-    _stage(STAGES["cases"], campaign, folder, tell)
+    _stage(STAGES["cases"], campaign, folder, notify)
     return bounds
 
 
-def _run(campaign: Campaign, results: str | Path, figures: bool, tell: Tell) -> Any:
+def _run(campaign: Campaign, results: str | Path, figures: bool, notify: Notify) -> Any:
     workflow = Workflow(campaign, results)
     folder, stale, is_remade = workflow.folder, workflow.stale(), False
     drawn = {folder.figures, folder.motions, folder.report}
     for error in workflow.damage.values():
         if figures or drawn.isdisjoint([error.path, *error.path.parents]):
-            tell(f"{error}; it is made again")
+            notify(f"{error}; it is made again")
     for stage in stages_of(campaign):
         paths = workflow.files_of(stage)
         if stage.draws and not figures:
             continue
         if stage.name == "simulate":
-            is_remade |= _simulate(campaign, folder, tell)
+            is_remade |= _simulate(campaign, folder, notify)
         elif is_remade or not all(path.exists() and str(path) not in stale for path in paths):
-            _stage(stage, campaign, folder, tell)
+            _stage(stage, campaign, folder, notify)
             is_remade = True
         elif stage.name == "answers":
-            tell(unsealed(folder / "summary.md").decode())
+            notify(unsealed(folder / "summary.md").decode())
         elif stage.name == "page":
-            tell(f"Open {folder.report}")
+            notify(f"Open {folder.report}")
     with open_dataset(folder.bounds) as data:
         return data.load()
 
 
-def _simulate(campaign: Campaign, folder: Folder, tell: Tell) -> bool:
+def _simulate(campaign: Campaign, folder: Folder, notify: Notify) -> bool:
     """Make the runs of a plan that are not there; whether there were any."""
     batches = batch_count(campaign, len(read_plan(folder.plan).runs))
     for batch in range(batches):
-        _stage(STAGES["simulate"], campaign, folder, tell, batch=batch, batches=batches)
+        _stage(STAGES["simulate"], campaign, folder, notify, batch=batch, batches=batches)
     return any(read_json(folder.batch(batch))["simulated"] for batch in range(batches))
 
 
@@ -276,7 +276,9 @@ def _campaign(config: str | Path | Mapping | Campaign) -> Campaign:
     return check_config(config) if isinstance(config, Mapping) else load_config([config])
 
 
-def _stage(stage: Stage, campaign: Campaign, folder: Folder, tell: Tell, **options: Any) -> None:
+def _stage(
+    stage: Stage, campaign: Campaign, folder: Folder, notify: Notify, **options: Any
+) -> None:
     if "threads" in stage.options:
         options["threads"] = os.cpu_count() or 1
-    stage.run(folder, tell, **stage.sections_of(campaign), **options)
+    stage.run(folder, notify, **stage.sections_of(campaign), **options)

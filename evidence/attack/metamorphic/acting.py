@@ -66,7 +66,7 @@ class Acting:
         self.structure.setdefault("points", {})[name] = [float(x) for x in position]
         return name
 
-    def at(self, name: str) -> np.ndarray:
+    def position(self, name: str) -> np.ndarray:
         return np.array(self.structure["points"][name])
 
     def name(self, group: str, letter: str) -> str:

@@ -24,7 +24,7 @@ def _body(centre: str) -> dict:
     return {"mass": 1.0, "centre": centre, "inertia": [1.0, 1.0, 1.0]}
 
 
-def _on(joint: str, **actions: dict) -> dict[str, dict]:
+def _joint_actions(joint: str, **actions: dict) -> dict[str, dict]:
     return {f"y_{key}": {"joint": joint, **entry} for key, entry in actions.items()}
 
 
@@ -45,7 +45,7 @@ BALLAST: Structure = {
     },
     "curves": {"y_f": {"times": [0.0], "values": [0.0]}},
     "actions": {
-        **_on(
+        **_joint_actions(
             "y_j0",
             spring={"type": "torsion spring", **_SOFT, "rest": 0.5},
             contact={"type": "contact", **_SOFT},
@@ -58,8 +58,8 @@ BALLAST: Structure = {
             stop={"type": "stop", **_SOFT, "upper": 40.0},
             table={"type": "tabulated spring", "angles": [0.0, 1.0], "moments": [0.0, 0.0]},
         ),
-        **_on("y_j2", exact_motor={"type": "motor", "turn": 1.0, "curve": "y_f"}),
-        **_on(
+        **_joint_actions("y_j2", exact_motor={"type": "motor", "turn": 1.0, "curve": "y_f"}),
+        **_joint_actions(
             "y_j4",
             exact_latch={"type": "latch", "angle": 40.0},
             exact_release={"type": "release", "time": 99.0},

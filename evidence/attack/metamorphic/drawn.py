@@ -55,10 +55,10 @@ class Draw(Acting):
         k, is_first = len(self.parts), not self.parts
         is_free = is_first and self.chance(0.25)
         parent = GROUND if is_first or self.chance(0.2) else self.rng.choice(self.parts)
-        start = np.zeros(3) if parent == GROUND else self.at(f"t{parent[1:]}")
+        start = np.zeros(3) if parent == GROUND else self.position(f"t{parent[1:]}")
         p = self.point(f"p{k}", start + self.vector(0.3))
-        c = self.point(f"c{k}", self.at(p) + self.flatten(self.vector(0.4)))
-        t = self.point(f"t{k}", self.at(c) + self.flatten(self.vector(0.4)))
+        c = self.point(f"c{k}", self.position(p) + self.flatten(self.vector(0.4)))
+        t = self.point(f"t{k}", self.position(c) + self.flatten(self.vector(0.4)))
         if parent != GROUND:
             self.give(parent, p)
         name = f"b{k}"
@@ -100,7 +100,7 @@ class Draw(Acting):
         self.add("sections", "round", type="tube", diameter=0.2, thickness=0.02)
         self.add("sections", "flat", type="rectangle", width=0.2, height=0.12)
         section = self.rng.choice(["round", "flat"])
-        line = self.at(points[2]) - self.at(points[0])
+        line = self.position(points[2]) - self.position(points[0])
         self.add("bars", name, through=points, section=section, material="foam", elements=1,
                  up=self.normal_to(line.tolist()), inertia_scale=20.0)  # fmt: skip
         self.add("masses", f"m{name}", part=name, at=points[2], mass=0.5, inertia=0.02)
@@ -177,7 +177,7 @@ class Draw(Acting):
         self.rng.shuffle(stations)
         path = stations[: self.rng.choice([2, 3, 3, 4])]
         length = sum(
-            float(np.linalg.norm(self.at(start["at"]) - self.at(stop["at"])))
+            float(np.linalg.norm(self.position(start["at"]) - self.position(stop["at"])))
             for start, stop in pairwise(path)
         )
         rest = length * self.number(1.001 if self.quiet else 0.9, 1.05)

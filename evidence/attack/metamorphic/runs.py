@@ -100,7 +100,7 @@ def curves_of(outcome: fpm.Outcome) -> Curves:
     for name, values in outcome.energies.items():
         if name != "balance":
             curves["energy", name] = values[-INSTANTS:], "J"
-    for name, record in outcome.recorded.items():
+    for name, record in outcome.records.items():
         if record.labels:
             for k, label in enumerate(record.labels):
                 curves[name, label] = record.values[-INSTANTS:, k], record.unit

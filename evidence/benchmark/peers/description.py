@@ -56,7 +56,7 @@ def describe(scene: fpm.Scene, omitted: Sequence[str] = ()) -> dict:
         "bodies": bodies,
         "elements": elements,
         "hinges": [_hinge(scene, index, hinge) for index, hinge in enumerate(scene.hinges)],
-        "loops": [_loop(scene, loop) for loop in SyncLoop.of(scene)],
+        "loops": [_loop(scene, loop) for loop in SyncLoop.find(scene)],
         "points": {
             name: {"node": beam.particle, "arm": beam.arm.tolist()}
             for name, beam in scene.points.items()
@@ -71,7 +71,7 @@ def _hinge(scene: fpm.Scene, index: int, hinge: Hinge) -> dict:
     # The first frame is turned by the opening, so that the two coincide at the start.
     c, s = np.cos(hinge.opening), np.sin(hinge.opening)
     frames[0] = frames[0] @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-    springs = [spring for spring in TorsionSpring.of(scene) if spring.hinge == index]
+    springs = [spring for spring in TorsionSpring.find(scene) if spring.hinge == index]
     stiffness = sum(spring.stiffness for spring in springs)
     moment = sum(spring.stiffness * spring.rest for spring in springs)
     return {
@@ -82,7 +82,7 @@ def _hinge(scene: fpm.Scene, index: int, hinge: Hinge) -> dict:
         "opening": hinge.opening,
         "stiffness": stiffness,
         "rest": moment / stiffness if stiffness else 0.0,
-        "damping": sum(damper.damping for damper in Damper.of(scene) if damper.hinge == index),
+        "damping": sum(damper.damping for damper in Damper.find(scene) if damper.hinge == index),
         "support": hinge.support,
     }
 

@@ -46,7 +46,7 @@ class Case:
     """
 
     name: str
-    about: str
+    text: str
     point: str
     duration: float
     varies: str
@@ -113,7 +113,7 @@ def exudyn(repeats: int, cases=CASES, steps: int | None = None) -> list[Row]:
     python = compare.interpreter("exudyn", "EXUDYN_PYTHON")
     if python is None:
         reason = "not installed: pip install -e '.[peer-exudyn]'"
-        return [skipped(f"{case.about}: Exudyn against ours", reason, "x") for case in cases]
+        return [skipped(f"{case.text}: Exudyn against ours", reason, "x") for case in cases]
     return [row for case in cases for row in _rows(case, python, repeats, steps)]
 
 
@@ -142,14 +142,14 @@ def _rows(case: Case, python: str, repeats: int, steps: int | None) -> list[Row]
     note = f"{ours.steps} steps{_mesh(case.parameters)}, off by {deviation:.2g} of the way; "
     note += f"{ours.set_up / ours.batch:.0%} of it is set-up; {1e3 * ours.building:.2g} ms more to "
     note += "build the scene from its file"
-    batch = f"{case.about}: ours, a sample of a batch of {SAMPLES}"
+    batch = f"{case.text}: ours, a sample of a batch of {SAMPLES}"
     rows = [
         info(batch, ours.batch / case.duration, compare.COST, note),
-        info(f"{case.about}: ours, alone", ours.single / case.duration, compare.COST),
+        info(f"{case.text}: ours, alone", ours.single / case.duration, compare.COST),
     ]
     right = []
     for answer in answers:
-        name = f"{case.about}: Exudyn, {answer['name']}"
+        name = f"{case.text}: Exudyn, {answer['name']}"
         if not answer["ok"]:
             error = answer.get("error", "not finite").splitlines()[0]
             rows.append(info(name, "none", compare.COST, f"breaks down: {error}"))
@@ -158,7 +158,7 @@ def _rows(case: Case, python: str, repeats: int, steps: int | None) -> list[Row]
         right.append((theirs, answer))
         note = f"off by {theirs:.2g} of the way; {1e3 * answer['building']:.2g} ms more to build it"
         rows.append(info(name, answer["cpu"] / case.duration, compare.COST, note))
-    text = f"{case.about}: motion of '{case.point}', Exudyn's most accurate run against ours"
+    text = f"{case.text}: motion of '{case.point}', Exudyn's most accurate run against ours"
     source = f"ours with {f'{case.finest} elements' if case.finest else 'a quarter of the step'}"
     best_off = min((theirs for theirs, _ in right), default=np.inf)
     rows.append(at_most(text, best_off, case.tolerance, source, unit="of the way"))
@@ -174,7 +174,7 @@ def _ratios(case: Case, ours: Ours, deviation: float, right: list[tuple[float, d
     if not agreeing:
         return []
     theirs, fastest = min(agreeing, key=lambda pair: pair[1]["cpu"])
-    name = f"{case.about}: Exudyn {fastest['version']} against ours"
+    name = f"{case.text}: Exudyn {fastest['version']} against ours"
     note = f"its {fastest['name']}, off by {theirs:.2g}, the fastest that agrees to "
     note += f"{case.tolerance:g}; ours with steps of {case.duration / ours.steps:.2g} s off by "
     note += f"{deviation:.2g}"

@@ -24,13 +24,13 @@ MINUTES, RUNS = 0.2, 300
 """Budget of each: minutes of one core, and runs."""
 
 
-def measure_asked(case: AccuracyCase, tell: Callable[[str], object] = print) -> dict:
+def measure_asked(case: AccuracyCase, notify: Callable[[str], object] = print) -> dict:
     """What every accuracy and every rival of a case came to, as plain numbers."""
     with tempfile.TemporaryDirectory() as folder:
         short = {"solver": {"duration": 1e-3, "instants": 2}}
         _run(case, _merged(scan(2 + 2 ** len(case.config["intervals"])), short), Path(folder))
         reference, cpu, _ = _run(case, case.reference, Path(folder))
-        tell(f"{case.name}: reference, {cpu:.3g} s of cpu time")
+        notify(f"{case.name}: reference, {cpu:.3g} s of cpu time")
         record = {"case": case.name, "title": case.title, "reference_cpu": cpu}
         record |= {"responses": list(case.config["responses"]), "asked": [], "rivals": []}
         for share in case.shares:
@@ -39,11 +39,11 @@ def measure_asked(case: AccuracyCase, tell: Callable[[str], object] = print) -> 
             }
             row = _measure(case, change, reference, Path(folder))
             record["asked"].append({"share": share, **row})
-            tell(f"{case.name}: accuracy {share}, {row['cpu']:.3g} s of cpu time")
+            notify(f"{case.name}: accuracy {share}, {row['cpu']:.3g} s of cpu time")
         for name, change in case.rivals.items():
             row = _measure(case, change, reference, Path(folder))
             record["rivals"].append({"name": name, **row})
-            tell(f"{case.name}: {name}, {row['cpu']:.3g} s of cpu time")
+            notify(f"{case.name}: {name}, {row['cpu']:.3g} s of cpu time")
     return record
 
 
@@ -81,7 +81,7 @@ def _run(case: AccuracyCase, change: Mapping, folder: Path) -> tuple[Any, float,
     config = _merged({"campaign": "asked", "jobs": {"keep": "responses"}, **case.config}, change)
     with tempfile.TemporaryDirectory(dir=folder) as results:
         start = time.process_time()
-        bounds = campaign.run(config, results, figures=False, tell=lambda text: None)
+        bounds = campaign.run(config, results, figures=False, notify=lambda text: None)
         cpu = time.process_time() - start
         summary = json.loads((Folder(Path(results, "asked")) / "summary.json").read_text("utf-8"))
     return bounds, cpu, summary

@@ -32,7 +32,7 @@ INSTANTS = 41
 _TESTS = 64
 
 
-def measure_peers(tell: Callable[[str], object] = print) -> dict:
+def measure_peers(notify: Callable[[str], object] = print) -> dict:
     """Fits and bounds of this package and of each peer, as plain numbers."""
     fits, bounds = [], []
     for name, choice in FITS:
@@ -43,7 +43,7 @@ def measure_peers(tell: Callable[[str], object] = print) -> dict:
         line = scan_of(case, 401) if name == "one" else points[:0]
         runs = simulate(case, ELEMENTS, 0.9, np.concatenate([points, line]))
         problem = _problem(case, choice, design, runs, tested)
-        tell(f"peers: {len(problem['points'])} runs of case {name}, {choice.label}")
+        notify(f"peers: {len(problem['points'])} runs of case {name}, {choice.label}")
         fits.append({"by": "intervals", "case": name, **_own_fit(design, problem)})
         for peer in ("chaospy", "openturns"):
             answer = run_peer(peer, problem)

@@ -23,11 +23,11 @@ from evidence.tradeoff.measure.reference import missing, seek_runs
 from evidence.tradeoff.measure.runs import LANES, Runs, simulate
 
 
-def measure_case(case: Case, tell: Callable[[str], object] = print) -> dict:
+def measure_case(case: Case, notify: Callable[[str], object] = print) -> dict:
     """Everything that the report needs of a case, as plain numbers."""
     levels = []
     for level in case.levels:
-        tell(f"{case.name}: {level.label}, {level.scan} runs of the scan and the designs")
+        notify(f"{case.name}: {level.label}, {level.scan} runs of the scan and the designs")
         points = points_of(case, level.choices, level.scan)
         runs = simulate(case, level.elements, level.safety, points)
         runs, rounds = seek_runs(level, runs)
@@ -36,7 +36,7 @@ def measure_case(case: Case, tell: Callable[[str], object] = print) -> dict:
     reference, phases = bounds.hull(finest), bounds.phases_of(finest)
     records = []
     for level, runs in levels:
-        tell(f"{case.name}: {level.label}, bounds of {len(level.choices)} choices")
+        notify(f"{case.name}: {level.label}, bounds of {len(level.choices)} choices")
         records += _measure_level(case, level, runs, reference, phases)
     return {
         "case": case.name,
@@ -51,7 +51,7 @@ def measure_case(case: Case, tell: Callable[[str], object] = print) -> dict:
             "missing": missing(case, finest_level, rounds, phases),
         },
         "records": records,
-        "trajectories": _measure_trajectories(case, phases, tell),
+        "trajectories": _measure_trajectories(case, phases, notify),
         "lanes": _measure_lanes(case, case.levels[0]),
     }
 
@@ -94,14 +94,14 @@ def _measure_level(
     return records
 
 
-def _measure_trajectories(case: Case, phases: dict[str, np.ndarray], tell) -> list[dict]:
+def _measure_trajectories(case: Case, phases: dict[str, np.ndarray], notify) -> list[dict]:
     """Error of single runs from mesh and step: rms over LANES runs spread over the box."""
     if not case.trajectories:
         return []
     points = np.linspace(-1.0, 1.0, LANES)[:, None] * np.ones(len(case.intervals))
     all_runs = []
     for elements, safety in case.trajectories:
-        tell(f"{case.name}: single runs with {elements} elements, {safety} of the stable step")
+        notify(f"{case.name}: single runs with {elements} elements, {safety} of the stable step")
         all_runs.append(simulate(case, elements, safety, points))
     # what the step alone does: against the smallest step on the same mesh
     smallest = {}

@@ -178,12 +178,12 @@ class Beams(ElementType):
         """Return what must be equal in scenes simulated side by side, a tuple: for each group the
         particles of its elements, and one bool, whether any element has, or may have, axes other
         than its particles' (`framed`)."""
-        return tuple(tuple(b.nodes.ravel()) for b in cls.of(scene)), framed(scene)
+        return tuple(tuple(b.nodes.ravel()) for b in cls.find(scene)), framed(scene)
 
     @classmethod
     def names(cls, scene):
         """Return the names of a scene's beam elements: the group's and a number, as "link[0]"."""
-        return [f"{b.name}[{i}]" for b in cls.of(scene) for i in range(len(b.length))]
+        return [f"{b.name}[{i}]" for b in cls.find(scene) for i in range(len(b.length))]
 
     @classmethod
     def deformations(cls, scene):
@@ -191,7 +191,7 @@ class Beams(ElementType):
         stiffness, from which the stable time step follows: six of each element, as in `modes`."""
         frame = scene.frame if scene.unstrained is None else scene.unstrained
         modes, count = [], 0
-        for beams in cls.of(scene):
+        for beams in cls.find(scene):
             modes += [d._replace(element=d.element + count) for d in beams.modes(frame)]
             count += len(beams.length)
         return Deformations(*(np.concatenate(x) for x in zip(*modes, strict=True)))
@@ -234,13 +234,13 @@ class Beams(ElementType):
         )
 
         def stiffness(scene):
-            return np.concatenate([b.stiffness() for b in cls.of(scene)]) * SHARES
+            return np.concatenate([b.stiffness() for b in cls.find(scene)]) * SHARES
 
-        nodes = np.concatenate([b.nodes for b in cls.of(batch.scene)])
+        nodes = np.concatenate([b.nodes for b in cls.find(batch.scene)])
         arrays = (
             batch.integers(nodes, 2),
             batch.stack(len(nodes), BEAM, stiffness),
-            batch.watched_by(cls),
+            batch.peaks_of(cls),
             batch.rows_of(cls),
         )
         if framed(batch.scene):
@@ -256,16 +256,16 @@ def framed(scene) -> bool:
     """Return whether some beam element of a scene has local axes other than those of its particles
     (to rounding), or may have, as with a bow; kernels then compute more. Decided for each scene
     alone, so that its last digits do not depend on those simulated with it."""
-    bowed = any(beams.bow is not None for beams in Beams.of(scene))
-    return bowed or bool(Beams.of(scene) and np.abs(end_axes(scene) - ALIGNED).max() >= 1e-12)
+    bowed = any(beams.bow is not None for beams in Beams.find(scene))
+    return bowed or bool(Beams.find(scene) and np.abs(end_axes(scene) - ALIGNED).max() >= 1e-12)
 
 
 def end_axes(scene) -> np.ndarray:
     """Return the stress-free local axes 2 and 3 of all m beam elements of a scene at both ends a
     and b, in the axes of their particles: (m, 12), each row a2, a3, b2, b3."""
     frame = scene.frame if scene.unstrained is None else scene.unstrained
-    nodes = np.concatenate([beams.nodes for beams in Beams.of(scene)])
-    axes = np.concatenate([beams.end_axes() for beams in Beams.of(scene)], axis=1)
+    nodes = np.concatenate([beams.nodes for beams in Beams.find(scene)])
+    axes = np.concatenate([beams.end_axes() for beams in Beams.find(scene)], axis=1)
     pairs = zip(nodes.T, axes, strict=True)
     ends = [np.einsum("mji,mjk->mki", frame[end], own) for end, own in pairs]
     return np.hstack([end.reshape(-1, 6) for end in ends])

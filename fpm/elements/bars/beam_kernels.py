@@ -39,7 +39,7 @@ class StraightElements(NamedTuple):
 
     nodes: np.ndarray  # (m, 2) particles
     beams: np.ndarray  # (m, BEAM, lanes)
-    watched: np.ndarray  # (1, 2, lanes)
+    peaks: np.ndarray  # (1, 2, lanes)
     rows: np.ndarray  # (m, 1, lanes)
 
 
@@ -50,7 +50,7 @@ class FramedElements(NamedTuple):
 
     nodes: np.ndarray
     beams: np.ndarray
-    watched: np.ndarray
+    peaks: np.ndarray
     rows: np.ndarray
     axes: np.ndarray  # (m, AXES, lanes)
 
@@ -196,17 +196,17 @@ def larger_strains(part, e, shape, bend, strain):
 
 
 @kernel
-def stored(part, world):
-    """Return the strain energy (J, lanes) of all beam elements together, and raise part.watched to
+def sum_energies(part, world):
+    """Return the strain energy (J, lanes) of all beam elements together, and raise part.peaks to
     their largest bend (sine) and strain. part: arrays of the elements; world: solver state."""
     total = 0.0 * load(world.state, 0, X)
-    bend, strain = 0.0 * load(part.watched, 0, BEND), load(part.watched, 0, STRAIN)
+    bend, strain = 0.0 * load(part.peaks, 0, BEND), load(part.peaks, 0, STRAIN)
     for e in range(part.nodes.shape[0]):
         shape = shape_of(part, world.state, e)
         bend, strain = larger_strains(part, e, shape, bend, strain)
         total = total + strain_energy(part, e, shape)
-    store(part.watched, 0, BEND, larger(load(part.watched, 0, BEND), sqrt(bend)))
-    store(part.watched, 0, STRAIN, strain)
+    store(part.peaks, 0, BEND, larger(load(part.peaks, 0, BEND), sqrt(bend)))
+    store(part.peaks, 0, STRAIN, strain)
     return total
 
 
@@ -220,6 +220,6 @@ def list_energies(part, world):
 
 for _arrays in (StraightElements, FramedElements):
     hook(_arrays, "forces")(forces)
-    hook(_arrays, "stored")(stored)
+    hook(_arrays, "sum_energies")(sum_energies)
     hook(_arrays, "list_energies")(list_energies)
     hook(_arrays, "list_excess")(list_energies)  # the one with the most energy is to blame

@@ -42,7 +42,7 @@ class Viscosity(ElementType):
             raise SceneError("viscosity", self.share, "a finite number >= 0")
 
     @classmethod
-    def of(cls, scene):
+    def find(cls, scene):
         """Return the bulk viscosities of a scene; [] where it has no beams."""
         return scene.kinds.get(cls, []) if scene.beams else []
 
@@ -56,8 +56,8 @@ class Viscosity(ElementType):
         """Return how motions of particles stretch all beam elements of a scene, with the damping (N
         s/m) of each in the field `stiffness`; the stable time step follows from it."""
         frame = scene.frame if scene.unstrained is None else scene.unstrained
-        stretches = [beams.modes(frame)[0] for beams in Beams.of(scene)]
-        counts = np.cumsum([0, *(len(beams.length) for beams in Beams.of(scene))])
+        stretches = [beams.modes(frame)[0] for beams in Beams.find(scene)]
+        counts = np.cumsum([0, *(len(beams.length) for beams in Beams.find(scene))])
         rows = [
             part._replace(element=part.element + count)
             for part, count in zip(stretches, counts, strict=False)
@@ -69,7 +69,7 @@ class Viscosity(ElementType):
     def pack(cls, batch):
         from fpm.elements.bars.viscosity_kernels import HISTORY, Viscous
 
-        nodes = np.concatenate([b.nodes for b in Beams.of(batch.scene)])
+        nodes = np.concatenate([b.nodes for b in Beams.find(batch.scene)])
 
         def history(scene):
             first, second = nodes.T
@@ -83,15 +83,15 @@ class Viscosity(ElementType):
             batch.integers(nodes, 2),
             batch.stack(len(nodes), 1, _dampings),
             batch.stack(len(nodes), HISTORY, history),
-            batch.taken_by(cls),
+            batch.loss_account(cls),
         )
 
 
 def _dampings(scene) -> np.ndarray:
     """Damping (m, 1) of the stretch of every beam element, N s/m."""
-    share = sum(element.share for element in Viscosity.of(scene))
+    share = sum(element.share for element in Viscosity.find(scene))
     waves = [
         np.full(len(b.length), b.section.A * np.sqrt(b.material.E * b.material.rho))
-        for b in Beams.of(scene)
+        for b in Beams.find(scene)
     ]
     return share * np.concatenate(waves)[:, None]

@@ -17,13 +17,13 @@ HISTORY = 3
 
 class Viscous(NamedTuple):
     """Arrays of the dampers of m beam elements, for their kernels. nodes (m, 2): indices of the
-    particles at both ends; damping (m, 1, lanes): N s/m; past (m, 3, lanes): rate of the length
+    particles at both ends; damping (m, 1, lanes): N s/m; rates (m, 3, lanes): rate of the length
     (m/s) in the middle of the last step, tension (N) and length (m) at its end; account: index of
     the loss in World.accounts."""
 
     nodes: np.ndarray
     damping: np.ndarray
-    past: np.ndarray
+    history: np.ndarray
     account: int
 
 
@@ -34,7 +34,7 @@ def forces(part, world, timing):
     World.accounts. part: arrays of the dampers (Viscous); world: solver state, changed; timing:
     times of this step (s). The rate is extrapolated from the last two steps; losses are summed by
     the trapezium rule."""
-    state, history = world.state, part.past
+    state, history = world.state, part.history
     loss = load(world.accounts, 0, part.account)
     for e in range(part.nodes.shape[0]):
         a, b = part.nodes[e, 0], part.nodes[e, 1]

@@ -22,7 +22,7 @@ import numpy as np
 
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable_bounds import Piece, bounding_springs
-from fpm.elements.fields import index, number, same
+from fpm.elements.fields import index, number, topology
 from fpm.elements.kind import ElementType, Energy, Series, Watch
 from fpm.errors import SceneError
 
@@ -48,7 +48,7 @@ class Cable(ElementType):
     reel: length (m) that a winch takes in, times the curve of index `curve` (-1: none); friction:
     coefficient at points between its ends, None: none."""
 
-    name: str = same()
+    name: str = topology()
     beams: tuple[VirtualBeam, ...]
     stiffness: float = number("N", above=0.0, words="EA of {title}")
     rest: float = number("m", words="unstrained length of {title}")
@@ -56,7 +56,7 @@ class Cable(ElementType):
     curve: int = index("curves", -1, default=-1)
     friction: float | None = number(least=0.0, default=None)
 
-    called = "cable"
+    noun = "cable"
     resists_as = "S"
     cost = 60.0
 
@@ -149,48 +149,49 @@ class Cable(ElementType):
     @classmethod
     def names_of(cls, scene) -> tuple[str, ...]:
         """Names of a scene's cables as stated, in their order."""
-        return tuple(cable.name for cable in cls.of(scene))
+        return tuple(cable.name for cable in cls.find(scene))
 
     @classmethod
     def names(cls, scene):
-        return [cable.title(scene) for cable in cls.of(scene)]
+        return [cable.title(scene) for cable in cls.find(scene)]
 
     @classmethod
     def cost_in(cls, scene):
         """Core time (ns) of all cables of a scene in a time step: `cost` for each stretch between
         two points, RUBBING with friction."""
-        costs = [cls.cost if cable.friction is None else RUBBING for cable in cls.of(scene)]
-        counts = [len(cable.beams) - 1 for cable in cls.of(scene)]
+        costs = [cls.cost if cable.friction is None else RUBBING for cable in cls.find(scene)]
+        counts = [len(cable.beams) - 1 for cable in cls.find(scene)]
         return float(np.dot(costs, counts))
 
     @classmethod
-    def led(cls, scene):
+    def sweep_elements(cls, scene):
         """Return copies of a scene's cables without friction, for moving an opening slowly through
         static equilibria (fpm/travel), which counts friction by itself."""
-        return [replace(cable, friction=None) for cable in cls.of(scene)]
+        return [replace(cable, friction=None) for cable in cls.find(scene)]
 
     @classmethod
     def deformations(cls, scene):
-        """Springs (Deformations) at least as stiff as the cables of a scene can become, from which
-        the stable time step follows (`bounding_springs`)."""
-        return bounding_springs(scene, (cable.pieces(scene) for cable in cls.of(scene)))
+        """Return springs (Deformations) at least as stiff as the cables of a scene can become, for
+        the stable time step, made by `bounding_springs`; None without cables, or if all their
+        points are held."""
+        return bounding_springs(scene, (cable.pieces(scene) for cable in cls.find(scene)))
 
     @classmethod
     def pack(cls, batch):
         from fpm.elements.cables.cable_kernels import CABLE, STATE, STRETCH, Cables
 
-        cables = cls.of(batch.scene)
+        cables = cls.find(batch.scene)
         count, ends = len(cables), np.cumsum([0, *(len(cable.beams) for cable in cables)])
         part = Cables(
             start=batch.integers(ends),
-            on=batch.integers(beam.particle for cable in cables for beam in cable.beams),
+            particle=batch.integers(beam.particle for cable in cables for beam in cable.beams),
             curve=batch.integers(cable.curve for cable in cables),
-            arms=batch.stack(ends[-1], 3, lambda s: [b.arm for c in cls.of(s) for b in c.beams]),
+            arms=batch.stack(ends[-1], 3, lambda s: [b.arm for c in cls.find(s) for b in c.beams]),
             cables=batch.table(cls, CABLE, lambda c: [c.stiffness, c.rest, c.reel]),
             stretches=batch.blank(ends[-1], STRETCH),
             state=batch.blank(count, STATE),
-            account=batch.given_by(cls),
-            watched=batch.watched_by(cls),
+            account=batch.work_account(cls),
+            peaks=batch.peaks_of(cls),
             rows=batch.rows_of(cls),
             log=batch.log_of(cls),
             track=batch.blank((batch.instants + 1) * count, 2),
@@ -198,7 +199,7 @@ class Cable(ElementType):
         return _with_friction(part, batch) if any(cable.rubs for cable in cables) else part
 
     @classmethod
-    def recorded(cls, part, scene, lane):
+    def read_records(cls, part, scene, lane):
         """Return tension (N) and strained length (m) of all cables of one sample after a run, two
         Series (t, cables) by variable name. part: kernel arrays (Cables); scene: the sample's;
         lane: index of the sample among those simulated side by side."""
@@ -219,21 +220,21 @@ def _with_friction(part, batch):
     def material(scene) -> np.ndarray:
         """Unstrained lengths (m) of all stretches at the start, at one strain all along each
         cable."""
-        array = np.zeros((len(part.on), RUBBED))
-        for first, cable in zip(part.start, Cable.of(scene), strict=False):
+        array = np.zeros((len(part.particle), RUBBED))
+        for first, cable in zip(part.start, Cable.find(scene), strict=False):
             lengths = cable.lengths(scene)
             rest = lengths * (cable.rest_at(scene, 0.0) / lengths.sum())
             array[first : first + len(rest), MATERIAL] = rest
         return array
 
-    rests = batch.stack(len(part.state), 1, lambda s: [[c.rest_at(s, 0.0)] for c in Cable.of(s)])
+    rests = batch.stack(len(part.state), 1, lambda s: [[c.rest_at(s, 0.0)] for c in Cable.find(s)])
     part.state[:, UNSTRAINED] = rests[:, 0]
     return RubbingCables(
         *part,
-        rubs=batch.integers(cable.rubs for cable in Cable.of(batch.scene)),
+        rubs=batch.integers(cable.rubs for cable in Cable.find(batch.scene)),
         friction=batch.table(Cable, 1, lambda cable: [cable.friction or 0.0]),
-        rubbed=batch.stack(len(part.on), RUBBED, material),
-        loss=batch.taken_by(Cable),
+        rubbed=batch.stack(len(part.particle), RUBBED, material),
+        loss=batch.loss_account(Cable),
     )
 
 

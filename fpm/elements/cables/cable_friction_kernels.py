@@ -51,22 +51,23 @@ from fpm.kernels.world import Log
 
 
 class RubbingCables(NamedTuple):
-    """Arrays of all cables where some have friction. start, on, curve, arms, cables, stretches,
-    state, account, watched, rows, log, track: as in Cables; rubs (c,): whether each has friction;
-    friction (c, 1, lanes): its coefficient; rubbed (p, 8, lanes): of each point and the stretch
-    that begins there, unstrained length (m) before slipping, strain if alone, largest ratio of
-    tensions, its inverse, unstrained length (m), tension (N), that a step ago, length slipped (m);
-    loss: index of friction's loss in World.accounts."""
+    """Arrays of all c cables, with p points, where some have friction. start, particle, curve,
+    arms, cables, stretches, state, account, peaks, rows, log, track: as in Cables; rubs (c,): 1
+    where a cable has friction; friction (c, 1, lanes): its coefficient; rubbed (p, 8, lanes): of
+    each point and the stretch that begins there, unstrained length (m) before slipping in this
+    step, strain if nothing slipped over the point at its end, largest ratio of tensions, its
+    inverse, unstrained length (m), tension (N), tension a step ago (N), unstrained length slipped
+    over the point (m); loss: index of friction's loss in World.accounts."""
 
     start: np.ndarray
-    on: np.ndarray
+    particle: np.ndarray
     curve: np.ndarray
     arms: np.ndarray
     cables: np.ndarray
     stretches: np.ndarray
     state: np.ndarray
     account: int
-    watched: np.ndarray
+    peaks: np.ndarray
     rows: np.ndarray
     log: Log
     track: np.ndarray
@@ -226,7 +227,7 @@ def energy_of(part, world, c):
 @hook(RubbingCables)
 def record(part, world, row):
     """Store each cable's tension (N), of its first stretch, and strained length (m) in part.track;
-    those without friction raise part.watched (`record_cable`). part: arrays of all cables; world:
+    those without friction raise part.peaks (`record_cable`). part: arrays of all cables; world:
     not used; row: index of the recorded instant."""
     count = part.curve.shape[0]
     for c in range(count):

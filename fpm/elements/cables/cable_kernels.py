@@ -41,24 +41,24 @@ TINY = 1e-30
 
 class Cables(NamedTuple):
     """Arrays of all c cables, one after the other, with p points; a stretch runs from a point to
-    the next. start (c + 1,): first point of each cable; on (p,): particle of each point; curve
-    (c,): index of the winch's curve, -1: none; arms (p, 3, lanes): from particles to points, in the
-    particles' frames (m); cables (c, 3, lanes): EA (N), unstrained length (m), reel (m); stretches
-    (p, 8, lanes): direction (3), length (m), arm of the point (3, m), pull (N); state (c, 6,
-    lanes): elongation, unstrained length (m), winch force (N), each now and a step ago; account:
+    the next. start (c + 1,): first point of each cable; particle (p,): particle of each point;
+    curve (c,): index of the winch's curve, -1: none; arms (p, 3, lanes): from particles to points,
+    in the particles' frames (m); cables (c, 3, lanes): EA (N), unstrained length (m), reel (m);
+    stretches (p, 8, lanes): direction (3), length (m), arm of the point (3, m), pull (N); state (c,
+    6, lanes): elongation, unstrained length (m), winch force (N), each now and a step ago; account:
     index of the winches' work in World.accounts; watched (1, 1, lanes): largest `crowding` of all
     so far; rows (c, 1, lanes): that of each; log: of events; track ((instants + 1) c, 2, lanes):
     recorded tension (N) and length (m)."""
 
     start: np.ndarray  # (c + 1,) first point of each
-    on: np.ndarray  # (p,) particles
+    particle: np.ndarray  # (p,) particles
     curve: np.ndarray  # (c,)
     arms: np.ndarray  # (p, 3, lanes)
     cables: np.ndarray  # (c, CABLE, lanes)
     stretches: np.ndarray  # (p, STRETCH, lanes)
     state: np.ndarray  # (c, STATE, lanes)
     account: int  # number of that of the winches' work
-    watched: np.ndarray  # (1, 1, lanes)
+    peaks: np.ndarray  # (1, 1, lanes)
     rows: np.ndarray  # (c, 1, lanes)
     log: Log
     track: np.ndarray  # ((instants + 1) c, 2, lanes) recorded tension (N) and length (m)
@@ -71,11 +71,11 @@ def lay(part, state, c):
     first, last = part.start[c], part.start[c + 1] - 1
     total = 0.0 * load(part.cables, c, REST)
     for j in range(first, last + 1):
-        i = part.on[j]
+        i = part.particle[j]
         arm = to_global(frame(state, i), get3(part.arms, j, 0))
         put3(part.stretches, j, GLOBAL_ARM, arm)
         if j > first:
-            corner = get3(state, part.on[j - 1], X) + get3(part.stretches, j - 1, GLOBAL_ARM)
+            corner = get3(state, part.particle[j - 1], X) + get3(part.stretches, j - 1, GLOBAL_ARM)
             chord = (get3(state, i, X) + arm) - corner
             length = sqrt(dot(chord, chord))
             put3(part.stretches, j - 1, DIRECTION, (1.0 / (length + TINY)) * chord)
@@ -126,8 +126,8 @@ def pull_points(part, state, c):
         if j > first:
             pull = load(part.stretches, j - 1, PULL)
             force = force - pull * get3(part.stretches, j - 1, DIRECTION)
-        add3(state, part.on[j], F, force)
-        add3(state, part.on[j], M, cross(get3(part.stretches, j, GLOBAL_ARM), force))
+        add3(state, part.particle[j], F, force)
+        add3(state, part.particle[j], M, cross(get3(part.stretches, j, GLOBAL_ARM), force))
 
 
 @hook(Cables)
@@ -202,15 +202,15 @@ def crowding(part, c):
 @kernel
 def record_cable(part, c, row):
     """Store tension (N) and strained length (m) of cable c in row `row` (instant times cables + c)
-    of part.track, and raise part.watched to its `crowding`. part: arrays of all cables."""
+    of part.track, and raise part.peaks to its `crowding`. part: arrays of all cables."""
     store(part.track, row, 0, load(part.cables, c, EA) * strain_of(part, c))
     store(part.track, row, 1, load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED))
-    store(part.watched, 0, 0, larger(load(part.watched, 0, 0), crowding(part, c)))
+    store(part.peaks, 0, 0, larger(load(part.peaks, 0, 0), crowding(part, c)))
 
 
 @hook(Cables)
 def record(part, world, row):
-    """Store tension (N) and strained length (m) of each cable in part.track, and raise part.watched
+    """Store tension (N) and strained length (m) of each cable in part.track, and raise part.peaks
     (one for all cables) to the largest `crowding`, elongation over the length of the shortest
     stretch. part: arrays of all cables; world: not used; row: index of the recorded instant."""
     count = part.curve.shape[0]

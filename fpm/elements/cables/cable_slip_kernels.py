@@ -103,9 +103,10 @@ def strain_before(part, j, strain):
 
 @kernel
 def find_alone(part, first, last, close):
-    """Store in part.rubbed (FREE_STRAIN) the strain that each stretch between the points `first`
-    and `last` of a cable would have if nothing slipped over the point at its end. part: arrays of
-    all cables; close: allowed rest of unstrained length (m)."""
+    """Store in part.rubbed (FREE_STRAIN) the strain that each stretch of a cable would have if it
+    slipped over the points before, but nothing over that at the stretch's end. part: arrays of all
+    cables; first, last: indices of the cable's first and last point; close: error of unstrained
+    length (m) at which the iteration for each strain ends. `strain_before` needs these strains."""
     start, length = load(part.rubbed, first, START), load(part.stretches, first, LENGTH)
     tight = length - start
     strain, slope = positive(tight) / larger(start, 0.0 * start + TINY), length

@@ -129,12 +129,12 @@ def coarse(time, size):
 
 @kernel
 def watch(part, gap2, tilt2):
-    """Raise the largest gap and tilt so far, in part.watched, to those given as squares gap2 (m²)
+    """Raise the largest gap and tilt so far, in part.peaks, to those given as squares gap2 (m²)
     and tilt2 (squared sine). Returns gap (m) and tilt (sine of the angle between axes). part:
     arrays of all hinges or joints."""
     gap, tilt = sqrt(gap2), sqrt(tilt2)
-    store(part.watched, 0, GAP, larger(load(part.watched, 0, GAP), gap))
-    store(part.watched, 0, TILT, larger(load(part.watched, 0, TILT), tilt))
+    store(part.peaks, 0, GAP, larger(load(part.peaks, 0, GAP), gap))
+    store(part.peaks, 0, TILT, larger(load(part.peaks, 0, TILT), tilt))
     return gap, tilt
 
 

@@ -68,8 +68,8 @@ class JointBase(ElementType):
 
     @property
     def joint(self) -> str:
-        """Name of the whole joint that the element belongs to: by default the element's own; a
-        universal joint is two Hinges, one for each angle, of which the first gives its name."""
+        """Name of the joint as which the element is solved: by default the element's own; that of a
+        universal joint for both of its angles."""
         return self.name
 
     @staticmethod
@@ -79,25 +79,27 @@ class JointBase(ElementType):
 
     def check(self, scene):
         """Check that no other hinge or joint of the scene has this name; else raises SceneError."""
-        if {self.name, self.joint} & names_taken(scene):
+        own = {self.name} if self.type == "cross" else {self.name, self.joint}
+        if own & names_taken(scene):  # the first angle has checked for the second
             raise SceneError(type(self).__name__.lower(), self.joint, "a name not yet used")
 
     @classmethod
     def names(cls, scene):
         kind = cls.__name__.lower()
-        return [f"{kind} {e.name}" if e.name != kind else kind for e in cls.of(scene)]
+        return [f"{kind} {e.name}" if e.name != kind else kind for e in cls.find(scene)]
 
     @classmethod
-    def moved(cls, scene):
+    def moved_particles(cls, scene):
         """Return the indices of the particles of all elements of this type in a scene, one by one,
         possibly repeated: the type's kernels move these, unless a Drive prescribes their motion."""
-        return [p for element in cls.of(scene) for p in element.particles]
+        return [p for element in cls.find(scene) for p in element.particles]
 
     @classmethod
-    def recorded(cls, part, scene, lane):
-        """Return the largest gap (m) and tilt (sine, in rad) over all elements at every recorded
-        instant of one sample, two Series (t,) by variable name. part: kernel arrays after the run;
-        scene: not used; lane: index of the sample among those simulated side by side."""
+    def read_records(cls, part, scene, lane):
+        """Return the largest gap (m) and tilt (rad; for small ones its sine) over all elements at
+        every recorded instant of one sample, two Series (t,) by variable name. part: kernel arrays
+        after the run; scene: not used; lane: index of the sample among those simulated side by
+        side."""
         columns = zip(cls.gaps.items(), part.gaps[:, :, lane].T, ("m", "rad"), strict=True)
         return {name: Series(values, unit, words) for (name, words), values, unit in columns}
 
@@ -181,14 +183,15 @@ class Hinge(JointBase):
 
     @property
     def joint(self) -> str:
-        """Name of the whole joint: the hinge's own; if it is the first angle of a universal joint
-        (type "universal"), without its ending "_axis"."""
-        return self.name.removesuffix(ANGLES[0]) if self.type == "universal" else self.name
+        """Name of the whole joint: the hinge's own; of both angles of a universal joint without
+        their endings (ANGLES)."""
+        ending = {"universal": ANGLES[0], "cross": ANGLES[1]}.get(self.type, "")
+        return self.name.removesuffix(ending)
 
     @classmethod
-    def of(cls, scene):
+    def find(cls, scene):
         """Return those hinges of a scene that are solved each by itself (`are_alone`); all others
-        are solved as coupled joints (Joint.of)."""
+        are solved as coupled joints (Joint.find)."""
         return [hinge for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True) if lone]
 
     def topology(self):
@@ -200,7 +203,7 @@ class Hinge(JointBase):
     def pack(cls, batch):
         from fpm.elements.joints import hinge_kernels  # noqa: F401, its hooks
 
-        hinges, indices = cls.of(batch.scene), np.flatnonzero(are_alone(batch.scene))
+        hinges, indices = cls.find(batch.scene), np.flatnonzero(are_alone(batch.scene))
         h, rows = len(hinges), batch.instants + 1
 
         def lone(rows_of):  # which are alone is the same in all scenes of a batch
@@ -209,7 +212,7 @@ class Hinge(JointBase):
         axes = [held_axes(hinge.support) for hinge in hinges]
         is_counted = cls.are_impulses_read(batch.scene)
         return arrays.Hinges(
-            ends=batch.integers(cls.moved(batch.scene)),
+            ends=batch.integers(cls.moved_particles(batch.scene)),
             bodies=batch.stack(2 * h, arrays.BODY, lone(_bodies)),
             hinges=batch.stack(h, arrays.HINGE, lone(_places)),
             fixed_axes=batch.integers(axes, 3),
@@ -217,7 +220,7 @@ class Hinge(JointBase):
             body_scratch=batch.blank(2 * h, arrays.BODY_SCRATCH),
             hinge_scratch=batch.blank(h, arrays.HINGE_SCRATCH),
             open=np.zeros(h, bool),
-            watched=batch.watched_by(cls),
+            peaks=batch.peaks_of(cls),
             names=np.arange(h),
             excess=batch.rows_of(cls),
             gaps=batch.blank(rows, 2),
@@ -230,7 +233,7 @@ def names_taken(scene) -> set[str]:
     """Return the names in use by all hinges and joints of a scene, with which a new name is
     compared; of universal joints also those of their two angles."""
     names = {e.name for kind, elements in scene.kinds.items() if kind.joins for e in elements}
-    return names | {hinge.joint for hinge in scene.hinges}
+    return names | {name for hinge in scene.hinges for name in (hinge.name, hinge.joint)}
 
 
 def _bodies(scene, hinges: Sequence[Hinge]) -> np.ndarray:
@@ -271,7 +274,7 @@ def are_alone(scene) -> list[bool]:
     uses = Counter(p for element in joining for p in element.particles)
     shared = {p for p, count in uses.items() if count > 1 and not scene.fixed[p].all()}
     shared.update(drive.particle for drive in scene.drives)
-    turning = {holder.hinge for holder in Turn.of(scene)}
+    turning = {holder.hinge for holder in Turn.find(scene)}
     return [
         hinge.type == "revolute"
         and h not in turning

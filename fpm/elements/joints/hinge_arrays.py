@@ -69,7 +69,7 @@ class Hinges(NamedTuple):
     body_scratch: np.ndarray  # (2h, BODY_SCRATCH, lanes)
     hinge_scratch: np.ndarray  # (h, HINGE_SCRATCH, lanes)
     open: np.ndarray  # (h,) scratch
-    watched: np.ndarray  # (1, 2, lanes)
+    peaks: np.ndarray  # (1, 2, lanes)
     names: np.ndarray  # (h,) number of each among them
     excess: np.ndarray  # (h, 1, lanes) rows that say how bad a hinge is
     gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (rad)

@@ -128,10 +128,11 @@ def push_where_far(state, i, r, b, condition):
 
 @kernel
 def gaps(part, state, h):
-    """How far hinge h is from closed. Returns its point on body 1 (3, m), the gap (3, m): this
-    point minus the one on body 2, and the sines of the tilts of body 2's axis from body 1's, about
-    p and q, the reference direction of body 1 and the direction normal to it and the axis. Point
-    and gap are in global components. part: hinge arrays (Hinges); state: of the particles."""
+    """Return how far hinge h (index) is from closed, as four values: its point on body 1 (3, m);
+    the gap (3, m), this point minus that on body 2; and the sines of the tilts of body 2's axis
+    from body 1's about p and q, right-handed: the reference direction of body 1, and the direction
+    normal to it and the axis. Point and gap are in global components. part: arrays of all hinges
+    (Hinges); state: of the particles (World.state)."""
     row1, row2 = 2 * h, 2 * h + 1
     bodies, i, k = part.bodies, part.ends[row1], part.ends[row2]
     first, second = frame(state, i), frame(state, k)
@@ -155,8 +156,9 @@ def move_bodies(state, particles, pair, step):
 
 @kernel
 def nudge(state, i, r, b, step):
-    """Add the changes DV and DP of rows r of `b`, the working memory of bodies, to the momenta of
-    particles i in `state` (`push`), and move them by what these changes give over a step (s)."""
+    """Change the velocities and angular momenta of particles i in `state` by rows r of `b`, the
+    bodies' working memory: DV (m/s) and DP (N m s) (`push`); and shift and turn them by what these
+    give over a step (s), to close small gaps. i, r: indices, or pairs of them."""
     push(state, i, r, b)
     put3(state, i, X, step * get3(b, r, DV) + get3(state, i, X))
     turn_little(state, i, step * symmetric(get6(b, r, INVERSE), get3(b, r, DP)))
@@ -180,7 +182,7 @@ def ask(part, state, h, rate):
 def move(part, world, timing):
     """Move the particles of all hinges by a step, in up to ROUNDS rounds, and close the hinges at
     its end by impulses. part: arrays of all hinges; world: state of the solver, changed; timing:
-    times of this step (s). Gaps that the last round leaves raise part.watched."""
+    times of this step (s). Gaps that the last round leaves raise part.peaks."""
     state, ends, open_ = world.state, part.ends, part.open
     b, w = part.body_scratch, part.hinge_scratch
     open_[:] = True

@@ -92,7 +92,7 @@ def response(b, h, axis):
 
 
 @kernel
-def moved(part, h, axis, force, mp, mq):
+def speed_of(part, h, axis, force, mp, mq):
     """Velocity (m/s) along a global axis (0, 1, 2: x, y, z) that impulses at hinge h give its point
     on body 1, the one that a support may hold. force (3): impulse (N s) on body 1; mp, mq: moment
     impulses (N m s) on body 2, against body 1, about p and q, the two directions normal to the
@@ -127,7 +127,7 @@ def prepare_supports(part):
                 for axis2 in range(axis + 1):
                     if axes[h, axis2]:
                         k = entry(axis, axis2)
-                        change = moved(part, h, axis2, force, mp, mq)
+                        change = speed_of(part, h, axis2, force, mp, mq)
                         store(w, h, G + k, load(b, 2 * h, RESPONSE + k) - change)
         put6(w, h, G, invert(get6(w, h, G)))
 
@@ -140,7 +140,7 @@ def hold_point(part, h):
     force, mp, mq = get3(w, h, FORCE1), load(w, h, MP), load(w, h, MP + 1)
     for axis in range(3):
         if axes[h, axis]:
-            speed = moved(part, h, axis, force, mp, mq)
+            speed = speed_of(part, h, axis, force, mp, mq)
             store(w, h, HOLD + axis, load(w, h, GOAL + 5 + axis) - speed)
     put3(w, h, HOLD, symmetric(get6(w, h, G), get3(w, h, HOLD)))
     for axis in range(3):

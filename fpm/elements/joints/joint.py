@@ -189,16 +189,16 @@ class Joint(JointBase):
         return self.name, self.type, self.particles, self.support_axes
 
     @classmethod
-    def of(cls, scene):
+    def find(cls, scene):
         """Joints of a scene that are solved together, a list: those added as joints, those made
         from hinges not solved alone (`are_alone`), and those that hold openings exactly."""
         joints = list(scene.kinds.get(cls, []))
         for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True):
             if not lone:
                 joints += as_joints(hinge)
-        for holder in Turn.of(scene):
+        for holder in Turn.find(scene):
             hinge = scene.hinges[holder.hinge]
-            name = f"{hinge.name} (its {holder.called})"
+            name = f"{hinge.name} (its {holder.noun})"
             type, beams = "opening", hinge.beams
             if hinge.slides:
                 pairs = zip(beams, hinge.ends, strict=True)
@@ -212,9 +212,9 @@ class Joint(JointBase):
         move; order of elimination, and the later joints that each is coupled to."""
         from fpm.elements.joints.joint_pattern import elimination, neighbours
 
-        bodies = sorted(set(cls.moved(scene)))
+        bodies = sorted(set(cls.moved_particles(scene)))
         slot = {p: s for s, p in enumerate(bodies)}
-        pairs = [[*(slot[p] for p in j.particles), -1][:2] for j in cls.of(scene)]
+        pairs = [[*(slot[p] for p in j.particles), -1][:2] for j in cls.find(scene)]
         slots, movable = np.array(pairs, np.int64), ~scene.fixed[bodies].all(axis=1)
         return bodies, slots, movable, *elimination(neighbours(slots, movable))
 
@@ -226,7 +226,7 @@ class Joint(JointBase):
         A joint of c constraints takes c³/6 for its own block, c² d/2 for those below it and c d²/2
         for those of the d constraints of joints that it is coupled to when its turn comes."""
         *_, order, followers = cls._elimination(scene)
-        counts = np.array([joint.conditions for joint in cls.of(scene)])[order]
+        counts = np.array([joint.conditions for joint in cls.find(scene)])[order]
         coupled = np.array([counts[members].sum() for members in followers])
         operations = counts**3 / 6 + counts**2 * coupled / 2 + counts * coupled**2 / 2
         return int(counts.sum()), float(operations.sum())
@@ -242,20 +242,20 @@ class Joint(JointBase):
         from fpm.elements.joints import joint_kernels, turn_kernels  # noqa: F401, their hooks
         from fpm.elements.joints.joint_pattern import pattern
 
-        scene, joints = batch.scene, cls.of(batch.scene)
+        scene, joints = batch.scene, cls.find(batch.scene)
         bodies, slots, movable, order, followers = cls._elimination(scene)
         joints, slots = [joints[j] for j in order], slots[order]
         layout, entries = pattern([j.conditions for j in joints], slots, movable, followers)
-        driven_set = set(Drive.moved(scene))
+        driven_set = set(Drive.moved_particles(scene))
         conditions, rows = sum(j.conditions for j in joints), batch.instants + 1
         coupled = arrays.Joints(
             types=batch.integers(TYPES[j.type].number for j in joints),
             names=batch.integers(order),
             slots=slots.ravel(),
             sides=batch.stack(2 * len(joints), arrays.SIDE, lambda s: _sides(s, order)),
-            places=batch.stack(len(joints), 3, lambda s: places_of(s, cls.of(s))[order]),
+            places=batch.stack(len(joints), 3, lambda s: places_of(s, cls.find(s))[order]),
             fixed_axes=batch.integers([held_axes(j.support_axes) for j in joints], 3),
-            on=batch.integers(bodies),
+            particle=batch.integers(bodies),
             is_driven=batch.integers(p in driven_set for p in bodies),
             bodies=batch.stack(len(bodies), arrays.BODY, lambda s: _bodies(s, bodies)),
             body_scratch=batch.blank(len(bodies), arrays.BODY_SCRATCH),
@@ -263,15 +263,15 @@ class Joint(JointBase):
             matrix=batch.blank(entries, 1),
             pattern=layout,
             ease=EASE[np.dtype(batch.dtype).itemsize],
-            account=batch.given_by(cls),
-            watched=batch.watched_by(cls),
+            account=batch.work_account(cls),
+            peaks=batch.peaks_of(cls),
             excess=batch.rows_of(cls),
             gaps=batch.blank(rows, 2),
         )
         if cls.are_impulses_read(scene):
             sums, forces = batch.blank(conditions, 1), batch.blank(rows * len(joints), SUMS)
             coupled = coupled._replace(sums=sums, forces=forces)
-        if not (turns := len(Turn.of(scene))):
+        if not (turns := len(Turn.find(scene))):
             return coupled
         first = len(joints) - turns
         return arrays.TurnedJoints(*coupled)._replace(
@@ -299,7 +299,7 @@ def as_joints(hinge: Hinge) -> Sequence[Joint]:
 
 
 def _sides(scene, order) -> np.ndarray:
-    joints = Joint.of(scene)
+    joints = Joint.find(scene)
     array = np.zeros((2 * len(order), arrays.SIDE))
     for i, number in enumerate(order):
         joint = joints[number]
@@ -311,7 +311,7 @@ def _sides(scene, order) -> np.ndarray:
 def _bodies(scene, bodies) -> np.ndarray:
     free = ~scene.fixed[bodies]
     # Moments on driven bodies change nothing, but they do work.
-    is_driven = np.isin(bodies, Drive.moved(scene))[:, None]
+    is_driven = np.isin(bodies, Drive.moved_particles(scene))[:, None]
     inverse_mass = free[:, :3] / scene.mass[bodies][:, None]
     inverse_inertia = free[:, 3:].any(axis=1)[:, None] / turns_of(scene).inertia[bodies]
     root, turns = np.sqrt(inverse_inertia), free[:, 3:] | is_driven

@@ -94,14 +94,14 @@ class Joints(NamedTuple):
 
     types (j,): constants REVOLUTE to SLIDE; names (j,): the joint's index in the scene; slots
     (2j,): body of each side, -1 for none; sides: arm, axis, reference; places (j, 3, lanes), m, and
-    fixed_axes (j, 3): where, and along which axes, a point is held; on (b,): particle of each body;
-    is_driven (b,): whether a drive moves it; bodies: constants; body_scratch, rows, matrix: working
-    memory; pattern: the matrix's blocks; ease: share added to its diagonal; account: index of the
-    drives' work in World.accounts; watched: largest gap (m) and tilt (sine) so far; excess (j, 1,
-    lanes): gap and tilt squared over those allowed, summed, once a run has failed; gaps: those
-    recorded; sums, forces: impulses of this step (N s, N m s) and recorded forces (N, N m), None if
-    nothing reads them; turns (Turns), turn_of (j,), turn_at (t,): held openings, their index by
-    joint (-1: none), their joints."""
+    fixed_axes (j, 3): where, and along which axes, a point is held; particle (b,): particle of each
+    body; is_driven (b,): whether a drive moves it; bodies: constants; body_scratch, rows, matrix:
+    working memory; pattern: the matrix's blocks; ease: share added to its diagonal; account: index
+    of the drives' work in World.accounts; watched: largest gap (m) and tilt (sine) so far; excess
+    (j, 1, lanes): gap and tilt squared over those allowed, summed, once a run has failed; gaps:
+    those recorded; sums, forces: impulses of this step (N s, N m s) and recorded forces (N, N m),
+    None if nothing reads them; turns (Turns), turn_of (j,), turn_at (t,): held openings, their
+    index by joint (-1: none), their joints."""
 
     types: np.ndarray  # (j,)
     names: np.ndarray  # (j,) number of each in the scene
@@ -109,7 +109,7 @@ class Joints(NamedTuple):
     sides: np.ndarray  # (2j, SIDE, lanes)
     places: np.ndarray  # (j, 3, lanes) where a held point is
     fixed_axes: np.ndarray  # (j, 3) 1 where it is, along a global axis
-    on: np.ndarray  # (b,) particles of the bodies
+    particle: np.ndarray  # (b,) particles of the bodies
     is_driven: np.ndarray  # (b,) 1 if another kind moves the body
     bodies: np.ndarray  # (b, BODY, lanes)
     body_scratch: np.ndarray  # (b, BODY_SCRATCH, lanes)
@@ -118,7 +118,7 @@ class Joints(NamedTuple):
     pattern: Pattern
     ease: float  # share of the diagonal by which the matrix is eased where conditions are redundant
     account: int  # of the work of what drives bodies
-    watched: np.ndarray  # (1, 2, lanes)
+    peaks: np.ndarray  # (1, 2, lanes)
     excess: np.ndarray  # (j, 1, lanes) rows that say how bad a joint is
     gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (rad)
     sums: np.ndarray | None = None  # (r, 1, lanes) impulses of the conditions in this step

@@ -93,8 +93,8 @@ def kick_bodies(part, state, kick):
     their forces over the time `kick` (s), and store their inverse inertias in part.body_scratch.
     part: arrays of all joints; state: of the particles (World.state), changed."""
     bodies, b = part.bodies, part.body_scratch
-    for s in range(part.on.shape[0]):
-        i = part.on[s]
+    for s in range(part.particle.shape[0]):
+        i = part.particle[s]
         axes = frame(state, i)
         keep(b, s, state, i, axes)
         put6(b, s, INVERSE, world_inverse(axes, get3(bodies, s, HIJ)))
@@ -116,7 +116,7 @@ def find_spin(part, state, s):
     b, turns = part.body_scratch, get3(part.bodies, s, TURNS)
     if part.is_driven[s]:
         return get3(b, s, LAST_SPIN)
-    return times(turns, symmetric(get6(b, s, INVERSE), get3(state, part.on[s], P)))
+    return times(turns, symmetric(get6(b, s, INVERSE), get3(state, part.particle[s], P)))
 
 
 @kernel
@@ -125,14 +125,14 @@ def find_rates(part, state):
     rad/s) that impulses have to cancel, plus what was missed in the step before (MISS). part:
     arrays of all joints; state: of the particles."""
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
-    for s in range(part.on.shape[0]):
+    for s in range(part.particle.shape[0]):
         put3(b, s, SPIN, find_spin(part, state, s))
     for j in range(part.types.shape[0]):
         slot1, slot2 = part.slots[2 * j], part.slots[2 * j + 1]
-        v, w1 = get3(state, part.on[slot1], V), get3(b, slot1, SPIN)
+        v, w1 = get3(state, part.particle[slot1], V), get3(b, slot1, SPIN)
         w2 = 0.0 * w1
         if slot2 >= 0:
-            v = v - get3(state, part.on[slot2], V)
+            v = v - get3(state, part.particle[slot2], V)
             w2 = get3(b, slot2, SPIN)
         for r in range(pattern.first[j], pattern.first[j] + pattern.count[j]):
             turn = dot(get3(rows, r, TURN1), w1) - dot(get3(rows, r, TURN2), w2)
@@ -143,7 +143,7 @@ def find_rates(part, state):
 def push_all(part, state):
     """Apply the impulses of `find_impulses` to all bodies' momenta, and add them to the step's
     sums. part: arrays of all joints; state: of the particles, changed."""
-    for s in range(part.on.shape[0]):
+    for s in range(part.particle.shape[0]):
         push(part, state, s)
     count_joints(part, ALL)
 
@@ -157,7 +157,7 @@ def find_impulses(part, factor):
     for r in range(rows.shape[0]):
         store(rows, r, IMPULSE, factor * load(rows, r, RESIDUAL))
     substitute(part)
-    for s in range(part.on.shape[0]):
+    for s in range(part.particle.shape[0]):
         zero = 0.0 * get3(b, s, OLD_X)
         put3(b, s, FORCE, zero)
         put3(b, s, MOMENT, zero)
@@ -181,7 +181,7 @@ def find_impulses(part, factor):
 def push(part, state, s):
     """Add the impulses FORCE (N s) and MOMENT (N m s) of body s (index) to its momenta, unless a
     drive moves it, and to its sums of the step. part: arrays of all joints; state: of particles."""
-    b, i = part.body_scratch, part.on[s]
+    b, i = part.body_scratch, part.particle[s]
     force, moment = get3(b, s, FORCE), get3(b, s, MOMENT)
     if not part.is_driven[s]:
         add3(state, i, V, times(get3(part.bodies, s, AXIS_IM), force))
@@ -194,7 +194,7 @@ def push(part, state, s):
 def push_where_far(part, state, s, condition):
     """Add FORCE (N s) and MOMENT (N m s) of body s to its momenta and sums (`push`), in the lanes
     (samples) where `condition` is below 0. part: arrays of all joints; state: of the particles."""
-    b, i = part.body_scratch, part.on[s]
+    b, i = part.body_scratch, part.particle[s]
     inverse_mass = get3(part.bodies, s, AXIS_IM)
     force, moment = get3(b, s, FORCE), get3(b, s, MOMENT)
     if not part.is_driven[s]:
@@ -209,8 +209,8 @@ def move_bodies(part, state, repeat, step):
     """Move all bodies that no drive moves by a `step` (s) at their momenta. part: arrays of all
     joints; state: of the particles, changed; repeat: whether from the step's start."""
     b = part.body_scratch
-    for s in range(part.on.shape[0]):
-        i = part.on[s]
+    for s in range(part.particle.shape[0]):
+        i = part.particle[s]
         if not part.is_driven[s]:
             if repeat:
                 restore(b, s, state, i)
@@ -225,7 +225,7 @@ def move_bodies(part, state, repeat, step):
 def nudge(part, state, s, step):
     """Add the impulses of body s to its momenta (`push`), and move it by what they change over a
     `step` (s), to close small gaps. part: arrays of all joints; state: of the particles."""
-    b, i = part.body_scratch, part.on[s]
+    b, i = part.body_scratch, part.particle[s]
     push(part, state, s)
     if not part.is_driven[s]:
         shift = step * times(get3(part.bodies, s, AXIS_IM), get3(b, s, FORCE))
@@ -237,7 +237,7 @@ def nudge(part, state, s, step):
 def move(part, world, timing):
     """Move the bodies of all joints by a step, in up to ROUNDS rounds, and close the joints at its
     end by impulses. part: arrays of all joints; world: state of the solver (positions, momenta),
-    changed; timing: times of this step (s). Gaps that the last round leaves raise part.watched."""
+    changed; timing: times of this step (s). Gaps that the last round leaves raise part.peaks."""
     state, rows = world.state, part.rows
     inverse_step = 1.0 / timing.step
     most = coarse(1.0, load(world.size, 0, 0))
@@ -259,10 +259,10 @@ def move(part, world, timing):
         find_impulses(part, -inverse_step)
         if n + 1 == ROUNDS or not any_negative(slack):
             break
-        for s in range(part.on.shape[0]):
+        for s in range(part.particle.shape[0]):
             push_where_far(part, state, s, slack)
         count_joints(part, slack)
-    for s in range(part.on.shape[0]):
+    for s in range(part.particle.shape[0]):
         nudge(part, state, s, timing.step)
     count_joints(part, ALL)
 
@@ -288,8 +288,8 @@ def look_back(part, world, timing):
 def move_back(part, start, step):
     """Move all bodies from the start of the run to one `step` (s) before it. part: arrays of all
     joints; start: state of the particles (World.start_state), changed."""
-    for s in range(part.on.shape[0]):
-        i = part.on[s]
+    for s in range(part.particle.shape[0]):
+        i = part.particle[s]
         put3(start, i, X, get3(start, i, X) - step * get3(start, i, V))
         axes = frame(start, i)
         body, rate = to_local(axes, get3(start, i, P)), -0.5 * step * get3(part.bodies, s, HIJ)
@@ -306,8 +306,8 @@ def close_before(part, start, step):
     state of the particles (World.start_state), changed."""
     b = part.body_scratch
     find_impulses(part, -0.5 / step)
-    for s in range(part.on.shape[0]):
-        i, force, moment = part.on[s], get3(b, s, FORCE), get3(b, s, MOMENT)
+    for s in range(part.particle.shape[0]):
+        i, force, moment = part.particle[s], get3(b, s, FORCE), get3(b, s, MOMENT)
         if not part.is_driven[s]:
             add3(start, i, V, -2.0 * times(get3(part.bodies, s, AXIS_IM), force))
             add3(start, i, P, -2.0 * moment)
@@ -324,9 +324,9 @@ def work_after(part, world, timing):
     state of the solver; timing: times of this step (s)."""
     state, b = world.state, part.body_scratch
     total = 0.0 * load(state, 0, X)
-    for s in range(part.on.shape[0]):
+    for s in range(part.particle.shape[0]):
         if part.is_driven[s]:
-            i = part.on[s]
+            i = part.particle[s]
             v = (1.0 / timing.step) * (get3(state, i, X) - get3(b, s, OLD_X))
             axes = frame(state, i)
             first = cross(get3(b, s, OLD_D2), get3(b, s, OLD_D3))
@@ -355,7 +355,7 @@ def work_due(part, world, energies, row):
     is due before it, to column ACCOUNTS + part.account of `energies` (instants, columns, lanes),
     Record.energies. part: arrays of all joints; world: not used; row: index of the instant."""
     account = ACCOUNTS + part.account
-    for s in range(part.on.shape[0]):
+    for s in range(part.particle.shape[0]):
         if part.is_driven[s]:
             work = load(energies, row, account) + load(part.body_scratch, s, WORK_DUE)
             store(energies, row, account, work)

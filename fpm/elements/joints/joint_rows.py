@@ -59,7 +59,7 @@ def put_turn(part, state, slot, r, k, turn):
     axes, so that the matrix of these is never negative. part: arrays of all joints; state: of the
     particles; k: 0 for the joint's first side, 3 for its second."""
     turn = times(get3(part.bodies, slot, TURNS), turn)
-    own = to_local(frame(state, part.on[slot]), turn)
+    own = to_local(frame(state, part.particle[slot]), turn)
     put3(part.rows, r, TURN1 + k, turn)
     put3(part.rows, r, ROOT1 + k, times(get3(part.bodies, slot, ROOT), own))
 
@@ -69,7 +69,7 @@ def place(part, state, j, side):
     """Where joint j stands on one `side` (0: first, 1: second): position of the particle (m, 3),
     its axes (three unit vectors), and the joint's point on it (m, 3), all global. part: arrays of
     all joints; state: of the particles."""
-    i = part.on[part.slots[2 * j + side]]
+    i = part.particle[part.slots[2 * j + side]]
     axes = frame(state, i)
     x = get3(state, i, X)
     return x, axes, x + to_global(axes, get3(part.sides, 2 * j + side, ARM))

@@ -34,7 +34,7 @@ from importlib import import_module
 
 import numpy as np
 
-from fpm.elements.fields import index, number, same, word
+from fpm.elements.fields import index, number, topology, word
 from fpm.elements.joints.turn import HoldsHinge
 from fpm.elements.openings.friction import AT_ONCE, Friction
 from fpm.elements.openings.latch import SIDES, AnyLatch
@@ -68,7 +68,7 @@ class Rigid(HoldsHinge):
 
     @classmethod
     def kernels(cls):
-        return import_module(f"{__package__}.rigid_{cls.called}_kernels")
+        return import_module(f"{__package__}.rigid_{cls.noun}_kernels")
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class RigidMotor(AnyMotor, Rigid):
     start: float = number("rad", words="opening of {title}", is_shown=False)
     turn: float = number("rad", words="opening of {title}")
     curve: int = index("curves", -1)
-    by_rate: bool = same(False)
+    by_rate: bool = topology(False)
 
     def target(self, scene, time: float) -> float:
         """Return the opening (rad; m on a slide) prescribed at a `time` (s). scene: has the
@@ -152,7 +152,7 @@ class RigidLatch(AnyLatch, Rigid):
     max_capture_rate: float = number(
         "rad/s", above=0.0, finite=False, default=np.inf, words="largest capture rate of {title}"
     )
-    name: str = same("")
+    name: str = topology("")
 
     @classmethod
     def array(cls, name, batch):
@@ -175,14 +175,14 @@ class RigidFriction(Rigid):
 
     takes = JOINT_LOSS
     acts_as = "friction"
-    called = "friction"
+    noun = "friction"
     resists_as = "FR"
 
     @classmethod
-    def led(cls, scene):
+    def sweep_elements(cls, scene):
         """Return Friction elements that slip at once (bristles of no size) in place of a scene's
         rigid ones, for moving an opening slowly through static equilibria (fpm/travel)."""
-        return [Friction(f.hinge, f.moment, AT_ONCE, 0.0) for f in cls.of(scene)]
+        return [Friction(f.hinge, f.moment, AT_ONCE, 0.0) for f in cls.find(scene)]
 
     def held_at_start(self, scene):
         (rate,) = turning_at_start(scene, [self.hinge])
@@ -193,7 +193,7 @@ class RigidFriction(Rigid):
     def held_round(cls, scene):
         """Return the sum (N m) of the friction moments of a scene, the most that friction which
         sticks in closed loops may bear at rest, for the tolerance of the energy balance."""
-        return float(sum(friction.moment for friction in cls.of(scene)))
+        return float(sum(friction.moment for friction in cls.find(scene)))
 
     @classmethod
     def array(cls, name, batch):
@@ -203,11 +203,11 @@ class RigidFriction(Rigid):
         simulated side by side."""
         if name != "state":
             return super().array(name, batch)
-        kernels, count = cls.kernels(), len(cls.of(batch.scene))
+        kernels, count = cls.kernels(), len(cls.find(batch.scene))
 
         def starts(scene):
             state = np.zeros((count, kernels.STATE))
-            rates = turning_at_start(scene, [f.hinge for f in cls.of(scene)])
+            rates = turning_at_start(scene, [f.hinge for f in cls.find(scene)])
             state[:, kernels.SIGN] = np.where(np.array(rates) < 0, -1.0, 1.0)
             return state
 

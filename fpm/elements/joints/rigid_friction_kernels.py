@@ -9,9 +9,9 @@ from fpm.elements.joints.turn_kernels import (
     HELD_BY,
     HOLD_FIELDS,
     account,
+    add_late_moment,
     end_work_of,
     moment_of,
-    tell_late,
 )
 from fpm.elements.openings.losses_kernels import LOSS as OLD_RATE  # which holds a rate here
 from fpm.elements.openings.losses_kernels import RATE as LAST
@@ -35,19 +35,19 @@ CHANGES = 5
 
 
 class RigidFrictions(NamedTuple):
-    """Arrays of f frictions that stick exactly. on (f,): index of the hinge; turn (f,): row of its
-    condition in turns.state; numbers (f, 1, lanes): friction moment (N m); openings, turns: arrays
-    of all openings, and of those held exactly; past (f, 2, lanes): rates (rad/s) of the last two
-    steps; state (f, 6, lanes): moment held (N m), its work due (J), sign of the slip's rate, brake
-    moment now and before the joints were solved (N m), changes left in this step; account: index of
-    the loss in World.accounts."""
+    """Arrays of f frictions that stick exactly. hinge (f,): index of the hinge; turn (f,): row of
+    its condition in turns.state; numbers (f, 1, lanes): friction moment (N m); openings, turns:
+    arrays of all openings, and of those held exactly; rates (f, 2, lanes): rates (rad/s) of the
+    last two steps; state (f, 6, lanes): moment held (N m), its work due (J), sign of the slip's
+    rate, brake moment now and before the joints were solved (N m), changes left in this step;
+    account: index of the loss in World.accounts."""
 
-    on: np.ndarray
+    hinge: np.ndarray
     turn: np.ndarray
     numbers: np.ndarray
     openings: Openings
     turns: Turns
-    past: np.ndarray
+    rates: np.ndarray
     state: np.ndarray
     account: int
 
@@ -59,11 +59,11 @@ def forces(part, world, timing):
     (s). The time of an impact, part.turns.blow, is then counted from this step's start."""
     blow = load(part.turns.blow, 0, 0)
     store(part.turns.blow, 0, 0, where_negative(-1.0 * blow, blow - 1.0, 0.0))
-    for i in range(part.on.shape[0]):
-        h = part.on[i]
+    for i in range(part.hinge.shape[0]):
+        h = part.hinge[i]
         if timing.time > 0.0:
-            store(part.past, i, OLD_RATE, load(part.past, i, LAST))
-            store(part.past, i, LAST, half_rate(part.openings, h, timing))
+            store(part.rates, i, OLD_RATE, load(part.rates, i, LAST))
+            store(part.rates, i, LAST, half_rate(part.openings, h, timing))
         hold = load(part.turns.state, part.turn[i], HOLDS)
         brake = -1.0 * load(part.state, i, SIGN) * load(part.numbers, i, 0)
         brake = where_negative(hold, 0.0, brake)
@@ -83,10 +83,10 @@ def turning(part, i, timing):
     if its rate fell before, else as braked from the middle of the kick on. part: arrays of all
     rigid frictions; timing: times of this step (s)."""
     sign = load(part.state, i, SIGN)
-    last = sign * load(part.past, i, LAST)
+    last = sign * load(part.rates, i, LAST)
     last = where_negative(last, 0.0, last)
     fall = last - sign * load(part.turns.state, part.turn[i], RATE)
-    fell = sign * load(part.past, i, OLD_RATE) - last
+    fell = sign * load(part.rates, i, OLD_RATE) - last
     vertex = 0.5 * timing.step * (last - 0.5 * fall) * (last - 0.5 * fall) / fall
     sudden = 0.5 * timing.kick * last * last / fall
     blow = fell - 0.5 * fall
@@ -104,7 +104,7 @@ def decide(part, world, timing):
     step (s). One that would reverse is braked until it rests and pushed the other way from then on;
     if it would not move back, it sticks. Each changes at most CHANGES times in a step, the last
     time to slip: no impulse that it holds is above its friction."""
-    for i in range(part.on.shape[0]):
+    for i in range(part.hinge.shape[0]):
         t, changes = part.turn[i], load(part.state, i, CHANGES_LEFT)
         hold, sign = load(part.turns.state, t, HOLDS), load(part.state, i, SIGN)
         reserve = load(part.numbers, i, 0) - absolute(needed_by(part, i, timing))
@@ -143,7 +143,7 @@ def change(part, world, timing, i, slips, turns, sticks):
     """Let element i slip, reverse or stick in the lanes (samples) where `slips`, `turns` or
     `sticks` (lanes) is below 0, and set world.undecided to have the joints solved again. part:
     arrays of all rigid frictions; world: solver state; timing: times of this step (s)."""
-    t, h, most = part.turn[i], part.on[i], load(part.numbers, i, 0)
+    t, h, most = part.turn[i], part.hinge[i], load(part.numbers, i, 0)
     old, last = load(part.state, i, SIGN), load(part.state, i, BRAKE)
     sign = where_negative(needed_by(part, i, timing), -1.0, 1.0)
     share, path = turning(part, i, timing)
@@ -169,8 +169,8 @@ def work_after(part, world, timing):
     """Add the friction loss (J) of the half step that ends now, by the moments of the step that
     begins, to part.account in world.accounts. part: arrays of all rigid frictions; world: state of
     the solver; timing: times of this step (s)."""
-    for i in range(part.on.shape[0]):
+    for i in range(part.hinge.shape[0]):
         moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], timing)
         late = moment - load(part.state, i, LAST_BRAKE)
-        tell_late(part.openings.moments, part.openings, part.on[i], late)
+        add_late_moment(part.openings.moments, part.openings, part.hinge[i], late)
         end_work_of(part, world, i, moment, WORKS, -1.0)

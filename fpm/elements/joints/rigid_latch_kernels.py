@@ -41,22 +41,22 @@ TRACK = 4  # recorded: as of all latches, and the impulse with which it caught
 
 
 class RigidLatches(NamedTuple):
-    """Arrays of l rigid latches. on (l,): index of the hinge; turn (l,): row of its condition in
+    """Arrays of l rigid latches. hinge (l,): index of the hinge; turn (l,): row of its condition in
     turns.state; numbers (l, 4, lanes): angle, capture range (rad), sign of the rate at which it
     catches (0: both), largest rate (rad/s); openings, turns: arrays of all openings, and of those
-    held exactly; past (l, 2, lanes): rate (rad/s) in the last step; state (l, 14, lanes): that of
+    held exactly; rates (l, 2, lanes): rate (rad/s) in the last step; state (l, 14, lanes): that of
     all latches (Latches.state), then moment held (N m) and its work due (J), steps in which it has
     held, impulse of the catch (N m s), opening foreseen for the end of this step, opening searched
     so far (rad); account: index of the loss in World.accounts; log: of events; track ((instants +
     1) l, 4, lanes): recorded moment (N m), impulse so far (N m s), rate (rad/s) and impulse (N m s)
     of the catch."""
 
-    on: np.ndarray
+    hinge: np.ndarray
     turn: np.ndarray
     numbers: np.ndarray
     openings: Openings
     turns: Turns
-    past: np.ndarray
+    rates: np.ndarray
     state: np.ndarray
     account: int
     log: Log
@@ -71,11 +71,12 @@ account(RigidLatches, WORKS, -1.0)
 
 @hook(RigidLatches)
 def prepare(part, world, timing):
-    """Store in part.past the rates (rad/s) of the latches' openings in the step that ended, before
-    the next is solved. part: arrays of all rigid latches; world: not used; timing: times (s)."""
+    """Store in part.rates the mean rates (rad/s; m/s on slides) of the latches' openings in the
+    step that ended, before the next is solved; nothing at the start of a run. part: arrays of all
+    rigid latches; world: not used; timing: times of this step (s)."""
     if timing.time > 0.0:
-        for i in range(part.on.shape[0]):
-            store(part.past, i, LAST, half_rate(part.openings, part.on[i], timing))
+        for i in range(part.hinge.shape[0]):
+            store(part.rates, i, LAST, half_rate(part.openings, part.hinge[i], timing))
 
 
 @kernel
@@ -83,7 +84,7 @@ def predict(part, i, timing):
     """Opening (rad; m on slides) of latch i at the end of this step, by its rate as the joints were
     last solved. part: arrays of all rigid latches; timing: times of this step (s)."""
     rate = load(part.turns.state, part.turn[i], RATE)
-    return load(part.openings.angles, part.on[i], NEW) + timing.step * rate
+    return load(part.openings.angles, part.hinge[i], NEW) + timing.step * rate
 
 
 @hook(RigidLatches)
@@ -92,7 +93,7 @@ def decide(part, world, timing):
     world.undecided, and the joints are solved again. part: arrays of all rigid latches; world:
     solver state; timing: times of this step (s). The search begins at the opening predicted in the
     step before, since the real one, which differs in its last digits, might slip through."""
-    for i in range(part.on.shape[0]):
+    for i in range(part.hinge.shape[0]):
         t = part.turn[i]
         start, prediction = load(part.state, i, SEARCHED), predict(part, i, timing)
         store(part.state, i, PREDICTION, prediction)
@@ -103,7 +104,9 @@ def decide(part, world, timing):
             for s in range(part.state.shape[2]):
                 if part.state[i, IS_CAUGHT, s] + part.state[i, NEWS, s] == 0.0:
                     psi_start, psi_end = part.state[i, SEARCHED, s], part.state[i, PREDICTION, s]
-                    pass_by(part, i, s, psi_start, psi_end, part.past[i, LAST, s], end, timing.step)
+                    pass_by(
+                        part, i, s, psi_start, psi_end, part.rates[i, LAST, s], end, timing.step
+                    )
                     if part.state[i, IS_CAUGHT, s] > 0.0:
                         part.turns.state[t, HOLDS, s] = -1.0
                         part.turns.state[t, TARGET, s] = part.state[i, PLACE, s]
@@ -119,7 +122,7 @@ def work_after(part, world, timing):
     that share it, less what the moment of the third gives in the time since. part: arrays of all
     rigid latches; world: solver state; timing: times of this step (s)."""
     end_work(part, world, timing, WORKS, -1.0)
-    for i in range(part.on.shape[0]):
+    for i in range(part.hinge.shape[0]):
         moment = moment_of(part.turns, part.turn[i], timing)
         impulse = timing.kick * moment
         store(part.state, i, MOMENT, moment)
@@ -138,7 +141,7 @@ def record_step(part, world, row, timing):
     """Record of each latch its moment (N m), its impulse from the start to this instant (N m s),
     rate (rad/s) and impulse (N m s) of the catch in part.track. part: arrays of all rigid latches;
     world: not used; row: index of the recorded instant; timing: times of this step (s)."""
-    count = part.on.shape[0]
+    count = part.hinge.shape[0]
     for i in range(count):
         index, moment = row * count + i, load(part.state, i, MOMENT)
         impulse = 0.5 * timing.step * moment  # of the kick from now on

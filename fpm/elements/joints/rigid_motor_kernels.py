@@ -20,14 +20,14 @@ STATE = HOLD_FIELDS
 
 class RigidMotors(NamedTuple):
     """Arrays of m rigid motors, which prescribe openings exactly: start + factor times a curve, or,
-    where by_rate (m,), times the curve's integral over time. on (m,): index of each one's hinge;
+    where by_rate (m,), times the curve's integral over time. hinge (m,): index of each one's hinge;
     turn (m,): row of its condition in turns.state; curve (m,): index of its curve, -1: constant 1;
     numbers (m, 2, lanes): start and factor (rad; m on slides; factor per second by rate); openings,
     turns: arrays of all openings, and of those held exactly; state (m, 2, lanes): moment (N m) at
     the last positions, and work (J) of the half step up to them; account: index of the motors' work
     in World.accounts; track ((instants + 1) m, 1, lanes): recorded moments (N m)."""
 
-    on: np.ndarray
+    hinge: np.ndarray
     turn: np.ndarray
     curve: np.ndarray
     by_rate: np.ndarray
@@ -45,7 +45,7 @@ def prepare(part, world, timing):
     TARGET of its condition in part.turns.state; where its curve (not by rate) bends within the
     step, the bend's time is stored in part.turns.blow as a share of the step: the rate jumps there.
     part: arrays of all rigid motors; world: solver state, with the curves; timing: times (s)."""
-    for i in range(part.on.shape[0]):
+    for i in range(part.hinge.shape[0]):
         if not part.by_rate[i]:
             bend = bend_after(world, part.curve[i], timing.time)
             if bend < timing.step:
@@ -69,6 +69,6 @@ def work_after(part, world, timing):
 def record_step(part, world, row, timing):
     """Record the moment (N m) of each motor in part.track. part: arrays of all rigid motors; world,
     timing: not used; row: index of the recorded instant."""
-    count = part.on.shape[0]
+    count = part.hinge.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, WORKS + HELD_BY))

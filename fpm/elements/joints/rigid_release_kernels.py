@@ -29,7 +29,7 @@ class RigidReleases(NamedTuple):
     moment (N m), work due (J), steps since it let go (below 0: not in this step), rest of the
     moment (N m); account: index of the loss in World.accounts; log: of events."""
 
-    on: np.ndarray
+    hinge: np.ndarray
     turn: np.ndarray
     watch: np.ndarray
     numbers: np.ndarray
@@ -45,7 +45,7 @@ def forces(part, world, timing):
     """Free the openings whose release is due, and add to their particles the rest of the moment (N
     m) that held them, for the part of the step before it. part: arrays of all rigid releases;
     world: state of the solver, changed; timing: times of this step (s)."""
-    for i in range(part.on.shape[0]):
+    for i in range(part.hinge.shape[0]):
         t = part.turn[i]
         hold = load(part.turns.state, t, HOLDS)
         steps = let_go(part, timing, i)
@@ -57,7 +57,7 @@ def forces(part, world, timing):
         store(part.state, i, STEPS, steps)
         store(part.state, i, REST_MOMENT, moment)
         store(part.turns.state, t, HOLDS, where_negative(steps, hold, 1.0))
-        turn(part.openings, world.state, part.on[i], moment)
+        turn(part.openings, world.state, part.hinge[i], moment)
 
 
 hook(RigidReleases, "note_events")(note_events)
@@ -68,9 +68,10 @@ account(RigidReleases, WORKS, -1.0)
 
 @hook(RigidReleases)
 def work_after(part, world, timing):
-    """Add the work (J) of the half step that ends now, by the moments of the step that begins, to
-    part.account. part: arrays of all rigid releases; world: solver state; timing: times (s)."""
+    """Add half of the loss (J) of the moments found in this step to account part.account of World:
+    minus their work over the step before it, halved; `work_before` adds the other half, over this
+    step. part: arrays of all rigid releases; world: solver state; timing: times (s)."""
     end_work(part, world, timing, WORKS, -1.0)
-    for i in range(part.on.shape[0]):
+    for i in range(part.hinge.shape[0]):
         total = load(part.state, i, WORKS + HELD_BY) + load(part.state, i, REST_MOMENT)
         store(part.state, i, WORKS + HELD_BY, total)

@@ -29,7 +29,7 @@ class Turn(ElementType):
     cost = 200.0
 
     @classmethod
-    def of(cls, scene):
+    def find(cls, scene):
         """The elements (HoldsHinge) of a scene, of all types, that hold an opening exactly, a list;
         the index of an element in it is also that of its row in Turns.state."""
         holding = [kind for kind in scene.kinds if issubclass(kind, HoldsHinge)]
@@ -39,24 +39,24 @@ class Turn(ElementType):
     def topology_of(cls, scene):
         """Return what must be equal in scenes run side by side: type and hinge of each such
         element."""
-        return tuple((type(holder), holder.hinge) for holder in cls.of(scene))
+        return tuple((type(holder), holder.hinge) for holder in cls.find(scene))
 
     @classmethod
     def places(cls, scene, kind: type[ElementType]) -> list[int]:
-        """Indices, in Turn.of(scene), of the elements of one type, `kind`."""
-        return [i for i, holder in enumerate(cls.of(scene)) if type(holder) is kind]
+        """Indices, in Turn.find(scene), of the elements of one type, `kind`."""
+        return [i for i, holder in enumerate(cls.find(scene)) if type(holder) is kind]
 
     @classmethod
     def pack(cls, batch):
         def starts(scene):
-            angles = [holder.held_at_start(scene) for holder in cls.of(scene)]
+            angles = [holder.held_at_start(scene) for holder in cls.find(scene)]
             return [
                 [1.0 if opening is None else -1.0, opening or 0.0, *[0.0] * (TURN - 2)]
                 for opening in angles
             ]
 
         return Turns(
-            state=batch.stack(len(cls.of(batch.scene)), TURN, starts),
+            state=batch.stack(len(cls.find(batch.scene)), TURN, starts),
             blow=batch.blank(1, 1),
         )
 

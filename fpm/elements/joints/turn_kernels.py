@@ -85,7 +85,7 @@ def moment_of(turns, t, timing):
 
 
 @kernel
-def tell_late(moments, openings, h, moment):
+def add_late_moment(moments, openings, h, moment):
     """Add a `moment` (N m) that is known only after its step, and its work (J), to what is recorded
     of opening h (index) as the part of one element type. moments: Openings.moments, None: nothing
     is done; openings: arrays of all openings, as the type takes them."""
@@ -105,8 +105,8 @@ def account(arrays, first, sign):
     def work_before(part, world, timing):
         """Add half of the work (J) of the moments of the last step, over the step that ends now, to
         part.account. part: arrays of the elements; world: solver state; timing: not used."""
-        for i in range(part.on.shape[0]):
-            work = work_on(part.openings, part.on[i], load(part.state, i, first + HELD_BY))
+        for i in range(part.hinge.shape[0]):
+            work = work_on(part.openings, part.hinge[i], load(part.state, i, first + HELD_BY))
             give(world, part.account, sign * work)
 
     @hook(arrays)
@@ -115,7 +115,7 @@ def account(arrays, first, sign):
         before it, to the recorded energies. part: arrays of the elements; world: not used; energies
         (instants, columns, lanes): changed in row `row` (index of the instant) and column ACCOUNTS
         + part.account."""
-        for i in range(part.on.shape[0]):
+        for i in range(part.hinge.shape[0]):
             account = ACCOUNTS + part.account
             total = load(energies, row, account) + load(part.state, i, first + WORK_DUE)
             store(energies, row, account, total)
@@ -123,21 +123,22 @@ def account(arrays, first, sign):
 
 @kernel
 def end_work(part, world, timing, first, sign):
-    """Add the work (J) of the half step that ends now, by the moments of the step that begins, of
-    all elements to part.account. part: arrays of the elements; world: solver state; timing: times
-    (s); first: index of HELD_BY in part.state; sign: 1 for work given, -1 for losses."""
-    for i in range(part.on.shape[0]):
+    """Add the work (J) of the moments of the step that begins, over half of the step before it, of
+    all elements to account part.account of World. part: arrays of the elements; world: solver
+    state; timing: times (s); first: index of HELD_BY in part.state; sign: 1 for work given, -1 for
+    losses."""
+    for i in range(part.hinge.shape[0]):
         moment = moment_of(part.turns, part.turn[i], timing)
-        tell_late(part.openings.moments, part.openings, part.on[i], moment)
+        add_late_moment(part.openings.moments, part.openings, part.hinge[i], moment)
         end_work_of(part, world, i, moment, first, sign)
 
 
 @kernel
 def end_work_of(part, world, i, moment, first, sign):
-    """Add the work (J) of the half step that ends now, by the `moment` (N m) of element i, to
-    part.account. part: arrays of the elements; world: solver state; first: index of HELD_BY in
-    part.state, where the moment is kept; sign: 1 for work given, -1 for losses."""
-    work = sign * work_on(part.openings, part.on[i], moment)
+    """Add the work (J) of the `moment` (N m) of element i over half of the step before to account
+    part.account of World. part: arrays of the elements; world: solver state; first: index of
+    HELD_BY in part.state, where the moment is kept; sign: 1 for work given, -1 for losses."""
+    work = sign * work_on(part.openings, part.hinge[i], moment)
     give(world, part.account, work)
     store(part.state, i, first + HELD_BY, moment)
     store(part.state, i, first + WORK_DUE, work)
@@ -178,14 +179,14 @@ def tell_rates(part, state):
     (RATE), and the impulses (N m s, N s) that hold them (SOLVED_IMPULSE). part: arrays of all
     joints; state: of the particles."""
     b = part.body_scratch
-    for s in range(part.on.shape[0]):
+    for s in range(part.particle.shape[0]):
         if not part.is_driven[s]:
             rotation = symmetric(get6(b, s, INVERSE), get3(b, s, MOMENT))
             add3(b, s, SPIN, times(get3(part.bodies, s, TURNS), rotation))
     for t in range(part.turn_at.shape[0]):
         j = part.turn_at[t]
         slot1, slot2 = part.slots[2 * j], part.slots[2 * j + 1]
-        axis = to_global(frame(state, part.on[slot1]), get3(part.sides, 2 * j, AXIS))
+        axis = to_global(frame(state, part.particle[slot1]), get3(part.sides, 2 * j, AXIS))
         if part.types[j] == SLIDE:
             _, _, end = place(part, state, j, 1)
             change = velocity(part, state, slot2, end) - velocity(part, state, slot1, end)
@@ -200,7 +201,7 @@ def tell_rates(part, state):
 def velocity(part, state, s, point):
     """Velocity (m/s, 3), after the impulses, of a `point` (m, 3, global) that moves with body s
     (index). part: arrays of all joints; state: of the particles."""
-    b, i = part.body_scratch, part.on[s]
+    b, i = part.body_scratch, part.particle[s]
     v = get3(state, i, V)
     if not part.is_driven[s]:
         v = v + times(get3(part.bodies, s, AXIS_IM), get3(b, s, FORCE))
@@ -221,8 +222,8 @@ def look_back(part, world, timing):
     world.start_state; there, held openings are where their motion, at its rate at the start, began.
     part: arrays of all joints; world: solver state; timing: times of the first step (s)."""
     state, start, b = world.state, world.start_state, part.body_scratch
-    for s in range(part.on.shape[0]):
-        i = part.on[s]
+    for s in range(part.particle.shape[0]):
+        i = part.particle[s]
         total = get3(start, i, P) + get3(state, i, P)  # that at the start
         if not part.is_driven[s]:
             total = times(get3(part.bodies, s, TURNS), symmetric(get6(b, s, INVERSE), total))
@@ -233,7 +234,7 @@ def look_back(part, world, timing):
     for t in range(part.turn_at.shape[0]):
         j = part.turn_at[t]
         r, slot1, slot2 = part.pattern.first[j], part.slots[2 * j], part.slots[2 * j + 1]
-        first, second = part.on[slot1], part.on[slot2]
+        first, second = part.particle[slot1], part.particle[slot2]
         v = (get3(start, first, V) + get3(state, first, V)) - get3(start, second, V)
         rate = dot(get3(part.rows, r, DIRECTION), v - get3(state, second, V))
         rate = rate + dot(get3(part.rows, r, TURN1), get3(b, slot1, SPIN))

@@ -24,12 +24,12 @@ class Contact(OnHinge):
     stores = Energy("contact", "contact_energy", "energy of the face-to-face contacts")
     events = ("opens", "closes")
     acts_as = "contact"
-    called = "contact"
+    noun = "contact"
     resists_as = "S"
     cost = 70.0
 
     @classmethod
-    def shut(cls, scene, inverse):
+    def blocked_motions(cls, scene, inverse):
         """Return the relative motions of linked bodies that closed contacts rule out, for the
         stable time step: orthonormal columns (6n, c), a sparse matrix, in coordinates multiplied by
         the roots of masses. Contacts count as closed at opening 0, wherever the scene starts.
@@ -39,7 +39,7 @@ class Contact(OnHinge):
 
         columns, dofs = [], []
         frame = scene.frame if scene.unstrained is None else scene.unstrained
-        for hinge in {c.hinge for c in cls.of(scene)}:
+        for hinge in {c.hinge for c in cls.find(scene)}:
             h = scene.hinges[hinge]
             triads = [
                 np.column_stack([a, r, np.cross(a, r)])

@@ -19,11 +19,12 @@ linkage at rest at closure has no events. Faces that meet at 1 rad/s reach it wi
 
 
 class Contacts(NamedTuple):
-    """Arrays of all c face contacts, for their kernels. on (c,): index of each one's hinge; numbers
-    (c, 1, lanes): stiffness (N m/rad); openings: arrays of all openings; rows (c, 1, lanes): energy
-    of each (J), to name the worst one in a message; log: where their events are noted (Log)."""
+    """Arrays of all c face contacts, for their kernels. hinge (c,): index of each one's hinge;
+    numbers (c, 1, lanes): stiffness (N m/rad); openings: arrays of all openings; rows (c, 1,
+    lanes): energy of each (J), to name the worst one in a message; log: where their events are
+    noted (Log)."""
 
-    on: np.ndarray
+    hinge: np.ndarray
     numbers: np.ndarray
     openings: Openings
     rows: np.ndarray
@@ -35,8 +36,8 @@ def forces(part, world, timing):
     """Add the moments (N m) of contacts whose faces overlap, stiffness times overlap, which open
     their hinges, to the forces on particles. part: arrays of all contacts (Contacts); world: solver
     state, whose forces change; timing: not used."""
-    for i in range(part.on.shape[0]):
-        h = part.on[i]
+    for i in range(part.hinge.shape[0]):
+        h = part.hinge[i]
         psi = load(part.openings.angles, h, NEW)
         overlap = where_negative(psi, -psi, 0.0 * psi)
         turn(part.openings, world.state, h, load(part.numbers, i, STIFFNESS) * overlap)
@@ -47,8 +48,8 @@ def note_events(part, world, timing):
     """Write to part.log which contacts closed (event 1) or opened (0) in the step that ends now,
     with the time. part: arrays of all contacts; world: not used; timing: step times (s)."""
     angles = part.openings.angles
-    for i in range(part.on.shape[0]):
-        old, new = load(angles, part.on[i], OLD), load(angles, part.on[i], NEW)
+    for i in range(part.hinge.shape[0]):
+        old, new = load(angles, part.hinge[i], OLD), load(angles, part.hinge[i], NEW)
         note_crossings(part.log, i, old + TOUCH, new + TOUCH, timing)
 
 
@@ -56,6 +57,6 @@ def note_events(part, world, timing):
 def energy_of(part, world, i):
     """Return the strain energy (J, lanes) of contact i, 0 where its faces do not overlap. part:
     arrays of all contacts (Contacts); world: solver state, not used; i: index of the contact."""
-    psi = load(part.openings.angles, part.on[i], NEW)
+    psi = load(part.openings.angles, part.hinge[i], NEW)
     overlap = where_negative(psi, psi, 0.0 * psi)
     return 0.5 * load(part.numbers, i, STIFFNESS) * overlap * overlap

@@ -22,6 +22,6 @@ class Damper(OnHinge):
 
     takes = JOINT_LOSS
     acts_as = "damper"
-    called = "damper"
+    noun = "damper"
     resists_as = ""
     cost = 70.0

@@ -14,15 +14,15 @@ DAMPING = 0
 
 
 class Dampers(NamedTuple):
-    """Arrays of all d dampers, for their kernels. on (d,): index of each one's hinge; numbers (d,
-    1, lanes): damping (N m s/rad); openings: arrays of all openings; past (d, 2, lanes): rate of
-    the opening (rad/s) and moment (N m) of the last step; account: index in World.accounts of the
-    energy lost."""
+    """Arrays of all d dampers, for their kernels. hinge (d,): index of each one's hinge; numbers
+    (d, 1, lanes): damping (N m s/rad); openings: arrays of all openings; rates (d, 2, lanes): rate
+    of the opening (rad/s) and moment (N m) of the last step; account: index in World.accounts of
+    the energy lost."""
 
-    on: np.ndarray
+    hinge: np.ndarray
     numbers: np.ndarray
     openings: Openings
-    past: np.ndarray
+    rates: np.ndarray
     account: int
 
 
@@ -31,9 +31,9 @@ def forces(part, world, timing):
     """Add the moments (N m) of dampers, -damping times the rate of the opening, to the forces on
     particles, and the energy that they lose in the step (J) to World.accounts. part: arrays of all
     dampers (Dampers); world: solver state, changed; timing: times of this step (s)."""
-    for i in range(part.on.shape[0]):
-        h = part.on[i]
-        rate = follow_rate(part.openings, part.past, i, h, timing)
+    for i in range(part.hinge.shape[0]):
+        h = part.hinge[i]
+        rate = follow_rate(part.openings, part.rates, i, h, timing)
         moment = -1.0 * load(part.numbers, i, DAMPING) * rate
         turn(part.openings, world.state, h, moment)
-        lose(world, part.account, part.openings, part.past, i, h, moment)
+        lose(world, part.account, part.openings, part.rates, i, h, moment)

@@ -90,17 +90,18 @@ class Friction(OnHinge):
     stores = Energy("friction", "friction_energy", "energy of the bristles of friction")
     takes = JOINT_LOSS
     acts_as = "friction"
-    called = "friction"
+    noun = "friction"
     resists_as = "FR"
     watches = (Watch("lock", LOCKS, True, _locked, unbalanced=_unbalanced),)
 
     @classmethod
-    def led(cls, scene):
+    def sweep_elements(cls, scene):
         """Return copies of the scene's friction elements for moving an opening slowly through
         static equilibria (fpm/travel), whose bristles slip at once. One with a `load`, whose moment
         depends on the joint's force, gets the moment 0: that follows from Scene.bearings."""
         frictions = [
-            replace(friction, bristle_deflection=AT_ONCE, damping=0.0) for friction in cls.of(scene)
+            replace(friction, bristle_deflection=AT_ONCE, damping=0.0)
+            for friction in cls.find(scene)
         ]
         return [f if f.load is None else replace(f, moment=0.0, load=None) for f in frictions]
 
@@ -114,7 +115,7 @@ class Friction(OnHinge):
 
     @classmethod
     def reads_impulses(cls, scene):
-        return any(friction.load is not None for friction in cls.of(scene))
+        return any(friction.load is not None for friction in cls.find(scene))
 
     def check(self, scene):
         """Check the element's fields, its table (angles, shares; no share below 0) and its `load`
@@ -131,7 +132,7 @@ class Friction(OnHinge):
         return self.hinge, len(self.angles), self.load is None
 
     def title(self, scene):
-        own = "hysteresis" if self.angles else self.called if self.load is None else "bearing"
+        own = "hysteresis" if self.angles else self.noun if self.load is None else "bearing"
         return f"{own} {self.label(scene)}"
 
     @property
@@ -159,18 +160,18 @@ class Friction(OnHinge):
             return f.stiffness, most, f.damping_in(scene), locking
 
         def bristles(scene):
-            return [bristle(f, scene) for f in cls.of(scene)]
+            return [bristle(f, scene) for f in cls.find(scene)]
 
         if name == "bearing":
             return _bearing_force(batch, cls)
         if name in ("start", "points"):
-            if not any(f.angles for f in cls.of(batch.scene)):
+            if not any(f.angles for f in cls.find(batch.scene)):
                 return None
             return table_array(
                 name, batch, cls, lambda f: f.bristle_deflection * bends(f.angles, f.shares)
             )
         if name == "numbers":
-            return batch.stack(len(cls.of(batch.scene)), 4, bristles)
+            return batch.stack(len(cls.find(batch.scene)), 4, bristles)
         array = super().array(name, batch)
         if name == "state":
             array[:, cls.kernels().FOOT] = start_angles(batch, cls)
@@ -185,16 +186,16 @@ def _bearing_force(batch, kind):
     """The forces of the joints of a kind's elements; None where none goes with them."""
     from fpm.elements.openings.losses_kernels import JointForce
 
-    scene, elements = batch.scene, kind.of(batch.scene)
+    scene, elements = batch.scene, kind.find(batch.scene)
     if not kind.reads_impulses(scene):
         return None
     names = [scene.hinges[friction.hinge].joint for friction in elements]
     lone, first, count = np.full((3, len(names)), [[-1], [0], [0]])
     hinges, rows, impulses = (batch.blank(0, 1) for _ in range(3))
-    if lone_names := [hinge.joint for hinge in Hinge.of(scene)]:
+    if lone_names := [hinge.joint for hinge in Hinge.find(scene)]:
         hinges = batch.part(Hinge).sums
         lone[:] = [lone_names.index(name) if name in lone_names else -1 for name in names]
-    if joints := [joint.name for joint in Joint.of(scene)]:
+    if joints := [joint.name for joint in Joint.find(scene)]:
         part = batch.part(Joint)
         rows, impulses = part.rows, part.sums
         place = {joints[number]: j for j, number in enumerate(part.names)}

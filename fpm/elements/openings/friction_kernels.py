@@ -31,9 +31,9 @@ step later, before the next one is found by the secant of both."""
 
 
 class Frictions(NamedTuple):
-    """Arrays of all f friction elements, for their kernels. on (f,): index of each one's hinge;
+    """Arrays of all f friction elements, for their kernels. hinge (f,): index of each one's hinge;
     numbers (f, 4, lanes): bristle stiffness (N m/rad), deflection at slip (rad), damping (N m
-    s/rad), 1/deflection where the joint's force counts, else 0; openings: of all hinges; past (f,
+    s/rad), 1/deflection where the joint's force counts, else 0; openings: of all hinges; rates (f,
     2, lanes): rate and damper's moment of the last step; state (f, 8, lanes): foot (opening at
     which the bristle is straight, rad), deflection (rad), then what joint forces and self-locking
     need; account: index in World.accounts of the loss; rows (f, 1, lanes): energy or self-locking
@@ -41,14 +41,14 @@ class Frictions(NamedTuple):
     points (p, 2, lanes): angle (rad) and change of slope of all tables' points; bearing: forces of
     joints. None: not used."""
 
-    on: np.ndarray
+    hinge: np.ndarray
     numbers: np.ndarray
     openings: Openings
-    past: np.ndarray
+    rates: np.ndarray
     state: np.ndarray
     account: int
     rows: np.ndarray
-    watched: np.ndarray  # (1, 1, lanes)
+    peaks: np.ndarray  # (1, 1, lanes)
     start: np.ndarray | None = None  # (f + 1,) where the points of each begin,
     points: np.ndarray | None = None  # (p, 2, lanes), where the bend goes by a table
     bearing: JointForce | None = None
@@ -57,8 +57,9 @@ class Frictions(NamedTuple):
 @kernel
 def bend_at(points, start, i, most, psi):
     """Return the bristle deflection (rad, lanes) at which friction element i slips at opening psi
-    (rad), by its table. points, start: tables of all elements, as in Frictions, None: there are
-    none; most: deflection at slip (rad) at openings below the table, and the result without one."""
+    (rad, lanes), linear between the points of its table. points (p, 2, lanes): opening (rad) and
+    change of slope there, of all tables; start: index of each element's first point; both None: no
+    tables; most: deflection (rad, lanes) below the table's first opening, or without a table."""
     if points is not None:
         for j in range(start[i], start[i + 1]):
             ramp = psi - load(points, j, ANGLE)
@@ -108,7 +109,7 @@ def bends_now(bearing, part, i, psi, psi_before, timing):
 def watch_lock(part, i, bend, most, slips):
     """Measure self-locking of friction element i: by how much its bristle's deflection `bend` (rad)
     grew without slip while the deflection `most` (rad), at which it slips, grew as fast. The
-    growth, over the deflection at slip, raises LOCKED in part.state and part.watched if larger.
+    growth, over the deflection at slip, raises LOCKED in part.state and part.peaks if larger.
     part: all friction elements (Frictions); slips: below 0 in lanes where it slips now. It counts
     from the least `bend` since the last slip, once the bristle was bent by one deflection more."""
     state, per_bend = part.state, load(part.numbers, i, LOCKING)
@@ -121,7 +122,7 @@ def watch_lock(part, i, bend, most, slips):
     store(state, i, LEAST, least)
     store(state, i, AT_LEAST, base)
     store(state, i, LOCKED, larger(load(state, i, LOCKED), locked))
-    store(part.watched, 0, 0, larger(load(part.watched, 0, 0), locked))
+    store(part.peaks, 0, 0, larger(load(part.peaks, 0, 0), locked))
 
 
 @hook(Frictions)
@@ -131,12 +132,12 @@ def forces(part, world, timing):
     friction elements (Frictions); world: solver state, changed; timing: times of this step (s).
     Where slip begins within a step, the mean of the moments at both ends is not that over the way
     between; `edge` corrects it as for a spring that begins at the point of slip."""
-    for i in range(part.on.shape[0]):
-        h, last = part.on[i], load(part.state, i, BENDING)
+    for i in range(part.hinge.shape[0]):
+        h, last = part.hinge[i], load(part.state, i, BENDING)
         stiffness, foot = load(part.numbers, i, STIFFNESS), load(part.state, i, FOOT)
         psi, psi_before = load(part.openings.angles, h, NEW), load(part.openings.angles, h, OLD)
         most, old_most = bends_now(part.bearing, part, i, psi, psi_before, timing)
-        rate = follow_rate(part.openings, part.past, i, h, timing)
+        rate = follow_rate(part.openings, part.rates, i, h, timing)
         trial = psi - foot
         sign = where_negative(trial, -1.0, 0.0 * trial + 1.0)
         slips = most - absolute(trial)  # < 0 where it does
@@ -151,12 +152,12 @@ def forces(part, world, timing):
         damper = where_negative(upper - damper, upper, damper)
         damper = where_negative(damper - lower, lower, damper)
         # Where the damper helped to bear M in the step before, less is missing.
-        helped = -0.5 * sign * load(part.past, i, LOSS)
+        helped = -0.5 * sign * load(part.rates, i, LOSS)
         helped = where_negative(helped, 0.0, helped)
         helped = where_negative(extra - helped, extra, helped)
         damper = where_negative(slips, sign * helped, damper)
         turn(part.openings, world.state, h, spring + damper)
-        lose(world, part.account, part.openings, part.past, i, h, damper)
+        lose(world, part.account, part.openings, part.rates, i, h, damper)
         loss = 0.5 * stiffness * (most + old_most) * absolute(new_foot - foot)
         store(world.accounts, 0, part.account, load(world.accounts, 0, part.account) + loss)
         if part.bearing is not None:
@@ -178,5 +179,5 @@ def list_excess(part, world):
     """Once a run has failed, store in part.rows how far each friction element has locked itself
     (the growth of its bristle's deflection without slip, over the deflection at slip), to name the
     worst. part: arrays of all friction elements (Frictions); world: not used."""
-    for i in range(part.on.shape[0]):
+    for i in range(part.hinge.shape[0]):
         store(part.rows, i, 0, load(part.state, i, LOCKED))

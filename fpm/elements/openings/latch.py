@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.fields import damping, number, same, stiffness, word
+from fpm.elements.fields import damping, number, stiffness, topology, word
 from fpm.elements.kind import Energy, Series
 from fpm.elements.openings.opening import JOINT_LOSS, ONSET, OnHinge, by_unit, on_hinge
 from fpm.errors import SceneError
@@ -43,7 +43,7 @@ class AnyLatch(OnHinge):
     takes = JOINT_LOSS
     events = ("latches", "misses")
     acts_as = "latch"
-    called = "latch"
+    noun = "latch"
     resists_as = ""
 
     def check(self, scene):
@@ -57,12 +57,12 @@ class AnyLatch(OnHinge):
         return self.name or super().label(scene)
 
     @classmethod
-    def recorded(cls, part, scene, lane):
+    def read_records(cls, part, scene, lane):
         """Return the recorded series of one sample's latches after a run, by variable name, all (t,
         latches): moment (N m), impulse so far (N m s), rate at the catch (rad/s), of rigid latches
         also the impulse at the catch (N m s). part: arrays of the latches' kernels; scene: the
         sample's; lane: its index."""
-        latches = cls.of(scene)
+        latches = cls.find(scene)
         columns = part.track[:, :, lane].T.reshape(part.track.shape[1], -1, len(latches))
         pairs = zip(SERIES.items(), columns, strict=False)
         series = {name: Series(values, *text[:3], ()) for (name, text), values in pairs}
@@ -93,7 +93,7 @@ class Latch(AnyLatch):
         text="rate above which it does not catch",
     )  # fmt: skip
     one_sided: bool = word({False: 1.0, True: -1.0}, default=False)
-    name: str = same("")
+    name: str = topology("")
 
     stores = Energy("latch", "latch_energy", "energy of the latches")
 

@@ -34,19 +34,19 @@ ANGLE_TOL = 1e-6
 
 
 class Latches(NamedTuple):
-    """Arrays of all l latches, for their kernels. on (l,): index of each one's hinge; numbers (l,
-    7, lanes): angle, capture range (rad), sign of the rate at which it catches (0: both), largest
-    rate (rad/s), stiffness (N m/rad), damping (N m s/rad), -1 if one-sided; openings: of all
-    hinges; past (l, 2, lanes): rate and damper's moment of the last step; state (l, 8, lanes): 1
-    once it has caught, opening (rad) and sign of the rate then, news of this step (1 caught, 2
+    """Arrays of all l latches, for their kernels. hinge (l,): index of each one's hinge; numbers
+    (l, 7, lanes): angle, capture range (rad), sign of the rate at which it catches (0: both),
+    largest rate (rad/s), stiffness (N m/rad), damping (N m s/rad), -1 if one-sided; openings: of
+    all hinges; rates (l, 2, lanes): rate and damper's moment of the last step; state (l, 8, lanes):
+    1 once it has caught, opening (rad) and sign of the rate then, news of this step (1 caught, 2
     missed) and their time (s), rate at the catch (rad/s), moment (N m), impulse so far (N m s);
     account: index in World.accounts of the loss; rows (l, 1, lanes): energy of each; log: of
     events; track ((instants + 1) l, 3, lanes): recorded moment, impulse, rate at the catch."""
 
-    on: np.ndarray
+    hinge: np.ndarray
     numbers: np.ndarray
     openings: Openings
-    past: np.ndarray
+    rates: np.ndarray
     state: np.ndarray
     account: int
     rows: np.ndarray
@@ -65,7 +65,7 @@ def watch(part, i, h, timing):
         for s in range(angles.shape[2]):
             if part.state[i, IS_CAUGHT, s] == 0.0:
                 start, end = angles[h, OLD, s], angles[h, NEW, s]
-                pass_by(part, i, s, start, end, part.past[i, RATE, s], timing.time, timing.step)
+                pass_by(part, i, s, start, end, part.rates[i, RATE, s], timing.time, timing.step)
 
 
 @kernel
@@ -115,7 +115,7 @@ def excess(part, i, field):
     """Return by how much (rad, lanes) the opening is beyond that at which latch i caught, positive
     in the direction of its catch. part: arrays of all latches; field: NEW (0: now) or OLD (1: a
     step ago)."""
-    angle = load(part.openings.angles, part.on[i], field) - load(part.state, i, HOLD_ANGLE)
+    angle = load(part.openings.angles, part.hinge[i], field) - load(part.state, i, HOLD_ANGLE)
     return load(part.state, i, SIGN) * angle
 
 
@@ -144,16 +144,16 @@ def forces(part, world, timing):
     their dampers take out in the step that ends now (J) to World.accounts, once it is found which
     latches caught in it; these act at once. part: arrays of all latches (Latches), in whose state
     moment and impulse are stored; world: solver state, changed; timing: times of this step (s)."""
-    for i in range(part.on.shape[0]):
-        h = part.on[i]
+    for i in range(part.hinge.shape[0]):
+        h = part.hinge[i]
         if timing.time > 0.0:
             watch(part, i, h, timing)
-        rate = follow_rate(part.openings, part.past, i, h, timing)
+        rate = follow_rate(part.openings, part.rates, i, h, timing)
         sign = load(part.state, i, SIGN)
         spring, damper = hold(part, i, sign * rate)
         moment = sign * (spring + damper)
         turn(part.openings, world.state, h, moment)
-        lose(world, part.account, part.openings, part.past, i, h, sign * damper)
+        lose(world, part.account, part.openings, part.rates, i, h, sign * damper)
         impulse = 0.5 * timing.step * (moment + load(part.state, i, MOMENT))
         store(part.state, i, IMPULSE, load(part.state, i, IMPULSE) + impulse)
         store(part.state, i, MOMENT, moment)
@@ -164,7 +164,7 @@ def note_events(part, world, timing):
     """Write to part.log which latches caught (event 0) or missed (1) in the step that ends now, and
     when, and clear that news in part.state. part: arrays of all latches; world, timing: not
     used."""
-    for i in range(part.on.shape[0]):
+    for i in range(part.hinge.shape[0]):
         if any_negative(0.5 - load(part.state, i, NEWS)):
             for s in range(part.state.shape[2]):
                 news = part.state[i, NEWS, s]
@@ -188,7 +188,7 @@ def energy_of(part, world, i):
 def record(part, world, row):
     """Record the moment (N m), impulse so far (N m s) and rate at the catch (rad/s) of each latch
     in part.track. part: arrays of all latches; world: not used; row: of the instant."""
-    count = part.on.shape[0]
+    count = part.hinge.shape[0]
     for i in range(count):
         for k, field in enumerate((MOMENT, IMPULSE, RATE_THERE)):
             store(part.track, row * count + i, k, load(part.state, i, field))

@@ -10,7 +10,7 @@ of which k (target - psi)²/2 is stored in the drive train and c (target' - psi'
 from dataclasses import dataclass
 from typing import ClassVar
 
-from fpm.elements.fields import damping, index, number, same, stiffness
+from fpm.elements.fields import damping, index, number, stiffness, topology
 from fpm.elements.kind import Energy, Series
 from fpm.elements.openings.opening import JOINT_LOSS, OnHinge, by_unit, on_hinge
 
@@ -23,7 +23,7 @@ class AnyMotor(OnHinge):
 
     gives = MOTOR_WORK
     acts_as = "motor"
-    called = "motor"
+    noun = "motor"
     variable: ClassVar[str] = "motor_moment"  # of what is recorded, in trajectory files
 
     def check(self, scene):
@@ -33,13 +33,13 @@ class AnyMotor(OnHinge):
         self.check_alone(scene)
 
     @classmethod
-    def recorded(cls, part, scene, lane):
+    def read_records(cls, part, scene, lane):
         """Return the recorded moments (N m, on slides N) of one sample's motors after a run, (t,
         motors), by variable name. part: arrays of the motors' kernels; scene, lane: the
         sample's."""
-        hinges = [scene.hinges[motor.hinge] for motor in cls.of(scene)]
+        hinges = [scene.hinges[motor.hinge] for motor in cls.find(scene)]
         values = part.track[:, 0, lane].reshape(-1, len(hinges))
-        text, dimension = f"moment of the {cls.called}s on their hinges", cls.called
+        text, dimension = f"moment of the {cls.noun}s on their hinges", cls.noun
         series = {cls.variable: Series(values, "N m", text, dimension.replace(" ", "_"), ())}
         return by_unit(series, hinges, [hinge.name for hinge in hinges])
 
@@ -59,7 +59,7 @@ class Motor(AnyMotor):
     )
     turn: float = number("rad", words="opening of {title}")
     curve: int = index("curves", -1)
-    by_rate: bool = same(False)
+    by_rate: bool = topology(False)
 
     stores = Energy("motor", "motor_energy", "energy of the motors' drive trains")
     takes = JOINT_LOSS

@@ -26,23 +26,23 @@ TRACK = 1
 
 
 class Motors(NamedTuple):
-    """Arrays of all m motors, for their kernels. on (m,): index of each one's hinge; curve (m,):
+    """Arrays of all m motors, for their kernels. hinge (m,): index of each one's hinge; curve (m,):
     index of its curve of time, -1: constant 1; by_rate (m,): 1 where the curve gives the rate;
-    numbers (m, 4, lanes): stiffness (N m/rad), damping (N m s/rad), start, turn (rad); past (m, 2,
+    numbers (m, 4, lanes): stiffness (N m/rad), damping (N m s/rad), start, turn (rad); rates (m, 2,
     lanes): rate of the last step; state (m, 7, lanes): moment, a step ago, moment of damping, a
     step ago (N m), target less opening, change of the target, target (rad); openings: of all
     hinges; given, taken: indices in World.accounts of work and loss; rows (m, 1, lanes): energy of
     each; track ((instants + 1) m, 1, lanes): recorded moment (N m)."""
 
-    on: np.ndarray
+    hinge: np.ndarray
     curve: np.ndarray
     by_rate: np.ndarray
     numbers: np.ndarray
-    past: np.ndarray
+    rates: np.ndarray
     state: np.ndarray
     openings: Openings
-    given: int
-    taken: int
+    work_account: int
+    loss_account: int
     rows: np.ndarray
     track: np.ndarray
 
@@ -52,8 +52,8 @@ def forces(part, world, timing):
     """Add the moments (N m) of the motors' drive trains, towards the prescribed openings, to the
     forces on particles; keep moments and targets in part.state. part: arrays of all motors
     (Motors); world: solver state, whose forces change; timing: times of this step (s)."""
-    for i in range(part.on.shape[0]):
-        h = part.on[i]
+    for i in range(part.hinge.shape[0]):
+        h = part.hinge[i]
         for k in (MOMENT, VISCOUS):
             store(part.state, i, k + 1, load(part.state, i, k))
         travelled = travel(world, part.curve[i], part.by_rate[i], timing.time)
@@ -64,7 +64,7 @@ def forces(part, world, timing):
             advance = 0.0 * error
         # The target's rate as the opening's: what it lacks at the start, the step after makes up.
         target_rate = (1.0 / timing.step) * (1.5 * advance - 0.5 * load(part.state, i, ADVANCE))
-        rate = follow_rate(part.openings, part.past, i, h, timing)
+        rate = follow_rate(part.openings, part.rates, i, h, timing)
         viscous = load(part.numbers, i, DAMPING) * (target_rate - rate)
         moment = load(part.numbers, i, STIFFNESS) * error + viscous
         store(part.state, i, ERROR, error)
@@ -81,17 +81,17 @@ def work_before(part, world, timing):
     in the step that ends at timing.time: means of the moments at both ends times the way, which is
     what the moments do on the hinges, so that the balance has no error of it. part: arrays of all
     motors (Motors); world: solver state (World); timing: times of this step (s)."""
-    work = load(world.accounts, 0, part.given)
-    loss = load(world.accounts, 0, part.taken)
-    for i in range(part.on.shape[0]):
-        advance, h = load(part.state, i, ADVANCE), part.on[i]
+    work = load(world.accounts, 0, part.work_account)
+    loss = load(world.accounts, 0, part.loss_account)
+    for i in range(part.hinge.shape[0]):
+        advance, h = load(part.state, i, ADVANCE), part.hinge[i]
         angle = load(part.openings.angles, h, NEW) - load(part.openings.angles, h, OLD)
         moment = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE)
         work = work + 0.5 * advance * moment
         viscous = load(part.state, i, VISCOUS) + load(part.state, i, VISCOUS_BEFORE)
         loss = loss + 0.5 * (advance - angle) * viscous
-    store(world.accounts, 0, part.given, work)
-    store(world.accounts, 0, part.taken, loss)
+    store(world.accounts, 0, part.work_account, work)
+    store(world.accounts, 0, part.loss_account, loss)
 
 
 @hook(Motors)
@@ -106,6 +106,6 @@ def energy_of(part, world, i):
 def record(part, world, row):
     """Record the moment (N m) of each motor on its hinge in part.track. part: arrays of all motors
     (Motors or TorqueMotors); world: not used; row: index of the recorded instant."""
-    count = part.on.shape[0]
+    count = part.hinge.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, MOMENT))

@@ -47,13 +47,13 @@ TURNING = ("revolute", "universal", "cross")
 @dataclass(frozen=True)
 class Opening(ElementType):
     """The opening of a hinge (its angle, rad) or slide (its length, m), as an element type. Every
-    hinge of a scene has one, of the hinge's index; `of` returns the scene's hinges."""
+    hinge of a scene has one, of the hinge's index; `find` returns the scene's hinges."""
 
     resists_as = ""
     cost = 30.0
 
     @classmethod
-    def of(cls, scene):
+    def find(cls, scene):
         return scene.hinges
 
     @classmethod
@@ -80,7 +80,7 @@ class Opening(ElementType):
             track=batch.blank(rows * len(hinges), 1),
             slides=batch.integers(slides) if any(slides) else None,
             moments=batch.blank(count, kernels.PART_FIELDS) if has_parts else None,
-            told_track=batch.blank(rows * count, 2) if has_parts else None,
+            part_track=batch.blank(rows * count, 2) if has_parts else None,
             parts=len(PARTS),
             part=PARTS.index("other"),
         )
@@ -94,7 +94,7 @@ class Opening(ElementType):
         return batch.part(cls)._replace(part=PARTS.index(kind.acts_as or "other"))
 
     @classmethod
-    def recorded(cls, part, scene, lane):
+    def read_records(cls, part, scene, lane):
         """Return the recorded openings (t, hinges) of one sample after a run, by variable name:
         `opening` (rad) and, of slides, `slide_opening` (m). part: arrays of all openings
         (Openings); scene: the sample's; lane: index of the sample."""
@@ -123,7 +123,7 @@ class OnHinges(ElementType):
 
     @classmethod
     def names(cls, scene):
-        return [element.title(scene) for element in cls.of(scene)]
+        return [element.title(scene) for element in cls.find(scene)]
 
     @classmethod
     def array(cls, name, batch):
@@ -144,24 +144,24 @@ class OnHinge(OnHinges):
         return scene.hinges[self.hinge].name
 
     def title(self, scene):
-        return f"{self.called} {self.label(scene)}"
+        return f"{self.noun} {self.label(scene)}"
 
     def alike(self, scene) -> list["OnHinge"]:
         """Return the elements of a scene whose types have the same word in messages (`called`) as
         this one: for a latch all latches, rigid ones too."""
-        kinds = [k for k in scene.kinds if issubclass(k, OnHinge) and k.called == self.called]
-        return [element for kind in kinds for element in kind.of(scene)]
+        kinds = [k for k in scene.kinds if issubclass(k, OnHinge) and k.noun == self.noun]
+        return [element for kind in kinds for element in kind.find(scene)]
 
     def check_alone(self, scene) -> None:
         """Check that the scene has no other element on this hinge with the same word in messages
         (`called`, as "motor"); raises SceneError if it has."""
         if self.hinge in [element.hinge for element in self.alike(scene)]:
-            allowed = f"a hinge without a {self.called}"
-            raise SceneError(f"hinge of {self.called}", self.hinge, allowed)
+            allowed = f"a hinge without a {self.noun}"
+            raise SceneError(f"hinge of {self.noun}", self.hinge, allowed)
 
     @classmethod
     def eventful(cls, scene):
-        pairs = zip(super().eventful(scene), cls.of(scene), strict=False)
+        pairs = zip(super().eventful(scene), cls.find(scene), strict=False)
         return [element._replace(joint=scene.hinges[e.hinge].name) for element, e in pairs]
 
     def stiffness_in(self, scene) -> float | None:
@@ -178,32 +178,32 @@ class OnHinge(OnHinges):
     def deformations(cls, scene):
         """Return how motions of particles strain the openings on which the type's springs act, with
         their stiffness, for the stable time step, as if all acted at once; None: no springs."""
-        return cls._turns(scene, [e.stiffness_in(scene) for e in cls.of(scene)])
+        return cls._turns(scene, [e.stiffness_in(scene) for e in cls.find(scene)])
 
     @classmethod
     def dampings(cls, scene):
         """Return how motions of particles move the openings on which the type's dampers act, with
         their damping in the field `stiffness`, for the stable time step; None: no dampers."""
-        return cls._turns(scene, [e.damping_in(scene) for e in cls.of(scene)])
+        return cls._turns(scene, [e.damping_in(scene) for e in cls.find(scene)])
 
     @classmethod
     def _turns(cls, scene, values: list) -> Deformations | None:
-        hinges = [e.hinge for e in cls.of(scene)]
+        hinges = [e.hinge for e in cls.find(scene)]
         return None if None in values else relative_turn(scene, hinges, values)
 
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field of the named tuple that the type's kernels take. name: of
-        the field: "on": index of each element's hinge; "past": rates at the start (pack_past);
+        the field: "rates": rates at the start (pack_past);
         others as in OnHinges.array. batch: the scenes that are simulated side by side."""
-        if name == "past":
+        if name == "rates":
             return pack_past(batch, cls)
-        return super().array("hinge" if name == "on" else name, batch)
+        return super().array(name, batch)
 
 
-def on_hinge(words: str = "hinge of {called}", types: tuple[str, ...] = ()) -> Any:
+def on_hinge(words: str = "hinge of {noun}", types: tuple[str, ...] = ()) -> Any:
     """Declare a dataclass field of an element that holds the index of its hinge. words: the field's
-    name in messages, in which {called} stands for the type's word; types: allowed types of the
+    name in messages, in which {noun} stands for the type's word; types: allowed types of the
     hinge ("revolute", ...), (): all."""
     return index("hinges", words=words, types=types)
 
@@ -230,7 +230,8 @@ def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
 
 def unit_of(scene, hinge: int, unit: str) -> str:
     """Return the unit of a quantity on a hinge: `unit`, as "N m/rad", where it turns; on a slide
-    the one in place of it, as "N/m". scene: has the hinge; hinge: its index."""
+    the one in place of it, as "N/m" (KeyError for units other than those of SLIDING). scene: has
+    the hinge; hinge: its index."""
     return SLIDING[unit] if scene.hinges[hinge].slides else unit
 
 
@@ -346,10 +347,10 @@ def pack_past(batch, kind) -> np.ndarray:
     moment. batch: the scenes that are simulated side by side; kind: the element type."""
     from fpm.elements.openings.losses_kernels import HISTORY
 
-    count = len(kind.of(batch.scene))
+    count = len(kind.find(batch.scene))
 
     def history(scene):
-        rates = turning_at_start(scene, [element.hinge for element in kind.of(scene)])
+        rates = turning_at_start(scene, [element.hinge for element in kind.find(scene)])
         return np.column_stack([rates, np.zeros((count, HISTORY - 1))])
 
     return batch.stack(count, HISTORY, history)
@@ -360,9 +361,9 @@ def start_angles(batch, kind) -> np.ndarray:
     a type. batch: the scenes that are simulated side by side; kind: the element type."""
 
     def openings(scene):
-        return [[scene.hinges[element.hinge].opening] for element in kind.of(scene)]
+        return [[scene.hinges[element.hinge].opening] for element in kind.find(scene)]
 
-    return batch.stack(len(kind.of(batch.scene)), 1, openings)[:, 0]
+    return batch.stack(len(kind.find(batch.scene)), 1, openings)[:, 0]
 
 
 def opening_at(scene, hinge) -> float:

@@ -32,7 +32,7 @@ class Openings(NamedTuple):
     global axis now; angles (h, 2, lanes): opening now and a step ago (rad, m); is_needed: whether
     it is updated in every step; track ((instants + 1) h, 1, lanes): recorded openings; slides (h,):
     1 for a slide. moments (h parts, 3, lanes): moment now, a step ago (N m), work (J) of each
-    component (springs, dampers, ...: PARTS); told_track ((instants + 1) h parts, 2, lanes):
+    component (springs, dampers, ...: PARTS); part_track ((instants + 1) h parts, 2, lanes):
     recorded moment and work of each; parts: number of components; part: the component of the
     element type that takes these arrays. None: not used."""
 
@@ -44,7 +44,7 @@ class Openings(NamedTuple):
     track: np.ndarray  # ((instants + 1) h, 1, lanes) recorded
     slides: np.ndarray | None = None  # (h,) 1 where the opening is a length
     moments: np.ndarray | None = None  # (h parts, PART_FIELDS, lanes) of each part, if told apart
-    told_track: np.ndarray | None = None  # ((instants + 1) h parts, 2, lanes): moment, work
+    part_track: np.ndarray | None = None  # ((instants + 1) h parts, 2, lanes): moment, work
     parts: int = 0  # into which the moment is told apart
     part: int = 0  # of them is the kind's own that sees these openings
 
@@ -127,7 +127,7 @@ def turn(openings, state, h, moment):
         couple = moment * axis
         put3(state, second, M, get3(state, second, M) + couple)
         put3(state, first, M, get3(state, first, M) - couple)
-    tell(openings.moments, openings, h, moment)
+    add_moment(openings.moments, openings, h, moment)
 
 
 @kernel
@@ -142,7 +142,7 @@ def push(openings, state, h, impulse):
 
 
 @kernel
-def tell(moments, openings, h, moment):
+def add_moment(moments, openings, h, moment):
     """Add a moment (N m) on hinge h to the recorded component (springs, dampers, ...) of the acting
     element type, openings.part. moments: Openings.moments, None: nothing is done; openings: arrays
     of all openings, as the acting type takes them."""
@@ -153,8 +153,9 @@ def tell(moments, openings, h, moment):
 
 @hook(Openings)
 def work_before(part, world, timing):
-    """Add to part.moments the work (J) of each component (springs, dampers, ...) in the step that
-    ends now, if they are recorded. part: arrays of all openings; world, timing: not used."""
+    """Add the work (J) of the last step to that of each component (springs, dampers, ...), field
+    WORK of part.moments, now that the moments at its end are known; where that is None (not
+    recorded), nothing is done. part: arrays of all openings; world, timing: not used."""
     work_parts(part.moments, part)
 
 
@@ -174,7 +175,7 @@ def work_parts(moments, part):
 @hook(Openings)
 def record(part, world, row):
     """Record all openings (rad, m) in part.track and, where they are told apart, moment (N m) and
-    work (J) of every component (springs, dampers, ...) in part.told_track. part: arrays of all
+    work (J) of every component (springs, dampers, ...) in part.part_track. part: arrays of all
     openings (Openings); world: solver state; row: index of the recorded instant."""
     if not part.is_needed:
         update(part, world.state)
@@ -195,10 +196,10 @@ def record_step(part, world, row, timing):
 @kernel
 def record_parts(moments, part, row):
     """Record the moment (N m) and work (J) of every component (springs, dampers, ...) in
-    part.told_track. moments: Openings.moments, None: nothing is done; part: arrays of all openings
+    part.part_track. moments: Openings.moments, None: nothing is done; part: arrays of all openings
     (Openings); row: index of the recorded instant."""
     if moments is not None:
         count = moments.shape[0]
         for r in range(count):
-            store(part.told_track, row * count + r, 0, load(moments, r, MOMENT))
-            store(part.told_track, row * count + r, 1, load(moments, r, WORK))
+            store(part.part_track, row * count + r, 0, load(moments, r, MOMENT))
+            store(part.part_track, row * count + r, 1, load(moments, r, WORK))

@@ -15,12 +15,13 @@ from fpm.errors import SceneError
 
 class AnyRelease(OnHinge):
     """Base class of releases, rigid ones too, which hold a hinge and let go at a `time` (s), or
-    before if the opening of another hinge, of index `watch` (-1: none), passes `level` (rad)."""
+    before if the opening of another hinge, of index `watch` (-1: none), passes `level` (rad; m on a
+    slide)."""
 
     takes = JOINT_LOSS
     events = ("releases",)
     acts_as = "release"
-    called = "release"
+    noun = "release"
     resists_as = ""
 
     def check(self, scene):
@@ -40,9 +41,9 @@ class AnyRelease(OnHinge):
 @dataclass(frozen=True)
 class Release(AnyRelease):
     """Release that holds a hinge or slide by a spring and a damper, and then lets go. hinge: index;
-    stiffness (N m/rad), damping (N m s/rad), hold: opening (rad) at which it holds; time: when it
-    lets go (s); watch: index of a hinge (-1: none) whose opening frees it where it passes `level`
-    (rad), if that is earlier."""
+    stiffness (N m/rad; N/m on a slide), damping (N m s/rad; N s/m), hold: opening (rad; m) at which
+    it holds; time: when it lets go (s); watch: index of a hinge or slide (-1: none) whose opening
+    frees it where it passes `level` (rad; m), if that is earlier."""
 
     hinge: int = on_hinge()
     stiffness: float = stiffness(text="with which it holds")

@@ -30,18 +30,18 @@ STATE = 6
 
 
 class Releases(NamedTuple):
-    """Arrays of all r releases, for their kernels. on (r,): index of the hinge that each holds;
+    """Arrays of all r releases, for their kernels. hinge (r,): index of the hinge that each holds;
     watch (r,): of that whose opening frees it, -1: none; numbers (r, 5, lanes): time (s), level
-    (rad), stiffness (N m/rad), damping (N m s/rad), opening held (rad); past (r, 2, lanes): rate of
-    the last step; state (r, 6, lanes): moment (N m), a step ago, steps since it let go (below 0: it
-    has not in this step), energy (J), a step ago, -1 while it holds and then 1; openings: of all
+    (rad), stiffness (N m/rad), damping (N m s/rad), opening held (rad); rates (r, 2, lanes): rate
+    of the last step; state (r, 6, lanes): moment (N m), a step ago, steps since it let go (below 0:
+    it has not in this step), energy (J), a step ago, -1 while it holds and then 1; openings: of all
     hinges; account: index in World.accounts of the loss; rows (r, 1, lanes): energy of each; log:
     of events."""
 
-    on: np.ndarray
+    hinge: np.ndarray
     watch: np.ndarray
     numbers: np.ndarray
-    past: np.ndarray
+    rates: np.ndarray
     state: np.ndarray
     openings: Openings
     account: int
@@ -70,10 +70,10 @@ def forces(part, world, timing):
     """Add the moments (N m) of releases that hold to the forces on particles, and in the step in
     which one lets go the rest of its moment; update part.state. part: arrays of all releases
     (Releases); world: solver state (World), whose forces change; timing: times of this step (s)."""
-    for i in range(part.on.shape[0]):
+    for i in range(part.hinge.shape[0]):
         for k in (MOMENT, ENERGY):
             store(part.state, i, k + 1, load(part.state, i, k))
-        h = part.on[i]
+        h = part.hinge[i]
         psi = load(part.openings.angles, h, NEW)
         steps, hold = let_go(part, timing, i), load(part.state, i, HOLDS)
         if timing.time == 0.0:
@@ -82,7 +82,7 @@ def forces(part, world, timing):
         gap = load(part.numbers, i, HOLD) - psi
         change = psi - load(part.openings.angles, h, OLD)
         angle = gap + where_negative(steps, 0.0, steps) * change  # when it let go, or now
-        speed = follow_rate(part.openings, part.past, i, h, timing)
+        speed = follow_rate(part.openings, part.rates, i, h, timing)
         moment = load(part.numbers, i, STIFFNESS) * angle - load(part.numbers, i, DAMPING) * speed
         moment = moment * where_negative(steps, 1.0, 0.5 - steps)
         moment = where_negative(hold, moment, 0.0)
@@ -99,7 +99,7 @@ def forces(part, world, timing):
 def note_events(part, world, timing):
     """Note in part.log which releases let go (event 0) in the step that ends now, and when. part:
     arrays of all releases (Releases); world: solver state, not used; timing: step times (s)."""
-    for i in range(part.on.shape[0]):
+    for i in range(part.hinge.shape[0]):
         steps = load(part.state, i, STEPS)
         if any_negative(where_negative(steps, 1.0, -1.0)):
             for s in range(part.state.shape[2]):
@@ -113,9 +113,9 @@ def work_before(part, world, timing):
     ends at timing.time: the drop of the stored energy less the work on the hinge. part: arrays of
     all releases (Releases); world: solver state (World); timing: step times (s)."""
     loss = load(world.accounts, 0, part.account)
-    for i in range(part.on.shape[0]):
+    for i in range(part.hinge.shape[0]):
         moment = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE)
-        angles, h = part.openings.angles, part.on[i]
+        angles, h = part.openings.angles, part.hinge[i]
         work = 0.5 * (load(angles, h, NEW) - load(angles, h, OLD)) * moment
         loss = loss + (load(part.state, i, ENERGY_BEFORE) - load(part.state, i, ENERGY) - work)
     store(world.accounts, 0, part.account, loss)

@@ -21,7 +21,7 @@ class Stop(OnHinge):
 
     hinge: int = on_hinge()
     angle: float = number("rad")
-    side: str = word({"above": 1.0, "below": -1.0}, same=True)
+    side: str = word({"above": 1.0, "below": -1.0}, is_topology=True)
     stiffness: float = stiffness(text="moment for each radian beyond")
     damping: float = damping(default=0.0, text="moment for each radian a second, beyond")
 
@@ -29,12 +29,12 @@ class Stop(OnHinge):
     takes = JOINT_LOSS
     events = ("leaves", "hits")
     acts_as = "stop"
-    called = "stop"
+    noun = "stop"
     resists_as = "S"
 
     @classmethod
     def names(cls, scene):
-        return [f"{stop.title(scene)} {stop.side}" for stop in cls.of(scene)]
+        return [f"{stop.title(scene)} {stop.side}" for stop in cls.find(scene)]
 
     def damping_in(self, scene):
         """Return the damping (N m s/rad) by which the stop limits the stable time step: 1.5 times

@@ -20,15 +20,16 @@ TOUCH = 1e-9
 
 
 class Stops(NamedTuple):
-    """Arrays of all s stops, for their kernels. on (s,): index of each one's hinge; numbers (s, 4,
-    lanes): angle (rad), side (1 above, -1 below), stiffness (N m/rad), damping (N m s/rad);
-    openings: of all hinges; past (s, 2, lanes): rate and damper's moment of the last step; account:
-    index in World.accounts of the loss; rows (s, 1, lanes): energy of each; log: of events."""
+    """Arrays of all s stops, for their kernels. hinge (s,): index of each one's hinge; numbers (s,
+    4, lanes): angle (rad), side (1 above, -1 below), stiffness (N m/rad), damping (N m s/rad);
+    openings: of all hinges; rates (s, 2, lanes): rate and damper's moment of the last step;
+    account: index in World.accounts of the loss; rows (s, 1, lanes): energy of each; log: of
+    events."""
 
-    on: np.ndarray
+    hinge: np.ndarray
     numbers: np.ndarray
     openings: Openings
-    past: np.ndarray
+    rates: np.ndarray
     account: int
     rows: np.ndarray
     log: Log
@@ -38,7 +39,7 @@ class Stops(NamedTuple):
 def overlap(part, i, field):
     """Return by how much the opening is beyond stop i (rad), below 0 where it is free. part: arrays
     of all stops (Stops); field: NEW (0: now) or OLD (1: a step ago)."""
-    angle = load(part.openings.angles, part.on[i], field) - load(part.numbers, i, ANGLE)
+    angle = load(part.openings.angles, part.hinge[i], field) - load(part.numbers, i, ANGLE)
     return load(part.numbers, i, SIDE) * angle
 
 
@@ -47,9 +48,9 @@ def forces(part, world, timing):
     """Add the moments (N m) of stops, against openings beyond them, to the forces on particles, and
     what their dampers lose in the step (J) to World.accounts. part: arrays of all stops (Stops);
     world: solver state, changed; timing: times of this step (s)."""
-    for i in range(part.on.shape[0]):
-        h, side = part.on[i], load(part.numbers, i, SIDE)
-        rate = side * follow_rate(part.openings, part.past, i, h, timing)
+    for i in range(part.hinge.shape[0]):
+        h, side = part.hinge[i], load(part.numbers, i, SIDE)
+        rate = side * follow_rate(part.openings, part.rates, i, h, timing)
         spring, damper = press(
             overlap(part, i, NEW),
             overlap(part, i, OLD),
@@ -58,14 +59,14 @@ def forces(part, world, timing):
             load(part.numbers, i, DAMPING),
         )
         turn(part.openings, world.state, h, -side * (spring + damper))
-        lose(world, part.account, part.openings, part.past, i, h, -side * damper)
+        lose(world, part.account, part.openings, part.rates, i, h, -side * damper)
 
 
 @hook(Stops)
 def note_events(part, world, timing):
     """Note in part.log which stops were hit (event 1) or left (0) in the step that ends now. part:
     arrays of all stops (Stops); world: solver state, not used; timing: times of this step (s)."""
-    for i in range(part.on.shape[0]):
+    for i in range(part.hinge.shape[0]):
         old, new = overlap(part, i, OLD), overlap(part, i, NEW)
         note_crossings(part.log, i, TOUCH - old, TOUCH - new, timing)
 

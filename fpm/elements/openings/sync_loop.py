@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fpm.elements.fields import index, number, same, stiffness
+from fpm.elements.fields import index, number, stiffness, topology
 from fpm.elements.kind import Deformations, Energy, Series
 from fpm.elements.openings.opening import TURNING, OnHinges, relative_turn, softness
 from fpm.errors import SceneError
@@ -26,7 +26,7 @@ class SyncLoop(OnHinges):
     loop is crossed; stiffness: of both strands together (N/m); rest: openings without slip (rad);
     preload: tension of each strand (N), infinite: no strand ever turns slack."""
 
-    name: str = same()
+    name: str = topology()
     hinges: tuple[int, int] = index("hinges", words="hinge of {title}", types=TURNING)
     radii: tuple[float, float] = number(
         "m", count=2, text="of the pulleys; opposite in sign where the loop is crossed"
@@ -48,7 +48,7 @@ class SyncLoop(OnHinges):
     stores = Energy("loop", "loop_energy", "energy of the synchronising loops")
     events = ("tightens", "slackens")
     acts_as = "loop"
-    called = "loop"
+    noun = "loop"
     resists_as = "S"
 
     def check(self, scene):
@@ -56,7 +56,7 @@ class SyncLoop(OnHinges):
         before it is added to the scene; raises SceneError if not."""
         super().check(scene)
         title = self.title(scene)
-        if self.name in [loop.name for loop in SyncLoop.of(scene)]:
+        if self.name in [loop.name for loop in SyncLoop.find(scene)]:
             raise SceneError("loop", self.name, "a name that no other loop has")
         if len(set(self.hinges)) != 2:
             raise SceneError(f"hinges of {title}", self.hinges, "two different ones")
@@ -83,7 +83,7 @@ class SyncLoop(OnHinges):
         with s1 + s2 = 1; with shares as r² w, w being the softness of each hinge, nothing is lost
         where they share no body."""
         hinges, stiffness, element = [], [], []
-        for i, loop in enumerate(cls.of(scene)):
+        for i, loop in enumerate(cls.find(scene)):
             soft = [softness(scene, hinge) for hinge in loop.hinges]
             total = sum(r**2 * w for r, w in zip(loop.radii, soft, strict=True))
             for hinge, w in zip(loop.hinges, soft, strict=True):
@@ -98,17 +98,17 @@ class SyncLoop(OnHinges):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of the kernels' tuple Loops: "on": both hinges of
+        """Return the array for a field `name` of the kernels' tuple Loops: "hinge": both hinges of
         each loop; others as in OnHinges.array. batch: the scenes simulated side by side."""
-        if name == "on":
-            return batch.integers((loop.hinges for loop in cls.of(batch.scene)), 2)
+        if name == "hinge":
+            return batch.integers((loop.hinges for loop in cls.find(batch.scene)), 2)
         return super().array(name, batch)
 
     @classmethod
-    def recorded(cls, part, scene, lane):
+    def read_records(cls, part, scene, lane):
         """Return the recorded series "loop_force" of one sample after a run, (t, loops): difference
         of the tensions (N) of each loop's strands. part: arrays of all loops (Loops); scene: the
         sample's; lane: its index."""
-        names = tuple(loop.name for loop in cls.of(scene))
+        names = tuple(loop.name for loop in cls.find(scene))
         values = part.track[:, 0, lane].reshape(-1, len(names))
         return {"loop_force": Series(values, "N", "pull of the loops", "loop", names)}

@@ -27,14 +27,14 @@ TOUCH = 1e-9
 
 
 class Loops(NamedTuple):
-    """Arrays of all l synchronising loops. on (l, 2): indices of both hinges; numbers (l, 6,
+    """Arrays of all l synchronising loops. hinge (l, 2): indices of both hinges; numbers (l, 6,
     lanes): stiffness (N/m), radii of both pulleys (m), openings of both hinges without slip (rad),
     slip at which a strand turns slack (m); state (l, 3, lanes): slip (m), slip that is left until a
     strand is slack (m), the same a step before; openings: arrays of all openings; rows (l, 1,
     lanes): energy of each (J), to find the worst one for a message; log: of events; track
     ((instants + 1) l, 1, lanes): recorded pull (N), l rows for each instant."""
 
-    on: np.ndarray
+    hinge: np.ndarray
     numbers: np.ndarray
     state: np.ndarray
     openings: Openings
@@ -65,9 +65,9 @@ def forces(part, world, timing):
     """Add the moments (N m) of loops on both their hinges, against the slip, to the forces on
     particles; store slip, and what is left of it until a strand is slack, in part.state. part:
     arrays of all loops (Loops); world: solver state, whose forces change; timing: not used."""
-    for i in range(part.on.shape[0]):
+    for i in range(part.hinge.shape[0]):
         angles = part.openings.angles
-        h1, h2 = part.on[i, 0], part.on[i, 1]
+        h1, h2 = part.hinge[i, 0], part.hinge[i, 1]
         first, second = load(part.numbers, i, RADII), load(part.numbers, i, RADII + 1)
         angle = load(angles, h1, NEW) - load(part.numbers, i, REST)
         slip = first * angle - second * (load(angles, h2, NEW) - load(part.numbers, i, REST + 1))
@@ -84,7 +84,7 @@ def forces(part, world, timing):
 def note_events(part, world, timing):
     """Write to part.log in which loops one strand turned slack (event 1) or both are tight again
     (0), with the time. part: arrays of all loops; world: not used; timing: step times (s)."""
-    for i in range(part.on.shape[0]):
+    for i in range(part.hinge.shape[0]):
         old, new = load(part.state, i, SLACK_BEFORE), load(part.state, i, SLACK)
         note_crossings(part.log, i, old, new, timing)
 
@@ -100,6 +100,6 @@ def energy_of(part, world, i):
 def record(part, world, row):
     """Record the difference of the strands' tensions (N) of each loop in part.track. part: arrays
     of all loops (Loops); world: solver state, not used; row: index of the recorded instant."""
-    count = part.on.shape[0]
+    count = part.hinge.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, pull(part, i))

@@ -26,7 +26,7 @@ class TableSpring(OnHinge):
 
     stores = Energy("table_spring", "table_spring_energy", "energy of the springs by tables")
     acts_as = "spring"
-    called = "spring"
+    noun = "spring"
     resists_as = "HA"  # unless its `class` says that it is a spring
 
     def check(self, scene):
@@ -98,12 +98,12 @@ def table_array(name: str, batch, kind, bends_of) -> np.ndarray:
     (p, 2, lanes), angle and change of slope of each point; "start": (elements + 1,), index of each
     element's first point, then p. batch: the scenes that are simulated side by side; kind: the
     element type; bends_of(element): returns the changes of slope (n,) at its points."""
-    ends = np.cumsum([0, *(len(element.angles) for element in kind.of(batch.scene))])
+    ends = np.cumsum([0, *(len(element.angles) for element in kind.find(batch.scene))])
     if name == "start":
         return batch.integers(ends)
 
     def points(scene):
-        tables = [(e.angles, bends_of(e)) for e in kind.of(scene) if e.angles]
+        tables = [(e.angles, bends_of(e)) for e in kind.find(scene) if e.angles]
         return np.concatenate([np.column_stack(table) for table in tables])
 
     return batch.stack(ends[-1], 2, points)

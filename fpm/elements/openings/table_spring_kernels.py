@@ -16,12 +16,12 @@ FIRST, LIFT = range(2)  # of a spring: moment up to the first point, and energy 
 
 
 class TableSprings(NamedTuple):
-    """Arrays of all s springs by tables, for their kernels. on (s,): index of each one's hinge;
+    """Arrays of all s springs by tables, for their kernels. hinge (s,): index of each one's hinge;
     start (s + 1,): index of each one's first point; points (p, 2, lanes): angle (rad) and change of
     slope (N m/rad) of all points; numbers (s, 2, lanes): moment (N m) and energy (J) at the first
     point; openings: of all hinges; rows (s, 1, lanes): energy of each, to name the worst."""
 
-    on: np.ndarray
+    hinge: np.ndarray
     start: np.ndarray
     points: np.ndarray
     numbers: np.ndarray
@@ -35,8 +35,8 @@ def forces(part, world, timing):
     table is passed, `edge` corrects the work of the step. part: arrays of these springs
     (TableSprings); world: solver state (World), whose forces change; timing: step times (s)."""
     angles = part.openings.angles
-    for i in range(part.on.shape[0]):
-        h = part.on[i]
+    for i in range(part.hinge.shape[0]):
+        h = part.hinge[i]
         moment = load(part.numbers, i, FIRST)
         for j in range(part.start[i], part.start[i + 1]):
             new = load(angles, h, NEW) - load(part.points, j, ANGLE)
@@ -50,7 +50,7 @@ def forces(part, world, timing):
 def energy_of(part, world, i):
     """Return the energy (J, lanes) stored in spring i, 0 at the opening within its table where it
     is least. part: arrays of all springs by tables (TableSprings); world: not used."""
-    psi = load(part.openings.angles, part.on[i], NEW)
+    psi = load(part.openings.angles, part.hinge[i], NEW)
     first = psi - load(part.points, part.start[i], ANGLE)
     energy = load(part.numbers, i, LIFT) - load(part.numbers, i, FIRST) * first
     for j in range(part.start[i], part.start[i + 1]):

@@ -28,7 +28,7 @@ class TorqueMotor(AnyMotor):
         text="speed at which no torque is left; left out: it does not fall",
     )  # fmt: skip
 
-    called = "torque motor"
+    noun = "torque motor"
     resists_as = "HM"
     variable = "torque_motor_moment"
 
@@ -42,4 +42,4 @@ class TorqueMotor(AnyMotor):
     def held_round(cls, scene):
         """Return the sum of the sizes of a scene's torques (N m), which exactly held openings may
         have to bear at rest; the tolerance of the energy balance follows from it."""
-        return float(sum(abs(motor.torque) for motor in cls.of(scene)))
+        return float(sum(abs(motor.torque) for motor in cls.find(scene)))

@@ -19,19 +19,19 @@ STATE = 2  # moment, at the last forces and a step before
 
 
 class TorqueMotors(NamedTuple):
-    """Arrays of all m torque motors, for their kernels. on (m,): index of each one's hinge; curve
-    (m,): index of its curve of time, -1: constant 1; numbers (m, 2, lanes): torque (N m), no-load
-    speed (rad/s); past (m, 2, lanes): rate of the last step; state (m, 2, lanes): moment now, a
-    step ago (N m); openings: of all hinges; given: index of their work in World.accounts; track
-    ((instants + 1) m, 1, lanes): recorded moment (N m)."""
+    """Arrays of all m torque motors, for their kernels. hinge (m,): index of each one's hinge;
+    curve (m,): index of its curve of time, -1: constant 1; numbers (m, 2, lanes): torque (N m),
+    no-load speed (rad/s); rates (m, 2, lanes): rate of the last step; state (m, 2, lanes): moment
+    now, a step ago (N m); openings: of all hinges; given: index of their work in World.accounts;
+    track ((instants + 1) m, 1, lanes): recorded moment (N m)."""
 
-    on: np.ndarray
+    hinge: np.ndarray
     curve: np.ndarray
     numbers: np.ndarray
-    past: np.ndarray
+    rates: np.ndarray
     state: np.ndarray
     openings: Openings
-    given: int
+    work_account: int
     track: np.ndarray
 
 
@@ -40,9 +40,9 @@ def forces(part, world, timing):
     """Add the moments (N m) of torque motors, which fall with the speed of the hinge in their
     direction, to the forces on particles. part: arrays of all torque motors (TorqueMotors); world:
     solver state (World), whose forces change; timing: times of this step (s)."""
-    for i in range(part.on.shape[0]):
-        h = part.on[i]
-        speed = follow_rate(part.openings, part.past, i, h, timing)
+    for i in range(part.hinge.shape[0]):
+        h = part.hinge[i]
+        speed = follow_rate(part.openings, part.rates, i, h, timing)
         torque = curve_value(world, part.curve[i], timing.time) * load(part.numbers, i, TORQUE)
         factor = 1.0 - where_negative(torque, -speed, speed) / load(part.numbers, i, NO_LOAD)
         factor = where_negative(factor, 0.0, factor)
@@ -57,12 +57,12 @@ def forces(part, world, timing):
 def work_before(part, world, timing):
     """Add to World.accounts the work (J) of the torque motors in the step that ends at timing.time.
     part: all torque motors (TorqueMotors); world: solver state (World); timing: step times (s)."""
-    work = load(world.accounts, 0, part.given)
-    for i in range(part.on.shape[0]):
-        moment, h = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE), part.on[i]
+    work = load(world.accounts, 0, part.work_account)
+    for i in range(part.hinge.shape[0]):
+        moment, h = load(part.state, i, MOMENT) + load(part.state, i, MOMENT_BEFORE), part.hinge[i]
         angle = load(part.openings.angles, h, NEW) - load(part.openings.angles, h, OLD)
         work = work + 0.5 * angle * moment
-    store(world.accounts, 0, part.given, work)
+    store(world.accounts, 0, part.work_account, work)
 
 
 hook(TorqueMotors, "record")(record)

@@ -18,7 +18,7 @@ class TorsionSpring(OnHinge):
 
     stores = Energy("spring", "spring_energy", "energy of the torsion springs")
     acts_as = "spring"
-    called = "torsion spring"
+    noun = "torsion spring"
     resists_as = "S"
     cost = 70.0
 
@@ -26,4 +26,4 @@ class TorsionSpring(OnHinge):
         """Return what messages call the spring: "torsion spring" ("spring" on slides) and its
         hinge."""
         hinge = scene.hinges[self.hinge]
-        return f"{'spring' if hinge.slides else self.called} {hinge.name}"
+        return f"{'spring' if hinge.slides else self.noun} {hinge.name}"

@@ -13,11 +13,11 @@ STIFFNESS, REST = range(2)
 
 
 class Springs(NamedTuple):
-    """Arrays of all s torsion springs. on (s,): index of each one's hinge; numbers (s, 2, lanes):
-    stiffness (N m/rad) and opening at rest (rad); openings: of all hinges; rows (s, 1, lanes):
-    energy of each (J), to name the worst in a message."""
+    """Arrays of all s torsion springs. hinge (s,): index of each one's hinge; numbers (s, 2,
+    lanes): stiffness (N m/rad) and opening at rest (rad); openings: of all hinges; rows (s, 1,
+    lanes): energy of each (J), to name the worst in a message."""
 
-    on: np.ndarray
+    hinge: np.ndarray
     numbers: np.ndarray
     openings: Openings
     rows: np.ndarray
@@ -28,8 +28,8 @@ def forces(part, world, timing):
     """Add the moments (N m) of torsion springs, towards their openings at rest, to the forces on
     particles. part: arrays of all springs (Springs); world: solver state (World), whose forces
     change; timing: times of this step (s), not used."""
-    for i in range(part.on.shape[0]):
-        h = part.on[i]
+    for i in range(part.hinge.shape[0]):
+        h = part.hinge[i]
         angle = load(part.numbers, i, REST) - load(part.openings.angles, h, NEW)
         turn(part.openings, world.state, h, load(part.numbers, i, STIFFNESS) * angle)
 
@@ -38,5 +38,5 @@ def forces(part, world, timing):
 def energy_of(part, world, i):
     """Return the strain energy (J, lanes) of torsion spring i. part: arrays of all torsion springs
     (Springs); world: solver state, not used; i: index of the spring."""
-    angle = load(part.openings.angles, part.on[i], NEW) - load(part.numbers, i, REST)
+    angle = load(part.openings.angles, part.hinge[i], NEW) - load(part.numbers, i, REST)
     return 0.5 * load(part.numbers, i, STIFFNESS) * angle * angle

@@ -21,7 +21,7 @@ class Damping(ElementType):
     cost = 6.0  # of each particle
 
     @classmethod
-    def of(cls, scene):
+    def find(cls, scene):
         """Return the dampings of a scene; [] where their rates add up to 0."""
         return scene.kinds.get(cls, []) if scene.damping > 0 else []
 
@@ -42,6 +42,6 @@ class Damping(ElementType):
         return Damped(
             batch.stack(1, 1, lambda s: [[s.damping]]),
             batch.integers(batch.free),
-            batch.integers(sorted(batch.moved - fixed_set)),
-            batch.taken_by(cls),
+            batch.integers(sorted(batch.moved_particles - fixed_set)),
+            batch.loss_account(cls),
         )

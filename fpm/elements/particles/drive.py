@@ -22,32 +22,36 @@ class Drive(ElementType):
     curve: int = index("curves", -1)
 
     gives = LOAD_WORK
-    called = "drive"
+    noun = "drive"
 
     def add_to(self, scene):
         """Check the drive, mark its particle as held (Scene.fixed), and add the drive to the scene.
         Raises SceneError if another element type moves the particle, or a field does not fit."""
         self.check(scene)
         for kind in scene.kinds:
-            if kind is not Drive and not kind.joins and self.particle in kind.moved(scene):
+            if (
+                kind is not Drive
+                and not kind.joins
+                and self.particle in kind.moved_particles(scene)
+            ):
                 raise SceneError("driven particle", self.particle, "one that nothing else moves")
         scene.fix(self.particle)
         super().add_to(scene)
 
     @classmethod
-    def moved(cls, scene):
+    def moved_particles(cls, scene):
         """Return the indices of the particles whose motion a scene's drives prescribe, one for each
         drive."""
-        return [drive.particle for drive in cls.of(scene)]
+        return [drive.particle for drive in cls.find(scene)]
 
     @classmethod
     def motion(cls, scene, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the motion that a scene's drives prescribe at a `time` (s): indices of particles
         (d,), each once, velocities (d, 3) m/s, spins (d, 3) rad/s in global axes, summed over
         drives."""
-        particles = np.array(sorted(set(cls.moved(scene))), int)
+        particles = np.array(sorted(set(cls.moved_particles(scene))), int)
         motion = np.zeros((2, len(particles), 3))
-        for drive in cls.of(scene):
+        for drive in cls.find(scene):
             factor = 1.0 if drive.curve < 0 else np.interp(time, *scene.curves[drive.curve])
             row = np.searchsorted(particles, drive.particle)
             motion[:, row] += factor * np.array([drive.velocity, drive.spin])

@@ -106,9 +106,9 @@ def record_points(part, world, points, row, timing):
     ones, as these particles have no momenta. part: arrays of all drives (Drives); world: solver
     state; points: Record.points, recorded places and velocities, changed; row: index of the
     recorded instant; timing: times of this step (s)."""
-    count = world.point_on.shape[0]
+    count = world.point_particle.shape[0]
     for n in range(count):
-        i, first, index = world.point_on[n], True, row * count + n
+        i, first, index = world.point_particle[n], True, row * count + n
         arm = to_global(frame(world.start_state, i), get3(world.point_arm, n, 0))
         for k in range(part.particle.shape[0]):
             if part.particle[k] == i:

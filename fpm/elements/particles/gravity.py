@@ -17,11 +17,11 @@ class Gravity(ElementType):
 
     gives = LOAD_WORK
     resists_as = "I"
-    called = "weight"
+    noun = "weight"
     cost = 5.0  # of each particle
 
     @classmethod
-    def of(cls, scene):
+    def find(cls, scene):
         """Return gravities of a scene; [] where they add up to 0, so that nothing has weight."""
         return scene.kinds.get(cls, []) if np.any(scene.gravity != 0) else []
 
@@ -49,4 +49,4 @@ class Gravity(ElementType):
     def pack(cls, batch):
         from fpm.elements.particles.gravity_kernels import Weight
 
-        return Weight(batch.stack(1, 3, lambda s: s.gravity[None]), batch.given_by(cls))
+        return Weight(batch.stack(1, 3, lambda s: s.gravity[None]), batch.work_account(cls))

@@ -24,10 +24,10 @@ class Load(ElementType):
 
     gives = LOAD_WORK
     resists_as = "TL"
-    called = "load"
+    noun = "load"
 
     @property
-    def on(self) -> int:
+    def particle(self) -> int:
         """Index of the particle on which the load acts."""
         return self.beam.particle
 
@@ -38,16 +38,16 @@ class Load(ElementType):
 
     def topology(self):
         """Return what must be equal in scenes run side by side: indices of particle and curve."""
-        return self.on, self.curve
+        return self.particle, self.curve
 
     @classmethod
     def held_up(cls, scene):
         """Return the sum of the sizes of all forces (N) of a scene's loads, which joints may have
         to bear at rest; the tolerance of the energy balance follows from it."""
-        return float(sum(np.linalg.norm(load.force) for load in cls.of(scene)))
+        return float(sum(np.linalg.norm(load.force) for load in cls.find(scene)))
 
     @classmethod
     def held_round(cls, scene):
         """Return the sum of the sizes of all moments (N m) of a scene's loads, which exactly held
         openings may have to bear at rest; the tolerance of the energy balance follows from it."""
-        return float(sum(np.linalg.norm(load.moment) for load in cls.of(scene)))
+        return float(sum(np.linalg.norm(load.moment) for load in cls.find(scene)))

@@ -20,13 +20,13 @@ STATE = 12
 
 
 class Loads(NamedTuple):
-    """Arrays of all l loads, for their kernels. on (l,): index of each one's particle; curve (l,):
-    index of its curve of time, -1: constant 1; numbers (l, 9, lanes): force (N) and moment (N m) in
-    global axes, arm (m) in the particle's; state (l, 12, lanes): place of the arm's end (m) and the
-    particle's three axes when forces were last computed; account: index of their work in
+    """Arrays of all l loads, for their kernels. particle (l,): index of each one's particle; curve
+    (l,): index of its curve of time, -1: constant 1; numbers (l, 9, lanes): force (N) and moment (N
+    m) in global axes, arm (m) in the particle's; state (l, 12, lanes): place of the arm's end (m)
+    and the particle's three axes when forces were last computed; account: index of their work in
     World.accounts."""
 
-    on: np.ndarray
+    particle: np.ndarray
     curve: np.ndarray
     numbers: np.ndarray
     state: np.ndarray
@@ -39,8 +39,8 @@ def forces(part, world, timing):
     particles; keep these ends and the particles' axes in part.state, for `work_after`. part: arrays
     of all loads (Loads); world: solver state, whose forces change; timing: step times (s)."""
     state = world.state
-    for n in range(part.on.shape[0]):
-        i = part.on[n]
+    for n in range(part.particle.shape[0]):
+        i = part.particle[n]
         factor = curve_value(world, part.curve[n], timing.time)
         force = factor * get3(part.numbers, n, FORCE)
         moment = factor * get3(part.numbers, n, MOMENT)
@@ -62,8 +62,8 @@ def work_after(part, world, timing):
     before and after it give the sine, from which t follows by the arc sine's series."""
     state = world.state
     total = 0.0 * load(state, 0, X)
-    for n in range(part.on.shape[0]):
-        i = part.on[n]
+    for n in range(part.particle.shape[0]):
+        i = part.particle[n]
         axes = frame(state, i)
         end = get3(state, i, X) + to_global(axes, get3(part.numbers, n, ARM))
         rotation = 0.5 * cross(get3(part.state, n, AXES), axes[0])

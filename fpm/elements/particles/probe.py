@@ -26,7 +26,7 @@ class Probe(ElementType):
     @staticmethod
     def of_scene(scene) -> "Probe":
         """Return the probe of a scene (what else its run records), or one that records nothing."""
-        return next(iter(Probe.of(scene)), Probe())
+        return next(iter(Probe.find(scene)), Probe())
 
     @classmethod
     def reads_impulses(cls, scene):

@@ -36,14 +36,14 @@ class Support(ElementType):
             scene.fixed[particle, columns] = True
 
     @classmethod
-    def of(cls, scene):
+    def find(cls, scene):
         """Return the indices of a scene's particles that are held along, or about, one or two of
         the global axes (not all three)."""
         counts = scene.fixed.reshape(-1, 2, 3).sum(axis=2)
         return np.flatnonzero(((counts > 0) & (counts < 3)).any(axis=1)).tolist()
 
     @classmethod
-    def moved(cls, scene):
+    def moved_particles(cls, scene):
         """Return the indices of the scene's particles of unequal inertias that can turn about two
         axes only; the kernels of supports move them."""
         return turns_of(scene).about_two
@@ -52,14 +52,14 @@ class Support(ElementType):
     def topology_of(cls, scene):
         """Return what must be equal in scenes simulated side by side, besides the held axes:
         indices of the particles that the kernels of supports move (`moved`)."""
-        return tuple(cls.moved(scene))
+        return tuple(cls.moved_particles(scene))
 
     @classmethod
     def pack(cls, batch):
         from fpm.elements.particles.support_kernels import Supports
 
-        partly = cls.of(batch.scene)
+        partly = cls.find(batch.scene)
         free = batch.stack(len(partly), 6, lambda s: ~s.fixed[partly])
-        about_two = batch.integers(cls.moved(batch.scene))
+        about_two = batch.integers(cls.moved_particles(batch.scene))
         axes = batch.stack(len(about_two), 3, lambda s: s.fixed[about_two, 3:])
         return Supports(batch.integers(partly), free, about_two, axes)

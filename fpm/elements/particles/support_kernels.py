@@ -19,12 +19,12 @@ ROUNDS = 4
 
 
 class Supports(NamedTuple):
-    """Arrays of particles held along or about some axes, for kernels. on (f,): their indices; free
-    (f, 6, lanes): 1 where a particle can move along x, y, z and about them, 0 where it is held;
-    about_two (t,): indices of those that turn about two axes; axis (t, 3, lanes): global unit
+    """Arrays of particles held along or about some axes, for kernels. particle (f,): their indices;
+    free (f, 6, lanes): 1 where a particle can move along x, y, z and about them, 0 where it is
+    held; about_two (t,): indices of those that turn about two axes; axis (t, 3, lanes): global unit
     vector about which each of these is held."""
 
-    on: np.ndarray
+    particle: np.ndarray
     free: np.ndarray
     about_two: np.ndarray
     axis: np.ndarray
@@ -35,8 +35,8 @@ def restrain(part, world, timing):
     """Set the forces along held axes, and the moments about them, of partly held particles to 0.
     part: arrays of these (Supports); world: solver state, whose forces change; timing: not used."""
     state = world.state
-    for n in range(part.on.shape[0]):
-        i = part.on[n]
+    for n in range(part.particle.shape[0]):
+        i = part.particle[n]
         put3(state, i, F, times(get3(part.free, n, LINEAR), get3(state, i, F)))
         put3(state, i, M, times(get3(part.free, n, ANGULAR), get3(state, i, M)))
 

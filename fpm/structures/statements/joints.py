@@ -186,8 +186,9 @@ def prismatic(build, args):
     """A slider: the second part moves along an axis of the first, and does not turn on it.
 
     Adds a slide to the scene; returns its index among the hinges. build: Builder of the sample,
-    with its scene; args: values of an entry: parts (Bodies), at (Point, or Points by part), axis
-    (unit vector (3,)), opening (position at the start, m)."""
+    with its scene; args: values of an entry: parts (two Bodies), at (Point, or Points by part),
+    axis (unit vector (3,), in global axes at the start, in which the second part slides as the
+    opening grows), opening (position at the start, m)."""
     particles, points = _meet(build, args)
     return build.scene.add_slide(args.name, particles, points, args.axis, args.opening)
 

@@ -185,8 +185,8 @@ class Hinge(JointBase):
     def joint(self) -> str:
         """Name of the whole joint: the hinge's own; of both angles of a universal joint without
         their endings (ANGLES)."""
-        ending = {"universal": ANGLES[0], "cross": ANGLES[1]}.get(self.type, "")
-        return self.name.removesuffix(ending)
+        suffix = {"universal": ANGLES[0], "cross": ANGLES[1]}.get(self.type, "")
+        return self.name.removesuffix(suffix)
 
     @classmethod
     def find(cls, scene):

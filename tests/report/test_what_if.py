@@ -174,3 +174,35 @@ def test_the_error_of_what_is_below_nothing_lies_about_the_bounds(opened, tmp_pa
         height = "document.querySelector('path.{}').getBBox().height"
         band, doubt = (browser.ask(height.format(kind)) for kind in ("band", "doubt"))
     assert 0 < band <= doubt < 2 * band
+
+
+LEFT = "document.getElementById('what-tests').textContent"
+
+
+@in_a_browser
+@pytest.mark.parametrize(
+    ("after", "inside", "outside"),
+    [
+        (0.6, "Within the intervals that the measured curves leave.", "exclude this: k."),
+        (None, "leave nothing of the box.", "leave nothing of the box."),
+    ],
+)
+def test_sliders_tell_what_measured_curves_leave(opened, tmp_path, after, inside, outside):
+    """The lower part of the interval is left, or nothing."""
+    (k,) = opened.parameters
+    width = k["upper"] - k["lower"]
+    row = {"name": "k", "units": k["units"], "before": [k["lower"], k["upper"]], "seen": "upper",
+           "after": after and [k["lower"], k["lower"] + after * width], "best": 0}  # fmt: skip
+    worst = {"time": 0.1, "test": "t", "response": "y", "bands": 3.0, "residual": 1.0, "units": "m"}
+    measured = {"parameters": [row], "refuted": after is None, "least": 3.0, "attained": 0.5,
+                "hull": 0.6, "worst": worst}  # fmt: skip
+    measured |= {key: [] for key in ("tests", "checks", "quantities", "next", "trade_offs")}
+    path = tmp_path / "left.html"
+    write_page(replace(opened, facts=opened.facts | {"measured": measured}), path)
+    with Browser() as browser:
+        browser.open(path)
+        browser.settle()
+        for share, words in ((0.3, inside), (0.9, outside)):
+            browser.ask(SLIDE.format(repr(k["lower"] + share * width)))
+            assert browser.ask(LEFT).endswith(words)
+        assert browser.errors() == []

@@ -164,6 +164,8 @@ def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any
         {"of": row["name"], **{key: limit[key] for key in ("quantity", "kind", "level")}}
         for row in data.facts.get("requirements", ()) for limit in row["limits"]
     ]  # fmt: skip
+    if measured := data.facts.get("measured"):  # what the tests leave, by name
+        body["left"] = {row["name"]: row["after"] for row in measured["parameters"]}
     if model.coefficients is None or model.coefficients[..., keep].size > MOST_COEFFICIENTS:
         return body
     constant = ~model.indices.any(axis=1)

@@ -27,8 +27,8 @@ const keeps = ({ kind, level }, value) => (kind === "happens" ? Number.isNaN(val
 const isAtLimit = ({ kind, level }, value, error) => kind !== "happens" && Math.abs(value - level) <= (error ?? 0);
 
 class WhatIf {
-  constructor({ quantities, limits, indices, constants, slopes }) {
-    Object.assign(this, { quantities, limits, indices, constants, slopes, shown: null });
+  constructor({ quantities, limits, indices, constants, slopes, left }) {
+    Object.assign(this, { quantities, limits, indices, constants, slopes, left, shown: null });
     this.sliders = DATA.parameters.map(({ name, unit, lower, nominal, upper, description }) => {
       const input = make("input", { type: "range", min: lower, max: upper, step: "any", "aria-label": description || name });
       const told = make("output");
@@ -51,6 +51,13 @@ class WhatIf {
   // Say what the sliders ask for.
   tell(values) {
     this.sliders.forEach(({ told, unit }, j) => { told.textContent = `${digits(values[j], 3)} ${unit}`; });
+  }
+
+  // Say what the measured curves say of the sliders' values: nothing outside the intervals that they leave explains them.
+  compare(values) {
+    const out = DATA.parameters.filter(({ name }, j) => !this.left[name] || values[j] < this.left[name][0] || values[j] > this.left[name][1]);
+    const none = Object.values(this.left).every((ends) => !ends);
+    byId("what-tests").textContent = none ? "The measured curves leave nothing of the box." : out.length ? `The measured curves exclude this: ${out.map(({ name }) => name).join(", ")}.` : "Within the intervals that the measured curves leave.";
   }
 
   values() {
@@ -98,6 +105,7 @@ class WhatIf {
       return [make("dt", {}, `${words} (${name})`), make("dd", {}, text)];
     }));
     if (this.slopes) DATA.responses.forEach((_, r) => charts[r].ask(this.curve(r, unit)));
+    if (this.left) this.compare(values);
     this.nearest(unit);
     Object.assign(byId("what-if").dataset, { numbers: JSON.stringify(numbers.map((value) => (Number.isNaN(value) ? null : value))) });
   }

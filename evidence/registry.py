@@ -122,7 +122,7 @@ STUDIES = {
                 "deployable/campaign/config/measured.py",
                 "evidence/measured",
             ),
-            parts=("synthetic", "arm-viscous", "arm-dry"),
+            parts=("truths", "lacks", "arm-viscous", "arm-dry"),
             quick=True,
         ),
         Study(

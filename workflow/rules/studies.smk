@@ -49,6 +49,6 @@ for study in STUDIES.values():
             + (" --measured" if study.parts else ""),
             code=lambda wildcards, study=study: study.code(),
         message:
-            study.about
+            study.text
         shell:
             "python -m evidence {params.call} > {log} 2>&1"

@@ -105,9 +105,8 @@ def _place(problem: str, lines: Mapping[str, str]) -> str:
 
 
 def check_config(raw: Mapping, source: str = "the config") -> Campaign:
-    """Check the content of a config, fill in all defaults, and return the campaign. raw: sections
-    by name, nested as in YAML; source: what messages call the config. Raises `ConfigError` with
-    everything that is wrong."""
+    """Check a config, fill in all defaults, return the campaign. raw: sections by name, nested as
+    in YAML; source: what messages call the config. Raises `ConfigError` with all that is wrong."""
     own = Config.__dataclass_fields__.keys()
     if "campaign" not in raw and len(raw.keys() & {*KEYS}) > len(raw.keys() & own):
         raise ConfigError(source, [
@@ -165,9 +164,8 @@ def merge(target: dict, update: Mapping) -> dict:
 
 
 def anchored(raw: Mapping, folder: str | Path) -> Mapping:
-    """Return the raw config with the paths of its structures' files and measured curves, written
-    relative to `folder`, as seen from the working folder: relative if they lie in that, else
-    absolute."""
+    """Return the raw config with paths of structures' files and measured curves, relative to
+    `folder`, made relative to the working folder if they lie in it, else absolute."""
     anchored_raw = dict(raw)
     if "scene" in raw:
         anchored_raw["scene"] = _anchored_file(raw["scene"], folder)

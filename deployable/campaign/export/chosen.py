@@ -1,5 +1,4 @@
-"""Selection of the run that is exported: one of a campaign, a config's nominal run, or a
-structure's."""
+"""Selection of the run to export: one of a campaign, a config's nominal one, or a structure's."""
 
 from __future__ import annotations
 

@@ -33,8 +33,7 @@ def draw_moments(motion: Any, count: int = 5, width: float = 7.5, view: View | N
     Parameters
     ----------
     motion
-        Whole motion of a run as `fpm.motions` makes it, an open `xarray.Dataset` or
-        `netCDF4.Dataset`.
+        Whole motion (`fpm.motions`), an open `xarray.Dataset` or `netCDF4.Dataset`.
     count
         Number of moments, evenly spread over the length of the particles' paths, up to the first
         closure of a contact or else the end.

@@ -91,8 +91,7 @@ def _plan(
     check: tuple[str, ...],
     time: TimeStep | None = None,
 ) -> Plan:
-    """The plan of runs at unit points (n, k), with the step of the last one where mesh and safety
-    are the same."""
+    """The plan of runs at unit points (n, k), with the last step if mesh and safety are kept."""
     points = tuple(tuple(map(float, point)) for point in points)
     design = replace(experiment.design, existing=points)
     plan = make_plan(replace(experiment, design=design), time=time)
@@ -100,8 +99,7 @@ def _plan(
 
 
 def _halved(solver: Solver, time: TimeStep) -> float:
-    """A safety that takes half the step, which may be far below the stable one: there are no longer
-    ones between instants."""
+    """A safety that takes half the step, which instants may keep far below the stable one."""
     half, actual = solver.safety / 2, time.step / time.step_limit
     return half if half < actual else actual / 2
 
@@ -155,8 +153,7 @@ def _estimate_quantities(experiment: Experiment, samples: Any) -> dict[str, _Qua
 def _shares(
     plan: Plan, bounds: Any, quantities: Mapping[str, _QuantityEstimate]
 ) -> dict[str, dict[str, float]]:
-    """The errors of all responses and quantities by part, as shares of their widths. Of step and
-    mesh what the last check of the same mesh and step found; nothing where there was none."""
+    """Errors of responses and quantities by part, as shares of widths; step, mesh: last checked."""
     previous: Mapping[str, Mapping] = {}
     if plan.adaptive.rounds and plan.adaptive.rounds[-1].action in ("runs", "check"):
         previous = plan.adaptive.rounds[-1].shares

@@ -68,8 +68,7 @@ class Round:
     seconds: spent so far, checks included, the time (s of one core) by estimate; error: of the
     worst response or quantity; shares: errors by name and component (surrogate, step, mesh), both
     as fractions of the widths; elements: value of the mesh's parameter; safety: factor on the
-    stable step, or the step (s) if the config gives it; nodes: runs that surrogates were fitted
-    to."""
+    stable step, or the step (s) if the config gives it; nodes: runs that were fitted."""
 
     runs: int
     error: float
@@ -127,8 +126,7 @@ class Plan:
         return digest([self.config_hash, self.mechanics, self.time.step, self.runs.digest])
 
     def unique_runs(self) -> Runs:
-        """Return the runs in order, without those that repeat an earlier one's parameter values:
-        one simulation each."""
+        """Return the runs in order, without those that repeat an earlier one's parameter values."""
         return self._unique
 
     @cached_property

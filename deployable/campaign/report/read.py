@@ -218,8 +218,7 @@ def _manifests(folder: Path) -> list[Path]:
 
 
 def _work(folder: Path, run_counts: Mapping[str, int]) -> tuple[Work, ...]:
-    """Time in the batches of runs, of all processes together; made: how many runs for what (the
-    summary's), of which further ones and those of choices are in no batch."""
+    """Time in batches of runs, of all processes; run_counts: the summary's, by purpose."""
     if not (manifests := list(map(read_json, _manifests(folder)))):
         return ()
     total = np.sum([m["seconds"] for m in manifests], axis=0)

@@ -77,8 +77,7 @@ def as_attribute() -> str:
 
 
 def dated() -> dict[str, str]:
-    """Texts by name for the seal of a result: `program`, `commit`, `processor`, and `made`, the
-    time now in UTC."""
+    """Texts by name for a result's seal: `program`, `commit`, `processor`, `made` (now, UTC)."""
     moment = datetime.now(UTC).isoformat(timespec="seconds")
     return {key: program()[key] for key in ("program", "commit", "processor")} | {"made": moment}
 

@@ -144,8 +144,7 @@ def open_dataset(path: str | Path) -> Any:
 
 
 def refuse_links(folder: str | Path) -> None:
-    """Raise CampaignError if a folder of results, which may come from strangers, has at any depth a
-    link to a place outside of it, a pipe or a device."""
+    """Raise CampaignError if a folder of results has anywhere a link out of it, pipe or device."""
     whole, places = os.path.realpath(folder), [folder]
     while places:
         with suppress(FileNotFoundError, NotADirectoryError), os.scandir(places.pop()) as entries:

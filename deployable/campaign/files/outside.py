@@ -1,4 +1,4 @@
-"""Check that a netCDF file holds all its data itself: HDF5 follows paths to any other."""
+"""Check that a netCDF file holds all its data itself: HDF5 follows paths to any other file."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def _is_within(hdf5: Any, file: int, name: bytes) -> bool:
 
 @cache
 def _library() -> Any:
-    """The HDF5 that netCDF4 uses, found as one of its libraries; None if not (Windows)."""
+    """The HDF5 that netCDF4 uses, found as one of its libraries; None if not found (Windows)."""
     import netCDF4
 
     library, ident, text = ctypes.CDLL(netCDF4._netCDF4.__file__), ctypes.c_int64, ctypes.c_char_p

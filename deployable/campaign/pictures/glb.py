@@ -136,8 +136,7 @@ def _loads(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, dict]:
 
 
 def _mesh(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, Any]:
-    """Bars, cables and pins in the first frame, with particles they follow; `_OF` names
-    elements."""
+    """Bars, cables and pins in the first frame, particles they follow, elements (`_OF`)."""
     solid = solid_of_motion(motion.isel(time=slice(0, 1)))
     primitives = []
     if len(solid.nodes):

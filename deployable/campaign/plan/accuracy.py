@@ -124,8 +124,7 @@ class _QuantityEstimate(NamedTuple):
     bounds: tuple[BoundEstimate, ...]
 
     def relative_error(self) -> tuple[float, float]:
-        """The error of the bounds by the surrogate as a share of their width, and the width; 0
-        where no run has the quantity, or all the same."""
+        """Error of bounds by the surrogate over their width, and the width; 0 if all is equal."""
         if not self.bounds:
             return 0.0, 0.0
         width = self.bounds[1].value - self.bounds[0].value
@@ -231,9 +230,8 @@ def _places(
     seed: int,
     quantities: Sequence[_QuantityEstimate] = (),
 ) -> np.ndarray:
-    """Unit points (n, k) of the next `count` runs: where bounds of unmet quantities may still be
-    extended, about their limit-state surfaces, and where the spline predicts wider bounds of unmet
-    responses; the rest is spread."""
+    """Unit points (n, k) of the next `count` runs: where bounds of unmet quantities may be
+    extended, at limit-state surfaces, where a spline predicts wider responses; the rest spread."""
     unit, free = samples["normalized"].values, experiment.box.free
     points: list[np.ndarray] = []
 

@@ -90,9 +90,8 @@ class Decision:
 
 @dataclass(frozen=True)
 class Errors:
-    """Estimated errors of the bounds of the response or quantity `name`, as fractions of the width
-    of its interval. aim: tolerance of their sum; parts: error by component, "surrogate" and, if
-    known, "step" and "mesh"."""
+    """Estimated errors of the bounds of the response or quantity `name`, as fractions of its width.
+    aim: tolerance of their sum; parts: by component, "surrogate" and, if known, "step", "mesh"."""
 
     name: str
     aim: float
@@ -151,8 +150,7 @@ class Standing:
 
     @cached_property
     def unmet(self) -> list[Errors]:
-        """Errors of each response and quantity that exceed its tolerance; unknown (NaN) ones are
-        left out."""
+        """Errors of responses and quantities above their tolerances, without unknown ones (NaN)."""
         return [error for error in self._all if error.whole > error.aim]
 
     @property

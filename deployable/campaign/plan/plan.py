@@ -182,8 +182,7 @@ def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
 
 
 def share(items: list, part: int, parts: int) -> list:
-    """Return part number `part` (from 0) of `items`, a list or `Runs`, cut in order into `parts`
-    nearly equal ones."""
+    """Part `part` (from 0) of `items`, a list or `Runs`, cut into `parts` nearly equal ones."""
     return items[len(items) * part // parts : len(items) * (part + 1) // parts]
 
 
@@ -208,8 +207,7 @@ def write_plan(plan: Plan, path: str | Path) -> None:
 
 
 def read_plan(path: str | Path) -> Plan:
-    """Read the plan in the file `path`; raises `fpm.files.sealed.DamagedError` if it was changed or
-    does not hold a plan."""
+    """Read a plan from `path`; raises `fpm.files.sealed.DamagedError` if it is not as written."""
     data = read_json(path)
     with reading(path):
         return _plan(path, data)

@@ -119,8 +119,8 @@ def namer(
 
 
 def run_id(experiment: Experiment, parameters: Mapping, step: float, mechanics: str) -> str:
-    """Compute the id of a run, a digest (16 hex digits) of what its motion depends on. parameters:
-    values of all structure parameters by name; step: time step (s); mechanics: digest."""
+    """Compute the id of a run (16 hex digits) from all that its motion depends on. parameters:
+    values of structure parameters by name; step: time step (s); mechanics: digest of its code."""
     return digest(
         {
             "scene": experiment.scene.name,

@@ -54,7 +54,7 @@ def _tells_apart(data: PageData) -> bool:
 
 def panels(data: PageData) -> list[Panel]:
     """Make plots of failing and feasible runs, one for each pair of the (at most three) parameters
-    whose mean values in both differ most; empty where all fail, or none. data: of the page."""
+    whose mean values in both differ most; empty where all fail, or none. data: the page's."""
     if not _tells_apart(data):
         return []
     unit = [_unit(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)]
@@ -105,8 +105,7 @@ def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
 
 
 def _drawn_runs(met: np.ndarray) -> np.ndarray:
-    """Indices of at most `MOST_MARKS` runs, evenly chosen: those that meet all, then the
-    failing."""
+    """At most `MOST_MARKS` runs (indices), evenly chosen: those that meet all, then others."""
     kinds, most = [np.flatnonzero(met), np.flatnonzero(~met)], MOST_MARKS // 2
     counts = [max(most, MOST_MARKS - len(rest)) for rest in reversed(kinds)]
     return np.concatenate([

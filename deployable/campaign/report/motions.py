@@ -1,5 +1,4 @@
-"""Whole motions of the runs that the page shows: the nominal one, and those at which quantities and
-bounds are attained."""
+"""Whole motions of runs on the page: the nominal one, and those at which bounds are attained."""
 
 from __future__ import annotations
 

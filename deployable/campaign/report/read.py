@@ -146,8 +146,7 @@ def _with_curves(
 def _moving(
     folder: Path, runs: tuple[PageRun, ...], rows: np.ndarray, movers: Iterable[ShownRun]
 ) -> tuple[tuple[PageRun, ...], tuple[MovingRun, ...]]:
-    """The runs, further ones that move added, and the moving runs whose motion is there; none
-    without the first, with which all compare."""
+    """Runs, with further ones that move, and those whose motion exists; none without the first."""
     moving: list[MovingRun] = []
     all_runs = list(runs)
     for mover in movers:

@@ -15,7 +15,8 @@ MAX_DIMENSION = 8
 
 @dataclass(frozen=True)
 class Box:
-    """Box of k interval parameters: all combinations of values within their bounds.
+    """Box of k interval parameters: all combinations of values within their bounds. A parameter
+    whose interval has zero width keeps its one value; its normalized coordinate is 0 everywhere.
 
     Attributes
     ----------
@@ -23,11 +24,6 @@ class Box:
         Names of the k parameters, each once.
     lower, upper
         Bounds (k) in the units of the parameters, lower <= upper.
-
-    Notes
-    -----
-    An interval may have zero width: its parameter then keeps its one value, and its
-    normalized coordinate is 0 everywhere.
     """
 
     names: tuple[str, ...]
@@ -97,7 +93,7 @@ def keys(points: np.ndarray, digits: int = 12) -> list[tuple[float, ...]]:
 
 def corner_points(free: np.ndarray) -> np.ndarray:
     """Corners (2^f, k) of [-1, 1]^k, ordered so that opposite ones follow each other and the first
-    few are spread out. free (k): mask of the f directions with a width; others are 0."""
+    few are spread out. free (k): mask of the f directions with a width; in others points are 0."""
     free = np.asarray(free, dtype=bool)
     dimension = int(free.sum())
     if dimension == 0:

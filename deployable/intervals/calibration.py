@@ -100,7 +100,8 @@ def fit_curves(
     test: Measurement, points: np.ndarray, curves: np.ndarray, times: np.ndarray,
     hull: np.ndarray, own_errors: np.ndarray | float = 0.0,
 ) -> CurveFit:  # fmt: skip
-    """Fit the polynomials of the total degree whose leave-one-out errors are least.
+    """Fit the polynomials of the total degree whose leave-one-out errors are least; the errors of
+    the result are the largest of these, with that of cubic interpolation between instants.
 
     Parameters
     ----------
@@ -114,11 +115,6 @@ def fit_curves(
         Lower and upper coordinates (2, p) of the part that is fitted; runs near it count.
     own_errors
         Errors (n, T) of the runs themselves, such as those of their time step.
-
-    Returns
-    -------
-    CurveFit
-        Errors are the largest left-out ones, with that of cubic interpolation between instants.
     """
     center, half = hull.mean(axis=0), np.maximum(np.ptp(hull, axis=0) / 2, 1e-9)
     unit = (points - center) / half
@@ -452,7 +448,8 @@ def calibrate(
     tests: Sequence[Measurement], times: np.ndarray, evaluate: Callable, finer: Callable,
     hull: np.ndarray, waves: int = 6, most: int = 120, notify: Callable = lambda text: None,
 ) -> Calibration:  # fmt: skip
-    """Find what of a box explains all tests, with runs where that is open.
+    """Find what of a box explains all tests, with runs where that is open; if the tests are
+    refuted, where the least band is attained.
 
     Parameters
     ----------
@@ -472,11 +469,6 @@ def calibrate(
         Most waves of runs, and most runs of each test; twice that where no point explains.
     notify
         Called with messages.
-
-    Returns
-    -------
-    Calibration
-        What explains the tests; if they are refuted, where the least band is attained.
     """
     state = _Waves(tests, times, evaluate, finer, hull, notify)
     problem, least, pool = state.narrow(1.0, waves, most)

@@ -20,8 +20,7 @@ from .errors import IntervalError
 
 
 def _sine(numerator: np.ndarray, denominator: int) -> np.ndarray:
-    """sin(pi numerator / (2 denominator)) of the reduced fraction: symmetric, and equal in all
-    grids."""
+    """sin(pi numerator / (2 denominator)) of the reduced fraction, the same float in all grids."""
     points = np.empty(len(numerator))
     for i, top in enumerate(int(t) for t in numerator):
         divisor = gcd(abs(top), 2 * denominator) or 1

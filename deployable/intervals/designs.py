@@ -86,6 +86,7 @@ def make_design(
     **options,
 ) -> Design:
     """Make a design of experiments: points of the box at which the model is to be run.
+    Raises `IntervalError` for a wrong method, order or option, or more than ``max_runs`` points.
 
     Parameters
     ----------
@@ -103,11 +104,6 @@ def make_design(
         Largest number of points that is allowed.
     options
         Of ``sobol``: ``samples``, the number of points (1024), and ``seed`` of the sequence (0).
-
-    Raises
-    ------
-    IntervalError
-        for a wrong method, order or option, or more than ``max_runs`` points.
     """
     kind = METHODS[check_choice("method", method, METHODS)]
     if isinstance(box, Box):
@@ -149,8 +145,7 @@ def _tensor(rule, orders: np.ndarray, free: np.ndarray, limit: Callable[[int], N
 
 
 def _smolyak(orders: np.ndarray, free: np.ndarray, limit: Callable[[int], None]) -> Design:
-    """Sparse grid of nested Lobatto rules, whose node number is the basis index that it
-    determines."""
+    """Sparse grid of nested Lobatto rules; a basis index owns the node of the same number."""
     count = chebyshev.count_smolyak(orders)
     limit(count)
     if count > MAX_TERMS:

@@ -85,9 +85,9 @@ class ErrorEstimate:
 def error_estimate(
     time: np.ndarray, held_out: np.ndarray, decay: np.ndarray, window: float | None = None
 ) -> ErrorEstimate:
-    """Combine two error estimates (..., T) of a surrogate at instants `time` (T, s): `held_out`, by
+    """Combine error estimates (..., T) of a surrogate at instants `time` (T, s): `held_out`, by
     runs that were not fitted, and `decay`, by coefficients. The result's `total` is the larger one,
-    within `window` (half width, s; None: 0.5 % of the duration) of each instant the largest."""
+    of it the largest within `window` (half width, s; None: 0.5 % of the duration) of an instant."""
     return ErrorEstimate(widen(time, np.maximum(held_out, decay), window), held_out, decay)
 
 

@@ -39,7 +39,7 @@ class Range:
 
 def attained(low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.ndarray) -> Range:
     """Make the Range of a model without an enclosure: low, high (...) are attained values, which
-    become outer bounds, too; argmin, argmax (..., k): where, in [-1, 1]^k."""
+    become outer bounds, too; argmin, argmax (..., k): their points in [-1, 1]^k."""
     return Range(low, high, low, high, argmin, argmax)
 
 

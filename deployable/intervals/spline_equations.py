@@ -22,7 +22,7 @@ MIN_SPACING, MIN_SPACING_ON_LINE = 1e-4, 1e-6
 
 def distinct(points: np.ndarray, factor: float = 1.0) -> np.ndarray:
     """Choose runs without near repeats: increasing indices of runs at points (N, k) in [-1, 1]^k,
-    no two nearer than `factor` times the least spacing (1e-4, on a line 1e-6)."""
+    no two nearer than `factor` times the least spacing (1e-4, on a line 1e-6); first ones stay."""
     on_line = (np.ptp(points, axis=0) > 0).sum() <= 1
     # equal runs in bulk first: a tree would list all their pairs
     _, first = np.unique(np.round(points, 9) + 0.0, axis=0, return_index=True)

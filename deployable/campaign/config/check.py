@@ -42,7 +42,8 @@ def load_config(
     Files are merged key by key, later ones over earlier ones and `overrides` over all. `published`
     of an earlier file is dropped where a later one changes `scene` or `intervals`. The path of a
     structure's file is relative to the YAML file that names it, in `overrides` to the working
-    folder.
+    folder. Numbers of the campaign returned are in SI units, those of parameters in theirs. Raises
+    `ConfigError` with everything that is wrong, each with its file and line.
 
     Parameters
     ----------
@@ -52,16 +53,6 @@ def load_config(
         Further keys of a config, nested as in YAML.
     source
         What messages call the config; None: the paths.
-
-    Returns
-    -------
-    Campaign
-        All sections, with numbers in SI units, those of parameters in the parameters' units.
-
-    Raises
-    ------
-    ConfigError
-        With everything that is wrong, each with its file and line.
     """
     merged: dict = {}
     lines: dict[str, str] = {}

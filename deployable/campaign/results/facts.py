@@ -137,7 +137,7 @@ def mark_constant(facts: dict) -> None:
 
 def varies(row: Mapping) -> bool:
     """Whether a response or quantity depends on the parameters: its value does, or a quantity
-    occurs in some runs only. row: its dict in the plain data (`facts_of`)."""
+    occurs in some runs only. row: its dict in the results (`facts_of`)."""
     if "constant" in row:
         return bool(row.get("runs_with") and row.get("runs_without"))
     return row.get("lower") is not None

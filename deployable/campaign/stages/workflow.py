@@ -173,7 +173,9 @@ def run(
     are there already are not simulated again, and a stage is left out whose results are there and
     were made of the present config and program; damaged results are named in a message and made
     again. Linear algebra has one thread meanwhile, so that the bounds equal those of the Snakemake
-    workflow to the last bit.
+    workflow to the last bit. Raises `ConfigError`, before anything is written, with everything that
+    is wrong in the config, and `CampaignError` if runs fail, or the program or the structure was
+    edited since this session loaded it.
 
     Parameters
     ----------
@@ -191,13 +193,6 @@ def run(
     xarray.Dataset
         The content of `bounds.nc` in memory, as `intervals.bounds_dataset` describes it; with
         cases a dict of it by the name of the case.
-
-    Raises
-    ------
-    ConfigError
-        Before anything is written, with everything that is wrong in the config.
-    CampaignError
-        If runs fail, or the program or the structure was edited since this session loaded it.
     """
     with one_thread():
         campaign, notify = _campaign(config), notify or MessagePrinter(sys.stderr)

@@ -54,7 +54,7 @@ class RootFunction:
     """A function of k normalized parameters and of the root of an event margin, which is above 0
     where an event occurs and 0 on the border of that part of the box: the event's time ends there
     like a root. function: of k + 1 coordinates, the last one 2 sqrt(margin / scale) - 1; margin:
-    fit that gives the event margin (P) at points (P, k); scale: largest margin."""
+    fit that gives the event margin (P) at points (P, k); scale: largest event margin."""
 
     function: Surrogate | Spline | Kriging
     margin: Fit

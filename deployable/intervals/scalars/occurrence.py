@@ -224,7 +224,7 @@ class FittedOccurrence(Occurrence):
 
     def certainty(self, unit: np.ndarray) -> np.ndarray:
         """Decision function (P) at points `unit` (P, k) in [-1, 1]^k, above 0 where the event
-        occurs: the fitted event margin, or, of a time, the time left before `latest` (s)."""
+        occurs: the fitted event margin, or, if of a time, the time left before `latest` (s)."""
         values = self.fit.evaluate(unit)
         return values if self.latest is None else self.latest - values
 

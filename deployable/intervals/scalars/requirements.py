@@ -50,7 +50,7 @@ class Limit:
 
     @property
     def error(self) -> float:
-        """Estimated error of the quantity's values, in its unit: surrogate's plus runs'."""
+        """Estimated error of the quantity's values, in its unit: its surrogate's plus the runs'."""
         return self.surrogate.error + self.run_error
 
     def slack_of(self, values: np.ndarray) -> np.ndarray:

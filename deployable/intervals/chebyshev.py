@@ -29,7 +29,7 @@ def _sine(numerator: np.ndarray, denominator: int) -> np.ndarray:
 
 
 def roots(order: int) -> np.ndarray:
-    """The n + 1 roots of the Chebyshev polynomial of degree n + 1, ascending; order: n."""
+    """Roots (n + 1) in [-1, 1] of the Chebyshev polynomial of degree n + 1, ascending; order: n."""
     return _sine(2 * np.arange(order + 1) - order, order + 1)
 
 

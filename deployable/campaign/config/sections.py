@@ -154,7 +154,8 @@ class Experiment:
     of the campaign; scene: the structure and its parameters; solver: section of the config
     (duration, instants, step); intervals: of the uncertain parameters, by name; design: points of
     the runs; held_out: number of validation runs; responses (curves over time), quantities (single
-    numbers): definitions by name, as in the config; accuracy: of rounds, if with tolerances."""
+    numbers): definitions by name, as in the config; accuracy: target of runs in rounds, without
+    tolerances for none."""
 
     name: str
     scene: SceneChoice
@@ -302,7 +303,7 @@ class Choose(Choosing):
     """Parameters whose nominal values are to be chosen by the worst case (section `choose`).
     parameters: least and largest value by name; minimise, maximise: goals, texts such as `upper(t)`
     (upper bound of the quantity t); order: of the surrogate along them; relative: those whose
-    intervals scale with the nominal value; others keep their width, 0 without one."""
+    intervals scale with the nominal value; others keep their width (0 without an interval)."""
 
     minimise: tuple[str, ...] = ()
     maximise: tuple[str, ...] = ()

@@ -311,7 +311,7 @@ class Standing:
         )
 
     def _is_hopeless(self, error: Errors) -> bool:
-        """Whether the mesh needed, by its last `_fall`, exceeds the budget; False at the first."""
+        """Whether the mesh needed, by its last `_fall`, exceeds the budget, or it hardly fell."""
         if (fall := self._fall(error)) is None or fall < _HARDLY:
             return fall is not None
         factor = sum(4.0**i for i in range(1, _halvings(error, fall) + 1))

@@ -207,7 +207,8 @@ class Simulation:
 
     def results(self, runs: Runs, columns: Iterable[Column] = ()) -> Iterator[Result]:
         """Simulate runs and yield the `Result` of each that succeeds, in order. columns: (variable,
-        label) pairs to record besides what responses need."""
+        label) pairs to record besides what responses need, the label naming the part of the
+        structure."""
         for results in self.run_lots([(runs, columns)]):
             yield from results
 
@@ -260,7 +261,7 @@ def simulate(
 ) -> tuple[list[Result], list[Failure], np.ndarray]:
     """Simulate runs of a plan side by side in this thread: returns a `Result` for each that
     succeeds, pairs of run and reason for the others, and seconds (2) of integration, wall-clock and
-    processor. columns: (variable, label) pairs to record besides what responses need."""
+    processor time. columns: (variable, label) pairs to record besides what responses need."""
     experiment, solver = plan.experiment, plan.experiment.solver
     parameters = [experiment.parameters(plan.named(run)) for run in runs]
     with _BUILDING:

@@ -49,9 +49,9 @@ OPTIONS = {
 
 @dataclass(frozen=True)
 class Stage:
-    """A stage of a campaign: `name` (of its command and module), `about` (what it does, a
-    sentence), and the files that it reads and writes. The function `work` of its module is imported
-    when the stage runs: a process loads what it needs.
+    """A stage of a campaign: `name` (of its command and module), `text` (what it does, a sentence),
+    and the files that it reads and writes. The function `work` of its module is imported when the
+    stage runs: a process loads what it needs.
 
     sections: names of the config sections that it depends on; takes: names of the result files that
     it reads; leaves: function of a campaign that returns the names of those it writes, `{batch}`

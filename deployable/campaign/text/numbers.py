@@ -179,7 +179,7 @@ def coded(text: str, units: Iterable[str] = ()) -> Any:
 
 def position(row: Mapping[str, Any], time: float) -> str:
     """Write a time (s) with its unit, or for a response over another axis, as a hinge's opening,
-    that value. row: the response's dict in `summary.json` (`facts_of`)."""
+    its value then. row: the response's dict in `summary.json` (`facts_of`)."""
     if axis := row.get("along"):
         length = axis["last"] - axis["first"]
         return quantity(axis["first"] + length * time / axis["duration"], axis["unit"], 4)

@@ -232,7 +232,8 @@ class Choice:
     the box about them. goals (g): values of the objectives; slack: least margin of all limits,
     infinite without any; slacks (l): least margin of each limit, attained at points `worst` (l, k)
     in [-1, 1]^k; goal_points: g arrays of the points where each objective's bounds are attained,
-    (1, k), of a width (2, k); safety: least limit margin over its error, infinite without one."""
+    (1, k), of a width (2, k); safety: least limit margin over its estimated error, infinite without
+    a limit of a level."""
 
     values: np.ndarray
     goals: np.ndarray

@@ -69,7 +69,8 @@ def estimate_bounds(
 
 def local_errors(fit: Fit, unit: np.ndarray) -> np.ndarray:
     """Errors (P) of a fit at points `unit` (P, k) in [-1, 1]^k, by the leave-one-out errors of the
-    nearest runs: that of a run holds at the distance of its next run, falling linearly to it."""
+    nearest runs: that of a run holds at the distance of its next run, and falls linearly towards
+    the run."""
     points, width = fit.points, float(np.ptp(fit.values))
     errors = np.minimum(np.abs(fit.left_out), width)
     if len(points) == 1:

@@ -14,8 +14,7 @@ gc.set_threshold(10_000)
 
 def program() -> int:
     """Run the command line (console script `deployable-intervals`) with `sys.argv`. Ends the
-    process with the command's exit status; returns 1 where it could not start or write its
-    output."""
+    process with the command's exit status; returns 1 if it cannot start or write output."""
     if message := other_fpm():
         print(message, file=sys.stderr)
         return 1

@@ -14,9 +14,8 @@ _VARIABLES = (
 
 
 def set_environment() -> None:
-    """Set the environment variables that keep linear algebra on one thread, in libraries that this
-    process loads later and in processes that it starts; those that Snakemake has set are
-    replaced."""
+    """Set the environment variables that keep linear algebra on one thread, in libraries loaded
+    later and in processes started by this one; those that Snakemake has set are replaced."""
     os.environ.update(dict.fromkeys(_VARIABLES, "1"))
 
 

@@ -21,8 +21,7 @@ def _file(name: str, text: str) -> Any:
 class Folder:
     """A folder of results, with the paths of its files as attributes: `results/<campaign>`, or of
     one round of an `accuracy` (rounds of more runs until bounds are good)
-    `results/<campaign>/rounds/<n>`; `folder / name` is the path of any other file. path: of the
-    folder."""
+    `results/<campaign>/rounds/<n>`; `folder / name` is any other file. path: of the folder."""
 
     path: Path
 
@@ -57,13 +56,11 @@ class Folder:
 
     @property
     def stage_folders(self) -> tuple[Path, ...]:
-        """All folders that stages (steps from config to page) write to, but for those of stored
-        runs."""
+        """All folders that stages (steps from config to page) write to, but those of runs."""
         return self.path, self.figures, self.overviews, self / "batches", self.motions
 
     def batch(self, number: int) -> Path:
-        """Path of the JSON file that is written when all runs of a batch (runs simulated by one
-        job) are stored; number: of the batch, from 0."""
+        """Path of the JSON file written when batch `number` (from 0; runs of one job) is stored."""
         return self / f"batches/{number}.json"
 
     def runs(self, keep: str) -> Path:
@@ -73,8 +70,7 @@ class Folder:
 
     @property
     def whole(self) -> Path:
-        """Path of the campaign's own folder: this one, or where this is a round's the one above
-        `rounds`."""
+        """Path of the campaign's own folder: this one, or, of a round, that above `rounds`."""
         return self.path.parents[1] if self.path.parent.name == "rounds" else self.path
 
     def round(self, number: int) -> Folder:
@@ -82,7 +78,6 @@ class Folder:
         return Folder(self / f"rounds/{number}")
 
     def previous(self) -> Folder | None:
-        """The folder of the previous round, None for the first; call it on the folder of a round
-        only."""
+        """The folder of the previous round, None for the first; only for a round's folder."""
         number = int(self.path.name)
         return Folder(self.path.parent / str(number - 1)) if number else None

@@ -38,9 +38,8 @@ def program_digest() -> str:
 
 
 def made_by(structure: str) -> str:
-    """Digest (16 hexadecimal digits) of all code that decides what is stored of a run, part of the
-    run's id; structure: digest of the structure's files and of the mechanics
-    (`SceneType.digest`)."""
+    """Digest (16 hex digits) of all code that decides what is stored of a run, part of the run's
+    id; structure: digest of the structure's files and mechanics (`SceneType.digest`)."""
     text = f"{structure} {PROGRAM.digest(include=RUN_CODE, exclude=LOG_CODE)}"
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
@@ -78,8 +77,7 @@ def as_attribute() -> str:
 
 
 def dated() -> dict[str, str]:
-    """Texts by name for the seal of a result: `program`, `commit`, `processor`, and `made`, the
-    time now in UTC."""
+    """Texts by name for a result's seal: `program`, `commit`, `processor`, `made` (now, UTC)."""
     moment = datetime.now(UTC).isoformat(timespec="seconds")
     return {key: program()[key] for key in ("program", "commit", "processor")} | {"made": moment}
 

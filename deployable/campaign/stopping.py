@@ -23,8 +23,7 @@ def end_on_ctrl_c() -> None:
 
 def leave(status: int) -> NoReturn:
     """End this process at once with an exit status, when its work is done: exit handlers run and
-    output is flushed, but other threads stop, and nothing loaded is taken apart, which would take
-    longer than a short stage."""
+    output is flushed, but other threads stop, and nothing loaded is taken apart, to save time."""
     atexit._run_exitfuncs()
     sys.stdout.flush()
     sys.stderr.flush()

@@ -270,7 +270,9 @@ def compare_bounds(
 
 
 def compare_runs(lower: np.ndarray, upper: np.ndarray, values: np.ndarray) -> dict[str, float]:
-    """Compute how well bounds over time hold for other runs than those they were made of.
+    """Compute how well bounds over time hold for other runs than those they were made of:
+    `coverage`, the fraction of the points (run, instant) within the bounds, and `worst_violation`,
+    the largest distance of a point outside them; NaN and 0 without runs.
 
     Parameters
     ----------
@@ -278,12 +280,6 @@ def compare_runs(lower: np.ndarray, upper: np.ndarray, values: np.ndarray) -> di
         Bounds (T) of one response.
     values
         That response (H, T) in H runs at the same T instants.
-
-    Returns
-    -------
-    dict
-        `coverage`, the fraction of the points (run, instant) within the bounds, and
-        `worst_violation`, the largest distance of a point outside them; NaN and 0 without runs.
     """
     distances = np.maximum(lower - values, values - upper)
     if not distances.size:

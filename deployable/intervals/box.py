@@ -1,5 +1,4 @@
-"""The box of interval parameters, the map between it and the unit cube [-1, 1]^k, and points in it:
-corners, those of held-out runs, and which of them are the same."""
+"""The box of interval parameters, its map to the unit cube [-1, 1]^k, and points in it."""
 
 from __future__ import annotations
 
@@ -16,7 +15,8 @@ MAX_DIMENSION = 8
 
 @dataclass(frozen=True)
 class Box:
-    """Box of k interval parameters: all combinations of values within their bounds.
+    """Box of k interval parameters: all combinations of values within their bounds. A parameter
+    whose interval has zero width keeps its one value; its normalized coordinate is 0 everywhere.
 
     Attributes
     ----------
@@ -24,11 +24,6 @@ class Box:
         Names of the k parameters, each once.
     lower, upper
         Bounds (k) in the units of the parameters, lower <= upper.
-
-    Notes
-    -----
-    An interval may have zero width: its parameter then keeps its one value, and its
-    normalized coordinate is 0 everywhere.
     """
 
     names: tuple[str, ...]
@@ -92,15 +87,13 @@ class Box:
 
 def keys(points: np.ndarray, digits: int = 12) -> list[tuple[float, ...]]:
     """Hashable keys of points (N, k), one tuple of k numbers each, to find equal points:
-    coordinates rounded to `digits` decimals, without -0, so that rounding errors make no
-    difference."""
+    coordinates rounded to `digits` decimals, without -0."""
     return [tuple(point) for point in np.round(points, digits) + 0.0]
 
 
 def corner_points(free: np.ndarray) -> np.ndarray:
     """Corners (2^f, k) of [-1, 1]^k, ordered so that opposite ones follow each other and the first
-    few are spread out. free (k): mask of the f directions with a width; the coordinates in the
-    others are 0."""
+    few are spread out. free (k): mask of the f directions with a width; in others points are 0."""
     free = np.asarray(free, dtype=bool)
     dimension = int(free.sum())
     if dimension == 0:
@@ -141,8 +134,7 @@ def held_out_points(free: np.ndarray, count: int, avoid: np.ndarray | None = Non
 
 
 def _nearest(points: np.ndarray, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """For each point (N, k) the index of the nearest of `unit` (R, k) and the largest difference of
-    a coordinate from it; -1 and infinity if there is none."""
+    """For points (N, k) the index of the nearest of `unit` (R, k), else -1, and its distance."""
     if not len(unit):
         return np.full(len(points), -1), np.full(len(points), np.inf)
     distances = (np.abs(unit - point).max(axis=1) for point in points)

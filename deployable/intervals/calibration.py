@@ -6,13 +6,12 @@ d, comes within a band b of the measured curve m at every instant: its misfit, t
 start s of the test within its own. Each test's g, o, d and s are variables of that test only.
 
 Between runs, y is a polynomial of x and s, whose leave-one-out errors e(t) are known at every
-instant. Where (|residual| - e) / b > 1 at an instant, a point is excluded, where
-(|residual| + e) / b <= 1 at all, it explains; between, it is undecided. Waves of runs follow in the
-interval hull of what is not excluded, where the next polynomials are less wrong (history matching,
-Craig et al. 1997, with bounded errors in place of probabilities). Extremes over the hull, of a
-coordinate or of the misfit, are found by sequential linear programming with a trust region and
-second-order corrections (Fletcher and Sainz de la Maza 1989), as the constraints are many and
-nearly linear.
+instant. Where (|residual| - e) / b > 1 at an instant, a point is excluded, where (|residual| + e) /
+b <= 1 at all, it explains; between, it is undecided. Waves of runs follow in the interval hull of
+what is not excluded, where the next polynomials are less wrong (history matching, Craig et al.
+1997, with bounded errors in place of probabilities). Extremes over the hull, of a coordinate or of
+the misfit, are found by sequential linear programming with a trust region and second-order
+corrections (Fletcher and Sainz de la Maza 1989).
 """
 
 from __future__ import annotations
@@ -101,7 +100,8 @@ def fit_curves(
     test: Measurement, points: np.ndarray, curves: np.ndarray, times: np.ndarray,
     hull: np.ndarray, own_errors: np.ndarray | float = 0.0,
 ) -> CurveFit:  # fmt: skip
-    """Fit the polynomials of the total degree whose leave-one-out errors are least.
+    """Fit the polynomials of the total degree whose leave-one-out errors are least; the errors of
+    the result are the largest of these, with that of cubic interpolation between instants.
 
     Parameters
     ----------
@@ -115,11 +115,6 @@ def fit_curves(
         Lower and upper coordinates (2, p) of the part that is fitted; runs near it count.
     own_errors
         Errors (n, T) of the runs themselves, such as those of their time step.
-
-    Returns
-    -------
-    CurveFit
-        Errors are the largest left-out ones, with that of cubic interpolation between instants.
     """
     center, half = hull.mean(axis=0), np.maximum(np.ptp(hull, axis=0) / 2, 1e-9)
     unit = (points - center) / half
@@ -164,8 +159,7 @@ def fit_curves(
 
 
 class _Problem:
-    """Residuals of several tests over all their variables: the box's coordinates (k), then of each
-    test its starts and sensor, all from -1 to 1."""
+    """Residuals of tests over the box's coordinates (k), then each test's starts and sensor."""
 
     def __init__(self, fits: Sequence[CurveFit], k: int):
         self.fits, self.k, self.places, self.size = fits, k, [], k
@@ -442,9 +436,8 @@ class _Waves:
 
 
 def _design(free: np.ndarray, count: int, number: int) -> np.ndarray:
-    """Coordinates (N, p), -1 to 1, of a wave's runs: the ends, beyond which no left-out error tells
-    anything, corners or of many directions those of the axes, then the next `count` of a sequence.
-    free (p): directions with a width; number: of the wave."""
+    """Coordinates (N, p), -1 to 1, of runs of wave `number`: corners, or of many directions the
+    axes' ends, then `count` of a sequence. free (p): directions with a width."""
     axes = np.eye(len(free))[free]
     ends = corner_points(free) if free.sum() <= _CORNERS else np.concatenate([-axes, axes])
     spread = scan_points(free, (number + 1) * count, corners=False)
@@ -455,7 +448,8 @@ def calibrate(
     tests: Sequence[Measurement], times: np.ndarray, evaluate: Callable, finer: Callable,
     hull: np.ndarray, waves: int = 6, most: int = 120, notify: Callable = lambda text: None,
 ) -> Calibration:  # fmt: skip
-    """Find what of a box explains all tests, with runs where that is open.
+    """Find what of a box explains all tests, with runs where that is open; if the tests are
+    refuted, where the least band is attained.
 
     Parameters
     ----------
@@ -475,11 +469,6 @@ def calibrate(
         Most waves of runs, and most runs of each test; twice that where no point explains.
     notify
         Called with messages.
-
-    Returns
-    -------
-    Calibration
-        What explains the tests; if they are refuted, where the least band is attained.
     """
     state = _Waves(tests, times, evaluate, finer, hull, notify)
     problem, least, pool = state.narrow(1.0, waves, most)
@@ -509,8 +498,7 @@ def _fractions(
     state: _Waves, problem: _Problem, pool: list[np.ndarray], level: float
 ) -> tuple[np.ndarray, tuple[float, float]]:
     """Points (S, k) that are not excluded, and the fractions of the box's volume that explain, at
-    least, and that are not excluded, at most, counted in the box along the principal axes of what
-    is left; two standard deviations of the count are in them."""
+    least, and that are not excluded, at most, each by two standard deviations of the count."""
     widths = np.ptp(state.widest[:, : state.k], axis=0)
     if not pool or not widths.any():
         points = np.array(pool).reshape(-1, problem.size)[:, : state.k]
@@ -549,8 +537,7 @@ def _fractions(
 def _misfit(
     state: _Waves, problem: _Problem, point: np.ndarray, pool: list[np.ndarray], sign: float
 ) -> float:
-    """The least misfit at a point (k) of the box, by the tests' own variables alone, or any below
-    1."""
+    """Least misfit at a point (k) of the box, by the tests' own variables, or any below 1."""
     nearest = min(pool, key=lambda values: np.abs(values[: state.k] - point).sum()).copy()
     nearest[: state.k] = point
     hull = state.hull.copy()

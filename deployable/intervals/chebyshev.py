@@ -20,9 +20,7 @@ from .errors import IntervalError
 
 
 def _sine(numerator: np.ndarray, denominator: int) -> np.ndarray:
-    """sin(pi numerator / (2 denominator)), from the reduced fraction. The sine form keeps the
-    points symmetric to the last bit, and reducing the fraction makes a point that belongs to two
-    grids the same float in both: designs share runs by their values."""
+    """sin(pi numerator / (2 denominator)) of the reduced fraction, the same float in all grids."""
     points = np.empty(len(numerator))
     for i, top in enumerate(int(t) for t in numerator):
         divisor = gcd(abs(top), 2 * denominator) or 1
@@ -31,8 +29,7 @@ def _sine(numerator: np.ndarray, denominator: int) -> np.ndarray:
 
 
 def roots(order: int) -> np.ndarray:
-    """The n + 1 roots of the Chebyshev polynomial of degree n + 1, ascending in [-1, 1]; order:
-    n."""
+    """Roots (n + 1) in [-1, 1] of the Chebyshev polynomial of degree n + 1, ascending; order: n."""
     return _sine(2 * np.arange(order + 1) - order, order + 1)
 
 
@@ -122,9 +119,8 @@ def product_basis(points: np.ndarray, indices: np.ndarray) -> np.ndarray:
 @dataclass(frozen=True)
 class Surrogate:
     """Polynomial surrogate sum_m coefficients[m] T_(i_m1)(x_1) ... T_(i_mk)(x_k), x in [-1, 1]^k,
-    of one or more values at once. coefficients (M, ...): trailing axes are instants, responses or
-    whatever was fitted together; multi_indices (M, k): degree i_mj of the Chebyshev polynomial T in
-    each direction."""
+    of one or more values at once. coefficients (M, ...): trailing axes are whatever was fitted
+    together; multi_indices (M, k): degree i_mj of the Chebyshev polynomial T in each direction."""
 
     coefficients: np.ndarray
     multi_indices: np.ndarray
@@ -156,9 +152,8 @@ class Surrogate:
         return full
 
     def restrict(self, direction: int, unit: np.ndarray) -> np.ndarray:
-        """Chebyshev coefficients (n_j + 1, ...) of the polynomial as a function of one coordinate
-        alone, of index j (`direction`), the others held at those of the point `unit` (k) in [-1,
-        1]^k."""
+        """Chebyshev coefficients (n_j + 1, ...) of the polynomial as a function of one coordinate,
+        of index j (`direction`), others held at those of the point `unit` (k) in [-1, 1]^k."""
         cross_indices = self.multi_indices.copy()
         cross_indices[:, direction] = 0
         weights = product_basis(np.asarray(unit, dtype=float)[None], cross_indices)[0]
@@ -171,8 +166,7 @@ class Surrogate:
 def least_squares(basis: np.ndarray, values: np.ndarray, least: float = 1e-10) -> tuple | None:
     """Fit values (N, T) by the columns of `basis` (N, M), with a QR factorisation: returns
     coefficients (M, T), and the leverage (N) of each row (diagonal of the hat matrix), or None
-    where the smallest pivot is below `least` times the largest, as the rows then do not determine
-    every coefficient."""
+    where the smallest pivot is below `least` times the largest (undetermined)."""
     q, r = np.linalg.qr(basis)
     size = np.abs(np.diag(r))
     if size.min() < least * size.max():

@@ -86,6 +86,7 @@ def make_design(
     **options,
 ) -> Design:
     """Make a design of experiments: points of the box at which the model is to be run.
+    Raises `IntervalError` for a wrong method, order or option, or more than ``max_runs`` points.
 
     Parameters
     ----------
@@ -103,11 +104,6 @@ def make_design(
         Largest number of points that is allowed.
     options
         Of ``sobol``: ``samples``, the number of points (1024), and ``seed`` of the sequence (0).
-
-    Raises
-    ------
-    IntervalError
-        for a wrong method, order or option, or more than ``max_runs`` points.
     """
     kind = METHODS[check_choice("method", method, METHODS)]
     if isinstance(box, Box):
@@ -149,9 +145,7 @@ def _tensor(rule, orders: np.ndarray, free: np.ndarray, limit: Callable[[int], N
 
 
 def _smolyak(orders: np.ndarray, free: np.ndarray, limit: Callable[[int], None]) -> Design:
-    """Sparse grid of nested Lobatto rules (1, 3, 5, 9, ... points). The nodes of one direction are
-    put in the order in which the nested rules add them; a basis index then owns the node of the
-    same number, and the points determine the basis."""
+    """Sparse grid of nested Lobatto rules; a basis index owns the node of the same number."""
     count = chebyshev.count_smolyak(orders)
     limit(count)
     if count > MAX_TERMS:
@@ -200,8 +194,7 @@ def scan_points(
     sequence; a single point, 0, where no direction has a width. free (k): mask of the directions
     with a width, the others stay at 0; seed: of the sequence's scrambling; corners: whether they
     are wanted; they are left out, too, where they would be more than half of the samples. A longer
-    sample with the same seed contains the shorter one, whose runs are reused, unless only it has
-    corners."""
+    sample with the same seed contains the shorter one, unless only it has corners."""
     samples = check_integer("samples", samples, 1, 10_000_000)
     seed = check_integer("seed", seed, 0, 2**32 - 1)
     free = np.asarray(free, dtype=bool)
@@ -242,8 +235,7 @@ def fit(design: Design, values: np.ndarray) -> Surrogate:
     """Fit the polynomials of `design` to `values` (N, ...) of runs at its N points, in their order;
     returns a `Surrogate`. IntervalError for values that are not finite, a design without order, or
     points that do not determine all coefficients. Tensor grids take one small matrix for each
-    direction; other designs a QR factorisation, for least squares if there are more points than
-    coefficients."""
+    direction; other designs least squares by QR factorisation."""
     values = np.asarray(values, dtype=float)
     if values.shape[:1] != (design.runs,):
         raise IntervalError("values", values.shape, f"{design.runs} rows, one for each point")

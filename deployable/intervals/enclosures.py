@@ -200,9 +200,8 @@ def _apply(matrix: np.ndarray, tensor: np.ndarray, axis: int) -> np.ndarray:
 
 @cache
 def _from_chebyshev(n: int) -> np.ndarray:
-    """Matrix (n+1, n+1) from Chebyshev to Bernstein coefficients of degree n on [-1, 1]. T_i has
-    the Bernstein coefficients (-1)^(i-l) C(2i, 2l) / C(i, l) of degree i (Rababah 2003); they are
-    then raised to degree n."""
+    """Matrix (n+1, n+1) from Chebyshev to Bernstein coefficients of degree n on [-1, 1]: (-1)^(i-l)
+    C(2i, 2l) / C(i, l) of degree i for T_i (Rababah 2003), raised to degree n."""
     matrix = np.zeros((n + 1, n + 1))
     for i in range(n + 1):
         own = [(-1) ** (i - m) * comb(2 * i, 2 * m) / comb(i, m) for m in range(i + 1)]

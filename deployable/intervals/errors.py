@@ -23,8 +23,7 @@ class IntervalError(ValueError):
 
 
 def check_choice(key: str, value: Any, choices: Iterable[str]) -> Any:
-    """Return `value` unchanged if it is among `choices`, else raise IntervalError; key: name of the
-    input for the message."""
+    """Return `value` if it is among `choices`, else raise IntervalError; key: the input's name."""
     names = tuple(choices)
     if value not in names:
         raise IntervalError(key, value, "one of " + ", ".join(names))

@@ -29,9 +29,8 @@ MAX_TAIL_RATIO = 10.0
 paper's campaign, whose decay is right, it is at most 2.7 times."""
 
 RATIOS = 2.0, 16.0
-"""Least and largest ratio of two changes as a mesh or step is halved and halved again that an error
-is continued by: those of the first and of the fourth order. Changes that fall more slowly say
-nothing of what is still to come."""
+"""Least and largest ratio of two changes, as a mesh or step is halved twice, that an error is
+continued by: those of the first and of the fourth order."""
 
 AVERAGED = 3
 """Most directions in which the left-out errors of sought runs are averaged (see `usual`)."""
@@ -57,8 +56,7 @@ def richardson_error(change: np.ndarray, ratio: np.ndarray | None = None) -> np.
     """Discretization error (...) by Richardson extrapolation, from the change (...) of a result
     when its mesh or step is halved: the sum of this and all further changes, with the sign of
     `change`. ratio (...): of successive changes, 2**p at order p (Richardson, Phil. Trans. R. Soc.
-    A 210 (1911) 307), clipped to 2 to 16 (RATIOS); None or NaN: unknown, taken as 2, which gives
-    the largest error."""
+    A 210 (1911) 307), clipped to 2 to 16 (RATIOS); None or NaN: unknown, taken as 2."""
     least, most = RATIOS
     ratios = np.full_like(change, least) if ratio is None else np.nan_to_num(ratio, nan=least)
     ratio = np.clip(ratios, least, most)
@@ -87,10 +85,9 @@ class ErrorEstimate:
 def error_estimate(
     time: np.ndarray, held_out: np.ndarray, decay: np.ndarray, window: float | None = None
 ) -> ErrorEstimate:
-    """Combine two error estimates (..., T) of a surrogate at instants `time` (T, s): `held_out`, by
+    """Combine error estimates (..., T) of a surrogate at instants `time` (T, s): `held_out`, by
     runs that were not fitted, and `decay`, by coefficients. The result's `total` is the larger one,
-    and of it the largest within `window` (half width, s; None: 0.5 % of the duration) of each
-    instant."""
+    of it the largest within `window` (half width, s; None: 0.5 % of the duration) of an instant."""
     return ErrorEstimate(widen(time, np.maximum(held_out, decay), window), held_out, decay)
 
 

@@ -43,8 +43,7 @@ class Formula:
 
 
 def polynomial(surrogate: Surrogate) -> Formula:
-    """Write a polynomial surrogate of one number, coefficients (M, 1), as a table that other
-    programs can evaluate."""
+    """Write a polynomial surrogate of one number, coefficients (M, 1), as a `Formula` (a table)."""
     k = surrogate.dimension
     points, coefficients = np.zeros((0, k)), surrogate.coefficients[:, 0]
     return Formula(surrogate.multi_indices, coefficients, points, np.ones(k), np.zeros(0), "cube")

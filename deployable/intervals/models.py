@@ -51,20 +51,17 @@ class Model:
         raise NotImplementedError
 
     def centre(self) -> np.ndarray | None:
-        """Values (n, T) of the model at the centre of the box of parameters; None for a model
-        without any."""
+        """Values (n, T) of the model at the centre of the box; None for a model without any."""
         return None
 
     def variables(self) -> dict:
-        """Further variables of the bounds dataset by name: tuples of dimensions, values and
-        attributes."""
+        """Further variables of the bounds dataset by name: (dimensions, values, attributes)."""
         return {}
 
 
 class PolynomialModel(Model):
     """Chebyshev polynomials through the runs at a design's points, with an enclosed range; all
-    other runs test them. tolerance: gap of enclosure and attained range, over the width, that is
-    small enough."""
+    other runs test them. tolerance: allowed gap of enclosure and attained range, over the width."""
 
     kind = "enclosed range of the polynomial"
 
@@ -139,8 +136,7 @@ class ScanModel(Model):
         return ErrorEstimate(self.growth, self.growth, np.zeros_like(self.growth))
 
     def variables(self) -> dict:
-        """Variable ``growth_quarter`` (response, time): growth of the bounds by the last quarter of
-        runs."""
+        """Variable ``growth_quarter`` (response, time): growth by the last quarter of runs."""
         text = "growth of the bounds with the last quarter of the samples"
         return {"growth_quarter": (("response", "time"), self.growth_quarter, {"long_name": text})}
 

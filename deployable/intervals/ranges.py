@@ -39,8 +39,7 @@ class Range:
 
 def attained(low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.ndarray) -> Range:
     """Make the Range of a model without an enclosure: low, high (...) are attained values, which
-    become outer bounds, too; argmin, argmax (..., k): the points in [-1, 1]^k where they are
-    attained."""
+    become outer bounds, too; argmin, argmax (..., k): their points in [-1, 1]^k."""
     return Range(low, high, low, high, argmin, argmax)
 
 
@@ -117,8 +116,7 @@ def inner_range(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Find values that T polynomials attain over [-1, 1]^k, as extreme as a search by coordinate
     ascent finds: returns low and high (T), and the points (T, k) of either. coefficients (M, T);
-    indices (M, k): degrees of M Chebyshev products; sweeps: most passes of the search over all
-    directions."""
+    indices (M, k): degrees of M Chebyshev products; sweeps: most passes over all directions."""
     samples = sample_points(indices.max(axis=0))
     basis = product_basis(samples, indices)
     total = coefficients.shape[1]

@@ -21,8 +21,7 @@ SMALLEST = 1e-3
 
 def shares_of(samples: Samples) -> Samples:
     """Copy of samples in which each response m that is a ratio less one, as a torque margin d/r -
-    1, is replaced by its share 1/(2 + m) = r/(r + d), which is smooth and can be fitted; others
-    stay."""
+    1, is replaced by its share 1/(2 + m) = r/(r + d), which is smooth; others stay."""
     share_samples = replace(samples)
     values = samples.values
     with np.errstate(divide="ignore"):
@@ -33,8 +32,7 @@ def shares_of(samples: Samples) -> Samples:
 
 def ratios_of(samples: Samples, bounds: Range, error: ErrorEstimate) -> tuple[Range, ErrorEstimate]:
     """Transform back the range and error (n, T) of a fit to `shares_of(samples)`, to those of the
-    responses in `samples`: for ratios less one, lower and upper bound are exchanged; others
-    stay."""
+    responses in `samples`: for ratios less one, lower and upper swap; others stay."""
     is_ratio, own = samples.ratios[:, None], samples.ratios[:, None, None]
     ends = (bounds.upper, bounds.lower, bounds.inner_upper, bounds.inner_lower)
     old = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)

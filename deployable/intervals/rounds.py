@@ -27,8 +27,7 @@ class BoundPoints:
 
     def errors(self, changes: np.ndarray) -> np.ndarray:
         """Errors (n, T) of the bounds, from changes (P, n, T) of the n responses at the P points,
-        as by a finer mesh: the larger size of those at the points of the lower and of the upper
-        bound."""
+        as by a finer mesh: the larger of those at the points of lower and upper bound."""
         sizes = np.abs(changes)
         n, instants = np.indices(self.lower.shape)
         return np.maximum(sizes[self.lower, n, instants], sizes[self.upper, n, instants])

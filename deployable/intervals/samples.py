@@ -60,8 +60,7 @@ class Running:
         )
 
     def merge(self, rival: Running | None) -> Running:
-        """Return the least and largest values of these runs and those of `rival` together; None:
-        these alone."""
+        """Return the least and largest values of these runs and `rival`; None: these alone."""
         if rival is None:
             return self
         lower = _comes_first(rival.low, self.low, rival.low_run, self.low_run)
@@ -80,8 +79,7 @@ def _comes_first(value: np.ndarray, rival: np.ndarray, run: np.ndarray, rival_ru
 
 
 def quarter_ends(runs: int) -> list[int]:
-    """Indices at which the four quarters of a sequence of runs begin and end: five, from 0 to
-    `runs`, the number of runs."""
+    """Five indices, 0 to `runs` (number of runs), where quarters of the runs begin and end."""
     return [-(-runs * quarter // 4) for quarter in range(5)]
 
 
@@ -132,9 +130,8 @@ class Samples:
         return None if self.nominal is None else self.read(slice(self.nominal, self.nominal + 1))[0]
 
     def quarters(self) -> Iterator[Running | None]:
-        """Iterate over the four quarters of the runs: least and largest values (n, T) of each as
-        `Running`, None for one without runs; from the dataset if it stores them, else from the
-        runs, read in chunks."""
+        """Iterate over the four quarters of the runs: least and largest values (n, T) of each, None
+        for one without runs; from the dataset if it stores them, else from the runs in chunks."""
         if "values" not in self.source:
             arrays = [self.source[name].values[:, self.rows] for name in _RUNNING]
             quarters = (Running(*quarter) for quarter in zip(*arrays, strict=True))
@@ -153,8 +150,7 @@ class Samples:
 
     def coordinates(self) -> dict:
         """Coordinates of the samples dataset by name, with the selected responses only, for a new
-        dataset of these: time, names, units and words of responses and parameters, as far as
-        present."""
+        dataset: time, names, units and words of responses and parameters, as present."""
         variables = {n: self.source[n].variable for n in _COORDINATES if n in self.source}
         return {n: v.isel(response=self.rows, missing_dims="ignore") for n, v in variables.items()}
 

@@ -1,5 +1,4 @@
-"""What a polynomial through the runs tells: its coefficients, and which parameter widens the bounds
-when."""
+"""What a polynomial through runs tells: coefficients, and which parameter widens bounds when."""
 
 from __future__ import annotations
 
@@ -25,8 +24,7 @@ class Sensitivity:
     """Influence of each of k parameters on responses, whose arrays (responses, instants) have the
     shape (...). width (k, ...): exact width of the range when only this parameter varies; first (k,
     ...): fraction of the variance from this parameter alone (Sobol index of first order); total (k,
-    ...): fraction from all terms in which it takes part (total Sobol index); variance (...): of the
-    response itself."""
+    ...): fraction from all terms with it (total Sobol index); variance (...): of the response."""
 
     width: np.ndarray
     first: np.ndarray

@@ -22,8 +22,7 @@ MIN_SPACING, MIN_SPACING_ON_LINE = 1e-4, 1e-6
 
 def distinct(points: np.ndarray, factor: float = 1.0) -> np.ndarray:
     """Choose runs without near repeats: increasing indices of runs at points (N, k) in [-1, 1]^k,
-    no two nearer than `factor` times the least spacing (1e-4, on a line 1e-6); the first of such
-    runs stays."""
+    no two nearer than `factor` times the least spacing (1e-4, on a line 1e-6); first ones stay."""
     on_line = (np.ptp(points, axis=0) > 0).sum() <= 1
     # equal runs in bulk first: a tree would list all their pairs
     _, first = np.unique(np.round(points, 9) + 0.0, axis=0, return_index=True)
@@ -56,8 +55,7 @@ def line_rows(x: np.ndarray, knots: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 def solve_line(knots: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Fit T natural cubic splines on a line to values (N, T) at knots (N, any order): returns their
-    second derivatives (N, T) there, and leave-one-out errors (N, T), infinite for fewer than 3
-    knots."""
+    second derivatives (N, T), and leave-one-out errors (N, T), infinite below 3 knots."""
     order = np.argsort(knots)
     h = np.diff(knots[order])
     second, left_out = np.zeros_like(values), np.full_like(values, np.inf)

@@ -55,8 +55,7 @@ def spline_range(spline: Spline, candidates: int = CANDIDATES) -> Range:
 
 
 def _line_maximum(spline: Spline, flat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Largest values (T) of a spline on a line and their points (T, k). Between two knots the slope
-    is a quadratic function, whose roots are known; beyond the outer ones the spline is straight."""
+    """Largest values (T) of a spline on a line, by the roots of its slope, and points (T, k)."""
     j = int(np.argmax(spline.scales > 0))
     order = np.argsort(spline.points[:, j])
     knots, count = spline.points[order, j], len(spline.points)
@@ -167,8 +166,7 @@ def _climb(spline, flat, spread, start) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _step_in_box(y, step, slope, half, radius) -> tuple[np.ndarray, np.ndarray]:
-    """Points (T, f) that a step from y leads to inside the box and a radius, and by how much the
-    slope lets the value grow there (T)."""
+    """Points (T, f) of a step from y within box and radius, and by how much the slope gains (T)."""
     size = np.abs(step / half).max(axis=1)
     points = y + step * np.minimum(1.0, radius / np.maximum(size, 1e-300))[:, None]
     points = np.clip(points, -half, half)

@@ -196,8 +196,7 @@ def choose_scales(points: np.ndarray, values: np.ndarray) -> np.ndarray:
     through values (N, T) at `points` (N, k) in [-1, 1]^k: those of least leave-one-out errors,
     found by doubling and halving each; 0 in directions in which the points do not differ. The
     response may change over a tenth of one interval and hardly over all of another; distances
-    should tell. Columns count relative to their spread; at most 400 runs and 200 columns are
-    used."""
+    should tell. Columns count relative to spread; at most 400 runs, 200 columns are used."""
     spread = _spread(points)
     scales = spread.astype(float)
     if spread.sum() < 2 or not np.ptp(values, axis=0).any():

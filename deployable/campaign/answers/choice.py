@@ -50,10 +50,9 @@ def answer(
     notify: Notify,
     threads: int,
 ) -> None:
-    """Find the nominal values of chosen parameters whose worst case is best, with the runs that
-    this takes, and write `choice.json` into `folder`, that of a campaign's results, where the plan
-    is. choose, requirements, verify, jobs: sections of the config; notify: called with each
-    message; threads: how many simulate."""
+    """Find nominal values of chosen parameters whose worst case is best, with its runs, and write
+    `choice.json` into `folder`, a campaign's results with its plan. choose, requirements, verify,
+    jobs: sections of the config; notify: called with each message; threads: how many simulate."""
     base_plan = read_plan(folder.plan)
     experiment = widened(base_plan.experiment, choose)
     plan = Plan(experiment, base_plan.mechanics, choose_step(experiment), Runs.from_runs([]))
@@ -94,12 +93,11 @@ def answer(
 
 
 def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray]:
-    """Find points to simulate next, before a choice is final: normalized points (k), -1 to 1 in the
-    box, at which, by the surrogates, an event does not occur that must (or the reverse, or a
-    limited quantity is absent), so that a trial is ruled out whose first goal is better than that
-    of the best choice. best, trials: `intervals.scalars.Choice`, the best and all that were tried;
-    choose: section of the config. Of at most four such trials, the nearest to the best, in
-    order."""
+    """Find points to simulate before a choice is final: normalized points (k), -1 to 1 in the box,
+    at which, by the surrogates, an event does not occur that must (or the reverse, or a limited
+    quantity is absent), so that a trial is ruled out whose first goal is better than that of the
+    best choice. best, trials: `intervals.scalars.Choice`, the best and all that were tried; choose:
+    section of the config. Of at most four such trials, the nearest to the best, in order."""
     sign = choose.goals[0][0]
     better = [
         trial
@@ -148,8 +146,7 @@ def _best(
     model: ModelEvaluator, experiment: Experiment, choose: Choose, specs: list[LimitSpec]
 ) -> tuple[Any, Any, list, list]:
     """The best choice and the safest (`intervals.scalars.Choice`), the range of each chosen value
-    that is safe, and the choices that were tried; no safest and no ranges where none is safe, or
-    nothing limits a number."""
+    that is safe, and the choices that were tried; the safest and ranges only where one is safe."""
     from deployable.intervals.scalars import Goal, Limit, best_choice, safe_range, safest_choice
 
     surrogates, box = [s.trend for s in model.surrogates()], model.experiment.box
@@ -180,8 +177,7 @@ def _error(
     specs: list[LimitSpec],
     is_allowed: bool,
 ) -> float:
-    """By how much choices may differ and be alike: the error of what decides, and rounding. That is
-    the first goal, or where no choice is allowed the limits."""
+    """Error, and rounding, of what decides: the first goal, or, if no choice is allowed, limits."""
     names, surrogates = list(experiment.quantities), model.surrogates()
     indices = [names.index(choose.goals[0][2])] if is_allowed else [spec.quantity for spec in specs]
     errors = [surrogates[q].error for q in indices]

@@ -3,8 +3,7 @@ time step, and once with that on a mesh twice as fine.
 
 Each component begins with what changes beside the runs before: a finer mesh takes half the step
 anyway, which so counts once. The change is continued to what all further halvings would change, by
-the order at which it falls: a few runs with a quarter of the step, and on a mesh half as fine,
-show it.
+its order: that of a few runs with a quarter of the step, or on a mesh half as fine.
 """
 
 from __future__ import annotations
@@ -242,8 +241,7 @@ def _curves(model: ModelEvaluator, plan: Plan, unit: np.ndarray) -> np.ndarray:
 
 
 def _levels(plan: Plan, components: tuple) -> dict[str, RefinementLevel]:
-    """The plan with half the step, and with that on a mesh twice as fine, those that are asked;
-    and with a quarter of the step, and on a mesh half as fine."""
+    """Plans with half the step, and a mesh twice as fine, as asked, each with its third level."""
     time, experiment, levels = plan.time, plan.experiment, {}
     if "step" in components:
         time, quarter = halved(plan.time), halved(halved(plan.time))

@@ -21,8 +21,7 @@ from fpm.reading.variables import words
 from fpm.scenes import effort
 
 STARTING, RESPONSE, QUANTITY = 4.0, 1.0, 0.6
-"""Seconds to start and write the page, and to take the bounds of a response or the interval of a
-quantity, and draw it."""
+"""Seconds to start and write the page, to bound and draw a response, and a quantity."""
 
 REQUIRING, CHOOSING = 2.0, 7.0
 """Seconds to find what of the box meets requirements, and the best choice, by surrogate."""
@@ -115,8 +114,7 @@ def _sum(parts: list[Estimate]) -> Estimate:
 
 
 def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
-    """Further runs by what takes them, in words: for each round how many, and how many times as
-    long as a planned one each of them takes."""
+    """By what takes further runs, for each round their number and time over a planned one's."""
     experiment, verify = campaign.experiment, campaign.verify
     bounds = 2 * len(experiment.quantities)
     iterations = min(ITERATIONS, verify.max_iterations)
@@ -140,8 +138,7 @@ def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
 
 def runs_there(campaign: Campaign, folder: Folder) -> str:
     """Return text for users: how many runs of a campaign its folder of results has stored, and why
-    others must be made again; empty where it has none, and with an `accuracy`, whose runs are not
-    known."""
+    others must be made again; empty where it has none, and with an `accuracy`."""
     keep = campaign.jobs.keep
     if campaign.experiment.is_sought or not folder.runs(keep).is_dir():
         return ""

@@ -116,8 +116,7 @@ class ModelEvaluator:
     def add(self, points: Sequence[np.ndarray]) -> np.ndarray:
         """Simulate runs at normalized points (P, k) that have none yet, add them to the evaluator's
         (`unit`, `numbers`, `margins`, `further`), and return the index (P) of the run at each
-        point, or of the nearest once `max_further` runs are added. Raises `CampaignError` if a run
-        fails."""
+        point, or of the nearest once `max_further` are added; `CampaignError` if one fails."""
         additions: list[np.ndarray] = []
         for point in points:
             present = np.array([*self.unit, *additions]).reshape(-1, self.unit.shape[1])
@@ -134,13 +133,11 @@ class ModelEvaluator:
 
     @property
     def distinct_rows(self) -> np.ndarray:
-        """Increasing indices of the evaluator's runs, one for each different point: the nominal run
-        may be one of the design, too."""
+        """Indices of the evaluator's runs, increasing, one for each distinct point."""
         return np.sort(np.unique(np.round(self.unit, 9) + 0.0, axis=0, return_index=True)[1])
 
     def surrogates(self) -> list[Any]:
-        """Fit a surrogate (`intervals.scalars.ScalarSurrogate`) of each quantity to the evaluator's
-        runs; returns a list in the order of quantities."""
+        """Fit an `intervals.scalars.ScalarSurrogate` to the runs for each quantity, in order."""
         from deployable.intervals.scalars import fit_scalar
 
         end = self.experiment.solver.duration

@@ -60,8 +60,7 @@ def estimate_limit_state_error(
 
 
 def _iterate_rows(size: np.ndarray, happens: np.ndarray) -> Iterator[np.ndarray]:
-    """Rows of runs on both sides of a border, by the size (R) of what tells where they lie: the
-    nearest first, then each time twice as far in their order."""
+    """Runs on both sides of a border, the nearest by `size` (R) first, then twice as far on."""
     order = np.argsort(size, kind="stable")
     sides = order[happens[order]], order[~happens[order]]
     first, last = 0, _SIDE
@@ -74,8 +73,7 @@ def _iterate_rows(size: np.ndarray, happens: np.ndarray) -> Iterator[np.ndarray]
 def _find_segments(
     unit: np.ndarray, happens: np.ndarray, differs: np.ndarray, size: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Unit points (P, k) at which finer runs differ, the farthest from the border, and next to each
-    one on its side at which none does."""
+    """Farthest unit points (P, k) where finer runs differ, and next to each where none does."""
     starts, stops = [], []
     for row in np.flatnonzero(differs)[np.argsort(-size[differs], kind="stable")][: 2 * _SIDE]:
         agreeing = np.flatnonzero(~differs & (happens == happens[row]))

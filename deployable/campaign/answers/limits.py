@@ -146,8 +146,7 @@ def _has_always(model: ModelEvaluator, q: int) -> bool:
 
 
 def _sure_occurrence(model: ModelEvaluator, limit: Any, q: int) -> int:
-    """1 if the event of quantity `q` (index) occurs in the whole box, -1 if nowhere, by more than
-    the error of the event margin and the limit's `border`; 0 where that is open."""
+    """1 if the event of quantity `q` surely occurs in the whole box, -1 if nowhere, 0 if open."""
     from deployable.intervals.scalars import fit_scalar
 
     margins = model.margins[:, q]

@@ -160,8 +160,7 @@ class _Test:
         return self.evaluate(point[None], replace(self.plan, time=halved(self.plan.time)))[0]
 
     def describe(self, result: Calibration, index: int | None) -> dict:
-        """Describe the test as plain data, with its curves; index: of its fit, None if it is only
-        checked."""
+        """The test and its curves as plain data; index: of its fit, None if only checked."""
         times, settings = self.curves.times, self.settings
         rows = {
             "name": self.name, "file": settings.file, "digest": settings.digest,

@@ -102,8 +102,7 @@ def _infill(bounds: QuantityBounds) -> list[np.ndarray]:
 def _mispredictions(
     model: ModelEvaluator, bounds: list[QuantityBounds], previous: np.ndarray
 ) -> np.ndarray:
-    """By how much (q, 2) the surrogates' bounds differ from the runs that were made there, infinite
-    where these have no number; what was known before where no run was made."""
+    """How far (q, 2) surrogates' bounds are off runs there, inf without number; or `previous`."""
     mispredictions = previous.copy()
     for q, b in enumerate(bounds):
         extremes = (

@@ -44,9 +44,8 @@ from deployable.campaign.runs.progress import Notify
 
 def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, notify: Notify) -> None:
     """Assess in which part of the box a campaign's requirements are met, and write
-    `requirements.json` into `folder`, its results, which hold `quantities.nc` and `further.nc`
-    already; nothing is simulated. requirements, jobs: sections of the config; notify: called with
-    each message."""
+    `requirements.json` into `folder`, its results with `quantities.nc` and `further.nc`; nothing is
+    simulated. requirements, jobs: sections of the config; notify: gets messages."""
     model = ModelEvaluator.from_folder(folder, jobs, notify, further=True)
     specs = list_limits(requirements, list(model.experiment.quantities))
     errors = _of_the_runs(folder)
@@ -61,8 +60,7 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, noti
 
 
 def _of_the_runs(folder: Folder) -> np.ndarray | None:
-    """Errors (2, q) by mesh and step of quantities and of where they happen; None where these were
-    not looked at."""
+    """Errors (2, q) by mesh and step, of values and of occurrence; None where not estimated."""
     with open_netcdf(folder.quantities) as data:
         if "error_limit" not in data.variables:
             return None

@@ -81,8 +81,7 @@ def case_config(raw: Mapping, name: str, case_lists: Mapping[str, Any]) -> tuple
 
 def fixed_problems(case: Mapping, name: str, intervals: Mapping) -> list[str]:
     """Check that a case gives no value to a parameter that is an interval: returns a sentence for
-    each that it does. case: the raw section; name: of the case; intervals: the campaign's, by
-    parameter."""
+    each. case: the raw section; name: of the case; intervals: the campaign's, by parameter."""
     return [
         f"cases.{name}.scene.{parameter}: {show(value)}, and {parameter} is an interval, of which "
         f"a case has the whole; allowed: cases.{name}.intervals.{parameter}, or another parameter"

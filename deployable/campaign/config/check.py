@@ -42,7 +42,8 @@ def load_config(
     Files are merged key by key, later ones over earlier ones and `overrides` over all. `published`
     of an earlier file is dropped where a later one changes `scene` or `intervals`. The path of a
     structure's file is relative to the YAML file that names it, in `overrides` to the working
-    folder.
+    folder. Numbers of the campaign returned are in SI units, those of parameters in theirs. Raises
+    `ConfigError` with everything that is wrong, each with its file and line.
 
     Parameters
     ----------
@@ -52,16 +53,6 @@ def load_config(
         Further keys of a config, nested as in YAML.
     source
         What messages call the config; None: the paths.
-
-    Returns
-    -------
-    Campaign
-        All sections, with numbers in SI units, those of parameters in the parameters' units.
-
-    Raises
-    ------
-    ConfigError
-        With everything that is wrong, each with its file and line.
     """
     merged: dict = {}
     lines: dict[str, str] = {}
@@ -105,9 +96,8 @@ def _place(problem: str, lines: Mapping[str, str]) -> str:
 
 
 def check_config(raw: Mapping, source: str = "the config") -> Campaign:
-    """Check the content of a config, fill in all defaults, and return the campaign. raw: sections
-    by name, nested as in YAML; source: what messages call the config. Raises `ConfigError` with
-    everything that is wrong."""
+    """Check a config, fill in all defaults, return the campaign. raw: sections by name, nested as
+    in YAML; source: what messages call the config. Raises `ConfigError` with all that is wrong."""
     own = Config.__dataclass_fields__.keys()
     if "campaign" not in raw and len(raw.keys() & {*KEYS}) > len(raw.keys() & own):
         raise ConfigError(source, [
@@ -165,9 +155,8 @@ def merge(target: dict, update: Mapping) -> dict:
 
 
 def anchored(raw: Mapping, folder: str | Path) -> Mapping:
-    """Return the raw config with the paths of its structures' files and measured curves, written
-    relative to `folder`, as seen from the working folder: relative if they lie in that, else
-    absolute."""
+    """Return the raw config with paths of structures' files and measured curves, relative to
+    `folder`, made relative to the working folder if they lie in it, else absolute."""
     anchored_raw = dict(raw)
     if "scene" in raw:
         anchored_raw["scene"] = _anchored_file(raw["scene"], folder)

@@ -84,8 +84,7 @@ def _text(limit: float) -> str:
 class ConfigKey:
     """A config key and the keys below it: `children` by name, or `entry`, which describes entries
     of any name (None: there are none). key: its `Rule`; allowed, text: what is allowed and what it
-    is, in words; default: value if left out, `MISSING` if required; names: what names of entries
-    may be, in words."""
+    is, in words; default: value if left out, `MISSING` if required; names: allowed for entries."""
 
     key: Rule
     allowed: str
@@ -96,8 +95,7 @@ class ConfigKey:
     names: str
 
     def child(self, name: Any) -> ConfigKey | None:
-        """Return the description of the key called `name` below this one, else that of any entry;
-        None without either."""
+        """Return the description of the key `name` below this one, else of any entry, else None."""
         return self.children.get(name, self.entry)
 
 

@@ -18,8 +18,7 @@ from fpm.structures.reading import commas
 def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
     """Check a raw config by the models of its sections: returns the `Config`, a copy of the valid
     part of `raw`, and a sentence for each problem. Invalid keys are left out, so that the rest can
-    be checked too; the config is None if that rest is not valid either, or a number is infinite or
-    NaN."""
+    be checked too; the config is None if that rest is invalid too, or a number is not finite."""
     endless: dict[str, Any] = {}
     right, problems = _as_meant(_plain(raw, "", endless))
     problems += [f"{key}: {value} is not allowed; allowed: a finite number"
@@ -37,8 +36,7 @@ def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
 
 @cache
 def whole() -> ConfigKey:
-    """Describe all keys that a config may have, as a tree: the `ConfigKey` of the whole config,
-    made once in a process."""
+    """Describe all keys that a config may have: the tree of the whole config, made once."""
     return config_key_of(Config)
 
 
@@ -104,8 +102,7 @@ def _fault(raw: Any, error: Mapping) -> Fault:
 
 
 def _as_meant(raw: Any) -> tuple[Any, list[str]]:
-    """The config with sections whose names are likely others under those, and sentences of them:
-    what would follow from such a slip is not told."""
+    """The config with sections under the names likely meant, and a sentence for each renamed."""
     names, problems = Config.__dataclass_fields__, []
     if not isinstance(raw, Mapping):
         return raw, problems
@@ -142,8 +139,7 @@ def show(value: Any) -> str:
 
 
 def _plain(value: Any, key: str, endless: dict[str, Any]) -> Any:
-    """A copy as arrays and JSON hold it: whole numbers of more than 64 bits are floats, text is
-    Unicode. endless: gets keys and values of numbers that are infinite or none."""
+    """A copy fit for arrays and JSON; `endless` gets keys and values of numbers not finite."""
     if isinstance(value, Mapping):
         return {
             _plain(name, "", {}): _plain(item, f"{key}.{name}".lstrip("."), endless)

@@ -133,8 +133,7 @@ def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
 def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
     """Replace what the `accuracy` of a config decides (mesh, design, model of the bounds, checks);
     returns the new config, and the `Accuracy` with a tolerance for every response and quantity. The
-    mesh starts at half the structure's default, unless the config gives one. scene_type: the `fpm`
-    structure."""
+    mesh starts at half of the default, unless the config gives it. scene_type: `fpm` structure."""
     aim, scene, mesh = config.accuracy, config.scene, scene_type.mesh
     aim = aim if isinstance(aim, Aim) else Aim(tolerance=aim)
     if mesh is None or mesh in scene.parameters:
@@ -224,8 +223,7 @@ def _ends(spec: IntervalSpec, default: Any) -> Interval:
 
 
 def real_names(scene_type: Any) -> list[str]:
-    """List the names of a structure's real-valued parameters, which alone may be intervals.
-    scene_type: the `fpm` structure."""
+    """List a structure's real-valued parameters, which may be intervals; scene_type: its type."""
     return [name for name, parameter in scene_type.parameters.items() if parameter.kind == "real"]
 
 

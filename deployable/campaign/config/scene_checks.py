@@ -1,5 +1,4 @@
-"""The checks of a config that need the scene: names, ranges, consistency, responses, quantities,
-solver, requirements and choices."""
+"""Checks of a config that need the scene, as of names, ranges, responses and requirements."""
 
 from __future__ import annotations
 
@@ -109,9 +108,7 @@ _LONG = 60.0  # s
 
 
 def _time_problems(experiment: Experiment) -> list[str]:
-    """Whether a run can be done with the step and the instants, judged at the nominal values. The
-    plan checks the number of steps again, at all corners; to find the stable step here takes too
-    long for every call, and is only done where there is doubt."""
+    """Whether step and instants allow a run, judged at nominal values; the plan checks corners."""
     solver, problems = experiment.solver, []
     scene = experiment.nominal_scene
     if solver.step != "auto" or solver.duration > _LONG:
@@ -260,8 +257,7 @@ def parameter_problems(values: Mapping, scene_type: Any) -> list[str]:
 
 def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
     """Check the section `accuracy` of a config: returns a sentence for each key beside it that it
-    would choose itself, and each unknown name in it. user_config: the config as the user wrote it,
-    without defaults."""
+    would choose itself, and each unknown name in it. user_config: the config without defaults."""
     if config.accuracy is None:
         return []
     problems = [

@@ -1,8 +1,7 @@
 """A campaign as the program knows it: its config, checked and resolved, as frozen dataclasses.
 
-Whatever a config leaves open (an accuracy, an interval given as a percentage) is a number here;
-the other sections are those of `models`. They become JSON, for files and commands, by `as_json` and
-come back by `from_data`.
+Whatever a config leaves open (an accuracy, an interval given as a percentage) is a number here; the
+other sections are those of `models`. They become JSON by `as_json`, and come back by `from_data`.
 """
 
 from __future__ import annotations
@@ -75,8 +74,7 @@ _TRUSTED: set[str] = set()
 
 def trust(file: str) -> None:
     """Allow results, for the rest of this process, to name this structure's file, which is then
-    read, or executed if it is Python: results may come from strangers, and only a user's config
-    makes a file trusted."""
+    read, or executed if it is Python; else only a user's config makes one trusted."""
     if "\0" not in file:
         _TRUSTED.add(os.path.realpath(file))
 
@@ -142,8 +140,7 @@ class Accuracy:
     tolerances: of the estimated errors of responses and quantities by name, as fractions of the
     widths of their intervals; max_runs: most runs in all, of all rounds and meshes, with those of
     checks and further ones, not those of a choice; max_core_minutes: most minutes of one core for
-    rounds and checks, as estimated; mesh: name of the parameter that sets the mesh and may be
-    refined, "" for none."""
+    rounds and checks, as estimated; mesh: name of the parameter that sets the mesh, "" for none."""
 
     tolerances: dict[str, float] = field(default_factory=dict)
     max_runs: int = 0
@@ -205,15 +202,13 @@ class Experiment:
 
     @property
     def is_sought(self) -> bool:
-        """Whether the config has an `accuracy`, for which runs, mesh and step are chosen in
-        rounds."""
+        """Whether the config has an `accuracy`: rounds choose runs, mesh and step."""
         return bool(self.accuracy.tolerances)
 
     @cached_property
     def scene_type(self) -> Any:
         """The `fpm` structure (`SceneType`), which builds scenes. Raises `fpm.SceneError`, and
-        `CampaignError` for a file that only results name and no config: it may be any file of this
-        machine."""
+        `CampaignError` for a file that results name but no config."""
         file = self.scene.file
         if file and os.path.realpath(file) not in _TRUSTED:
             cause = "is a program and was not run" if file.endswith(".py") else "was not read"
@@ -230,20 +225,17 @@ class Experiment:
 
     @cached_property
     def curves(self) -> list[Any]:
-        """Responses (curves over time) as `fpm.responses.Response` objects, which evaluate a run;
-        raises `fpm.SceneError`."""
+        """Responses (curves over time) as `fpm.responses.Response`; raises `fpm.SceneError`."""
         return [fpm.responses.parse(n, d, self.nominal_scene) for n, d in self.responses.items()]
 
     @cached_property
     def record(self) -> tuple[tuple[str, str], ...]:
-        """Columns that runs must record for the responses, sorted: pairs of variable and label
-        (element and component)."""
+        """Columns that responses need, sorted: pairs of variable and label (element, component)."""
         return tuple(sorted({need for curve in self.curves for need in curve.needs}))
 
     @cached_property
     def numbers(self) -> list[Any]:
-        """Quantities (numbers of a run) as `fpm.reading.quantities.Quantity` objects, which
-        evaluate a run; raises `fpm.SceneError`."""
+        """Quantities (of a run) as `fpm.reading.quantities.Quantity`; raises `fpm.SceneError`."""
         if not self.quantities:
             return []
         quantities, problems = parse(self.quantities, self.curves, eventful(self.nominal_scene))
@@ -268,8 +260,7 @@ class Experiment:
 
     @property
     def warnings(self) -> list[str]:
-        """Texts on likely mistakes in the structure at its nominal values; raises
-        `fpm.SceneError`."""
+        """Texts on likely mistakes in the nominal structure; raises `fpm.SceneError`."""
         from fpm.structures.plausible import warnings  # scipy's graphs take 0.1 s to load
 
         return warnings(self.nominal_scene, self.solver.duration)
@@ -291,8 +282,7 @@ class Experiment:
 
     @cached_property
     def nominal_scene(self) -> Any:
-        """The `fpm.Scene` at nominal values, built once and shared: do not change it; raises
-        `fpm.SceneError`."""
+        """The nominal `fpm.Scene`, shared: do not change it; raises `fpm.SceneError`."""
         return self.build(self._nominal_values)
 
     def parameters(self, values: Mapping[str, float]) -> dict[str, Any]:
@@ -313,8 +303,7 @@ class Choose(Choosing):
     """Parameters whose nominal values are to be chosen by the worst case (section `choose`).
     parameters: least and largest value by name; minimise, maximise: goals, texts such as `upper(t)`
     (upper bound of the quantity t); order: of the surrogate along them; relative: those whose
-    intervals scale with the nominal value, while others keep their width (0 without an
-    interval)."""
+    intervals scale with the nominal value; others keep their width (0 without an interval)."""
 
     minimise: tuple[str, ...] = ()
     maximise: tuple[str, ...] = ()
@@ -333,8 +322,7 @@ class Choose(Choosing):
 
     def interval(self, name: str, value: float, experiment: Experiment) -> tuple[float, float]:
         """Return the lower and upper end of the interval of parameter `name`, in its unit, if its
-        nominal value is `value`; both are `value` if the config gives it no interval. experiment:
-        has the config's interval."""
+        nominal value is `value`; both are `value` if `experiment` gives it no interval."""
         interval = experiment.intervals.get(name)
         if interval is None:
             return value, value
@@ -411,8 +399,7 @@ MOST_STEPS = 10**9
 
 def steps_problems(solver: Solver, step: float) -> list[str]:
     """Check that a run with the time step `step` (s) has at most 10**9 steps (`MOST_STEPS`):
-    returns a list, with a sentence if not, or empty. solver: section of the config, with the
-    duration."""
+    returns a list, with a sentence if not, or empty. solver: section with the duration."""
     if solver.duration / step <= MOST_STEPS:
         return []
     key = "duration" if solver.step == "auto" else "step"
@@ -443,17 +430,15 @@ def as_json(**sections: Any) -> str:
 
 
 def plain_data(section: Any) -> Any:
-    """Turn a section of the config, or a mapping to some, into nested dicts and lists; returns
-    other values unchanged."""
+    """Turn a config section, or a mapping of some, into dicts and lists; leave others unchanged."""
     if isinstance(section, Mapping):
         return {name: plain_data(item) for name, item in section.items()}
     return asdict(section) if is_dataclass(section) else section
 
 
 def from_data(kind: Any, data: Any) -> Any:
-    """Rebuild a section of type `kind` (a dataclass) from nested dicts and lists, which become
-    tuples, as `plain_data` makes them, without checks: pydantic takes 0.1 s to import, and every
-    job reads sections."""
+    """Rebuild a section of type `kind` (a dataclass) from nested dicts and lists (made tuples), as
+    `plain_data` returns them, without checks."""
     if is_dataclass(kind):
         hints = _hints(kind)
         return kind(**{name: from_data(hints[name], value) for name, value in data.items()})

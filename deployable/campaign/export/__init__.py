@@ -85,7 +85,10 @@ def export(
     frames: int | None = None,
     colour: str = "bars",
 ) -> list[Path]:
-    """Simulate a run, write it in one format, and return the paths of the files to open.
+    """Simulate a run, write it in one format, and return the paths of the files to open: of a
+    ParaView collection the .pvd alone, of figures the PDF files. Raises `CampaignError` if the
+    format has no such colour, `frames` is below 1, or the run fails, and `DamagedError` if results
+    of the run's campaign are damaged.
 
     Parameters
     ----------
@@ -100,18 +103,6 @@ def export(
     colour
         By what moving pictures (gif, webp) are coloured: ``bars``, each in its colour, or
         ``stress``, equivalent stress.
-
-    Returns
-    -------
-    list of Path
-        Files to open; of a ParaView collection the .pvd alone, of figures the PDF files.
-
-    Raises
-    ------
-    CampaignError
-        If the format has no such colour, `frames` is below 1, or the run fails.
-    DamagedError
-        If results of the run's campaign are damaged.
     """
     form = FORMATS[kind]
     if colour != "bars" and kind not in MOVIES:

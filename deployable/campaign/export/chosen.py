@@ -1,5 +1,4 @@
-"""Selection of the run that is exported: one of a campaign, a config's nominal run, or a
-structure's."""
+"""Selection of the run to export: one of a campaign, a config's nominal one, or a structure's."""
 
 from __future__ import annotations
 
@@ -101,7 +100,9 @@ def choose(
     duration: float | None = None,
     trusted: Sequence[str] = (),
 ) -> SelectedRun:
-    """Find a run to export: of a campaign's results, of a campaign's config, or of a structure.
+    """Find a run to export: of a campaign's results, of a campaign's config, or of a structure;
+    it is not simulated yet. Raises `CampaignError` if there is no such run, or results were made by
+    another version of structure or mechanics, and `SceneError` if the structure cannot be built.
 
     Parameters
     ----------
@@ -117,18 +118,6 @@ def choose(
         Simulated time (s); None: that of the config, or 1 s of a structure; refused for results.
     trusted
         Paths of structures' files that results may name: they are read, Python files executed.
-
-    Returns
-    -------
-    SelectedRun
-        Not simulated yet.
-
-    Raises
-    ------
-    CampaignError
-        If there is no such run, or results were made by another version of structure or mechanics.
-    SceneError
-        If the structure cannot be built.
     """
     path = Path(source)
     for file in trusted:

@@ -66,9 +66,8 @@ def bounds(folder: Folder) -> dict[str, np.ndarray]:
 
 
 def runs(folder: Folder) -> list[list]:
-    """Make the table of a campaign's runs, headings first, then a row for each run in `samples.nc`:
-    id, role, parameter values, quantities (empty where one does not occur). folder: of the
-    results."""
+    """Make the table of a campaign's runs, headings, then a row for each in `samples.nc`: id, role,
+    parameter values, quantities (empty where one does not occur). folder: of the results."""
     with open_netcdf(folder.samples) as file:
         rows = [["run", "role", *_headings(file, "parameter", "box_units")]]
         values = file["value"][:]

@@ -88,8 +88,7 @@ def _cables(solid: Solid, frame: int) -> tuple:
 
 
 def _section_axes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Unit vectors (m, 3) along width and height of elements with corners (m, 8, 3), normal to
-    their chords."""
+    """Unit vectors (m, 3) along width and height, normal to chords, from corners (m, 8, 3)."""
     ends = corners.reshape(-1, 2, 4, 3)
     chord = ends[:, 1].mean(axis=1) - ends[:, 0].mean(axis=1)
     chord /= np.linalg.norm(chord, axis=1, keepdims=True)

@@ -34,8 +34,7 @@ _FACTS: ContextVar[Mapping[str, str]] = ContextVar("facts of the results", defau
 @contextmanager
 def results_of(facts: Mapping[str, str]) -> Iterator[None]:
     """Context manager in which files that `result_file` writes get `facts` into their seals
-    (checksum and origin): texts by name, such as `plan`, the digest of the runs they are made
-    of."""
+    (checksum and origin): texts by name, such as `plan`, the digest of their runs."""
     token = _FACTS.set({**_FACTS.get(), **facts})
     try:
         yield
@@ -55,9 +54,8 @@ def result_file(path: str | Path, **facts: str) -> Iterator[Path]:
 
 
 def open_netcdf(path: str | Path) -> Any:
-    """Check a result in netCDF and open it as a `netCDF4.Dataset`, imported faster than xarray,
-    with plain, not masked, arrays. Raises `fpm.files.sealed.DamagedError` if the file is not as
-    written."""
+    """Check a result in netCDF and open it as a `netCDF4.Dataset`, with plain, not masked, arrays.
+    Raises `fpm.files.sealed.DamagedError` if the file is not as written."""
     import netCDF4
 
     _check(path)
@@ -79,9 +77,8 @@ HISTORY: deque[Path] = deque(maxlen=9)
 
 
 def unforeseen(error: Exception) -> CampaignError | None:
-    """Turn an unexpected error into the one that the user sees, which blames the content of the
-    results that this process opened last; None where it opened none, or Python runs with `-X
-    dev`."""
+    """Turn an unexpected error into the one that the user sees, which blames the results that this
+    process opened last; None where it opened none, or with `python -X dev`."""
     if not HISTORY or sys.flags.dev_mode:
         return None
     words, paths = " ".join(str(error).split())[:200], ", ".join(dict.fromkeys(map(str, HISTORY)))
@@ -147,8 +144,7 @@ def open_dataset(path: str | Path) -> Any:
 
 
 def refuse_links(folder: str | Path) -> None:
-    """Raise CampaignError if a folder of results, which may come from strangers, has at any depth a
-    link to a place outside of it, a pipe or a device."""
+    """Raise CampaignError if a folder of results has anywhere a link out of it, pipe or device."""
     whole, places = os.path.realpath(folder), [folder]
     while places:
         with suppress(FileNotFoundError, NotADirectoryError), os.scandir(places.pop()) as entries:

@@ -246,8 +246,7 @@ def _schema() -> dict:
 
 def data_of(path: str | os.PathLike, content: bytes) -> dict:
     """Parse and check a result in JSON, and return its data without the seal. path: of the file,
-    whose name tells what it should hold; content: its bytes. Raises DamagedError where it does
-    not."""
+    whose name tells what it should hold, else DamagedError; content: its bytes."""
     properties = _schema()["properties"]
     answers = {name: properties[name] for name in ("requirements", "together")}
     schemas = {

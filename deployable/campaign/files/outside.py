@@ -1,5 +1,4 @@
-"""Check that a netCDF file holds all its data itself, since HDF5 follows paths in a file to any
-other."""
+"""Check that a netCDF file holds all its data itself: HDF5 follows paths to any other file."""
 
 from __future__ import annotations
 
@@ -12,8 +11,7 @@ from typing import Any
 from fpm.files.sealed import DamagedError
 
 _HARD, _DATASET, _VIRTUAL = 0, 5, 3
-"""HDF5's numbers of a link within the file, of an object that is a dataset, and of a layout whose
-numbers lie in other datasets."""
+"""HDF5's codes of a link within the file, a dataset, and a layout of data in other datasets."""
 
 
 def refuse_outside(path: str | Path) -> None:
@@ -57,8 +55,7 @@ def _is_within(hdf5: Any, file: int, name: bytes) -> bool:
 
 @cache
 def _library() -> Any:
-    """The HDF5 that netCDF4 uses, found as one of its own libraries; None where the system finds
-    none so (Windows)."""
+    """The HDF5 that netCDF4 uses, found as one of its libraries; None if not found (Windows)."""
     import netCDF4
 
     library, ident, text = ctypes.CDLL(netCDF4._netCDF4.__file__), ctypes.c_int64, ctypes.c_char_p

@@ -50,8 +50,7 @@ def stress_colours(motion: xarray.Dataset) -> tuple[np.ndarray, float]:
 
 
 def draw_scale(figure: Any, top: float) -> None:
-    """Draw the colour scale of stresses, from 0 to `top` (Pa), at the upper right of a matplotlib
-    figure."""
+    """Draw the colour scale of stresses, 0 to `top` (Pa), at a matplotlib figure's upper right."""
     from matplotlib.ticker import EngFormatter
 
     ax = figure.add_axes((0.58, 0.94, 0.32, 0.018))

@@ -68,8 +68,7 @@ def write_glb(motion: xarray.Dataset, path: Path) -> Path:
 
 def glb_of(motion: xarray.Dataset, small: bool = False) -> bytes:
     """Encode a whole motion (dataset of `fpm.motions`) as the bytes of a glTF file (.glb) that
-    plays it. small: round positions to 1/65534 of the motion's extent and store rotations in 16
-    bits."""
+    plays it. small: round positions to 1/65534 of the extent, rotations to 16 bits."""
     buffer = _Buffer()
     content = _content(motion, buffer, small)
     text = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()
@@ -122,8 +121,7 @@ def _content(motion: xarray.Dataset, buffer: _Buffer, small: bool) -> dict[str, 
 
 
 def _loads(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, dict]:
-    """What viewers may colour by: stress (Pa) of the elements and tension (N) of the cables at each
-    frame, as an accessor of shares of `most`; above 0 wherever there is any."""
+    """Stress (Pa) of elements and tension (N) of cables by frame, for colours: shares of `most`."""
     loads = {}
     for name, key in (("stress", "stress"), ("tension", "cable_tension")):
         values = motion[key].values if key in motion else np.zeros(0)
@@ -138,9 +136,7 @@ def _loads(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, dict]:
 
 
 def _mesh(motion: xarray.Dataset, buffer: _Buffer) -> dict[str, Any]:
-    """Bars, cables and pins as they stand in the first frame, with the particles that they follow.
-    The vertices of bars and cables know their element or cable (`_OF`); rigid bodies, which have no
-    stress, are of -1."""
+    """Bars, cables and pins in the first frame, particles they follow, elements (`_OF`)."""
     solid = solid_of_motion(motion.isel(time=slice(0, 1)))
     primitives = []
     if len(solid.nodes):
@@ -189,8 +185,7 @@ def _bars(solid: Solid, buffer: _Buffer) -> dict[str, Any]:
 
 
 def _pins(motion: xarray.Dataset, half: float) -> tuple[np.ndarray, np.ndarray]:
-    """A piece of each hinge's axis, `half` (m) to either side: ends (h, 2, 3) m in the first frame,
-    and their particles (h, 2)."""
+    """Hinges' axes, `half` (m) to either side: ends (h, 2, 3) m at first, and particles (h, 2)."""
     particles = motion["hinge_particle"].values[:, :1]
     ends = (
         np.multiply.outer([-half, half], motion["hinge_axis"].values) + motion["hinge_arm"].values
@@ -203,8 +198,7 @@ def _pins(motion: xarray.Dataset, half: float) -> tuple[np.ndarray, np.ndarray]:
 def _strands(
     ends: np.ndarray, nodes: np.ndarray, half: float, colour: str, buffer: _Buffer
 ) -> dict[str, Any]:
-    """Straight strands between ends (s, 2, 3) m that follow the particles `nodes` (s, 2), by three
-    ribbons across each other, `half` (m) to either side, so that one is seen from wherever."""
+    """Strands between ends (s, 2, 3) m that follow particles `nodes` (s, 2): three ribbons each."""
     shift = half * np.stack([np.eye(3), np.eye(3), -np.eye(3), -np.eye(3)], axis=1)  # (3, 4, 3)
     points = (ends[:, None, [0, 1, 1, 0]] + shift).reshape(-1, 4, 3) @ TO_GLTF.T
     colours = np.tile(rgb(colour), (4 * len(points), 1))
@@ -267,8 +261,7 @@ def _animation(
 
 
 def _quaternions(turn: np.ndarray) -> np.ndarray:
-    """Unit quaternions (t, n, 4), x y z w, of rotations (t, n, 3, 3), each on the side of the one
-    before, so that a player turns the short way."""
+    """Unit quaternions (t, n, 4), x y z w, of rotations (t, n, 3, 3), each near the one before."""
     from scipy.spatial.transform import Rotation
 
     quats = Rotation.from_matrix(turn.reshape(-1, 3, 3)).as_quat().reshape(*turn.shape[:2], 4)

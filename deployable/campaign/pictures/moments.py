@@ -28,13 +28,12 @@ def telling_moments(motion: Any, count: int) -> np.ndarray:
 
 
 def draw_moments(motion: Any, count: int = 5, width: float = 7.5, view: View | None = None) -> Any:
-    """Draw a structure at several moments of its motion, side by side, as a matplotlib figure.
+    """Draw a structure at moments of its motion, side by side, as an unsaved matplotlib figure.
 
     Parameters
     ----------
     motion
-        Whole motion of a run as `fpm.motions` makes it, an open `xarray.Dataset` or
-        `netCDF4.Dataset`.
+        Whole motion (`fpm.motions`), an open `xarray.Dataset` or `netCDF4.Dataset`.
     count
         Number of moments, evenly spread over the length of the particles' paths, up to the first
         closure of a contact or else the end.
@@ -42,11 +41,6 @@ def draw_moments(motion: Any, count: int = 5, width: float = 7.5, view: View | N
         Width of the figure, in inches.
     view
         Direction from the structure to the eye; None: `View()`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Not saved yet.
     """
     from matplotlib.figure import Figure
 

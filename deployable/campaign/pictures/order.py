@@ -71,8 +71,7 @@ def _planes(flat: np.ndarray, depth: np.ndarray) -> np.ndarray:
 
 
 def _places(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The middle (p, 2) of what pairs of convex faces (p, 4, 2) share, and whether it is inside of
-    both (p,)."""
+    """The middle (p, 2) of what pairs of faces (p, 4, 2) share, and whether both have it (p,)."""
     crossings, cuts = _crossings(first, second)
     points = np.concatenate([first, second, crossings], axis=1)
     counts = np.concatenate([_is_inside(first, second), _is_inside(second, first), cuts], axis=1)

@@ -70,9 +70,8 @@ def visible_faces(
 
 
 def paint_points(ax: Any, places: Mapping[str, np.ndarray], view: View, size: float) -> None:
-    """Draw points of a structure into matplotlib axes (`ax`) with their names, set off from the
-    middle of all. places: positions (3) by name (m); view: direction to the eye; size: of the whole
-    picture (m)."""
+    """Draw points of a structure into matplotlib axes (`ax`) with names, set off from the middle of
+    all. places: positions (3) by name (m); view: direction to the eye; size: of the picture (m)."""
     flat = {name: view.page @ place for name, place in places.items()}
     if not flat:
         return
@@ -123,8 +122,7 @@ def length_text(length: float) -> str:
 def limits_of(places: np.ndarray, view: View, margin: float = 0.08) -> np.ndarray:
     """Find the lowest and highest corner (2, 2) of a picture (m, in its plane) that holds all
     positions. places (..., 3): m; view: direction to the eye; margin: added on each side, as a
-    fraction of the larger extent; a thin structure gets at least 0.35 of that in the other
-    direction."""
+    fraction of the larger extent; the smaller counts as at least 0.35 of it."""
     flat = places.reshape(-1, 3) @ view.page.T
     low, high = flat.min(axis=0), flat.max(axis=0)
     size = max((high - low).max(), 1e-9)

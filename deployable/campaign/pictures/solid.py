@@ -45,8 +45,7 @@ class Solid:
     """The m elements of a structure with n particles at T moments, each a hexahedron between the
     sections at its two ends. nodes (m, 2): indices of the particles at the ends; sections (m, 2, 4,
     3): the sections' corners from the particle, in its rotating frame (m); position (T, n, 3): of
-    the particles (m); frame (T, n, 3, 3): their rotation matrices; elements (m): names; cables: the
-    cables' points."""
+    the particles (m); frame (T, n, 3, 3): their rotation matrices; elements (m): names."""
 
     nodes: np.ndarray
     sections: np.ndarray
@@ -71,8 +70,7 @@ class Solid:
 
     @cached_property
     def corners(self) -> np.ndarray:
-        """Positions (T, m, 8, 3) of the elements' corners (m): four at the first end, then at the
-        second."""
+        """Corners (T, m, 8, 3) of the elements (m): four at the first end, then at the second."""
         offsets = np.einsum("tmeij,mecj->tmeci", self.frame[:, self.nodes], self.sections)
         corners = offsets + self.position[:, self.nodes, None, :]
         return corners.reshape(len(corners), len(self.nodes), 8, 3)
@@ -108,9 +106,8 @@ class Solid:
 
 
 def solid_of_motion(motion: Any, frames: Any = slice(None)) -> Solid:
-    """Make the `Solid` (hexahedra) of a motion's structure at some of its frames. motion: a run's
-    whole motion, an open `xarray.Dataset` or `netCDF4.Dataset` (`fpm.motions`); frames: slice or
-    indices of frames; all by default."""
+    """Make the `Solid` (hexahedra) of a motion's structure at some frames. motion: whole motion
+    (`fpm.motions`), an open `xarray.Dataset` or `netCDF4.Dataset`; frames: slice or indices."""
     return Solid(
         nodes=values_in(motion, "element_particle"),
         sections=values_in(motion, "section_corner"),

@@ -26,7 +26,7 @@ _MARKER = {"marker": "^", "color": "none", "markeredgecolor": "black", "markersi
 
 def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> Any:
     """Draw a structure where it starts, with named points, axes of hinges, cables and supports, as
-    a matplotlib figure.
+    a matplotlib figure, not saved yet.
 
     Parameters
     ----------
@@ -36,11 +36,6 @@ def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> 
         Direction from the structure to the eye; None: `View()`.
     width
         Width of the figure, in inches; the height follows from the structure.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Not saved yet.
     """
     from matplotlib.figure import Figure
 

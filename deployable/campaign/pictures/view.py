@@ -18,8 +18,7 @@ class View:
 
     @cached_property
     def page(self) -> np.ndarray:
-        """Unit vectors (2, 3) to the right and upwards in the picture; `page @ position` projects
-        onto it."""
+        """Unit vectors (2, 3) right and up in the picture; `page @ position` projects onto it."""
         a = np.radians(self.azimuth)
         right = np.array([-np.sin(a), np.cos(a), 0.0])
         return np.stack([right, np.cross(self.towards, right)])
@@ -32,8 +31,7 @@ class View:
 
 
 def nice_length(limit: float) -> float:
-    """Round a length down to 1, 2 or 5 times a power of ten, for a picture's scale; limit: the
-    length, above 0."""
+    """Round a length, `limit` above 0, down to 1, 2 or 5 times a power of ten, for a scale."""
     power = 10.0 ** np.floor(np.log10(limit))
     return float(
         max(step for step in (1.0, 2.0, 5.0) if step * power <= limit * (1 + 1e-9)) * power

@@ -91,8 +91,7 @@ def _plan(
     check: tuple[str, ...],
     time: TimeStep | None = None,
 ) -> Plan:
-    """The plan of runs at unit points (n, k), with the step of the last one where mesh and safety
-    are the same."""
+    """The plan of runs at unit points (n, k), with the last step if mesh and safety are kept."""
     points = tuple(tuple(map(float, point)) for point in points)
     design = replace(experiment.design, existing=points)
     plan = make_plan(replace(experiment, design=design), time=time)
@@ -100,8 +99,7 @@ def _plan(
 
 
 def _halved(solver: Solver, time: TimeStep) -> float:
-    """A safety that takes half the step, which may be far below the stable one: there are no longer
-    ones between instants."""
+    """A safety that takes half the step, which instants may keep far below the stable one."""
     half, actual = solver.safety / 2, time.step / time.step_limit
     return half if half < actual else actual / 2
 
@@ -126,8 +124,7 @@ class _QuantityEstimate(NamedTuple):
     bounds: tuple[BoundEstimate, ...]
 
     def relative_error(self) -> tuple[float, float]:
-        """The error of the bounds by the surrogate as a share of their width, and the width; 0
-        where no run has the quantity, or all the same."""
+        """Error of bounds by the surrogate over their width, and the width; 0 if all is equal."""
         if not self.bounds:
             return 0.0, 0.0
         width = self.bounds[1].value - self.bounds[0].value
@@ -155,8 +152,7 @@ def _estimate_quantities(experiment: Experiment, samples: Any) -> dict[str, _Qua
 def _shares(
     plan: Plan, bounds: Any, quantities: Mapping[str, _QuantityEstimate]
 ) -> dict[str, dict[str, float]]:
-    """The errors of all responses and quantities by part, as shares of their widths. Of step and
-    mesh what the last check of the same mesh and step found; nothing where there was none."""
+    """Errors of responses and quantities by part, as shares of widths; step, mesh: last checked."""
     previous: Mapping[str, Mapping] = {}
     if plan.adaptive.rounds and plan.adaptive.rounds[-1].action in ("runs", "check"):
         previous = plan.adaptive.rounds[-1].shares
@@ -234,9 +230,8 @@ def _places(
     seed: int,
     quantities: Sequence[_QuantityEstimate] = (),
 ) -> np.ndarray:
-    """Unit points (n, k) of the next `count` runs: where bounds of unmet quantities may still be
-    extended, about their limit-state surfaces, and where the spline predicts wider bounds of unmet
-    responses; the rest is spread."""
+    """Unit points (n, k) of the next `count` runs: where bounds of unmet quantities may be
+    extended, at limit-state surfaces, where a spline predicts wider responses; the rest spread."""
     unit, free = samples["normalized"].values, experiment.box.free
     points: list[np.ndarray] = []
 

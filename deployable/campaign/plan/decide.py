@@ -18,37 +18,31 @@ from deployable.campaign.text.numbers import duration_text
 Shares = Mapping[str, Mapping[str, float]]
 
 _INITIAL_SHARE, _FINAL_SHARE = 0.5, 0.75
-"""Share of what is asked for that step and mesh together may take: with the first runs, when a
-finer mesh is cheap, and once there are more."""
+"""Share of the tolerance that step and mesh may take: with the first runs, and with more."""
 
 _HARDLY = 1.3
 """Factor by which the error of a mesh must fall for the next one to be worth its cost."""
 
 
 _STAGNANT, _STAGNANT_RUNS = 0.9, 4.0
-"""An error does not fall with runs if it is at least this many times what it was with a quarter of
-them: one that falls with the distance of runs is 0.7 times that in four directions."""
+"""An error does not fall with runs if at least this many times that with a quarter of them."""
 
 _RATE, _RATES = 1.5, (0.75, 4.0)
-"""The error of a surrogate is taken to fall like runs to the power of minus this, as long as no two
-rounds tell it; and between which it may be told."""
+"""A surrogate's error falls like runs to minus this power, till two rounds tell it; limits."""
 
 _LEAST, _MOST = 1.25, 2.0
 """Factors by which a round has more runs than the last."""
 
 _SPARE = 0.75
-"""Share of what is left for a surrogate's error that is aimed at: one more round for having missed
-it by little costs more than the runs that are too many."""
+"""Share that is aimed at of what is left for a surrogate's error, not to miss it by little."""
 
 _PARTS = ("step", "mesh")
 
 CHECKED_RUNS = 14
-"""Runs for each quantity after the rounds: six with other steps and meshes at its bounds, and eight
-beside its limit-state surface."""
+"""Runs for each quantity after the rounds: six at its bounds, eight at its limit-state surface."""
 
 _ROUND = 0.5
-"""Seconds of a core that a round takes beside its runs: a check that takes less is made at once
-where the errors are expected to be small enough after it."""
+"""Core seconds of a round beside its runs: a check that takes less is made at once."""
 
 
 @dataclass(frozen=True)
@@ -70,8 +64,7 @@ class Resources:
 
     def need_of(self, action: str) -> tuple[int, float]:
         """Return the runs and the seconds of one core that an action ("check", "runs", "step" or
-        "mesh") takes, with its own check and a last one of step and mesh, which the budget must
-        allow too."""
+        "mesh") takes, with its own check and a last one of step and mesh."""
         checked, time = self.checked, self.run_seconds
         if action == "check":
             return 2 * checked, 6 * checked * time
@@ -86,9 +79,8 @@ class Resources:
 class Decision:
     """The next action towards the errors that an `accuracy` allows, with the `reason` as a
     sentence. action: "stop"; "check" (repeat runs with finer step and mesh, to estimate the errors
-    by both); "runs" (add some); "mesh" or "step" (halve it and make all runs again). check: for
-    which errors, of "step" and "mesh", the next round repeats runs; met: whether all errors are
-    within their tolerances."""
+    by both); "runs" (add some); "mesh" or "step" (halve it and make all runs again). check: errors,
+    of "step" and "mesh", for which the next round repeats runs; met: whether all are tolerable."""
 
     action: str
     reason: str
@@ -98,9 +90,8 @@ class Decision:
 
 @dataclass(frozen=True)
 class Errors:
-    """Estimated errors of the bounds of the response or quantity `name`, as fractions of the width
-    of its interval. aim: tolerance of their sum; parts: error by component, "surrogate" and, if
-    known, "step" and "mesh"."""
+    """Estimated errors of the bounds of the response or quantity `name`, as fractions of its width.
+    aim: tolerance of their sum; parts: by component, "surrogate" and, if known, "step", "mesh"."""
 
     name: str
     aim: float
@@ -159,8 +150,7 @@ class Standing:
 
     @cached_property
     def unmet(self) -> list[Errors]:
-        """Errors of each response and quantity that exceed its tolerance; unknown (NaN) ones are
-        left out."""
+        """Errors of responses and quantities above their tolerances, without unknown ones (NaN)."""
         return [error for error in self._all if error.whole > error.aim]
 
     @property
@@ -176,16 +166,14 @@ class Standing:
 
     @property
     def pursued(self) -> list[Errors]:
-        """Errors of each response and quantity beyond its tolerance for which the action that it
-        needs is possible."""
+        """Errors of responses and quantities beyond tolerance whose needed action is possible."""
         return [error for error in self.unmet if not self.needs[error.name].why_not]
 
     def decide(self) -> Decision:
         """Decide on the next action of the rounds, with the reason. A check repeats the runs that
         decide the bounds with a finer step and mesh, to estimate the errors by both.
 
-        1. If all errors are within their tolerances, stop if this round was checked for the step,
-           else check.
+        1. If all errors are tolerable, stop if this round was checked for the step, else check.
         2. A response or quantity is given up if step and mesh together reach its tolerance and the
            larger cannot be made finer (the config gives it, the budget is too small, or a finer
            mesh hardly helps), or if the surrogate's error did not fall with four times the runs. If
@@ -231,8 +219,7 @@ class Standing:
         return min(max([_LEAST, *factors]), _MOST)
 
     def _need(self, error: Errors) -> Need:
-        """A mesh that is too coarse comes first: all runs are made again with a finer one. Where it
-        cannot be had, runs help what its error leaves room for."""
+        """Too coarse a mesh comes first; where none finer can be had, runs help what it leaves."""
         is_first = all(record.action in ("mesh", "step") for record in self.state.rounds)
         if not error.discretization > (_INITIAL_SHARE if is_first else _FINAL_SHARE) * error.aim:
             return Need("runs", self._stagnation(error))
@@ -245,8 +232,7 @@ class Standing:
         return Need(action, cause) if is_needed else Need("runs")
 
     def _stagnation(self, error: Errors) -> str:
-        """Why no more runs help: the surrogate's error has hardly fallen while they became four
-        times as many, as where a number jumps in the box; nothing where it has."""
+        """Why no more runs help: the error hardly fell with four times as many; empty if it did."""
         nodes, share = self.cost.nodes, error.parts["surrogate"]
         for record in self.state.rounds:
             if record.elements == self.cost.elements and 0 < _STAGNANT_RUNS * record.nodes <= nodes:
@@ -289,8 +275,7 @@ class Standing:
         return min(max(rate, _RATES[0]), _RATES[1])
 
     def _is_last(self) -> bool:
-        """Whether surrogates are expected to be accurate enough after the next runs, and a check is
-        cheaper than a round of its own."""
+        """Whether the next runs should suffice, and a check is cheaper than a round of its own."""
         fall = self.cost.nodes / (self.cost.nodes + self.cost.next_runs)
         return self.cost.need_of("check")[1] <= _ROUND and all(
             error.parts["surrogate"] * fall ** self._rate(error) <= error.allowance
@@ -326,8 +311,7 @@ class Standing:
         )
 
     def _is_hopeless(self, error: Errors) -> bool:
-        """Whether the mesh that is needed, by how its error fell last, takes more than the budget;
-        the first mesh tells nothing."""
+        """Whether the mesh needed, by its last `_fall`, exceeds the budget, or it hardly fell."""
         if (fall := self._fall(error)) is None or fall < _HARDLY:
             return fall is not None
         factor = sum(4.0**i for i in range(1, _halvings(error, fall) + 1))
@@ -335,8 +319,7 @@ class Standing:
         return self.cost.seconds + seconds > 60 * self.accuracy.max_core_minutes
 
     def _fall(self, error: Errors) -> float | None:
-        """The factor by which the error of the mesh fell when it was last halved, at most 8; None
-        where it was not."""
+        """Factor by which the mesh's error fell when last halved, at most 8; None if never."""
         current, rounds = error.parts.get("mesh", 0.0), self.state.rounds
         meshes = {row.elements: row.shares.get(error.name, {}).get("mesh", 0.0) for row in rounds}
         coarser = [share for n, share in sorted(meshes.items()) if n < self.cost.elements]

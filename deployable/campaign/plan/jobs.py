@@ -41,8 +41,7 @@ def runs_in_job(campaign: Campaign) -> int:
 def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> int:
     """Return the minutes of wall-clock time to ask a queue for, for a job of `runs` runs: those to
     start the program and twice the estimate, which `jobs.processes` (config) share; with an
-    `accuracy` the estimate is its whole budget. time: time step of the plan; None: chosen here,
-    which takes longer."""
+    `accuracy` the estimate is its whole budget. time: step of the plan; None: chosen here."""
     if campaign.experiment.is_sought:
         minutes = campaign.experiment.accuracy.max_core_minutes
     else:
@@ -60,8 +59,7 @@ def job_megabytes(campaign: Campaign) -> int:
 
 def seconds_of_run(campaign: Campaign, time: TimeStep | None = None) -> float:
     """Return the core seconds on this machine of a run that is one of eight side by side: the
-    config's `jobs.run_seconds`, else an estimate. time: time step of the plan; None: chosen
-    here."""
+    config's `jobs.run_seconds`, else an estimate. time: step of the plan; None: chosen."""
     experiment = campaign.experiment
     if seconds := campaign.jobs.run_seconds:
         return seconds
@@ -71,16 +69,14 @@ def seconds_of_run(campaign: Campaign, time: TimeStep | None = None) -> float:
 
 
 CORES = "DEPLOYABLE_INTERVALS_CORES"
-"""Environment variable with the cores of the machine on which a workflow was started: jobs on other
-machines must find as many batches."""
+"""Environment variable: cores of the machine that started a workflow, which decide batches."""
 
 
 def batch_count(campaign: Campaign, runs: int) -> int:
     """Return into how many batches, one for each job of a workflow, a number `runs` of runs is
     divided: of as many runs as fit `jobs.minutes` of the config, else of `jobs.runs_per_job`. If
     that is `auto`, there is one for each 512 runs, but at most the largest of 8, the number of
-    cores, and one for each 4,096 runs up to 64; above the number of cores, rounded down to a
-    multiple of it."""
+    cores, and one for each 4,096 runs up to 64; above the cores, rounded down to a multiple."""
     if campaign.jobs.minutes:
         return -(-runs // runs_in_job(campaign))
     if campaign.jobs.runs_per_job != "auto":

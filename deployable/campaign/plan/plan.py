@@ -68,8 +68,7 @@ class Round:
     seconds: spent so far, checks included, the time (s of one core) by estimate; error: of the
     worst response or quantity; shares: errors by name and component (surrogate, step, mesh), both
     as fractions of the widths; elements: value of the mesh's parameter; safety: factor on the
-    stable step, or the step (s) if the config gives it; nodes: runs that surrogates were fitted
-    to."""
+    stable step, or the step (s) if the config gives it; nodes: runs that were fitted."""
 
     runs: int
     error: float
@@ -127,8 +126,7 @@ class Plan:
         return digest([self.config_hash, self.mechanics, self.time.step, self.runs.digest])
 
     def unique_runs(self) -> Runs:
-        """Return the runs in order, without those that repeat an earlier one's parameter values:
-        one simulation each."""
+        """Return the runs in order, without those that repeat an earlier one's parameter values."""
         return self._unique
 
     @cached_property
@@ -184,8 +182,7 @@ def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
 
 
 def share(items: list, part: int, parts: int) -> list:
-    """Return part number `part` (from 0) of `items`, a list or `Runs`, cut in order into `parts`
-    nearly equal ones."""
+    """Part `part` (from 0) of `items`, a list or `Runs`, cut into `parts` nearly equal ones."""
     return items[len(items) * part // parts : len(items) * (part + 1) // parts]
 
 
@@ -210,8 +207,7 @@ def write_plan(plan: Plan, path: str | Path) -> None:
 
 
 def read_plan(path: str | Path) -> Plan:
-    """Read the plan in the file `path`; raises `fpm.files.sealed.DamagedError` if it was changed or
-    does not hold a plan."""
+    """Read a plan from `path`; raises `fpm.files.sealed.DamagedError` if it is not as written."""
     data = read_json(path)
     with reading(path):
         return _plan(path, data)

@@ -29,11 +29,10 @@ class PlannedRun:
 
 
 class Runs(Sequence[PlannedRun]):
-    """Sequence of N runs, held as arrays; a `PlannedRun` is made when one is accessed, and a slice
-    or a list of indices gives another sequence. role (N): indices into `ROLES` (nominal, node,
-    held_out, ...); unit (N, k): normalized points, kept as `normalized`; values (N, k): of the
-    interval parameters, in their units; name: function that returns a run's id from its values, a
-    tuple of k numbers."""
+    """Sequence of N runs, held as arrays: an index gives a `PlannedRun`, a slice or a list of
+    indices another sequence. role (N): indices into `ROLES` (nominal, node, held_out, ...); unit
+    (N, k): normalized points, kept as `normalized`; values (N, k): of the interval parameters, in
+    their units; name: function that returns a run's id from its values, a tuple of k numbers."""
 
     def __init__(
         self,
@@ -99,8 +98,7 @@ class Runs(Sequence[PlannedRun]):
 def values_of(experiment: Experiment, role: np.ndarray, unit: np.ndarray) -> np.ndarray:
     """Compute the values (N, k) of the k interval parameters, in their units, in N runs. unit (N,
     k): normalized points, from -1 at the lower end of an interval to 1 at the upper; role (N):
-    indices into `ROLES`; nominal runs get the config's values exactly, which the map from the box
-    might round."""
+    indices into `ROLES`; nominal runs get the config's exact values."""
     values = experiment.box.from_unit(unit)
     values[role == ROLES.index("nominal")] = experiment.nominal
     return values
@@ -121,9 +119,8 @@ def namer(
 
 
 def run_id(experiment: Experiment, parameters: Mapping, step: float, mechanics: str) -> str:
-    """Compute the id of a run: a digest, 16 hex digits, of all that its motion depends on.
-    parameters: values of all structure parameters by name; step: time step (s); mechanics: digest
-    of structure and code."""
+    """Compute the id of a run (16 hex digits) from all that its motion depends on. parameters:
+    values of structure parameters by name; step: time step (s); mechanics: digest of its code."""
     return digest(
         {
             "scene": experiment.scene.name,

@@ -82,8 +82,7 @@ class MovingRun:
 
 @dataclass(frozen=True)
 class OmittedRun:
-    """A run that the page would show moving if it had room: its id (hexadecimal), and `label`, what
-    it is in words."""
+    """A run that the page has no room to show moving: id (hexadecimal); `label`: what it is."""
 
     id: str
     label: str
@@ -156,8 +155,7 @@ class PageData:
 
     @property
     def unfitted(self) -> tuple[int, ...]:
-        """Indices in `runs` of those that no surrogate was fitted to; perhaps the nominal one,
-        too."""
+        """Indices in `runs` of those that no surrogate was fitted to, perhaps the nominal."""
         fitted_ids = {run.id for run in self.runs if run.role in ("node", FURTHER)}
         return tuple(i for i, run in enumerate(self.runs) if run.id not in fitted_ids)
 

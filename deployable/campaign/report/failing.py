@@ -37,8 +37,7 @@ class Panel:
 def meets(limits: Iterable[Mapping], names: Sequence[str], numbers: np.ndarray) -> np.ndarray:
     """Mask (R) of the runs that meet all limits of the requirements. limits: dicts in
     `summary.json` with quantity, kind and level; names: of the q quantities; numbers (R, q): their
-    values in the runs, NaN for one that does not occur, which breaks any limit but `happens:
-    false`."""
+    values in the runs, NaN if absent, which breaks any limit but `happens: false`."""
     from deployable.intervals.scalars import Limit
 
     met = np.ones(len(numbers), dtype=bool)
@@ -54,9 +53,8 @@ def _tells_apart(data: PageData) -> bool:
 
 
 def panels(data: PageData) -> list[Panel]:
-    """Make the plots of failing and feasible runs, one for each pair of the (at most three)
-    parameters whose mean values in both differ most; empty where all runs fail, or none does. data:
-    all that the page shows."""
+    """Make plots of failing and feasible runs, one for each pair of the (at most three) parameters
+    whose mean values in both differ most; empty where all fail, or none. data: the page's."""
     if not _tells_apart(data):
         return []
     unit = [_unit(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)]
@@ -107,9 +105,7 @@ def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
 
 
 def _drawn_runs(met: np.ndarray) -> np.ndarray:
-    """Indices of at most `MOST_MARKS` runs: first those that meet all, then those that fail, which
-    so are drawn above; evenly spread ones where a kind has more than half, and room that the other
-    kind leaves."""
+    """At most `MOST_MARKS` runs (indices), evenly chosen: those that meet all, then others."""
     kinds, most = [np.flatnonzero(met), np.flatnonzero(~met)], MOST_MARKS // 2
     counts = [max(most, MOST_MARKS - len(rest)) for rest in reversed(kinds)]
     return np.concatenate([
@@ -122,8 +118,7 @@ def prices(facts: Mapping[str, Any]) -> Panel | None:
     """Make the plot of the parameter values that were tried for the best choice: over its two
     goals, or over its first parameter and the one goal; None without a choice, or if fewer than two
     remain or one has no value. Left out are those whose goal, the latest time of an event, is
-    within 5 % of the end of the runs, as it may be later. facts: the campaign's results as plain
-    data (`facts_of`)."""
+    within 5 % of the end of the runs. facts: the campaign's results as plain data (`facts_of`)."""
     choice = facts.get("choice")
     if choice is None:
         return None

@@ -1,5 +1,4 @@
-"""Whole motions of the runs that the page shows: the nominal one, and those at which quantities and
-bounds are attained."""
+"""Whole motions of runs on the page: the nominal one, and those at which bounds are attained."""
 
 from __future__ import annotations
 
@@ -27,8 +26,7 @@ MOST_MOVING = 24
 """Runs that are shown, the nominal one among them; of more ends, those of quantities come first."""
 
 MOST_PLACES = 90_000
-"""Particles times frames of all the motion on a page, which leave it below 3 MB; frames are left
-out for it."""
+"""Particles times frames of all motion on a page, below 3 MB; for it frames are left out."""
 
 _FEW_RUNS, _FEW_FRAMES = 7, 100
 
@@ -48,8 +46,7 @@ class ShownRun:
 def shown_runs(folder: str | Path) -> list[ShownRun]:
     """List the runs that a campaign's page shows moving, at most 24 (`MOST_MOVING`): the nominal
     one (or a scan's first), then those at the bounds of the quantities, then those with the least
-    and largest value of each response at the instant at which its bounds differ most. folder: of
-    the results."""
+    and largest value of each response where its bounds differ most. folder: of the results."""
 
     folder = Path(folder)
     with (
@@ -93,8 +90,7 @@ def _widest(bounds: xarray.Dataset, response: int) -> int:
 
 
 def _ends_of(names: Sequence[str], numbers: np.ndarray) -> list[tuple[str, tuple[int, int]]]:
-    """Of each quantity that happens its name, and the runs (R, q) of its least and largest value;
-    further runs come after all others."""
+    """Name of each quantity that happens, and runs of its least and largest value (R, q)."""
     return [
         (str(name), (int(np.nanargmin(column)), int(np.nanargmax(column))))
         for name, column in zip(names, numbers.T, strict=True)
@@ -105,8 +101,7 @@ def _ends_of(names: Sequence[str], numbers: np.ndarray) -> list[tuple[str, tuple
 def _labelled(
     ends: Sequence[tuple[str, tuple[int, int]]], values: np.ndarray, nominal: int | None
 ) -> dict[int, str]:
-    """Runs, by their places among values (R, k), with what they are; those with the same values are
-    the same."""
+    """What runs are, by their places among values (R, k), of which equal ones are one run."""
     first = nominal or 0
     ends_by_run: dict[int, dict[str, list[str]]] = {}
     for name, runs in ends:

@@ -41,8 +41,7 @@ class _Arrays:
 
     def add(self, values: np.ndarray, kind: str) -> dict[str, Any]:
         """Append an array's bytes and return where it is, a dict for the page's script: kind, at
-        (first byte), count (of numbers). kind: numpy's type to store it in, little-endian, such as
-        `f4`."""
+        (first byte), count (of numbers). kind: numpy's little-endian type, such as `f4`."""
         raw = np.ascontiguousarray(values, dtype=np.dtype(kind).newbyteorder("<"))
         entry = {"kind": kind, "at": len(self.data), "count": raw.size}
         self.data += raw.tobytes() + b"\0" * (-raw.nbytes % 8)
@@ -50,8 +49,7 @@ class _Arrays:
 
 
 def compressed(raw: bytes) -> str:
-    """Compress bytes as base64 text of a gzip stream, which the page's script inflates; equal for
-    equal bytes."""
+    """Compress bytes as base64 text of gzip for the page's script; equal bytes give equal text."""
     return base64.b64encode(gzip.compress(raw, 6, mtime=0)).decode()
 
 
@@ -88,9 +86,8 @@ def thinned(curves: Sequence[np.ndarray], most: int = MOST_INSTANTS) -> np.ndarr
 
 
 def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[str, Any]:
-    """Make the page's data as a dict for JSON, in which each array is a dict that says where in
-    `arrays` (bytes one after the other, which this call extends) it stands. frames: kept of each
-    motion; None: all."""
+    """Make the page's data as a dict for JSON, each array a dict that says where in `arrays`
+    (bytes, which this call extends) it stands. frames: kept of each motion; None: all."""
     bounds = [c for r in data.responses for c in (r.lower, r.upper, r.upper - r.lower)]
     keep = thinned(bounds)
 

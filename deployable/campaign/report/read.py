@@ -146,8 +146,7 @@ def _with_curves(
 def _moving(
     folder: Path, runs: tuple[PageRun, ...], rows: np.ndarray, movers: Iterable[ShownRun]
 ) -> tuple[tuple[PageRun, ...], tuple[MovingRun, ...]]:
-    """The runs, further ones that move added, and the moving runs whose motion is there; none
-    without the first, with which all compare."""
+    """Runs, with further ones that move, and those whose motion exists; none without the first."""
     moving: list[MovingRun] = []
     all_runs = list(runs)
     for mover in movers:
@@ -218,8 +217,7 @@ def _manifests(folder: Path) -> list[Path]:
 
 
 def _work(folder: Path, run_counts: Mapping[str, int]) -> tuple[Work, ...]:
-    """Time in the batches of runs, of all processes together; made: how many runs for what (the
-    summary's), of which further ones and those of choices are in no batch."""
+    """Time in batches of runs, of all processes; run_counts: the summary's, by purpose."""
     if not (manifests := list(map(read_json, _manifests(folder)))):
         return ()
     total = np.sum([m["seconds"] for m in manifests], axis=0)

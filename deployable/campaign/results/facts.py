@@ -26,19 +26,16 @@ PARTS = ("surrogate", "step", "mesh")
 """Parts of an error."""
 
 SMALL, LARGE = 0.05, 0.25
-"""Shares of the largest difference below which an estimated error is called small, and from which
-it is called large."""
+"""Shares of the largest difference: below the first an error is small, from the second large."""
 
 SOFT = 0.05
 """Overlap (rad) from which faces that touch are said to pass through each other."""
 
 ROUNDING = 1e-12
-"""Share of the size of what has a unit below which a width is rounding: thousands of steps leave
-some 1e-13 of it (a step, 1e-16)."""
+"""Share of a size below which a width is rounding: thousands of steps leave some 1e-13."""
 
 _SIZES = {"rad": 1.0, "m": 1e-3}
-"""Least sizes: angles come from directions, of size 1, and no structure is below a millimetre, so
-that what a joint that sticks leaves is rounding beside them, not beside itself."""
+"""Least sizes by unit, beside which a width is rounding: of directions 1, of structures 1 mm."""
 
 _SCAN = ("drawn_runs", "share_outside", "share_outside_95")
 _ERRORS = ("error_step", "error_mesh", "error_whole")
@@ -140,8 +137,7 @@ def mark_constant(facts: dict) -> None:
 
 def varies(row: Mapping) -> bool:
     """Whether a response or quantity depends on the parameters: its value does, or a quantity
-    occurs in some runs and not in others. row: its dict in the results as plain data
-    (`facts_of`)."""
+    occurs in some runs only. row: its dict in the results (`facts_of`)."""
     if "constant" in row:
         return bool(row.get("runs_with") and row.get("runs_without"))
     return row.get("lower") is not None
@@ -309,8 +305,7 @@ def _extrapolated_error(bounds: Any, i: int, instant: int) -> dict[str, float]:
 
 
 def _response_errors(bounds: Any, i: int) -> dict[str, float]:
-    """Errors of response `i` by part, means over time, and the `share` of the mean width that they
-    are together; nothing where step and mesh were not looked at."""
+    """Mean errors of response `i` by part and `share` of the mean width; empty if unchecked."""
     if f"error_{PARTS[0]}" not in bounds.variables:
         return {}
     time = bounds["time"][:]
@@ -345,9 +340,7 @@ def _with_whole(parts: Mapping[str, float | None], width: float | None) -> dict:
 
 def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
     """Whether an accuracy is `met`, by the last `errors` of responses and quantities (rows, with
-    `name` and what is `asked`), and by which not, `unmet`; why the rounds ended; the mesh; and by
-    estimate the runs and the seconds of a core that they took, with those of checks. A quantity
-    that happens in no run has no interval that could be wrong."""
+    `name` and what is `asked`), which are `unmet`; why rounds ended; mesh, runs, core seconds."""
     last, experiment = plan.adaptive.rounds[-1], plan.experiment
     mesh = experiment.accuracy.mesh
     intervals = [row for row in rows if row.get("lower", 0.0) is not None]
@@ -377,9 +370,8 @@ def _is_met(errors: Mapping[str, float | None]) -> bool:
 def quantity_rows(data: Any, duration: float = np.inf) -> list[dict[str, Any]]:
     """Make one dict for each quantity, as in `summary.json`: its interval, errors, numbers of runs
     with and without it, parameter values at both bounds, and the influence of each parameter. data:
-    the open `quantities.nc`, whose NaN become None; duration: of the runs (s), the value of
-    `beyond` for a time that some runs lack and whose upper bound reaches the end of the runs; else
-    that is None."""
+    the open `quantities.nc`, whose NaN become None; duration: of the runs (s), which is `beyond`
+    (else None) of a time that some runs lack and whose upper bound reaches their end."""
     parameters = data["parameter"][:].tolist()
     rows = []
     for i, name in enumerate(data["quantity"][:]):
@@ -443,9 +435,8 @@ def _number(value: Any) -> float | None:
 
 
 def decisive(row: Mapping) -> str | None:
-    """Name the parameter that contributes most to the width of a quantity's interval; None where
-    none contributes, or there is one parameter alone. row: the quantity's dict
-    (`quantity_rows`)."""
+    """Name the parameter that contributes most to the width of a quantity's interval; None if none
+    does or there is one alone. row: the quantity's dict (`quantity_rows`)."""
     shares = {name: influence["share"] or 0.0 for name, influence in row["influence"].items()}
     most = max(shares, key=shares.__getitem__)
     return most if shares[most] > 0 and len(shares) > 1 else None

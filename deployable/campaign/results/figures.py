@@ -25,8 +25,7 @@ RANGE = {"color": "0.85", "linewidth": 0, "zorder": 1, "label": "between the bou
 DATELESS = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 """Metadata of figures that the same data make the same."""
 STYLE = {"svg.hashsalt": "deployable-intervals", "pdf.fonttype": 42}
-"""Settings of matplotlib for files: the same names in all of them, and TrueType fonts, since many
-journals refuse type 3."""
+"""Matplotlib's settings for files: the same names in all, and TrueType fonts, as journals ask."""
 _COLOURS = (BLUE, RED, *(BARS[i] for i in (2, 3, 0, 1)), "#000000", "#7F7F7F")
 _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1, 1, 1)), (0, (8, 2)))
 
@@ -212,8 +211,7 @@ def without_formulas(figure: Any) -> None:
 
 def save(figure: Any, path: Path, **options: Any) -> None:
     """Save a matplotlib figure as PNG, PDF and SVG with seals (checksum, origin) and without dates,
-    so that equal data give equal files. path: of the files, without suffix; options: for
-    `savefig`."""
+    so that equal data give equal files. path: without suffix; options: for `savefig`."""
     from matplotlib import rc_context
 
     without_formulas(figure)

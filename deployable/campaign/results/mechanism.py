@@ -1,5 +1,4 @@
-"""Facts of a mechanism for its review sheet: travels of openings, torque margins with their
-budgets, latches and stops, and the energies that the motion exchanges."""
+"""Facts of a mechanism for its review sheet: travels, torque margins, latches, stops, energies."""
 
 from __future__ import annotations
 
@@ -28,8 +27,7 @@ OPENING_TOLERANCE = 1e-6
 def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
     """Collect what a review sheet needs beside the facts (`facts_of`): `margins`, torque margins by
     quantity (dicts of `margin_of`); `latches`, their names; and `motion`, the energies of
-    `motion_of`. folder: of the campaign's results; quantities: dicts of all quantities in the
-    facts."""
+    `motion_of`. folder: of the results; quantities: their dicts in the facts."""
     plan = read_plan(folder.plan)
     experiment, scene = plan.experiment, plan.experiment.nominal_scene
     rows = {row["name"]: row for row in quantities}
@@ -51,8 +49,7 @@ def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dic
 def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
     """Energies (J) of a campaign's nominal run: `exchanged`, the largest change of any one kind
     over the run, `largest`, the largest value, and `off`, the largest error of their balance; None
-    where its trajectory was not stored. folder: of the campaign's results; plan: the campaign's
-    `Plan`."""
+    where its trajectory was not stored. folder: of the campaign's results; plan: its plan."""
     path = folder.runs("trajectories") / f"{plan.runs[0].id}.nc"
     if not path.exists():
         return None
@@ -121,8 +118,7 @@ def margin_of(
 
 
 def _travel_sweep(experiment: Any) -> Callable:
-    """A function that leads a margin's travel at values (k) of the interval parameters: curves of
-    the work of all parts, those that are left out too; each travel once."""
+    """Function of values (k) of interval parameters: work of all parts along a margin's travel."""
 
     @cache
     def scene(values: tuple[float, ...]) -> Any:
@@ -144,14 +140,12 @@ def _travel_sweep(experiment: Any) -> Callable:
 
 
 def standard_of(margin: Any) -> str:
-    """Return the key in `STANDARDS` of the standard by which a torque margin is taken. margin: its
-    `Response`."""
+    """Key in `STANDARDS` of the standard by which a torque margin (its `Response`) is taken."""
     return next(word for word in margin.subjects if word in STANDARDS)
 
 
 def evidence_of(margin: Any) -> str:
-    """Return what the uncertainty factors of a torque margin rest on: a word of its standard such
-    as theory or measurement. margin: its `Response`."""
+    """What uncertainty factors of a torque margin (`Response`) rest on: a word of its standard."""
     return margin.subjects[margin.subjects.index(standard_of(margin)) + 1]
 
 

@@ -1,5 +1,4 @@
-"""Figures of quantities: over the box where it has one or two parameters, else the width of the
-interval by parameter."""
+"""Figures of quantities over one or two parameters, else of their width by parameter."""
 
 from __future__ import annotations
 
@@ -34,8 +33,7 @@ def draw_ranges(folder: Folder, place: str | Path) -> None:
 def ranges(data: Any, runs: FittedRuns, width: float = 7.0) -> Any:
     """Make a matplotlib figure with one plot for each quantity: its value over one or two
     parameters, or where there are more the width of its interval by parameter. data: the open
-    `quantities.nc`; runs: those that surrogates are fitted to (`runs_of`); width: of the figure
-    (inches)."""
+    `quantities.nc`; runs: the fitted ones (`runs_of`); width: of the figure (inches)."""
     from matplotlib.figure import Figure
 
     free = np.flatnonzero(data["box_upper"][:] > data["box_lower"][:])

@@ -90,8 +90,7 @@ ALLOWABLES = ("stress", "stop", "latch shock")
 """Topics that only an allowable, which the campaign states, decides."""
 
 EXCHANGED = 20.0
-"""How many times what the balance of energy may be off by the energies of a run must change, so
-that the balance shows something: its error is at most 5 % of them then."""
+"""Energies must change by this many times the balance's allowed error for a balance to count."""
 
 
 def rows_of(facts: Mapping[str, Any], experiment: Any, standard: str) -> list[dict[str, str]]:
@@ -589,8 +588,7 @@ class _Sheet:
         return _row(analysed, verdict, value)
 
     def balance(self) -> dict[str, str]:
-        """Row on the energy balance of the runs: met where energies change by much more than its
-        error."""
+        """Row on the runs' energy balance: met if energies change by much more than its error."""
         motion, allowed = self._mechanism["motion"], numbers.percent(self._tolerance)
         runs, duration = self.facts["runs"]["all"], numbers.quantity(self.facts["duration"], "s")
         analysed = (
@@ -655,8 +653,7 @@ class _Sheet:
         return _row(analysed, verdict, value, nearest)
 
     def influence(self) -> dict[str, str] | None:
-        """Row that names for each quantity the parameter that contributes most to its interval's
-        width."""
+        """Row that names for each quantity the parameter that widens its interval most."""
         texts = [f"{row['name']} by {name} ({numbers.percent(row['influence'][name]['share'])})"
                  for row in self.facts["quantities"] if (name := decisive(row))]  # fmt: skip
         return _row("shares of the widths of quantities, by their surrogates",
@@ -664,8 +661,7 @@ class _Sheet:
                     "most: " + ", ".join(texts)) if texts else None  # fmt: skip
 
     def budget(self) -> dict[str, str] | None:
-        """Row on how wide each quantity's interval is, now and if the tolerance that counts most
-        were halved."""
+        """Row on the width of each quantity's interval, now and with the main tolerance halved."""
         texts = []
         for row in self.facts["quantities"]:
             if name := decisive(row):

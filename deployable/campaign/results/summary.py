@@ -30,8 +30,7 @@ def summarise(
     published: largest difference of the bounds in the literature, by name of response;
     requirements, choice, measured: whether the campaign has requirements, seeks a best choice, or
     has measured curves, whose results are then read; review: key of the standard, in
-    `review.CLAUSES`, by whose clauses a review sheet is written too, `review.csv` and `review.md`;
-    None: no sheet."""
+    `review.CLAUSES`, by whose clauses `review.csv` and `review.md` are written; None: neither."""
     facts = facts_of(folder, published, requirements, choice, measured)
     if review:
         facts["mechanism"] = mechanism_of(folder, facts["quantities"])

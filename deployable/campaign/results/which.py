@@ -64,16 +64,14 @@ def fitted_rows(numbers: np.ndarray) -> np.ndarray:
 
 
 def roles(samples: Any) -> list[str]:
-    """Role of each run of the open `samples.nc`: `nominal`, `node` (fitted) or `held_out` (tests
-    the fit)."""
+    """Role of each run of an open `samples.nc`: `nominal`, `node` (fitted), `held_out` (a test)."""
     if keeps_extremes(samples):
         return ["nominal"] + ["node"] * (samples.variables["value"].shape[0] - 1)
     return np.asarray(samples.variables["role"][:]).tolist()
 
 
 def ids(samples: Any, rows: Sequence[int] | slice) -> list[str]:
-    """Names (16 hexadecimal digits) of runs of the open `samples.nc`; rows: their indices, or a
-    slice."""
+    """Names (16 hex digits) of runs of an open `samples.nc`; rows: indices, or a slice."""
     rows = rows if isinstance(rows, slice) else list(rows)
     if "run_id" in samples.variables:
         return np.asarray(samples.variables["run_id"][:])[rows].tolist()

@@ -139,8 +139,7 @@ def _call(number: int) -> Any:
 def _simulate_groups(
     simulation: Simulation, store: Any, processes: int, work: Sequence[tuple[Runs, Runs]]
 ) -> tuple[int, list[Failure], np.ndarray]:
-    """Simulate what is missing of groups and write it: how many, failures, seconds. Progress is
-    told by the first of several processes."""
+    """Simulate and write what is missing of groups: how many, failures, seconds."""
     own = Simulation(simulation.plan, simulation.size, simulation.threads)
     if processes == 1:
         own.after_group = simulation.after_group
@@ -199,9 +198,8 @@ class Simulation:
         self.after_group: Callable[[], None] = lambda: None
 
     def take(self, totals: tuple[int, list[Failure], np.ndarray]) -> None:
-        """Add the totals of another simulation to this one's: a tuple of the number of runs that
-        succeeded, failures (pairs of run and reason), and seconds (2), wall-clock and processor
-        time."""
+        """Add another simulation's totals: a tuple of the number of runs that succeeded, failures
+        (pairs of run and reason), and seconds (2), wall-clock and processor time."""
         count, failures, seconds = totals
         self.count += count
         self.failures += failures
@@ -209,8 +207,8 @@ class Simulation:
 
     def results(self, runs: Runs, columns: Iterable[Column] = ()) -> Iterator[Result]:
         """Simulate runs and yield the `Result` of each that succeeds, in order. columns: (variable,
-        label) pairs to record besides what responses need, the label naming what of the structure
-        it is of."""
+        label) pairs to record besides what responses need, the label naming the part of the
+        structure."""
         for results in self.run_lots([(runs, columns)]):
             yield from results
 
@@ -261,10 +259,9 @@ def _one_ahead(start: Callable, items: Iterable[tuple]) -> Iterator[Any]:
 def simulate(
     plan: Plan, runs: Sequence[PlannedRun], columns: Iterable[Column] = ()
 ) -> tuple[list[Result], list[Failure], np.ndarray]:
-    """Simulate runs of a plan side by side in this thread: returns a list of a `Result` for each
-    that succeeds, a list of pairs of run and reason for the others, and seconds (2) of integration,
-    wall-clock and processor time. columns: (variable, label) pairs to record besides what responses
-    need."""
+    """Simulate runs of a plan side by side in this thread: returns a `Result` for each that
+    succeeds, pairs of run and reason for the others, and seconds (2) of integration, wall-clock and
+    processor time. columns: (variable, label) pairs to record besides what responses need."""
     experiment, solver = plan.experiment, plan.experiment.solver
     parameters = [experiment.parameters(plan.named(run)) for run in runs]
     with _BUILDING:

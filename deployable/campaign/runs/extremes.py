@@ -132,12 +132,10 @@ class ScanChunk:
 
 
 class ScanExtremes(common.Store):
-    """Store of runs for `jobs.keep: extremes`: a netCDF file for each chunk, a part of a scan's
-    runs."""
+    """Store of runs for `jobs.keep: extremes`: a netCDF file for each chunk (part of a scan)."""
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
-        """Divide the runs of a scan into chunks (4 to 128), each with its own file; size: not
-        used."""
+        """Divide the runs of a scan into chunks (4 to 128), a file each; size: not used."""
         count = FEWEST
         while count < MOST and len(runs) > count * LARGE:
             count *= 2

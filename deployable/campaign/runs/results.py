@@ -1,5 +1,4 @@
-"""Base of the stores of runs: results that are written, records that are read, files and their
-names."""
+"""Base of the stores of runs: results to be written, records to be read, files and their names."""
 
 from __future__ import annotations
 
@@ -26,9 +25,8 @@ EVENT_VARIABLES = ("event_time", "event_contact", "event_closing")
 
 @dataclass(frozen=True)
 class Result:
-    """A run that succeeded: the planned `run`, its `outcome` (`fpm.Outcome`), `parameters`, the
-    values of all structure parameters by name, and `common`, file attributes that all runs of the
-    plan share."""
+    """A run that succeeded: the planned `run`, its `outcome` (`fpm.Outcome`), `parameters`, values
+    of all structure parameters by name, and `common`, file attributes of all runs."""
 
     run: PlannedRun
     outcome: Any
@@ -67,8 +65,7 @@ class Store:
     that a restarted campaign finds finished runs again. experiment: its responses and quantities
     are kept. A file that is damaged or of another run counts as absent, and is noted in `damage`
     (errors by path); `lacking` notes by run id the columns (variable, label) that its file lacks. A
-    subclass can tell which runs of a group are `missing`, `write` the results of a group and `read`
-    its records."""
+    subclass can tell which runs of a group are `missing`, `write` results and `read` records."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         self.folder, self.experiment = folder, experiment
@@ -77,8 +74,7 @@ class Store:
         self.lacking: dict[str, set[Column]] = {}
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
-        """Divide runs, in order, into groups that are written together, of `size` runs or, the
-        last, fewer."""
+        """Divide runs, in order, into groups that are written together, of at most `size` runs."""
         return groups_of(runs, size)
 
     def previous_columns(self, runs: Runs) -> set[Column]:
@@ -94,8 +90,7 @@ class Store:
 
     @cached_property
     def _contents(self) -> list:
-        """What files depend on that hold responses and quantities and not what they are made of:
-        their definitions, and the code that reads them off a run."""
+        """Definitions of responses and quantities, and the code for them, that files depend on."""
         definitions = (asdict(definition) for definition in (*self.responses, *self.quantities))
         return [type(self).__name__, sources.reading(), *definitions]
 
@@ -134,8 +129,7 @@ class Store:
 
 
 def title(path: Path) -> str:
-    """Return the name that the seal (checksum) of a group's file `path` carries: `runs` and its
-    stem."""
+    """Return the name in the seal (checksum) of a group's file `path`: `runs` and its stem."""
     return f"runs {path.stem}"
 
 

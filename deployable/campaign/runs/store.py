@@ -38,8 +38,7 @@ from fpm.reading.variables import VARIABLES
 
 class Trajectories(Store):
     """Store of runs for `jobs.keep: trajectories`: one netCDF file for each run, with all that it
-    recorded. Changed responses are read from stored files again, unless they need other recorded
-    variables."""
+    recorded. Changed responses are read from stored files, unless they need other variables."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         super().__init__(folder, experiment)
@@ -52,9 +51,8 @@ class Trajectories(Store):
         return self.folder / f"{run.id}.nc"
 
     def missing(self, group: Runs) -> Runs:
-        """Return the runs of a group to be simulated: those without an undamaged stored file, and
-        those whose file lacks a variable that responses need, or has it by another version of the
-        code."""
+        """Return the runs of a group to be simulated: those without an undamaged file, or whose
+        file lacks a variable that responses need, or has it by another version of the code."""
         return group[[i for i, run in enumerate(group) if self._curves(run) is None]]
 
     def previous_columns(self, runs: Runs) -> set[Column]:
@@ -90,8 +88,7 @@ class Trajectories(Store):
         return records
 
     def _curves(self, run: PlannedRun) -> trajectory.Curves | None:
-        """The run's curves; None if its file is not there, not whole, or lacks what responses
-        need."""
+        """The run's curves; None if its file is absent, damaged, or lacks what responses need."""
         path = self.path(run)
         try:
             with reading(path):
@@ -119,8 +116,7 @@ class Responses(Store):
         return self.folder / f"{self.file_of(group)}.nc"
 
     def missing(self, group: Runs) -> Runs:
-        """Return the runs of a group to be simulated: none if all are stored, else all of them,
-        also if only one failed."""
+        """Return the runs of a group to be simulated: none if all are stored, else all of them."""
         import netCDF4
 
         path = self.path(group)
@@ -203,8 +199,7 @@ def pack(store: str | Path, bundle: str | Path) -> None:
 
 def unpack(bundles: Iterable[str | Path], store: str | Path) -> None:
     """Extract the result files in tar files, `bundles`, into the folder `store`, unless they exist.
-    Raises `CampaignError` for a file that is no tar file. Damaged runs are found later, by their
-    seals."""
+    Raises `CampaignError` for a file that is no tar file. Seals show damage later."""
     for bundle in bundles:
         try:
             with tarfile.open(bundle) as file:

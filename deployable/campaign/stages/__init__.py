@@ -1,6 +1,5 @@
 """The stages of a campaign, as a table: each takes files of its folder, and sections of the config,
-to others. `campaign.run` calls them one after another, `python -m deployable STAGE` one alone, for
-the rules of the workflow."""
+to others. `campaign.run` calls them one after another, `python -m deployable STAGE` one alone."""
 
 from __future__ import annotations
 
@@ -50,9 +49,9 @@ OPTIONS = {
 
 @dataclass(frozen=True)
 class Stage:
-    """A stage of a campaign: `name` (of its command and module), `about` (what it does, a
-    sentence), and the files that it reads and writes. The function `work` of its module is imported
-    when the stage runs: a process loads what it needs.
+    """A stage of a campaign: `name` (of its command and module), `text` (what it does, a sentence),
+    and the files that it reads and writes. The function `work` of its module is imported when the
+    stage runs: a process loads what it needs.
 
     sections: names of the config sections that it depends on; takes: names of the result files that
     it reads; leaves: function of a campaign that returns the names of those it writes, `{batch}`
@@ -79,8 +78,7 @@ class Stage:
     def run(self, folder: Folder, notify: Notify, **arguments: Any) -> None:
         """Do the work of the stage in a folder of results, and seal the files that it writes with
         what they are made of. notify: called with each message; arguments: its sections and options
-        by name. Raises `CampaignError` for trouble with files, also if those that it reads are not
-        of one plan."""
+        by name. Raises `CampaignError` for trouble with files, also files of several plans."""
         sections = {name: arguments[name] for name in self.sections}
         try:
             refuse_links(folder.whole)

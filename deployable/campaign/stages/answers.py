@@ -19,8 +19,7 @@ def work(
 ) -> None:  # fmt: skip
     """Do the work of the stage `answers`: bound quantities, assess requirements, find the best
     choice, with the runs that this takes, and write the results and the summary into `folder`.
-    notify: called with each message; threads: how many simulate; the others: sections of the
-    config."""
+    notify: called with each message; threads: how many simulate; others: config sections."""
     if read_plan(folder.plan).experiment.quantities:
         quantities.answer(folder, requirements, verify, jobs, notify, threads)
     if requirements:

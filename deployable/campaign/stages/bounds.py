@@ -21,8 +21,7 @@ def work(
     """Do the work of the stage `bounds`: gather the responses of all runs, fit the surrogate and
     write its bounds (`bounds.nc`) into `folder`, with the influence of each parameter, and errors
     by mesh and step if `verify` or the plan asks. notify: called with each message; bundles: tar
-    files of runs to be extracted first; threads: how many simulate; the others: sections of the
-    config."""
+    files of runs to be extracted first; threads: how many simulate; others: config sections."""
     unpack(bundles, folder.runs(jobs.keep))
     bound(folder, notify, bounds, verify, jobs, threads)
 

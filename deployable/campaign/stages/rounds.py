@@ -21,8 +21,7 @@ def work(
 ) -> None:  # fmt: skip
     """Do the work of the stage `rounds`: simulate in rounds until an accuracy is met or its budget
     is spent, and leave plan, samples and bounds of the last round in `folder`. notify: called with
-    each message; experiment, bounds, verify, jobs: sections of the config; threads: how many
-    simulate."""
+    each message; experiment, bounds, verify, jobs: config sections; threads: how many simulate."""
     number = 0
     while not _plan_round(place := folder.round(number), notify, experiment):
         with results_of(plan_of(place, (PLAN,))):

@@ -1,5 +1,4 @@
-"""A whole campaign: in one call, or what the Snakefile asks of it (its files, its batches, and what
-each rule depends on)."""
+"""A whole campaign: in one call, or as the Snakefile asks (files, batches, dependencies)."""
 
 from __future__ import annotations
 
@@ -56,8 +55,7 @@ class Workflow:
 
     def sections(self, stage: str) -> str:
         """Write the config sections that a stage, by name, depends on, as JSON for its command;
-        with `structure`, the path of the user's structure, since a stage reads no file that only
-        results name."""
+        with `structure`, the path of the user's structure."""
         file = self.campaign.experiment.scene.file
         structure = {"structure": file} if file else {}
         return as_json(**STAGES[stage].sections_of(self.campaign), **structure)
@@ -141,8 +139,7 @@ class Workflow:
     def other_report(self, results: Path = Path("results")) -> str:
         """Write a message that another campaign than this one was the last to be run, by the times
         of `<campaign>/report.html` in the folder `results`; "" if this one was, or none has a
-        report. For `snakemake --report` without `--configfile`, which would be about this
-        campaign."""
+        report. For `snakemake --report` without `--configfile`."""
         reports = {path.parent.name: path.stat().st_mtime for path in results.glob("*/report.html")}
         last = max(reports, key=reports.get, default=self.name)
         if last == self.name:
@@ -153,8 +150,7 @@ class Workflow:
         )
 
     def last_words(self) -> str:
-        """Return the last message of the last stage, which file to open; empty without its log
-        file."""
+        """Return the last message of the last stage, which file to open; empty without a log."""
         log = self.folder / f"logs/{stages_of(self.campaign)[-1].name}.log"
         return log.read_text(encoding="utf-8").strip() if log.exists() else ""
 
@@ -177,7 +173,9 @@ def run(
     are there already are not simulated again, and a stage is left out whose results are there and
     were made of the present config and program; damaged results are named in a message and made
     again. Linear algebra has one thread meanwhile, so that the bounds equal those of the Snakemake
-    workflow to the last bit.
+    workflow to the last bit. Raises `ConfigError`, before anything is written, with everything that
+    is wrong in the config, and `CampaignError` if runs fail, or the program or the structure was
+    edited since this session loaded it.
 
     Parameters
     ----------
@@ -195,13 +193,6 @@ def run(
     xarray.Dataset
         The content of `bounds.nc` in memory, as `intervals.bounds_dataset` describes it; with
         cases a dict of it by the name of the case.
-
-    Raises
-    ------
-    ConfigError
-        Before anything is written, with everything that is wrong in the config.
-    CampaignError
-        If runs fail, or the program or the structure was edited since this session loaded it.
     """
     with one_thread():
         campaign, notify = _campaign(config), notify or MessagePrinter(sys.stderr)

@@ -14,8 +14,7 @@ _ANGLES = {"degree": "°", "rad": " rad"}
 
 
 def pretty(units: str) -> str:
-    """Write units as people do, from names with powers: `m s-1` as `m/s`, `kg m2 s-2` as `kg
-    m²/s²`; no unit as `1`."""
+    """Write units as people do: `m s-1` as `m/s`, `kg m2 s-2` as `kg m²/s²`; no unit as `1`."""
     numerator, denominator = [], []
     for name, power in re.findall(r"([A-Za-z%]+)(-?\d+)?", units):
         exponent = abs(int(power or 1))
@@ -58,14 +57,12 @@ def earliest(row: Mapping[str, Any]) -> str:
 
 
 def with_unit(text: str, units: str) -> str:
-    """Put a unit behind the text of a number: `2.5 m/s`; units: as in files (`m s-1`, `1` for
-    none)."""
+    """Put a unit behind a number's text: `2.5 m/s`; units: as in files (`m s-1`, `1`: none)."""
     return text if pretty(units) == "1" else f"{text} {pretty(units)}"
 
 
 def percent(share: float) -> str:
-    """Write a fraction in whole per cent, below one per cent with two digits: `0.0749` as `7 %`,
-    `0.000002` as `0.0002 %`."""
+    """Write a fraction in per cent, whole or, below 1 %, with two digits: `7 %`, `0.0002 %`."""
     return f"{number(100 * share, 2) if abs(share) < 0.01 else round(100 * share)} %"
 
 
@@ -181,9 +178,8 @@ def coded(text: str, units: Iterable[str] = ()) -> Any:
 
 
 def position(row: Mapping[str, Any], time: float) -> str:
-    """Write a time (s) with its unit, or for a response over another axis, such as a hinge's
-    opening, the value of that axis then. row: the response's dict in `summary.json`
-    (`facts_of`)."""
+    """Write a time (s) with its unit, or for a response over another axis, as a hinge's opening,
+    its value then. row: the response's dict in `summary.json` (`facts_of`)."""
     if axis := row.get("along"):
         length = axis["last"] - axis["first"]
         return quantity(axis["first"] + length * time / axis["duration"], axis["unit"], 4)

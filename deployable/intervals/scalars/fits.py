@@ -39,8 +39,7 @@ class Kriging:
     length: float
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P, 1) of the polynomial with its correction, at points `unit` (P, k) in [-1,
-        1]^k."""
+        """Values (P, 1) of the corrected polynomial at points `unit` (P, k) in [-1, 1]^k."""
         return self.trend.evaluate(unit) + _fading(unit, self.points, self.length) @ self.weights
 
     def formula(self) -> Formula:
@@ -55,8 +54,7 @@ class RootFunction:
     """A function of k normalized parameters and of the root of an event margin, which is above 0
     where an event occurs and 0 on the border of that part of the box: the event's time ends there
     like a root. function: of k + 1 coordinates, the last one 2 sqrt(margin / scale) - 1; margin:
-    fit that gives the event margin (P) at points (P, k); scale: largest event margin, in its
-    unit."""
+    fit that gives the event margin (P) at points (P, k); scale: largest event margin."""
 
     function: Surrogate | Spline | Kriging
     margin: Fit
@@ -80,8 +78,7 @@ class RootFunction:
 
 def root_coordinates(margins: np.ndarray, scale: float) -> np.ndarray:
     """Map event margins (P), which are above 0 where an event occurs, to coordinates (P) in [-1,
-    1], 2 sqrt(margin / scale) - 1: -1 at margins of 0 and below, 1 at `scale` (in their unit) and
-    above."""
+    1], 2 sqrt(margin / scale) - 1: -1 at margins up to 0, 1 from `scale` (in their unit) on."""
     return 2.0 * np.sqrt(np.clip(margins / scale, 0.0, 1.0)) - 1.0
 
 
@@ -170,8 +167,7 @@ def best_fit(points: np.ndarray, values: np.ndarray) -> Fit:
 
 
 def _through_runs(fit: Fit) -> Fit:
-    """A polynomial with what it leaves of the runs, where that is worth telling: what was simulated
-    is not foretold otherwise."""
+    """A polynomial with a correction through the runs, where it misses them by enough."""
     points, rest = fit.points, fit.values - fit.evaluate(fit.points)
     correctable = len(points) <= _MAX_KRIGED
     if not correctable or np.abs(rest).max() <= _RESIDUAL * np.ptp(fit.values):

@@ -1,11 +1,10 @@
 """In which part of the box something happens: a smooth border between the runs, or its time.
 
 The border is where the smoothest function vanishes that is at least 1 in all runs in which it
-happens and at most -1 in all others: a support vector machine with a hard margin (Cortes and
-Vapnik 1995), whose kernel is Matérn's for functions with two derivatives. Open is where the size of
-the function is below those at the nearest runs of both kinds, which there are next to the border at
-least 1. Further runs are sought about the border (Basudhar and Missoum 2010). Why this one:
-docs/quantities.md.
+happens and at most -1 in all others: a support vector machine with a hard margin (Cortes and Vapnik
+1995), whose kernel is Matérn's for functions with two derivatives. Open is where the size of the
+function is below those at the nearest runs of both kinds, which there are next to the border at
+least 1. Further runs are sought about the border (Basudhar and Missoum 2010).
 """
 
 from __future__ import annotations
@@ -210,8 +209,7 @@ class FittedOccurrence(Occurrence):
     """In which part of the box of parameters an event occurs, by a fitted function: where `fit`, of
     an event margin, is not below 0, or, with `latest` (end of the runs, s), where `fit`, of the
     event's time, is not above that. error: that of the fit, in its unit. An event margin, or the
-    time left before the runs end, locates the border of where the event occurs better than whether
-    it occurs does."""
+    time left before the runs end, locates the border better than occurrence."""
 
     fit: Fit
     error: float
@@ -226,8 +224,7 @@ class FittedOccurrence(Occurrence):
 
     def certainty(self, unit: np.ndarray) -> np.ndarray:
         """Decision function (P) at points `unit` (P, k) in [-1, 1]^k, above 0 where the event
-        occurs: the fitted event margin, or, if the fit is of a time, the time left before `latest`
-        (s)."""
+        occurs: the fitted event margin, or, if of a time, the time left before `latest` (s)."""
         values = self.fit.evaluate(unit)
         return values if self.latest is None else self.latest - values
 
@@ -238,13 +235,11 @@ class FittedOccurrence(Occurrence):
 
     def run_certainty(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
         """Decision function (R) at R runs by their own results: their event margins (R), or, if the
-        fit is of a time, the time left before `latest` (s); numbers (R): the runs' values of that
-        time (s)."""
+        fit is of a time, the time left before `latest` (s); numbers (R): that time (s)."""
         return margins if self.latest is None else self.latest - numbers
 
     def doubt(self, unit: np.ndarray) -> np.ndarray:
-        """Half-width (P) of the undecided band at points `unit` (P, k): the error of the fit,
-        everywhere."""
+        """Half-width (P) of the undecided band at points `unit` (P, k): the error of the fit."""
         return np.full(len(unit), self.error)
 
     @property

@@ -50,8 +50,7 @@ class Limit:
 
     @property
     def error(self) -> float:
-        """Estimated error of the quantity's values, in its unit: that of its surrogate plus the
-        runs'."""
+        """Estimated error of the quantity's values, in its unit: its surrogate's plus the runs'."""
         return self.surrogate.error + self.run_error
 
     def slack_of(self, values: np.ndarray) -> np.ndarray:
@@ -73,9 +72,8 @@ class Limit:
 
     def best(self, lower: np.ndarray, upper: np.ndarray) -> tuple[float, np.ndarray]:
         """Largest limit margin over the part of the box from `lower` to `upper` (k each, in [-1,
-        1]), and the point (k) where: the distance from the level, below 0 where violated; minus
-        infinity if the quantity is absent everywhere; of "happens" plus (satisfied somewhere) or
-        minus infinity."""
+        1]), and the point (k) where: the distance from the level, below 0 if violated; minus
+        infinity if the quantity is nowhere; of "happens" plus (met somewhere) or minus infinity."""
         return self._end(lower, upper, worst=False)
 
     def _end(self, lower: np.ndarray, upper: np.ndarray, worst: bool) -> tuple[float, np.ndarray]:
@@ -289,8 +287,7 @@ def best_choice(
     satisfies all limits, that violate them least. Returns that choice, and all choices of the first
     grid. ranges: least and largest of each chosen value (c pairs); box: function of the values (c)
     that returns the lower and upper corner (k each, in [-1, 1]) of the box that they leave. Tried
-    are a grid (a Sobol sequence from three values on), then finer and finer grids about the
-    best."""
+    are a grid (from three values on a Sobol sequence), then finer ones about the best."""
 
     def rank(choice: Choice) -> tuple[int, float]:
         if not choice.is_allowed:

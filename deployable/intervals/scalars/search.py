@@ -21,8 +21,7 @@ from .occurrence import Occurrence
 from .surrogate import Extremes, ScalarSurrogate
 
 TOLERANCE = 1e-3
-"""Convergence tolerance: a bound is converged when nothing may exceed the extreme run by more than
-this fraction of the width of the bounds."""
+"""A bound is converged when nothing may exceed the extreme run by this fraction of the width."""
 
 NEAREST = 1e-6
 """Distance in unit coordinates by which a run must differ from all others."""
@@ -39,8 +38,7 @@ class BoundEstimate(NamedTuple):
     """Lower or upper bound of a quantity. value: the extreme run's, or the surrogate's where that
     goes farther by several times its own error, or, of a time that may lie beyond the runs, their
     end; error: by how much the bound may be off, by what the surrogate leaves possible, not
-    negative; points (P, k) in [-1, 1]^k: where further runs may extend it, none where none is
-    needed."""
+    negative; points (P, k) in [-1, 1]^k: where further runs may extend it, if any."""
 
     value: float
     error: float
@@ -124,8 +122,7 @@ def _estimate(
 def _gains(
     surrogate: ScalarSurrogate, sign: float, value: float, argument: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Unit points (P, k), most promising first, and by how much a run there may exceed a value at
-    most (P)."""
+    """Unit points (P, k), most promising first, and how far a run there may exceed `value` (P)."""
     occurrence = surrogate.occurrence
     candidates = _candidates(surrogate, argument)
     candidates = candidates[occurrence.certainty(candidates) > -occurrence.doubt(candidates)]
@@ -149,8 +146,7 @@ def _candidates(surrogate: ScalarSurrogate, argument: np.ndarray) -> np.ndarray:
 
 
 def _spaced(runs: np.ndarray, candidates: np.ndarray) -> list[np.ndarray]:
-    """The first of unit points (P, k) that are farther from each other than half of the distance to
-    the nearest of the runs (N, k)."""
+    """First unit points (P, k) farther apart than half their distance to the next run (N, k)."""
     points: list[np.ndarray] = []
     gaps = scipy.spatial.cKDTree(runs).query(candidates)[0]
     for point, gap in zip(candidates, gaps, strict=True):

@@ -144,8 +144,7 @@ class ScalarSurrogate:
     @property
     def trend(self) -> ScalarSurrogate:
         """Copy without the kriging correction, which takes a polynomial through single runs, to
-        compare parts of the box with each other; splines, and surrogates without a fit, stay as
-        they are."""
+        compare parts of the box with each other; splines, and surrogates without a fit, stay."""
         return self if self.fit is None else replace(self, fit=self.fit.trend)
 
     @property
@@ -156,13 +155,11 @@ class ScalarSurrogate:
 
     def predict(self, unit: np.ndarray) -> np.ndarray:
         """Values (P) of the fit at points `unit` (P, k) in [-1, 1]^k, clipped to `least` and
-        `latest`; also where the quantity does not exist. Takes a surrogate whose `fit` is not
-        None."""
+        `latest`; also where the quantity does not exist; `fit` must not be None."""
         return np.clip(self.fit.evaluate(np.asarray(unit, dtype=float)), self.least, self.latest)
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P) of the quantity at points `unit` (P, k) in [-1, 1]^k, NaN where it is
-        absent."""
+        """Values (P) of the quantity at points `unit` (P, k) in [-1, 1]^k, NaN if absent."""
         if self.fit is None:
             return np.full(len(unit), np.nan)
         return np.where(self.occurrence.evaluate(unit), self.predict(unit), np.nan)
@@ -209,8 +206,7 @@ class ScalarSurrogate:
 
     @cached_property
     def _trial_points(self) -> np.ndarray | None:
-        """Unit points (P, k) at which extremes are sought, too: of runs, and on the limit-state
-        surface."""
+        """Unit points (P, k) at which extremes are sought: runs, and the limit-state surface."""
         if self.fit is None:
             return None
         return np.concatenate([self.fit.points, self.occurrence.surface_points])

@@ -32,10 +32,9 @@ class FieldSpec:
 
 @dataclass(frozen=True)
 class Number(FieldSpec):
-    """Spec of a field that holds one or more numbers. unit: as "N m"; least, above: lower bound,
-    itself allowed (least) or not (above), None: none; finite: whether infinity is refused;
-    optional: whether None is allowed; count: how many numbers; zero: whether descriptions also say
-    a value of 0."""
+    """Spec of a field of one or more numbers. unit: as "N m"; least, above: lower bound, itself
+    allowed (least) or not (above), None: none; finite: whether infinity is refused; optional:
+    whether None is allowed; count: how many numbers; zero: whether descriptions also say a 0."""
 
     unit: str = ""
     least: float | None = None
@@ -53,8 +52,7 @@ class Number(FieldSpec):
         return not low and not math.isnan(value) and (math.isfinite(value) or not self.finite)
 
     def allowed(self, unit: str) -> str:
-        """Return which values are allowed, in words for a message, as "a finite number >= 0 (m)".
-        unit: unit to say, "": none."""
+        """Return the allowed values in words, as "a finite number >= 0 (m)". unit: "" for none."""
         plural = f"{self.count} {'finite ' * self.finite}numbers"
         singular = f"a {'finite ' * self.finite}number"
         end = f" >= {self.least:g}" if self.least is not None else ""

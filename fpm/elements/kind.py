@@ -64,8 +64,7 @@ class Series(NamedTuple):
     code: str = ""
 
     def merge(self, series: "Series") -> "Series":
-        """Return a series with the columns and labels of `series`, another with the same t rows,
-        followed by those of this one."""
+        """Return a Series: columns and labels of `series` (same t rows), then those of this one."""
         values = np.concatenate([series.values, self.values], axis=1)
         return self._replace(values=values, labels=series.labels + self.labels)
 
@@ -204,8 +203,7 @@ class ElementType:
     @classmethod
     def topology_of(cls, scene: SceneData) -> Hashable:
         """Return, as a hashable value, what of this type's elements in a scene, as their indices,
-        must be equal in scenes simulated side by side, in one batch; None: nothing, not even their
-        number."""
+        must be equal in scenes simulated side by side; None: nothing, not even their number."""
         return tuple(element.topology() for element in cls.find(scene))
 
     @classmethod

@@ -44,9 +44,8 @@ class StraightElements(NamedTuple):
 
 
 class FramedElements(NamedTuple):
-    """Arrays of m beam elements with axes of their own. nodes, beams, watched, rows: as of
-    StraightElements; axes (m, 12, lanes): local axes 2 and 3 at ends a and b, in the particles'
-    axes."""
+    """Arrays of m beam elements with own axes. nodes, beams, watched, rows: as of StraightElements;
+    axes (m, 12, lanes): local axes 2 and 3 at ends a and b, in the particles' axes."""
 
     nodes: np.ndarray
     beams: np.ndarray

@@ -96,9 +96,8 @@ def unstrained_now(part, world, timing, c):
 
 @kernel
 def find_pull(part, world, timing, c):
-    """Store the elongation (m) of cable c in part.state, and its tension (N), one all along (no
-    friction), in part.stretches. part: arrays of all cables; world: solver state; timing: times of
-    this step (s)."""
+    """Store the elongation (m) of cable c, without friction, in part.state, and its tension (N) in
+    part.stretches. part: arrays of all cables; world: solver state; timing: step times (s)."""
     length = lay(part, world.state, c)
     store(part.state, c, LONGER_BEFORE, load(part.state, c, LONGER))
     store(part.state, c, UNSTRAINED_BEFORE, load(part.state, c, UNSTRAINED))

@@ -46,8 +46,7 @@ GAP, TILT = 0, 1  # watched, and recorded
 
 
 class Hinges(NamedTuple):
-    """Arrays of the h hinges that are solved alone: no body of one that can move is in another
-    joint, so that its impulses follow from its two bodies.
+    """Arrays of the h hinges solved alone, no body of which that can move is in another joint.
 
     Hinge i has the bodies 2 i and 2 i + 1. ends (2 h,): particle of each body; bodies (2 h, 15,
     lanes): arm, axis, reference, normal to both, inverse masses; hinges (h, 6, lanes): held axes,

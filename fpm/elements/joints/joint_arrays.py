@@ -89,8 +89,7 @@ class Turns(NamedTuple):
 
 class Joints(NamedTuple):
     """Arrays of all joints solved together: j joints in order of elimination, with two sides each
-    (2j and 2j + 1), b bodies (particles), r scalar constraint equations ("rows"), t held openings;
-    lanes: samples side by side.
+    (2j and 2j + 1), b bodies (particles), r constraint equations ("rows"), t held openings.
 
     types (j,): constants REVOLUTE to SLIDE; names (j,): the joint's index in the scene; slots
     (2j,): body of each side, -1 for none; sides: arm, axis, reference; places (j, 3, lanes), m, and

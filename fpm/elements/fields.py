@@ -18,10 +18,10 @@ _KEY = "fpm"
 
 @dataclass(frozen=True)
 class FieldSpec:
-    """What is stated of one dataclass field of an element type. name: of the field; same: whether
-    its value must be equal in scenes simulated side by side; words: its name in messages, in which
-    {noun} stands for the type's word and {title} for the element; "": the field's name; text: its
-    meaning, for docs; is_shown: whether descriptions of a structure say its value."""
+    """What is stated of one dataclass field of an element type. name: of the field; is_topology:
+    whether its value must be equal in scenes simulated side by side; words: its name in messages,
+    {noun} being the type's word and {title} the element; "": the field's name; text: its meaning,
+    for docs; is_shown: whether descriptions of a structure say its value."""
 
     name: str = ""
     is_topology: bool = False

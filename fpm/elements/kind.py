@@ -109,8 +109,7 @@ class ElementType:
     acts_as: component of the moments on openings, in recordings, that is its own; joins: whether
     each element joins its `particles`; moves_free: whether it moves all particles that no other
     type moves; resists_as: class of its part in what resists a slow motion (fpm/travel), "": none;
-    called: its word in messages; cost: core time of
-    an element in a step (ns)."""
+    noun: its word in messages; cost: core time of an element in a step (ns)."""
 
     stores: ClassVar[Energy | None] = None  # the energy it stores (hook `stored`)
     gives: ClassVar[Energy | None] = None  # the work it gives; kinds with the same share an account
@@ -166,8 +165,8 @@ class ElementType:
         return words.format(noun=self.noun, title=title)
 
     def title(self, scene: SceneData) -> str:
-        """Return what a message calls this element: by default its type's word (`called`);
-        overridden where elements have names, as "latch A". scene: with what it acts on."""
+        """Return what a message calls this element: by default its type's word (`noun`); overridden
+        where elements have names, as "latch A". scene: with what it acts on."""
         return self.noun
 
     def unit_in(self, scene: SceneData, unit: str) -> str:

@@ -94,7 +94,7 @@ class NamedNumber:
     """A number with a name in a file: a parameter, a repeat's index, or one derived from others.
     key, line: dotted path and line where it is defined; dimension: None while it is unknown, or if
     it is wrong; whole: whether it depends on whole numbers only, so that counts may depend on it;
-    given: value of an index, else None; bound: expression of a derived one, else None."""
+    count: value of an index, else None; bound: expression of a derived one, else None."""
 
     key: str
     line: int

@@ -17,8 +17,8 @@ HISTORY = 3
 
 class Viscous(NamedTuple):
     """Arrays of m beam elements' dampers. nodes (m, 2): particle indices of both ends; damping (m,
-    1, lanes): N s/m; rates (m, 3, lanes): rate of the length (m/s) in the middle of the last step,
-    tension (N) and length (m) at its end; account: index of the loss in World.accounts."""
+    1, lanes): N s/m; history (m, 3, lanes): rate of the length (m/s) in the middle of the last
+    step, tension (N) and length (m) at its end; account: index of the loss in World.accounts."""
 
     nodes: np.ndarray
     damping: np.ndarray

@@ -52,7 +52,7 @@ class Hinges(NamedTuple):
     lanes): arm, axis, reference, normal to both, inverse masses; hinges (h, 6, lanes): held axes,
     place of the point; fixed_axes (h, 3): 1 where the hinge point is held along global x, y, z;
     supported: whether any is; body_scratch (2 h, 39, lanes), hinge_scratch (h, 75, lanes): working
-    memory; open (h,): whether a hinge needs another round of this step; watched (1, 2, lanes):
+    memory; open (h,): whether a hinge needs another round of this step; peaks (1, 2, lanes):
     largest gap (m) and tilt (sine) so far; names (h,): row of each hinge in `excess`; excess (h, 1,
     lanes): gap and tilt squared, as shares of what is allowed, summed, by which the worst hinge is
     named; gaps (instants + 1, 2, lanes): the largest gap (m) and tilt (sine) recorded at each

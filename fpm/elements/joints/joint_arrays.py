@@ -96,11 +96,11 @@ class Joints(NamedTuple):
     fixed_axes (j, 3): where, and along which axes, a point is held; particle (b,): particle of each
     body; is_driven (b,): whether a drive moves it; bodies: constants; body_scratch, rows, matrix:
     working memory; pattern: the matrix's blocks; ease: share added to its diagonal; account: index
-    of the drives' work in World.accounts; watched: largest gap (m) and tilt (sine) so far; excess
-    (j, 1, lanes): gap and tilt squared over those allowed, summed, once a run has failed; gaps:
-    those recorded; sums, forces: impulses of this step (N s, N m s) and recorded forces (N, N m),
-    None if nothing reads them; turns (Turns), turn_of (j,), turn_at (t,): held openings, their
-    index by joint (-1: none), their joints."""
+    of the drives' work in World.accounts; peaks: largest gap (m) and tilt (sine) so far; excess (j,
+    1, lanes): gap and tilt squared over those allowed, summed, once a run has failed; gaps: those
+    recorded; sums, forces: impulses of this step (N s, N m s) and recorded forces (N, N m), None if
+    nothing reads them; turns (Turns), turn_of (j,), turn_at (t,): held openings, their index by
+    joint (-1: none), their joints."""
 
     types: np.ndarray  # (j,)
     names: np.ndarray  # (j,) number of each in the scene

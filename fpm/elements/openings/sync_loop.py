@@ -71,17 +71,15 @@ class SyncLoop(OnHinges):
 
     @property
     def tight(self) -> float:
-        """Slip (m, by which one strand is longer than at rest) at which the other turns slack; inf:
-        never."""
+        """Slip (m, one strand longer than at rest) at which the other turns slack; inf: never."""
         return 2 * self.preload / self.stiffness if self.stiffness > 0 else np.inf
 
     @classmethod
     def deformations(cls, scene):
-        """Return how motions of particles strain the loops, for the stable time step: a spring on
-        each hinge of each loop, whose two springs are at least as stiff as the loop; None if
-        nothing can move. By Cauchy and Schwarz (r1 psi1 - r2 psi2)² <= r1² psi1²/s1 + r2² psi2²/s2
-        with s1 + s2 = 1; with shares as r² w, w being the softness of each hinge, nothing is lost
-        where they share no body."""
+        """Return how particles' motions strain loops, for the stable time step: a spring on each
+        hinge, both at least as stiff as their loop; None if nothing can move. By Cauchy and Schwarz
+        (r1 psi1 - r2 psi2)² <= r1² psi1²/s1 + r2² psi2²/s2 with s1 + s2 = 1; with shares as r² w, w
+        being the softness of each hinge, nothing is lost where they share no body."""
         hinges, stiffness, element = [], [], []
         for i, loop in enumerate(cls.find(scene)):
             soft = [softness(scene, hinge) for hinge in loop.hinges]

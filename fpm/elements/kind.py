@@ -175,7 +175,7 @@ class ElementType:
         return unit
 
     def topology(self) -> Hashable:
-        """Return, as a tuple, those of this element's fields (stated with same=True, or indices)
+        """Return, as a tuple, those of this element's fields (stated with is_topology, or indices)
         that must be equal in scenes whose runs are computed together, side by side."""
         return tuple(
             getattr(self, n) for n, field in specs(type(self)).items() if field.is_topology

@@ -8,9 +8,8 @@ import numpy as np
 
 
 class StepTime(NamedTuple):
-    """Times of one step (s). time: of the positions at its start; step: its length; kick: time over
-    which its forces act on momenta, `step`, but step / 2 in the first, as momenta stand half a step
-    behind."""
+    """Times of a step (s). time: of positions at its start; step: its length; kick: time over which
+    forces act on momenta, `step`, but step / 2 in the first, as momenta are half a step behind."""
 
     time: float
     step: float

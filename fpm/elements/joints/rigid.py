@@ -60,7 +60,7 @@ others leaves a tenth (AGREES in solver/start.py)."""
 
 class Rigid(HoldsHinge):
     """Base class of motors, releases, latches and friction that hold an opening exactly, without a
-    spring. `called`: the type's word, as "latch"; its kernels are in rigid_<called>_kernels."""
+    spring. `noun`: the type's word, as "latch"; its kernels are in rigid_<noun>_kernels."""
 
     @classmethod
     def kernels(cls):

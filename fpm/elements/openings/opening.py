@@ -287,9 +287,8 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
 
 
 def softness(scene, hinge: int) -> float:
-    """Return the acceleration of the opening of a hinge by a unit moment (on a slide, force) on it,
-    if its two particles were alone: 1/(kg m²), on a slide 1/kg; 0 where both are held. scene: has
-    the hinge; hinge: its index."""
+    """Return the acceleration of a hinge's opening by a unit moment (slides: force), its particles
+    alone: 1/(kg m²), slides 1/kg; 0 where both are held. scene: has the hinge; hinge: its index."""
     joint, no_turn = scene.hinges[hinge], turns_of(scene).no_turn
     if joint.slides:
         rows = relative_turn(scene, [hinge], [1.0])

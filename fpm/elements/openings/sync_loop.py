@@ -104,9 +104,8 @@ class SyncLoop(OnHinges):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the recorded series "loop_force" of one sample after a run, (t, loops): difference
-        of the tensions (N) of each loop's strands. part: arrays of all loops (Loops); scene: the
-        sample's; lane: its index."""
+        """Return "loop_force" of one sample, (t, loops): difference of the tensions (N) of each
+        loop's strands. part: all loops' arrays; scene, lane: the sample's."""
         names = tuple(loop.name for loop in cls.find(scene))
         values = part.track[:, 0, lane].reshape(-1, len(names))
         return {"loop_force": Series(values, "N", "pull of the loops", "loop", names)}

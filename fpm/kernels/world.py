@@ -26,9 +26,9 @@ class World(NamedTuple):
     curves' points; point_particle, point_arm: particles and arms (m) of named points; accounts (1,
     a, lanes): energy given by the first `givers`, taken by the others (J); sums: for the balance.
     Of quantities that types watch: peaks: largest values so far; most: limits; unconditional:
-    whether one is the cause even where energy does not balance; watch_rows: first and end of its
-    elements in `rows`. size: of the scene (m); rows (e, 1, lanes): of each element, once a run has
-    failed, its energy (J) or watched quantity; undecided: 1 where impulses must be found again."""
+    whether one is a failure's cause even where energy does not balance; watch_rows: first and end
+    of its elements in `rows`. size: of the scene (m); rows (e, 1, lanes): of each element, once a
+    run has failed, its energy (J) or watched quantity; undecided: 1 to find impulses again."""
 
     state: np.ndarray  # (n, STATE, lanes)
     start_state: np.ndarray  # (n, STATE, lanes) the state at the start of a step that is recorded

@@ -69,8 +69,8 @@ class Quantity:
         return self if self.kind == "crossing" or settles else None
 
     def margin(self, values: np.ndarray) -> np.ndarray:
-        """Return by how much (...) a crossing or settling occurs, in the response's unit: > 0 if it
-        does, else < 0, continuous. values (..., t): of the response. For its own `decider`."""
+        """Return by how much (...) a crossing or settling occurs, in the response's unit, > 0 if it
+        does, else < 0, continuous. values (..., t): of the response. Only for its own `decider`."""
         if self.kind == "settling":
             return self.within - np.abs(values[..., -1] - self.about)
         return crossing_margin(values - self.level, self.way, self.number)

@@ -25,7 +25,7 @@ from fpm.scenes.scene import Scene
 
 
 def torsion_stresses(width: float, height: float, J: float) -> tuple[float, float]:
-    """Return the largest shear stresses per torque (1/m³) of a solid rectangle: at mid-side y =
+    """Return the largest shear stresses per torque (1/m³) of a solid rectangle: at mid-sides: y =
     ±width/2, and z = ±height/2. width, height: its sides (m); J: torsion constant (m⁴)."""
     a, b = sorted((width / 2, height / 2))
     n = np.arange(1, 60, 2)

@@ -273,9 +273,8 @@ class Scene:
 
     def add_universal(self, name, particles, point, axis, axis2, openings=(0.0, 0.0)) -> int:
         """Join two particles by a universal joint with two openings; returns the index of the
-        first. They are the hinges `<name>_axis`, by which the cross turns against the first
-        particle, and `<name>_other` (next index), by which the second particle turns against the
-        cross.
+        first. The openings are the hinges `<name>_axis`, of the cross against the first particle,
+        and `<name>_other`, the next index, of the second particle against the cross.
 
         Parameters
         ----------

@@ -104,8 +104,8 @@ class Names:
     """All names of a structure file. problems: where errors are noted; numbers: NamedNumbers
     (parameters, `let`, coordinates of points) by full name; groups: by group, as "bars", line by
     full name; types: of joints by name, "" if unknown; angles: of universal joints, (joint, 0 or 1)
-    by name; uses: names referred to, of numbers in full, of entries with group, "bars:AB"; absent:
-    (group, name) of entries left out; order: full names of numbers, after those it depends on."""
+    by name; uses: names referred to, of numbers in full, of entries as "bars:AB"; absent: (group,
+    name) of entries left out; order: full names of numbers, each after those it depends on."""
 
     def __init__(self, problems: Problems):
         self.problems = problems

@@ -1,7 +1,7 @@
 """Statements: what can be said about a structure, one function for each kind of thing.
 
 A statement says which keys it takes, with units and limits, and how it goes into a scene. An
-element's follow from its fields. A new joint or action is a function in `statements/`."""
+element's keys follow from its fields. A new joint or action is a function in `statements/`."""
 
 from collections.abc import Callable, Container, Mapping
 from dataclasses import MISSING, dataclass, fields, replace

@@ -145,14 +145,14 @@ class OnHinge(OnHinges):
         return f"{self.noun} {self.label(scene)}"
 
     def alike(self, scene) -> list["OnHinge"]:
-        """Return the elements of a scene whose types have the same word in messages (`called`) as
+        """Return the elements of a scene whose types have the same word in messages (`noun`) as
         this one: for a latch all latches, rigid ones too."""
         kinds = [k for k in scene.kinds if issubclass(k, OnHinge) and k.noun == self.noun]
         return [element for kind in kinds for element in kind.find(scene)]
 
     def check_alone(self, scene) -> None:
         """Check that the scene has no other element on this hinge with the same word in messages
-        (`called`, as "motor"); raises SceneError if it has."""
+        (`noun`, as "motor"); raises SceneError if it has."""
         if self.hinge in [element.hinge for element in self.alike(scene)]:
             allowed = f"a hinge without a {self.noun}"
             raise SceneError(f"hinge of {self.noun}", self.hinge, allowed)

@@ -77,9 +77,9 @@ class SyncLoop(OnHinges):
     @classmethod
     def deformations(cls, scene):
         """Return how particles' motions strain loops, for the stable time step: a spring on each
-        hinge, both at least as stiff as their loop; None if nothing can move. By Cauchy and Schwarz
-        (r1 psi1 - r2 psi2)² <= r1² psi1²/s1 + r2² psi2²/s2 with s1 + s2 = 1; with shares as r² w, w
-        being the softness of each hinge, nothing is lost where they share no body."""
+        hinge, both together at least as stiff as the loop; None if nothing can move. By Cauchy and
+        Schwarz (r1 psi1 - r2 psi2)² <= r1² psi1²/s1 + r2² psi2²/s2 with s1 + s2 = 1; with shares as
+        r² w, w being the softness of each hinge, nothing is lost where they share no body."""
         hinges, stiffness, element = [], [], []
         for i, loop in enumerate(cls.find(scene)):
             soft = [softness(scene, hinge) for hinge in loop.hinges]

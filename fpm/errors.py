@@ -36,13 +36,12 @@ class InstabilityError(RuntimeError):
     """Raised, or kept as `Outcome.failure`, for a run whose numbers mean nothing: its energy
     balance broke, numbers are not finite, or a watched quantity (such as strain) is too large.
 
-    Attributes: `time` (s) of the first check that failed; `element`, name of the element with the
-    most energy, the first non-finite one, or the one to blame; `step` (s) used; `limit` (s), stable
-    step of the scene at its start; `balance` (J), the error of the energy balance; `scale` (J),
-    largest energy so far; `cause`, name of the watched quantity that is too large (None: the
-    balance broke); `largest`, values of all watched quantities by name; `words`, two texts, cause
-    and remedy (None without a cause); `remedy`, of the type of `element` where the balance broke
-    ("": it knows none)."""
+    Attributes: `time` (s) of the first failed check; `element`, name of the element with the most
+    energy, the first non-finite one, or the one to blame; `step` (s) used; `limit` (s), stable step
+    of the scene at its start; `balance` (J), the error of the energy balance; `scale` (J), largest
+    energy so far; `cause`, name of the watched quantity too large (None: the balance broke);
+    `largest`, all watched quantities by name; `words`, two texts, cause and remedy (None: no
+    cause); `remedy`, of the type of `element` where the balance broke ("": it knows none)."""
 
     def __init__(
         self, time, element, step, limit, balance, scale, cause=None, largest=None, words=None,
@@ -151,10 +150,9 @@ _FOREIGN = {
 
 
 def number_hint(text: str, with_unit: bool = True) -> str:
-    """Return a hint for the message about a text that is no number allowed there: " (did you mean
-    x?)" for a percentage, a decimal comma, a power with `^` or a unit of other programs; " (a
-    number alone, ...)" for a unit where none may be; else "". with_unit: whether the number may
-    have a unit."""
+    """Return a hint for the message on a text that is no allowed number: " (did you mean x?)" for a
+    percentage, a decimal comma, a power with `^` or a unit of other programs; " (a number alone,
+    ...)" for a unit where none may be; else "". with_unit: whether it may have a unit."""
     comma = re.sub(r"^([-+]?\d+),(\d+)", r"\1.\2", text.strip())
     match = re.fullmatch(rf"({_NUMBER})\s*(\D.*)?", comma)
     number, unit = (float(match[1]), (match[2] or "").replace("^", "")) if match else (0.0, "")

@@ -88,9 +88,8 @@ def assemble(scene, hold: Sequence[str] = ()) -> None:
     static balance and at rest.
 
     Positions and frames become those of the assembled structure, scene.assembly the result
-    (Assembly). Beams keep the lengths and axes that they had; positions stated later refer to the
-    scene before. hold: names of hinges that keep the opening that the scene states. Raises
-    MisfitError where no such position is found."""
+    (Assembly). Beams keep lengths and axes; positions stated later refer to the scene before. hold:
+    hinges, by name, that keep their stated opening. MisfitError where no balance is found."""
     if not len(scene.position):
         return
     start = ParticlePoses(scene.position.copy(), scene.frame.copy())
@@ -232,8 +231,7 @@ class _RestSearch:
         return None
 
     def _downhill(self, poses, step):
-        """From unstable poses along a motion and on by Gauss and Newton's method, each round with
-        less energy than before."""
+        """From unstable poses along a motion, then by Gauss-Newton rounds of falling energy."""
         energy = self._elastic.energy(poses)
         for _ in range(SOFT_ROUNDS):
             part = min(1.0, FARTHEST / np.abs(step).max())
@@ -252,8 +250,7 @@ class _RestSearch:
         return poses
 
     def _follow(self, poses, impulses, step):
-        """Stable poses downhill of unstable ones to the side of a motion, and the rounds; or None
-        where none were reached."""
+        """Stable poses downhill of unstable ones to a motion's side, and the rounds; None: none."""
         count = 0
         for _ in range(FALLS):
             try:
@@ -267,8 +264,7 @@ class _RestSearch:
         return None
 
     def _check_strains(self, poses: ParticlePoses) -> None:
-        """Check strains against the limits of a run; raises MisfitError where beams are strained
-        more."""
+        """Check strains against the limits of a run; raises MisfitError where they are larger."""
         name, gap, tilt = self.open_before
         pairs = zip((BEND, STRAIN), self._elastic.largest(poses), strict=True)
         for (watch, value), condition in zip(pairs, ("bent or twisted", "strained"), strict=True):

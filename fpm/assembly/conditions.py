@@ -69,8 +69,7 @@ def sparse_matrix(blocks: np.ndarray, pairs: np.ndarray, count: int):
 
 
 def dofs_of(pairs: np.ndarray) -> np.ndarray:
-    """Return the indices (e, 12), in a motion (6n,) of all particles, of the entries of pairs (e,
-    2) of particles, 6 of each."""
+    """Return the indices (e, 12) of the entries of pairs (e, 2) of particles in a motion (6n,)."""
     return (6 * pairs[:, :, None] + np.arange(6)).reshape(len(pairs), 12)
 
 
@@ -148,8 +147,7 @@ class Conditions(NamedTuple):
         return self.jacobian(poses), sparse_matrix(blocks, self.pairs, len(poses.position))
 
     def jacobian(self, poses: ParticlePoses):
-        """Return sparse derivatives (c, 6n) of all conditions by motions (m, rad) of particles at
-        poses."""
+        """Sparse derivatives (c, 6n) of conditions by motions (m, rad) of particles, at poses."""
         from scipy.sparse import coo_array
 
         rows = self._rows(*self._ends(poses))
@@ -162,8 +160,7 @@ class Conditions(NamedTuple):
         return poses.select(self.pairs[:, 0]), poses.select(self.pairs[:, 1])
 
     def _parts(self, first: ParticlePoses, second: ParticlePoses):
-        """In global axes: directions of both particles, arms of both, offset of the points (..., c,
-        3)."""
+        """In global axes: both particles' directions and arms, offset of the points (..., c, 3)."""
         body_axis = np.einsum("...cij,cj->...ci", first.frame, self.axis1)
         axis1 = np.where((self.axis_types == GLOBAL)[:, None], self.axis1, body_axis)
         axis2 = np.einsum("...cij,cj->...ci", second.frame, self.axis2)
@@ -251,8 +248,7 @@ def tilts(scene, poses: ParticlePoses, hold: Sequence[str] = ()) -> dict[str, fl
 
 
 def _opened_reference(hinge) -> np.ndarray:
-    """The direction (3,) on a hinge's first part with which the reference of the second agrees at
-    the opening that is stated."""
+    """Direction (3,) on a hinge's first part of the second's reference at the stated opening."""
     axis, zero = hinge.axes[0], hinge.references[0]
     return np.cos(hinge.opening) * zero + np.sin(hinge.opening) * np.cross(axis, zero)
 

@@ -116,8 +116,7 @@ class Elastic(NamedTuple):
 
 
 class Unstressed(NamedTuple):
-    """Beam elements with Gauss and Newton's Hessian, which is nowhere negative. bars: the
-    elements."""
+    """Beam elements with the Gauss-Newton Hessian, nowhere negative. bars: the elements."""
 
     bars: Elastic
 

@@ -57,9 +57,8 @@ class SceneData(Protocol):
 
 
 class Slices:
-    """Where the rows of each key lie in one array that several share, one key after the other.
-    sizes (argument): number of rows by key; slices: slice of each key; count: number of all
-    rows."""
+    """Where the rows of each key lie in an array that several share, one key after the other. sizes
+    (argument): number of rows by key; slices: slice of each key; count: of all rows."""
 
     def __init__(self, sizes: dict):
         ends = np.cumsum([0, *sizes.values()])
@@ -158,8 +157,7 @@ class Batch:
         return any(kind in reader.reads for reader in self.kinds)
 
     def work_account(self, kind: type) -> int:
-        """Return the index, in the axis of accounts of World.accounts, of the work (J) that
-        elements of type `kind` give."""
+        """Return the index in World.accounts of the work (J) that elements of type `kind` give."""
         return self.accounts.index(kind.gives)
 
     def loss_account(self, kind: type) -> int:
@@ -173,9 +171,8 @@ class Batch:
         return self._peaks[:, self.watches.slices[kind]]
 
     def rows_of(self, kind: type) -> np.ndarray:
-        """Return a view (elements, 1, lanes) of World.rows: one number for each element of the type
-        `kind`, its energy or watched quantity, which its kernels write once a run has failed, to
-        name the worst element."""
+        """Return a view (elements, 1, lanes) of World.rows: for each element of type `kind` its
+        energy or watched quantity, which kernels write once a run has failed, to name the worst."""
         return self._rows[self.rows.slices[kind]]
 
     def log_of(self, kind: type) -> Log:
@@ -252,9 +249,8 @@ class Batch:
 
     def _least_scale(self, step: float, steps: int) -> np.ndarray:
         """Energy (lanes,) that rounding may hold in a scene at rest. Joints close in every step
-        what rounding has opened, which adds up as a random walk does; of so much way forces do
-        work. At a stable step no spring has more energy of so much strain than masses have of such
-        motion."""
+        what rounding opened, which adds up as a random walk; of so much way forces do work. At a
+        stable step no spring has more energy of so much strain than masses have of such motion."""
         gap = ROUNDINGS * np.finfo(self.dtype).eps * math.sqrt(steps)
         scale = np.zeros(self.width, self.dtype)
         for lane, scene in enumerate(self.scenes):

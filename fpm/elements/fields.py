@@ -18,10 +18,10 @@ _KEY = "fpm"
 
 @dataclass(frozen=True)
 class FieldSpec:
-    """What is stated of one dataclass field of an element type. name: of the field; same: whether
-    its value must be equal in scenes simulated side by side; words: its name in messages, in which
-    {noun} stands for the type's word and {title} for the element; "": the field's name; text: its
-    meaning, for docs; is_shown: whether descriptions of a structure say its value."""
+    """What is stated of one dataclass field of an element type. name: of the field; is_topology:
+    whether its value must be equal in scenes simulated side by side; words: its name in messages,
+    {noun} being the type's word and {title} the element; "": the field's name; text: its meaning,
+    for docs; is_shown: whether descriptions of a structure say its value."""
 
     name: str = ""
     is_topology: bool = False
@@ -32,10 +32,9 @@ class FieldSpec:
 
 @dataclass(frozen=True)
 class Number(FieldSpec):
-    """Spec of a field that holds one or more numbers. unit: as "N m"; least, above: lower bound,
-    itself allowed (least) or not (above), None: none; finite: whether infinity is refused;
-    optional: whether None is allowed; count: how many numbers; zero: whether descriptions also say
-    a value of 0."""
+    """Spec of a field of one or more numbers. unit: as "N m"; least, above: lower bound, itself
+    allowed (least) or not (above), None: none; finite: whether infinity is refused; optional:
+    whether None is allowed; count: how many numbers; zero: whether descriptions also say a 0."""
 
     unit: str = ""
     least: float | None = None
@@ -53,8 +52,7 @@ class Number(FieldSpec):
         return not low and not math.isnan(value) and (math.isfinite(value) or not self.finite)
 
     def allowed(self, unit: str) -> str:
-        """Return which values are allowed, in words for a message, as "a finite number >= 0 (m)".
-        unit: unit to say, "": none."""
+        """Return the allowed values in words, as "a finite number >= 0 (m)". unit: "" for none."""
         plural = f"{self.count} {'finite ' * self.finite}numbers"
         singular = f"a {'finite ' * self.finite}number"
         end = f" >= {self.least:g}" if self.least is not None else ""

@@ -64,8 +64,7 @@ class Series(NamedTuple):
     code: str = ""
 
     def merge(self, series: "Series") -> "Series":
-        """Return a series with the columns and labels of `series`, another with the same t rows,
-        followed by those of this one."""
+        """Return a Series: columns and labels of `series` (same t rows), then those of this one."""
         values = np.concatenate([series.values, self.values], axis=1)
         return self._replace(values=values, labels=series.labels + self.labels)
 
@@ -110,8 +109,7 @@ class ElementType:
     acts_as: component of the moments on openings, in recordings, that is its own; joins: whether
     each element joins its `particles`; moves_free: whether it moves all particles that no other
     type moves; resists_as: class of its part in what resists a slow motion (fpm/travel), "": none;
-    called: its word in messages; cost: core time of
-    an element in a step (ns)."""
+    noun: its word in messages; cost: core time of an element in a step (ns)."""
 
     stores: ClassVar[Energy | None] = None  # the energy it stores (hook `stored`)
     gives: ClassVar[Energy | None] = None  # the work it gives; kinds with the same share an account
@@ -167,8 +165,8 @@ class ElementType:
         return words.format(noun=self.noun, title=title)
 
     def title(self, scene: SceneData) -> str:
-        """Return what a message calls this element: by default its type's word (`called`);
-        overridden where elements have names, as "latch A". scene: with what it acts on."""
+        """Return what a message calls this element: by default its type's word (`noun`); overridden
+        where elements have names, as "latch A". scene: with what it acts on."""
         return self.noun
 
     def unit_in(self, scene: SceneData, unit: str) -> str:
@@ -177,7 +175,7 @@ class ElementType:
         return unit
 
     def topology(self) -> Hashable:
-        """Return, as a tuple, those of this element's fields (stated with same=True, or indices)
+        """Return, as a tuple, those of this element's fields (stated with is_topology, or indices)
         that must be equal in scenes whose runs are computed together, side by side."""
         return tuple(
             getattr(self, n) for n, field in specs(type(self)).items() if field.is_topology
@@ -204,8 +202,7 @@ class ElementType:
     @classmethod
     def topology_of(cls, scene: SceneData) -> Hashable:
         """Return, as a hashable value, what of this type's elements in a scene, as their indices,
-        must be equal in scenes simulated side by side, in one batch; None: nothing, not even their
-        number."""
+        must be equal in scenes simulated side by side; None: nothing, not even their number."""
         return tuple(element.topology() for element in cls.find(scene))
 
     @classmethod

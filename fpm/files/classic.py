@@ -1,9 +1,8 @@
 """netCDF's classic format (64-bit offset), written and read in one go, by scipy.
 
-A trajectory has some thirty small variables. To create them through HDF5 takes half as long as to
-simulate the run, and netCDF's own library is no faster in this format; scipy's writer takes little
-longer than to copy the numbers, and its reader notices a file that was cut off. Any netCDF library
-reads these files."""
+A trajectory has some thirty small variables. Creating them through HDF5 takes half as long as the
+run, and netCDF's own library is no faster; scipy's writer takes little longer than copying the
+numbers, and its reader notices a file that was cut off. Any netCDF library reads these files."""
 
 import os
 from collections.abc import Mapping

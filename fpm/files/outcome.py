@@ -74,9 +74,8 @@ class Outcome(Curves):
     @property
     def gap(self) -> np.ndarray:
         """Largest constraint error in position (t,), m, at the recorded instants, of the hinges
-        that are solved alone (`are_alone`), 0 without any: the distance of the two particles'
-        points, or of the point to where it is held. That of all other joints:
-        `recorded["joint_gap"]`."""
+        solved alone (`are_alone`), 0 without any: distance of both particles' points, or of the
+        point to where it is held. Of other joints: `recorded["joint_gap"]`."""
         return self._recorded_or_zero("hinge_gap")
 
     @property

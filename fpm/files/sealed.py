@@ -1,10 +1,9 @@
 """Files that tell what they are, and whether they are still as they were written.
 
 A sealed file ends with a line of facts as JSON: a digest of all the bytes before it and of the
-facts, and what the file is (`name`, and what its writer adds). Readers of netCDF, PNG and PDF
-overlook that line; in Markdown, HTML and SVG it is a comment, in JSON it is the first key. Files
-appear whole or not at all: they are written under a temporary name, which says whose it is, and
-renamed."""
+facts, and what the file is (`name`, what its writer adds). Readers of netCDF, PNG and PDF overlook
+that line; in Markdown, HTML and SVG it is a comment, in JSON it is the first key. Files appear
+whole or not at all: written under a temporary name, which says whose it is, and renamed."""
 
 import hashlib
 import json
@@ -101,8 +100,7 @@ _AT_ONCE = getattr(os, "O_NONBLOCK", 0)
 
 
 def unsealed(path: str | os.PathLike) -> bytes:
-    """Return the content of the sealed file at `path`, without its seal; raises DamagedError if the
-    file is not as it was written."""
+    """Return the sealed file at `path` without its seal; DamagedError if not as it was written."""
     content = read_bytes(path)
     check_content(path, content)
     return _split(path, content)[1]
@@ -193,8 +191,7 @@ def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) 
 
 
 def sweep(folder: str | os.PathLike) -> list[Path]:
-    """Remove the temporary files of `whole_file` in a folder whose process, one of this machine,
-    has ended; returns their paths."""
+    """Remove temporary files of ended processes of this machine from a folder; returns paths."""
     paths = []
     with suppress(FileNotFoundError, NotADirectoryError):
         for entry in os.scandir(folder):

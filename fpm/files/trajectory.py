@@ -1,9 +1,8 @@
 """Trajectory files: one netCDF file per run, complete or absent, and sealed (`fpm.files.sealed`).
 
-Written in the classic format, which is quick for files of this kind (`fpm.files.classic`); to be
-read by any netCDF library, and by `read_curves`. The format has no empty arrays: a run without
-events has no variables of events. Energies and what else the kinds in a scene record have the names
-that the kinds give them; all others are fixed."""
+Written in the classic format (`fpm.files.classic`), read by any netCDF library and `read_curves`.
+The format has no empty arrays: a run without events has no variables of events. Energies and what
+else the kinds in a scene record have the names that the kinds give them; all others are fixed."""
 
 import os
 from collections.abc import Iterable, Mapping
@@ -38,8 +37,7 @@ IMPACTS = {"closes": "opens", "hits": "leaves", "latches": "latches"}
 
 
 class Contents(NamedTuple):
-    """Contents of a trajectory file to be written. attributes: global ones, variables: both by
-    name."""
+    """Contents of a trajectory file to write. attributes (global ones), variables: by name."""
 
     attributes: dict[str, Any]
     variables: dict[str, classic.NetcdfVariable]

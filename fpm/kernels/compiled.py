@@ -177,8 +177,7 @@ def _digests(folder: Path) -> dict[str, str]:
 
 
 def _damaged_files(folder: Path) -> list[str]:
-    """Names of files of compiled code that are not as they were written; none where there are none
-    yet."""
+    """Names of files of compiled code that are not as written; none where there are none yet."""
     new, old = _digests(folder), {}
     with suppress(OSError, ValueError, TypeError):
         old = dict(json.loads((folder / DIGESTS).read_text(encoding="utf-8")))

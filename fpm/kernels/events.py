@@ -19,10 +19,9 @@ def note(log, lane, time, element, event):
 
 @kernel
 def note_crossings(log, element, previous, value, timing):
-    """Note event 1 in samples in which a value has become negative in this step, event 0 where it
-    no longer is, at the time found by linear interpolation. log: of the element's type (Log);
-    element: index in its type; previous, value (lanes): at the start and end of the step; timing:
-    times of this step (s)."""
+    """Note event 1 in samples whose value became negative in this step, 0 where it no longer is, at
+    the time by linear interpolation. log: of the element's type (Log); element: index in its type;
+    previous, value (lanes): at the start and end of the step; timing: times of this step (s)."""
     signs = where_negative(value, -1.0, 1.0)
     if any_negative(signs * where_negative(previous, -1.0, 1.0)):
         store(log.ends, 0, 0, previous)

@@ -46,12 +46,11 @@ def find_failures(parts, world, record, row, n, tolerance):
 
 @kernel
 def worst_row(parts, world, cause, s):
-    """Return the index in World.rows, which has one number for each element, of the element to
-    blame for the failure of sample s (its lane): the first whose number is not finite, else the one
-    with the largest; -1: none. cause: UNBALANCED, then the numbers are the stored energies (J) of
-    elements of all types; or index of a watched quantity, then what `list_excess` stores for the
-    elements of the type that watches it. parts: arrays of each element type; world: solver state,
-    rows overwritten."""
+    """Return the index in World.rows, one number an element, of the element to blame for the
+    failure of sample s (its lane): that of the first number not finite, else of the largest; -1:
+    none. cause: UNBALANCED, then the numbers are stored energies (J) of elements of all types; or
+    index of a watched quantity, then what `list_excess` stores for elements of the type that
+    watches it. parts: arrays of each element type; world: solver state, rows overwritten."""
     rows = world.rows
     for e in range(rows.shape[0]):
         store(rows, e, 0, -1.0)

@@ -3,8 +3,7 @@
 A kind's kernel file has a named tuple of its arrays and, for what it does, kernels marked with
 `@hook(ItsTuple)` that are named as the hooks below. The loop calls a hook with the tuples of all
 kinds in the scene; when it is compiled, that becomes one call after the other of the kernels there
-are, in the order of the kinds. A kind that a scene lacks, or a hook that a kind lacks, leaves
-nothing behind."""
+are, in the order of the kinds. What a scene or kind lacks leaves nothing behind."""
 
 import functools
 import inspect
@@ -78,8 +77,7 @@ def _list(energy_of: Callable) -> Callable:
 
 def _unrolled(line: str | None = None) -> Callable:
     """Make a hook of an empty function of (parts, ...). line: what is done for each kind, if not
-    just the call of its `kernel` with its `part` in place of the parts; {j} counts those with a
-    kernel."""
+    just a call of its `kernel` with its `part` for the parts; {j} counts those with a kernel."""
 
     def declare(stub):
         name, (_, *arguments) = stub.__name__, inspect.signature(stub).parameters

@@ -50,10 +50,9 @@ def reflect(world):
 def kinetic_energies(world):
     """Return two energies (J, lanes): the kinetic energy at an instant, and that of half the change
     of momenta in the step around it. world: solver state, with momenta half a step before the
-    instant in World.start_state, and half a step after it in World.state. The first is of the
-    product of both velocities, the form that leapfrog conserves exactly, together with the
-    potential energy at the instant, for linear systems. It is less by the second than the mean of
-    the energies of both."""
+    instant in start_state, half a step after it in state. The first is of the product of both
+    velocities, the form that leapfrog conserves exactly, together with the potential energy at the
+    instant, for linear systems. It is less by the second than the mean of the energies of both."""
     state, start, particles = world.state, world.start_state, world.particles
     total = 0.0 * load(start, 0, X)
     kick = total

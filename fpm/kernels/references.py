@@ -1,9 +1,8 @@
 """Named tuples handed to kernels by reference, so that code is compiled in half the time.
 
 numba hands a named tuple on field by field, and an array as eleven numbers: a kernel that sees a
-World and a kind's arrays has some four hundred arguments, each named, packed and unpacked wherever
-it is called. By reference they are two. Everything is compiled into one loop in the end, where no
-reference is left."""
+World and a kind's arrays has some four hundred arguments, packed and unpacked at every call. By
+reference they are two. The compiled loop has no reference left."""
 
 from numba import types
 from numba.core.cgutils import alloca_once_value, gep_inbounds, unpack_tuple

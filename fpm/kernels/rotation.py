@@ -26,8 +26,7 @@ def frame(state, i):
 def half_turn(body, rate):
     """Return half the rotation vector (rad) of a step, along the particle's axes: 0.5 step J^-1 p
     at the middle of the step. body: angular momentum p (N m s) along the axes at its start; rate:
-    0.5 step J^-1 about each axis. At the middle p is body + body x (rate body), of which the
-    product is written out."""
+    0.5 step J^-1 about each axis. At the middle p is body + body x (rate body)."""
     x, y, z = body.x, body.y, body.z
     a, b, c = rate.x, rate.y, rate.z
     return vector(

@@ -62,11 +62,10 @@ def turn(state, particles, i, p):
 
 @kernel
 def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
-    """Integrate `steps` steps of `step` s; returns the number of steps done, fewer where all
-    samples have failed. parts: arrays of each element type; world: solver state (World), changed;
-    record: arrays of the run (Record), written; per_instant: steps between two recorded instants;
-    per_check: steps between two checks that the energy balance is off by at most `tolerance` times
-    the largest energy so far."""
+    """Integrate `steps` steps of `step` s; returns the number done, fewer where all samples failed.
+    parts: arrays of each element type; world: solver state, changed; record: arrays of the run
+    (Record), written; per_instant: steps between recorded instants; per_check: steps between checks
+    that the energy balance is off by at most `tolerance` times the largest energy so far."""
     parts, world, record = by_reference(parts), by_reference(world), by_reference(record)
     state, free = world.state, world.free
     spare = record.energies.shape[0] - 1

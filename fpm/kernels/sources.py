@@ -48,11 +48,10 @@ def state_of(stat: os.stat_result) -> State:
 
 
 class Imported:
-    """Files of a package as they are when this object is made, which has to be before they are
-    imported: then a digest of the files is one of the code in memory, and a later change is found.
-    folder: of the package; files in it are named by their paths below it. files: os.stat results by
-    path, from before the import, of its Python files; needed where the object is made after it,
-    else None."""
+    """Files of a package as they are when this object is made, which has to be before their import:
+    then their digest is one of the code in memory, and a later change is found. folder: of the
+    package; files in it are named by their paths below it. files: os.stat results by path, from
+    before the import, of its Python files; needed where the object is made after it, else None."""
 
     def __init__(self, folder: Path, files: Mapping[Path, os.stat_result] | None = None):
         self.folder = folder
@@ -147,8 +146,7 @@ MECHANICS = Imported(PACKAGE)
 
 
 def mechanics() -> str:
-    """Return a digest (16 hex digits) of all files of fpm that can change what every run
-    records."""
+    """Return a digest (16 hex digits) of all files of fpm that can change what runs record."""
     return MECHANICS.digest(exclude=READ + DISPLAY)
 
 
@@ -158,16 +156,14 @@ def reading() -> str:
 
 
 def kernels() -> str:
-    """Return a digest (16 hex digits) of the files of fpm that are compiled: elements and
-    kernels."""
+    """Return a digest (16 hex digits) of fpm's compiled files: elements and kernels."""
     return MECHANICS.digest(include=("elements", "kernels"))
 
 
 def own_sources(*starts: Path) -> set[Path]:
-    """Return the Python files `starts`, all files outside of fpm that they import from beside or
-    below them, directly or not, and for each the file beside it named with `_kernels` behind
-    (kernels of an element type). Imports within branches count too. Raises SceneError for a start
-    that is no file."""
+    """Return the Python files `starts`, all files outside fpm that they import from beside or below
+    them, directly or not, and for each the file beside it named with `_kernels` behind (its
+    kernels). Imports within branches count too. Raises SceneError for a start that is no file."""
     files: set[Path] = set()
     queue = [path.resolve() for path in starts]
     for path in queue:
@@ -193,8 +189,7 @@ def digests(path: Path) -> dict[Path, str]:
 
 
 def file_of(definition: Callable) -> Path:
-    """Return the file that a function or class, `definition`, was written in; SceneError if typed
-    in."""
+    """Return the file that a function or class, `definition`, is from; SceneError if typed in."""
     try:
         return Path(inspect.getfile(inspect.unwrap(definition))).resolve()
     except (OSError, TypeError):

@@ -114,8 +114,7 @@ _register_product()
 
 @intrinsic
 def vector(typingctx, x, y, z):
-    """Return the vector with components x, y, z, each a Lane (its numbers for all samples side by
-    side)."""
+    """Return the vector with components x, y, z, each a Lane (its numbers for all samples)."""
     if not isinstance(x, Lane):
         return None
 

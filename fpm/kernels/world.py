@@ -1,7 +1,6 @@
 """Arrays of a run that all element types share, as named tuples.
 
-Integer arrays are the same for all lanes; the others are (rows, fields, lanes), fields as in
-layout.py."""
+Integer arrays are one for all lanes; others are (rows, fields, lanes), fields as in layout.py."""
 
 from typing import NamedTuple
 
@@ -9,9 +8,8 @@ import numpy as np
 
 
 class StepTime(NamedTuple):
-    """Times of one step (s). time: of the positions at its start; step: its length; kick: time over
-    which its forces act on momenta, `step`, but step / 2 in the first, as momenta stand half a step
-    behind."""
+    """Times of a step (s). time: of positions at its start; step: its length; kick: time over which
+    forces act on momenta, `step`, but step / 2 in the first, as momenta are half a step behind."""
 
     time: float
     step: float
@@ -19,20 +17,18 @@ class StepTime(NamedTuple):
 
 
 class World(NamedTuple):
-    """State of the solver: n particles (position, axes, momenta, forces), curves, and what element
-    types share.
+    """State of the solver: n particles, curves, and what element types share.
 
     state (n, 21, lanes): particles now (position, axes 2 and 3, velocity, angular momentum, force,
     moment); start_state: at the start of a recorded step; particles (n, 9, lanes): constants
     (inverse mass and inertias, mass, effects of the step's kick); free: indices of particles that
-    no type moves itself; curve_start: first point of each curve; curve_time (s), curve_value: of
-    all curves' points; point_on, point_arm: particles and arms (m) of named points; accounts (1, a,
-    lanes): energy given by the first `givers`, taken by the others (J); sums: for the balance. Of
-    quantities that types watch: watched: largest values so far; most: limits; unconditional:
-    whether one is the cause of a failure even where the energy does not balance; watch_rows: first
-    and end of its elements in `rows`. size: of the scene (m); rows (e, 1, lanes): of each element,
-    once a run has failed, its energy (J) or watched quantity; undecided: 1 where impulses have to
-    be found again."""
+    no type moves; curve_start: first point of each curve; curve_time (s), curve_value: of all
+    curves' points; point_particle, point_arm: particles and arms (m) of named points; accounts (1,
+    a, lanes): energy given by the first `givers`, taken by the others (J); sums: for the balance.
+    Of quantities that types watch: peaks: largest values so far; most: limits; unconditional:
+    whether one is a failure's cause even where energy does not balance; watch_rows: first and end
+    of its elements in `rows`. size: of the scene (m); rows (e, 1, lanes): of each element, once a
+    run has failed, its energy (J) or watched quantity; undecided: 1 to find impulses again."""
 
     state: np.ndarray  # (n, STATE, lanes)
     start_state: np.ndarray  # (n, STATE, lanes) the state at the start of a step that is recorded
@@ -67,12 +63,11 @@ class Log(NamedTuple):
 
 
 class Record(NamedTuple):
-    """Recorded arrays of a run, with one row more than instants, for checks in between. points:
-    positions (m), velocities (m/s) of named points; energies (J): kinetic, balance, accounts,
-    stored by type. Of the first failed check, lanes last: failed_step: its step, -1: none;
-    failed_cause: index of the watched quantity, -1: the balance; failed_row: worst element, a row
-    of World.rows; failed_balance (J); failed_watched: World.peaks then. scale (lanes,): largest
-    energy so far (J)."""
+    """Recorded arrays, with one row more than instants, for checks between. points: positions (m),
+    velocities (m/s) of named points; energies (J): kinetic, balance, accounts, stored by type. Of
+    the first failed check, lanes last: failed_step: its step, -1: none; failed_cause: watched
+    quantity's index, -1: balance; failed_row: worst element, a row of World.rows; failed_balance
+    (J); failed_watched: World.peaks then. scale (lanes,): largest energy so far (J)."""
 
     points: np.ndarray  # ((instants + 1) p, POINT, lanes)
     energies: np.ndarray  # (instants + 1, ACCOUNTS + accounts + kinds that store, lanes)

@@ -40,7 +40,8 @@ def whole_motion(
 ) -> list:
     """Simulate scenes that differ in numbers only and return the whole motion of each as an
     xarray.Dataset: of all particles positions (m), own axes (columns) and velocities (m/s), of all
-    elements strains and stresses (Pa).
+    elements strains and stresses (Pa). Raises the InstabilityError of the first run that fails,
+    SceneError for wrong arguments.
 
     Parameters
     ----------
@@ -53,11 +54,7 @@ def whole_motion(
         extra_variables takes; the datasets do not have them.
     attributes: further global attributes by name, for each scene's dataset.
     extra_variables: called with the number of a scene (from 0) and its Outcome, returns further
-        variables for its dataset, by name, as xarray.Dataset.assign takes them.
-
-    Raises
-    ------
-    InstabilityError, SceneError: the failure of the first run that fails; wrong arguments."""
+        variables for its dataset, by name, as xarray.Dataset.assign takes them."""
     arguments = {"duration": duration, "instants": instants, "step": step}
     arguments |= {"energy_tolerance": energy_tolerance, "record": tuple(record)}
     count = len(scenes[0].position)
@@ -96,12 +93,11 @@ def chosen_instants(duration: float, instants: int, frames: int, times=()) -> np
 def element_strains(
     scene: Scene, position: np.ndarray, frame: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return strains of a scene's m beam elements at t instants: axial (t, m), above 0 in tension,
-    and the largest of bending at the surface (t, m), at least 0. position (t, n, 3) m and frame (t,
-    n, 3, 3), axes as columns: of its n particles. The moments at an element's ends are the gradient
-    of its energy (elements/bars/beam.py), 2 EI/l0 (2 th_a + th_b) and its mirror image; the larger
-    of both is taken, at the corner of the rectangle with the section's radii of gyration
-    (`elements_of`)."""
+    """Return strains of a scene's m beam elements at t instants: axial (t, m), > 0 in tension, and
+    largest of bending at the surface (t, m), >= 0. position (t, n, 3) m and frame (t, n, 3, 3),
+    axes as columns: of its n particles. The moments at an element's ends are the gradient of its
+    energy (elements/bars/beam.py), 2 EI/l0 (2 th_a + th_b) and its mirror image; the larger is
+    taken, at the corner of the rectangle with the section's radii of gyration (`elements_of`)."""
     if not scene.beams:
         return np.zeros((len(position), 0)), np.zeros((len(position), 0))
     _, length, half = elements_of(scene.beams)

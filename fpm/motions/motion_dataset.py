@@ -1,7 +1,6 @@
 """The whole motion of a run as a dataset: CF-like names and units (motion.py makes it).
 
-Its elements are those of bars and, each with one particle at both ends and no strain, rigid bodies.
-"""
+Its elements are those of bars, and rigid bodies: one particle at both ends, without strain."""
 
 from typing import TYPE_CHECKING, NamedTuple
 

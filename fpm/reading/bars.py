@@ -2,9 +2,8 @@
 
 Forces and moments in a section are those of the part beyond on the part before, along the axes of
 the section: x along the bar, y across the section's width, z along its height. At the ends of an
-element they are its end force F_a and moments M_a, -M_b, which are the gradient of its energy
-(theory: elements/bars/beam.py), along the axes that the particles there carry; in between the
-components go straight."""
+element they are its end force F_a and moments M_a, -M_b, gradient of its energy (theory:
+elements/bars/beam.py), along the particles' axes there; between, components are linear."""
 
 from typing import NamedTuple
 
@@ -98,8 +97,7 @@ def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
 
 def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
     """Return forces and moments in the sections of `beams`, a group of elements of a scene;
-    place(particle), axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle
-    (index)."""
+    place(i), axes(i): positions (t, 3) m and frames (t, 3, 3) of particle i."""
     _, axial, bend_z, bend_y, twist = beams.stiffness().T
     length, chord, sines, angles, own = bends_of(scene, beams, place, axes)
     stiffness = np.stack([bend_z, bend_y], axis=1)

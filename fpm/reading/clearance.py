@@ -17,9 +17,8 @@ MOST_PAIRS = 1 << 20
 def clearance(scene: Scene, first: Bar, second: Bar, place, axes) -> np.ndarray:
     """Return the clearance (t,) m of two bars of a scene, `first` and `second`, at t instants: at
     most the shortest distance between their surfaces, equal to it where sides or edges face each
-    other; a value that is not above 0 does not show that they overlap. place(particle),
-    axes(particle): positions (t, 3) m and frames (t, 3, 3), axes as columns, of a particle
-    (index)."""
+    other; a value that is not above 0 does not show that they overlap. place(i), axes(i): positions
+    (t, 3) m and frames (t, 3, 3), axes as columns, of particle i."""
     lines1, lines2 = (_lines(scene, bar, place, axes) for bar in (first, second))
     count, pairs = len(lines1[0]), lines1[0].shape[1] * lines2[0].shape[1]
     size = max(1, MOST_PAIRS // pairs)
@@ -54,8 +53,7 @@ def _shortest(a, b, sides_one, radius_one, c, d, sides_two, radius_two) -> np.nd
 
 
 def nearest(a, b, c, d) -> np.ndarray:
-    """Return the shortest vector (..., 3) from the line segment a b to the segment c d; a, b, c, d
-    (..., 3): their end points."""
+    """Return the shortest vector (..., 3) from segment a b to c d; a, b, c, d: ends (..., 3)."""
     u, v, w = b - a, d - c, c - a
 
     def to_segment(point, start, chord):

@@ -41,8 +41,7 @@ def point_of(run: Recording, joint: Hinge | Joint) -> np.ndarray:
 def couple_on_two(run: Recording, joint: Hinge | Joint, sides: Sides) -> np.ndarray:
     """Return the moment (t, 3) N m that a joint exerts on its second body about the joint's point,
     in global axes, at the t instants of a recorded `run`; sides: its forces and moments on both
-    particles, from `run.joints`. About axes that it cannot rotate about: minus that on the
-    first."""
+    particles, from `run.joints`. About axes of no rotation: minus that on the first."""
     point = point_of(run, joint)
     place1, place2 = (run.place(beam.particle) for beam in joint.beams)
     opposite = sides.about_two - np.cross(point - place2, sides.on_two)
@@ -98,12 +97,10 @@ def reactions_of(scene: Scene) -> dict[str, Reaction]:
 
 def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
     """Force (t, 3) N of a support or drive on the structure, and its moment (t, 3) N m about its
-    point, in global axes; run: what was recorded; name: a key of `reactions_of`.
-
-    Of a particle that is held: the rate of its momentum less all other forces and those of joints,
-    along and about the axes that are held. Several supports on one particle are one. A particle
-    that is held entirely and is neither on a bar, nor a named body, nor moved by a drive is the
-    ground, which has no weight."""
+    point, in global axes; run: what was recorded; name: a key of `reactions_of`. Of a particle that
+    is held: the rate of its momentum less all other forces and those of joints, along and about the
+    axes that are held. Several supports on one particle are one. A particle that is held entirely
+    and neither on a bar, nor a named body, nor moved by a drive is the ground, without weight."""
     scene, support = run.scene, reactions_of(run.scene)[name]
     particle = support.beam.particle
     force, moment = np.zeros((2, len(run.time), 3))

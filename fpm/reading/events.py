@@ -1,10 +1,9 @@
 """The value of a response at a time, or just before what happens then: never across an event.
 
 Between instants it is that of a polynomial through those nearby. At an event the polynomial is
-continued from before, by up to two instants and a step; where the rates of what is continued are
-recorded, as of points, it goes through values and rates of three instants (Hermite; Davis,
-Interpolation and Approximation, ch. 2), and the error falls with the sixth power of their distance.
-"""
+continued from before, by up to two instants and a step; where its rates are recorded, as of points,
+it goes through values and rates of three instants (Hermite; Davis, Interpolation and Approximation,
+ch. 2), and the error falls with the sixth power of their distance."""
 
 from dataclasses import replace
 
@@ -24,13 +23,12 @@ touches: a step before the later one, SPREAD after the earlier one, and up to on
 
 
 def value_at(curves: Curves, response: Response, instant: float, event: bool) -> float:
-    """Return the value of a response in one run at the time `instant` (s). curves: the run's
-    recorded series; event: whether something jumps then, as at an impact, so that the value just
-    before is meant. That is found by values and rates of three instants where rates are recorded
-    (Hermite); else, and without an event, by a cubic at most through the nearest instants with no
-    other event in between. With fewer than two such instants nothing is extrapolated: just before
-    an event it is the value at the last instant that is a step before, else linear
-    interpolation."""
+    """Return the value of a response in one run at `instant` (s). curves: the run's recorded
+    series; event: whether something jumps then, as at an impact, so that the value just before is
+    meant. That is found by values and rates of three instants where rates are recorded (Hermite);
+    else, and without an event, by a cubic at most through the nearest instants with no other event
+    between. With fewer than two such instants nothing is extrapolated: just before an event it is
+    the value at the last instant a step before, else linear interpolation."""
     time, step, values = curves.time, curves.step, response.evaluate(curves)
     times = np.sort(curves.events[:, 0])
     if event:  # those that a few steps cannot tell apart are one
@@ -60,11 +58,9 @@ def cubic_through(time: np.ndarray, values: np.ndarray, last: int) -> np.polynom
 
 
 def _continued(curves: Curves, response: Response, rows, t: float) -> float | None:
-    """Value of a response at a time t (s) after the instants `rows`, extrapolated from its
-    constituents and their rates.
-
-    None where rates are not recorded, or would have predicted the last of five instants no better
-    than a cubic: a constituent that trembles between the instants, or jumps."""
+    """Value of a response at t (s) after the instants `rows`, extrapolated by rates of
+    constituents; None where these are not recorded, or predict the last of five instants no better
+    than a cubic (a constituent trembles between the instants, or jumps)."""
     values = {}
     for name in response.subjects:
         curve = _with_rates(curves, response.kind, name)

@@ -51,10 +51,9 @@ class Abscissa(NamedTuple):
 
 
 class OpeningPath(NamedTuple):
-    """Path along which openings are moved slowly, through static equilibria (a travel). openings:
-    names of the hinges or slides that are moved together; first, last: where the first of them
-    begins and ends (rad, m; None: each run's own opening at its start); stand: names of those
-    locked at their start."""
+    """Path of openings moved slowly, through static equilibria (a travel). openings: names of
+    hinges or slides moved together; first, last: where the first of them begins and ends (rad, m;
+    None: each run's own opening at its start); stand: names of those locked at their start."""
 
     openings: tuple[str, ...]
     first: float | None
@@ -82,10 +81,9 @@ def read_label(label: str) -> tuple[OpeningPath, str]:
 
 
 def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
-    """Move an opening of a scene slowly along a path; returns openings, virtual works and inertia
-    at its positions (Travel). positions: number of evenly spaced ones; None: as many as the
-    tolerance takes. Raises SceneError where the opening does not move or does not decide the
-    motion."""
+    """Move a scene's opening slowly along a path; returns openings, virtual works and inertia at
+    its positions (Travel). positions: number of evenly spaced ones; None: as many as the tolerance
+    takes. SceneError where the opening does not move or does not decide the motion."""
     (start,) = (hinge.opening for hinge in scene.hinges if hinge.name == path.openings[0])
     first, last = (float(start) if end is None else end for end in (path.first, path.last))
     if first == last:

@@ -61,18 +61,16 @@ class Quantity:
 
     @property
     def decider(self) -> "Quantity | None":
-        """The quantity whose `margin` tells by how much this one exists in a run or not: itself (a
-        crossing, settling to a target), or of a value that which gives its time; None: runs only
-        tell whether it exists."""
+        """The quantity whose `margin` tells by how much this one exists: itself (crossing, settling
+        to a target), or of a value that giving its time; None: runs only tell whether it does."""
         if isinstance(self.at, Quantity):
             return self.at.decider
         settles = self.kind == "settling" and self.about is not None
         return self if self.kind == "crossing" or settles else None
 
     def margin(self, values: np.ndarray) -> np.ndarray:
-        """Return by how much (...) a crossing or settling occurs, in the response's unit: above 0
-        if it does, below if not, continuous. values (..., t): of the response. Only for a quantity
-        that is its own `decider`."""
+        """Return by how much (...) a crossing or settling occurs, in the response's unit, > 0 if it
+        does, else < 0, continuous. values (..., t): of the response. Only for its own `decider`."""
         if self.kind == "settling":
             return self.within - np.abs(values[..., -1] - self.about)
         return crossing_margin(values - self.level, self.way, self.number)
@@ -114,11 +112,10 @@ def crossing(
 
 
 def crossing_margin(values: np.ndarray, direction: str = "either", number: int = 1) -> np.ndarray:
-    """Return by how much (...) values (..., t) over t instants cross zero for the nth time, in
-    their unit: above 0 if they do, below 0 by what is lacking. direction: "rising", "falling" or
-    "either"; number: n, from 1. A rising crossing takes values below zero and later above, the next
-    one below and above again: the least is returned of the largest distances from zero on these
-    sides in turn."""
+    """Return by how much (...) values (..., t) cross zero for the nth time, in their unit: above 0
+    if they do, below 0 by what is lacking. direction: "rising", "falling" or "either"; number: n,
+    from 1. A rising crossing takes values below zero and later above, the next below and above
+    again: the least is returned of the largest distances from zero on these sides in turn."""
 
     def turns(side: float, count: int) -> np.ndarray:
         margin = np.inf

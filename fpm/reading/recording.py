@@ -129,8 +129,7 @@ class Recording:
         return np.einsum("tij,tj->ti", axes, change(np.einsum("tij,ti->tj", axes, vector)))
 
     def _angular(self, particle: int, momentum: np.ndarray) -> np.ndarray:
-        """Inverse inertia of a particle times a momentum (t, 3), about the axes about which it may
-        turn."""
+        """Inverse inertia of a particle times a momentum (t, 3), about axes it may turn about."""
         inertia = turns_of(self.scene).inertia[particle]
         rotation = self._in_own_axes(particle, momentum, lambda local: local / inertia)
         return rotation * ~self.scene.fixed[particle, 3:]
@@ -163,8 +162,7 @@ class Recording:
         return self.memoize(bar, read)
 
     def memoize(self, key: Hashable, find: Callable[[], Any]) -> Any:
-        """Return the result of find(), which is called at the first use of `key` only and then
-        stored."""
+        """Return the result of find(), called at the first use of `key` only, then stored."""
         if key not in self._memo:
             self._memo[key] = find()
         return self._memo[key]

@@ -1,8 +1,7 @@
 """Responses: scalar functions of time that are read off a run.
 
 KINDS is the table of all: those that every run records, those that are a variable of
-`fpm.reading.variables` as it is (its entry there is all there is to such a one), and those that are
-made of several."""
+`fpm.reading.variables` as it is, and those that are made of several."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -70,17 +69,14 @@ class Response:
 
 
 def parse(name: str, definition: Mapping[str, Any], scene: Scene) -> Response:
-    """Return the response that a definition in a config states, with its unit and long name.
+    """Return the response that a definition in a config states, with its unit and long name;
+    SceneError for keys and values that are not allowed.
 
     Parameters
     ----------
     name: its name.
     definition: mapping with one key that is a type (KINDS), and further ones (docs/responses.md).
-    scene: the Scene whose points, hinges and bars the definition names.
-
-    Raises
-    ------
-    SceneError: for keys and values that are not allowed; it names them and what is."""
+    scene: the Scene whose points, hinges and bars the definition names."""
     if not isinstance(definition, Mapping) or len(set(definition) & set(KINDS)) != 1:
         raise SceneError(f"responses.{name}", definition, f"exactly one of {', '.join(KINDS)}")
     kind = next(k for k in KINDS if k in definition)
@@ -129,8 +125,7 @@ class Definition(NamedTuple):
 
     @property
     def variable(self) -> Variable:
-        """Variable of `fpm.reading.variables` with the name of the definition's type, else
-        KeyError."""
+        """Variable of `fpm.reading.variables` named as the definition's type, else KeyError."""
         return VARIABLES[self.kind]
 
     def response(self, subjects: tuple[str, ...], component: str, *fields: Any) -> Response:

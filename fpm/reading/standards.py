@@ -21,8 +21,7 @@ CLASSES = {
 class Standard(NamedTuple):
     """A standard for torque margins. title: its name; edition: the one that its factors are from;
     drives: factor of the moments that drive, by class (as "S" for springs), 0 where a class must
-    not count; resists: factor of those that resist, by evidence ("theory", "measurement", ...) and
-    class."""
+    not count; resists: factor of those that resist, by evidence ("theory", ...) and class."""
 
     title: str
     edition: str

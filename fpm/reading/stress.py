@@ -25,9 +25,8 @@ from fpm.scenes.scene import Scene
 
 
 def torsion_stresses(width: float, height: float, J: float) -> tuple[float, float]:
-    """Return the largest shear stresses per torque (1/m³) of a solid rectangle: in the middles of
-    the sides at y = ±width/2, and at z = ±height/2. width, height: its sides (m); J: torsion
-    constant (m⁴)."""
+    """Return the largest shear stresses per torque (1/m³) of a solid rectangle: at mid-sides: y =
+    ±width/2, and z = ±height/2. width, height: its sides (m); J: torsion constant (m⁴)."""
     a, b = sorted((width / 2, height / 2))
     n = np.arange(1, 60, 2)
     argument = np.minimum(n * np.pi * b / (2 * a), 500.0)  # beyond, cosh overflows
@@ -65,9 +64,8 @@ def von_mises(normal: np.ndarray, shear: np.ndarray) -> np.ndarray:
 
 
 def element_stress(scene: Scene, groups: Iterable[Beams], place, axes) -> np.ndarray:
-    """Return the largest equivalent stress (t, m) Pa (von Mises) in each of the m beam elements of
-    all groups, at either end; place(particle), axes(particle): its positions (t, 3), frames (t, 3,
-    3)."""
+    """Return the largest equivalent stress (t, m) Pa (von Mises) in all groups' m beam elements, at
+    either end; place(i), axes(i): positions (t, 3) and frames (t, 3, 3) of particle i."""
     stresses = []
     for beams in groups:
         force, moment = sections(scene, beams, place, axes)

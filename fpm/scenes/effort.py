@@ -3,9 +3,8 @@
 Costs are those of eight runs side by side, in nanoseconds, as measured where a register holds 256
 bits (an AMD EPYC without 512), and right to a factor of two or so; `machine` is what they have to
 be multiplied with here. Kinds of elements state theirs (`ElementType.cost`). Joints that are solved
-together are counted out, as it depends on how they are coupled: twenty joints on one body cost far
-more than twenty in a chain.
-"""
+together are counted out, as it depends on their coupling: twenty joints on one body cost far more
+than twenty in a chain."""
 
 from __future__ import annotations
 
@@ -36,8 +35,7 @@ COMPILE, COMPILE_KIND, COMPILE_JOINTS = 4.0, 1.0, 4.0
 
 
 def compile_seconds(scene: Scene) -> float:
-    """Return an estimate of the time (s) to compile a scene's time loop, once for its element
-    types."""
+    """Return the estimated time (s) to compile a scene's time loop, once for its element types."""
     return COMPILE + sum(COMPILE_JOINTS if k is Joint else COMPILE_KIND for k in kinds_of([scene]))
 
 

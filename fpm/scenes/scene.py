@@ -139,16 +139,16 @@ class Scene:
         self.kinds = {**self.kinds, Damping: [damping]}
 
     def add(self, element: ElementType) -> int:
-        """Add an element of any type; returns its index among the scene's elements of that type (-1
-        for a Support, which is only applied). Raises SceneError if it does not fit into the scene,
-        as by a wrong index."""
+        """Add an element of any type; returns its index among the scene's of that type (-1 for a
+        Support, which is only applied). SceneError if it does not fit, as by a wrong index."""
         element.add_to(self)
         return len(self.kinds.get(type(element), [])) - 1
 
     # -- particles and beams ------------------------------------------------------------------
 
     def add_particles(self, position, mass, inertia, frame=None, velocity=0.0, spin=0.0):
-        """Add n particles; returns their indices (n,).
+        """Add n particles; returns their indices (n,). SceneError for masses that are not positive,
+        and frames that are no rotations.
 
         Parameters
         ----------
@@ -156,11 +156,7 @@ class Scene:
         mass: masses (kg), (n,) or one for all, above 0.
         inertia: principal moments of inertia (kg m²), own axes, (n, 3) or one for all, above 0.
         frame: own axes as columns, (n, 3, 3) or (3, 3) for all; None: the global axes.
-        velocity, spin: at the start (m/s, rad/s), global, (n, 3) or one for all.
-
-        Raises
-        ------
-        SceneError: for masses that are not positive, and frames that are no rotations."""
+        velocity, spin: at the start (m/s, rad/s), global, (n, 3) or one for all."""
         position = np.atleast_2d(np.asarray(position, float))
         first, n = len(self.position), len(position)
         mass, inertia = _rows(mass, n), _rows(inertia, n, 3)
@@ -203,10 +199,8 @@ class Scene:
         name: str = "link",
         inertia_scale: float = 1.0,
     ) -> Link:
-        """Add a straight bar of equal beam elements, with particles of lumped masses; returns the
-        Link.
-
-        The particles' axes are those of the bar; its mass is lumped at them (bars/lumping.py).
+        """Add a straight bar of equal beam elements; returns the Link. The particles have the bar's
+        axes and share its mass, lumped (bars/lumping.py).
 
         Parameters
         ----------
@@ -234,10 +228,8 @@ class Scene:
     # -- hinges, springs, contact -------------------------------------------------------------
 
     def add_hinge(self, name, particles, point, axis, references=None, opening=0.0, support=""):
-        """Join two particles by a hinge; returns its index.
-
-        `point` and `axis` may be (2, 3), one for each particle, if `fpm.assembly` brings them
-        together.
+        """Join two particles by a hinge; returns its index. `point` and `axis` may be (2, 3), one
+        for each particle, if `fpm.assembly` brings them together.
 
         Parameters
         ----------
@@ -256,42 +248,33 @@ class Scene:
     def add_joint(self, name, type, particles, point, axis=(1, 0, 0), axis2=None) -> int:
         """Join two particles by a joint that is no hinge; returns its index among the joints.
 
-        `point` may be (2, 3), one for each particle, if `fpm.assembly` brings them together.
-
         Parameters
         ----------
         name: its name, which no other joint has.
         type: "spherical"; "fixed"; "universal", about `axis` of the first and `axis2` of the second
             particle; "prismatic", where the second slides on the first along `axis`.
         particles: indices of the first and the second particle.
-        point: position of the joint (3,), m, global.
+        point: position (3,), m, global; (2, 3), one for each, if `fpm.assembly` joins them.
         axis: direction of the axis (3,), global.
-        axis2: of a universal joint, the axis on the second particle (3,), normal to `axis`; None:
-            any."""
+        axis2: universal joint's axis on the second particle (3,), normal to `axis`; None: any."""
         return self.add(Joint.create(self, name, type, particles, point, axis, axis2))
 
     def add_slide(self, name, particles, point, axis, opening: float = 0.0) -> int:
-        """Join two particles by a slide; returns its index among the hinges.
-
-        The second particle slides on the first. `point` may be (2, 3), one for each particle, if
-        `fpm.assembly` brings them together.
+        """Join particles by a slide, the second on the first; returns its index among the hinges.
 
         Parameters
         ----------
         name: its name, which no other joint has.
         particles: indices of the first and the second particle.
-        point: position of the joint (3,), m, global.
+        point: position (3,), m, global; (2, 3), one for each, if `fpm.assembly` joins them.
         axis: direction of the slide (3,), global, in which the opening grows.
         opening: opening (m) at the start."""
         return self.add(Joint.slide(self, name, particles, point, axis, opening))
 
     def add_universal(self, name, particles, point, axis, axis2, openings=(0.0, 0.0)) -> int:
         """Join two particles by a universal joint with two openings; returns the index of the
-        first.
-
-        The openings are those of the hinges `<name>_axis`, by which the cross turns against the
-        first particle, and `<name>_other`, with the next index, by which the second particle turns
-        against the cross.
+        first. The openings are the hinges `<name>_axis`, of the cross against the first particle,
+        and `<name>_other`, the next index, of the second particle against the cross.
 
         Parameters
         ----------
@@ -304,9 +287,8 @@ class Scene:
         return min(self.add(hinge) for hinge in hinges)
 
     def hold_point(self, name, particle: int, point, axes: str) -> int:
-        """Hold a point of a particle along global axes; returns the joint's index.
-
-        For points off the particle; to hold the particle itself, `fix` costs nothing.
+        """Hold a point of a particle along global axes; returns the joint's index. To hold the
+        particle itself, `fix` costs nothing.
 
         Parameters
         ----------
@@ -351,23 +333,19 @@ class Scene:
     # -- supports, loads, drives, points ------------------------------------------------------
 
     def fix(self, particles, translations: str = "xyz", rotations: str = "xyz") -> None:
-        """Hold particles along and about global axes.
-
-        A particle that is in joints and has unlike moments of inertia is held about none, two or
-        all axes.
+        """Hold particles along and about global axes. Those in joints, with unlike moments of
+        inertia, are held about none, two or all axes.
 
         Parameters
         ----------
         particles: index of one or indices of several.
-        translations, rotations: global axes along and about which they are held: letters of "xyz".
-        """
+        translations, rotations: axes along and about which they are held: letters of "xyz"."""
         self.add(Support(tuple(np.atleast_1d(particles)), translations, rotations))
 
     def add_curve(self, times: Sequence[float], values: Sequence[float]) -> int:
         """Add a piecewise linear curve of time; returns its index. times: of its points (s),
-        increasing; values: at them, in the unit of what refers to the curve, constant before the
-        first and after the last. SceneError for times that do not increase, or not as many
-        values."""
+        increasing; values: at them, in the unit of what refers to the curve, constant beyond both
+        ends. SceneError for times that do not increase, or not as many values."""
         times, values = np.asarray(times, float), np.asarray(values, float)
         if times.shape != values.shape or times.ndim != 1 or np.any(np.diff(times) <= 0):
             raise SceneError("curve", (times.tolist(), values.tolist()), "increasing times")
@@ -388,9 +366,8 @@ class Scene:
         self.add(Load(beam, np.asarray(force, float), np.asarray(moment, float), int(curve)))
 
     def drive(self, particle: int, velocity=(0, 0, 0), spin=(0, 0, 0), curve: int = -1) -> None:
-        """Prescribe the motion of a particle.
-
-        Several drives of one particle add up (spins: one turn after another in each step).
+        """Prescribe the motion of a particle. Several drives of one particle add up (spins: one
+        turn after another in each step).
 
         Parameters
         ----------

@@ -107,9 +107,8 @@ class SceneType:
 
     @property
     def digest(self) -> str:
-        """Digest (16 hex digits) of what decides the numbers of this structure's runs: the
-        mechanics' code and the structure's content. Raises ChangedError where code files changed
-        since they were imported."""
+        """Digest (16 hex digits) of what decides this structure's runs: the mechanics' code and the
+        structure's content. Raises ChangedError if code changed since its import."""
         content = f"{sources.mechanics()} {self.content}"
         return hashlib.sha256(content.encode()).hexdigest()[:16]
 

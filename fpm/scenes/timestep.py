@@ -114,8 +114,7 @@ def fastest(modes) -> tuple[float, np.ndarray]:
 def stable_step(scene: Scene) -> StableStep:
     """Return the largest stable time step of a scene at its start (StableStep), before any safety
     factor: 2/ω of its highest angular frequency ω. A scene without stiffness (free bodies) has no
-    limit: infinity, frequency 0, element "none". With dampers what is returned is up to 1 % below
-    it."""
+    limit: infinity, frequency 0, element "none". With dampers the result is up to 1 % below it."""
     limit = _limit(scene)
     if all(kind.dampings(scene) is None for kind in kinds_of([scene])):
         return limit

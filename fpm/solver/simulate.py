@@ -30,8 +30,7 @@ class Division(NamedTuple):
 
 
 def divide_time(duration: float, instants: int, max_step: float) -> Division:
-    """Divide the time between two recorded instants of a run into equal steps; returns the
-    Division.
+    """Divide the time between two recorded instants into equal steps; returns the Division.
 
     Parameters
     ----------
@@ -58,10 +57,9 @@ def simulate(
     record: Iterable[Column] = (),
 ) -> list[Outcome]:
     """Integrate scenes that differ in numbers only, side by side; returns an Outcome for each, in
-    order.
-
-    A sample's numbers depend on its scene and the step only, bit for bit, not on the scenes beside
-    it. A run that failed has its `failure`.
+    order, with `failure` set where the run failed. A sample's numbers depend on its scene and the
+    step only, bit for bit, not on the scenes beside it. SceneError for arguments that are not
+    allowed, and scenes that differ in more than numbers.
 
     Parameters
     ----------
@@ -75,11 +73,7 @@ def simulate(
         the largest energy that it has had so far.
     dtype: number type of the run, float64 or float32.
     record: columns, (variable, label), that are recorded as well (`fpm.reading.variables`). The
-        motion, and what is always recorded, do not depend on them.
-
-    Raises
-    ------
-    SceneError: for arguments that are not allowed, and scenes that differ in more than numbers."""
+        motion, and what is always recorded, do not depend on them."""
     from fpm.kernels.lanes import width as lanes_of
 
     scenes = [scenes] if isinstance(scenes, Scene) else list(scenes)
@@ -114,8 +108,7 @@ def simulate(
 
 
 def _integrate(scenes, width, dtype, instants, division, tolerance):
-    """Integrate one batch of scenes; returns the Batch, the arrays of its element types, its World
-    and its Record."""
+    """Integrate a batch of scenes; returns Batch, arrays of its element types, World and Record."""
     run = _integrate_once(scenes, width, dtype, instants, division, tolerance, pack.MOST_EVENTS)
     event_count = int(run[0].event_count[: len(scenes)].max())
     if event_count > pack.MOST_EVENTS:

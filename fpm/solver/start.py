@@ -119,8 +119,7 @@ def _scaled(scene: Scene, rows):
 def _least_change(scene: Scene, rows, residual: np.ndarray, most: float) -> np.ndarray:
     """Change (n, 6) of velocities (m/s) and spins (rad/s), the least by masses, that changes rates
     of conditions by -residual. Where masses lie far apart, what joins light bodies says little
-    about the heavy ones: so the unknowns are d times the root of M, and the residuals are solved
-    for, again and again."""
+    about heavy ones: the unknowns are d times the root of M, and residuals are solved for again."""
     from scipy.sparse import bmat, identity
     from scipy.sparse.linalg import splu
 

@@ -120,8 +120,7 @@ def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityE
 
 
 def _final(scene: Scene, world, lane: int, time: float) -> Motion:
-    """Motion of all particles at the last instant, at `time` (s), from momenta half a step before
-    (kept) and after it."""
+    """All particles' motion at the last instant, `time` (s), by momenta half a step around it."""
     state, start = world.state[:, :, lane], world.start_state[:, :, lane]
     second, third = start[:, layout.D2 : layout.D2 + 3], start[:, layout.D3 : layout.D3 + 3]
     frame = columns(cross(second, third), second, third)

@@ -25,9 +25,8 @@ class Point:
 
 
 class Body:
-    """A bar or rigid body of a sample. name: its full name in the file; points: index of the
-    particle that carries each of its named points; particles (k,): indices of all its particles,
-    set once it is built."""
+    """A bar or rigid body of a sample. name: full, in the file; points: index of the particle with
+    each of its named points; particles (k,): indices of all its particles, set once it is built."""
 
     def __init__(self, name: str, points: Mapping[str, int]):
         self.name, self.points = name, dict(points)
@@ -51,12 +50,11 @@ class Ground(Body):
 
 
 class Builder:
-    """One sample's scene in the making, to which `sample.build_sample` adds one statement of a
-    structure file after the other. problems: of the file, where errors are noted; scene: complete
-    when there are none; numbers: all named numbers by full name (SI units); size: largest extent of
-    the structure (m); joints_of: names of the joints at each particle, by index; hold: None or, if
-    parts are forced together, a function of this Builder that returns the hinges (indices) whose
-    openings are kept then."""
+    """One sample's scene in the making; `sample.build_sample` adds a structure file's statements
+    one by one. problems: of the file, where errors are noted; scene: complete when there are none;
+    numbers: all named numbers by full name (SI units); size: largest extent of the structure (m);
+    joints_of: names of the joints at each particle, by index; hold: None or, if parts are forced
+    together, a function of this Builder that returns the hinges (indices) whose openings stay."""
 
     hold: Callable[["Builder"], list[int]] | None = None
     scene: Scene
@@ -82,8 +80,7 @@ class Builder:
             ) from None
 
     def point(self, name: str) -> np.ndarray:
-        """Return the position at the start (3,), m, of a point (full name); SkippedError without
-        one."""
+        """Return the start position (3,), m, of a point (full name); SkippedError without one."""
         return self.get("points", name).position
 
     def keep(self, group: str, name: str, value: Any) -> None:
@@ -92,8 +89,7 @@ class Builder:
         self._values[group, name] = value
 
     def get(self, group: str, name: str) -> Any:
-        """Return what `keep` stored for an entry of the file (group, full name); SkippedError if
-        nothing."""
+        """Return what `keep` stored for an entry (group, full name); SkippedError if nothing."""
         try:
             return self._values[group, name]
         except KeyError:

@@ -4,8 +4,7 @@ A text is parsed by Python's own grammar, its tree is checked against a list of 
 turned into two chains of functions, for the value and for its dimension: nothing is ever handed to
 `eval`. Values are single numbers; a batch is evaluated sample by sample, so that a sample's last
 digits do not depend on its neighbours (the vector units of a processor round a sine differently
-from its scalar ones), and since it takes less than a hundredth of the time that building the
-sample's particles does."""
+from its scalar ones)."""
 
 import ast
 import math
@@ -253,6 +252,5 @@ def _dotted(node: ast.AST) -> str:
 
 @lru_cache(maxsize=10_000)
 def parse(text: str) -> Expression:
-    """Return the expression of a text, from a cache where it occurred before; ExpressionError if it
-    is not arithmetic."""
+    """Return the expression of a text, cached; ExpressionError if it is not arithmetic."""
     return Expression(text)

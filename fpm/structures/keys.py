@@ -111,8 +111,7 @@ def _checked(bound: Bound, place: Place, allowed: str, right: Callable[[float], 
 
 @dataclass(frozen=True)
 class VectorKey(Key):
-    """Key whose value is three numbers along x, y and z, (3,) in SI units; unit: as "m/s2", whose
-    dimension they must have."""
+    """Key of three numbers along x, y, z, (3,) in SI units; unit: of their dimension, as "m/s2"."""
 
     unit: str = ""
 

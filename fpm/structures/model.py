@@ -1,7 +1,6 @@
 """A structure's file as a whole: its names found, its units checked, its repeats written out.
 
-A model belongs to certain values of the whole-number parameters, since these decide what there is.
-"""
+A model belongs to values of the whole-number parameters, which decide what there is."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple

@@ -1,8 +1,7 @@
 """Names in a structure's file: what they stand for, where they can be seen, and values of them.
 
-Units of a `repeat` see their own names first, then those of the file, and their neighbours' as
-`next.P` and `previous.P`. From anywhere a unit's name is `bay3.P`, `bay.first.P` or `bay.last.P`.
-"""
+Units of a `repeat` see their own names first, then the file's, and neighbours' as `next.P` and
+`previous.P`. From anywhere a unit's name is `bay3.P`, `bay.first.P` or `bay.last.P`."""
 
 import re
 from collections.abc import Container, Iterable, Mapping
@@ -51,8 +50,7 @@ class Context:
         raise KeyError(name)
 
     def visible(self, names: Iterable[str]) -> list[str]:
-        """Return those of `names` (full) that can be written here, shortened as one writes them
-        here."""
+        """Return those of `names` (full) that can be written here, as one writes them here."""
         if not self.prefix:
             return list(names)
         units = tuple(unit for units in self.units().values() for unit in units)
@@ -60,8 +58,7 @@ class Context:
         return own + [name for name in names if not name.startswith(units)]
 
     def units(self) -> dict[str, list[str]]:
-        """Return the prefixes ("bay1.", "bay2.", ...) of each repeat's units, in order, by its
-        name."""
+        """Return the prefixes ("bay1.", ...) of each repeat's units, in order, by its name."""
         lasts = {end.removesuffix(".last"): u for end, u in self.ends.items() if ".last" in end}
         counts = {name: int(unit.removeprefix(name)[:-1]) for name, unit in lasts.items()}
         return {name: [f"{name}{i + 1}." for i in range(n)] for name, n in counts.items()}
@@ -69,8 +66,7 @@ class Context:
 
 @dataclass(frozen=True)
 class Bound:
-    """An expression whose names are found. expression: as parsed; full: full names by written
-    ones."""
+    """Expression with its names found. expression: as parsed; full: full names by written ones."""
 
     expression: Expression
     full: dict[str, str]
@@ -94,7 +90,7 @@ class NamedNumber:
     """A number with a name in a file: a parameter, a repeat's index, or one derived from others.
     key, line: dotted path and line where it is defined; dimension: None while it is unknown, or if
     it is wrong; whole: whether it depends on whole numbers only, so that counts may depend on it;
-    given: value of an index, else None; bound: expression of a derived one, else None."""
+    count: value of an index, else None; bound: expression of a derived one, else None."""
 
     key: str
     line: int
@@ -106,11 +102,10 @@ class NamedNumber:
 
 class Names:
     """All names of a structure file. problems: where errors are noted; numbers: NamedNumbers
-    (parameters, `let`, coordinates of points) by full name; groups: by group, such as "bars", line
-    by full name; types: of joints by name, "" if unknown; angles: of universal joints, (joint, 0 or
-    1) by name; uses: names referred to, of numbers in full, of entries with their group, "bars:AB";
-    absent: (group, name) of entries left out; order: full names of numbers, each after those that
-    it depends on."""
+    (parameters, `let`, coordinates of points) by full name; groups: by group, as "bars", line by
+    full name; types: of joints by name, "" if unknown; angles: of universal joints, (joint, 0 or 1)
+    by name; uses: names referred to, of numbers in full, of entries as "bars:AB"; absent: (group,
+    name) of entries left out; order: full names of numbers, each after those it depends on."""
 
     def __init__(self, problems: Problems):
         self.problems = problems
@@ -123,9 +118,8 @@ class Names:
         self.order: list[str] = []
 
     def allows(self, name: str, key: str, line: int, number: bool = False) -> bool:
-        """Return whether something may be called `name`; if not, a problem is noted. key, line:
-        dotted path and line where it is defined; number: whether it is a number, for which names of
-        units are not allowed."""
+        """Return whether something may be called `name`; else a problem is noted. key, line: its
+        dotted path and line; number: whether it is a number, then names of units are refused."""
         reserved = name in (*NEIGHBOURS, "first", "last", "ground")
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or reserved:
             hint = "letters, digits and _ after a letter; not ground, next, previous, first, last"
@@ -209,8 +203,7 @@ class Place:
         return self.names.problems
 
     def child(self, *keys: str) -> "Place":
-        """Return the place of a key below this one. keys: that key, behind those on the way to
-        it."""
+        """Return the place of a key below this one. keys: it, behind those on the way to it."""
         return replace(self, key=dotted(self.key, *keys))
 
     def refuse(self, node: Node, allowed: str) -> None:

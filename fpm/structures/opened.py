@@ -45,10 +45,9 @@ _PROGRAM = tuple(str(sources.PACKAGE.parent / name) for name in ("fpm", "deploya
 
 
 class FileRecord:
-    """Record of all files that a structure in Python opens, by digest of their content, the file
-    `path` of the structure itself among them. It is sealed when the structure has been loaded and
-    built at its defaults, since its digest is fixed by then: files that a build at other values
-    opens beyond it are an error."""
+    """Record of all files that a structure in Python opens, by digest of their content, its own
+    file `path` too. It is sealed, its digest fixed, when the structure has been loaded and built at
+    its defaults: files that a build at other values opens beyond it are an error."""
 
     def __init__(self, path: Path):
         self.path, self.folder = path, path.parent
@@ -65,8 +64,7 @@ class FileRecord:
     @contextmanager
     def recording(self) -> Iterator[None]:
         """Return a context manager in which files that this thread opens are noted in this record,
-        and modules that are not installed are imported for its structure alone, whatever others
-        have."""
+        and modules that are not installed are imported for its structure alone."""
         _hook()
         outer, _THREAD.record = current_record(), self
         own_modules = _own_modules()
@@ -101,8 +99,7 @@ class FileRecord:
             self._states_now.setdefault(path, _state(path))
 
     def imported(self, path: Path, content: bytes) -> None:
-        """Note a code file at `path` that is imported, and its content; raises ChangedError if
-        other content was noted before."""
+        """Note an imported file's `path` and content; ChangedError if other content was noted."""
         path = Path(os.path.realpath(path))
         self._states_now.pop(path, None)
         digest = sources.content_digest(content, path)
@@ -170,8 +167,7 @@ class FileRecord:
         return set().union(*map(self.files_of, self.data or ()))
 
     def adopt(self, record: "FileRecord") -> None:
-        """Note the files of another structure, which this one loads, as opened by it. record: the
-        other's."""
+        """Note files of another structure that this one loads as its own. record: the other's."""
         self._states_now |= {p: record._states[p] for p in record.files if p not in self.files}
 
     def hidden(self) -> list[str]:
@@ -188,9 +184,8 @@ class FileRecord:
 
 
 class Build:
-    """Callable that builds a structure's scene and checks the files that are opened meanwhile.
-    function: returns a Scene for parameters by keyword; record: the structure's sealed
-    FileRecord."""
+    """Callable that builds a structure's scene and checks the files opened meanwhile. function:
+    returns a Scene for parameters by keyword; record: its sealed FileRecord."""
 
     def __init__(self, function: Callable, record: FileRecord):
         self.function, self.record = function, record
@@ -231,8 +226,7 @@ class Loader(SourceFileLoader):
         self.record = record
 
     def path_stats(self, path: str) -> Mapping[str, Any]:
-        """Raise OSError, so that importlib neither reads nor keeps bytecode of the file at
-        `path`."""
+        """Raise OSError, so that importlib neither reads nor keeps bytecode of file `path`."""
         raise OSError
 
     def get_data(self, path: str) -> bytes:
@@ -247,8 +241,7 @@ _THREAD = threading.local()
 
 
 def current_record() -> FileRecord | None:
-    """Return the record in which files that this thread opens now are noted; None outside of
-    `recording`."""
+    """Return the record of files that this thread opens now; None outside of `recording`."""
     return getattr(_THREAD, "record", None)
 
 

@@ -29,9 +29,8 @@ USUAL = {
 
 def warnings(scene: Scene, duration: float | None = None) -> list[str]:
     """Return sentences on what a scene has that is allowed but hardly meant: odd masses or sizes,
-    no support, latches that cannot catch; at most 6, and one that says how many more there are; []
-    if all is usual. duration: of the run (s), to tell whether latches have the time to catch; None:
-    unknown."""
+    no support, latches that cannot catch; at most 6, and one on how many more there are; [] if all
+    is usual. duration: of the run (s), to tell if latches have time to catch; None: unknown."""
     sentences = [*_sizes(scene), *_support(scene)]
     moving = {friction.hinge for friction in Friction.find(scene) if friction.load is not None}
     sentences += [

@@ -19,11 +19,10 @@ def load_python(path: Path) -> SceneType:
 
     The file has PARAMETERS (dict of fpm.scenes.scene_type.Parameter by name) and
     build(**parameters), which returns an fpm.Scene; perhaps MESH (name of the parameter that sets
-    the mesh) and DATA (glob patterns, from its folder, of files that it reads at other values only
-    or unseen). Its docstring is the description. Raises StructureError for anything else. The
-    structure's digest covers all files that are opened while it is loaded and built at its
-    defaults, code below its folder that it imports, and DATA. A process loads it once, and again
-    when one of these has changed."""
+    the mesh) and DATA (glob patterns in its folder of files read at other values only or unseen).
+    Its docstring is the description. Raises StructureError for anything else. The structure's
+    digest covers all files opened while it is loaded and built at its defaults, code imported from
+    below its folder, and DATA. A process loads it once, and again when one of these changed."""
     read_text(path)  # which tells what is no file, before Python waits for it
     place = path.absolute()
     if place not in _CACHE or not _CACHE[place][1].is_same():

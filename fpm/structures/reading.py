@@ -22,8 +22,7 @@ LARGEST = 1 << 20
 
 
 class Problem(NamedTuple):
-    """One thing that is wrong in a file. line: where, from 1 (0: unknown); text: a sentence that
-    starts with the key."""
+    """What is wrong in a file. line: from 1 (0: unknown); text: sentence starting with the key."""
 
     line: int
     text: str
@@ -47,8 +46,7 @@ class StructureError(SceneError):
 
 
 def read_text(path: str | Path) -> str:
-    """Return the text of the plain UTF-8 file at `path`, of at most 1 MiB; else raises
-    StructureError."""
+    """Return the text of the plain UTF-8 file at `path`, at most 1 MiB; else StructureError."""
     try:
         text = read_bytes(path, LARGEST).decode("utf-8")
         return text.replace("\r\n", "\n").replace("\r", "\n")
@@ -154,8 +152,7 @@ def commas(names: Iterable[str], most: int = 12, rest: str = ", and {} more") ->
 
 
 def dotted(*parts: str) -> str:
-    """Return the keys `parts` joined by dots, as the path of a key in a file: "joints.knee.axis";
-    empty ones are left out."""
+    """Return `parts` joined by dots, without empty ones: the path of a key, "joints.knee.axis"."""
     return ".".join(part for part in parts if part)
 
 
@@ -202,8 +199,7 @@ def why_not_yaml(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
 
 
 class _TextLoader(yaml.BaseLoader):
-    """Loader of YAML files whose values stay text; it refuses anchors, aliases, tags and too many
-    values where they stand."""
+    """YAML loader that keeps values as text; refuses anchors, aliases, tags and too many values."""
 
     count = 0
 

@@ -61,8 +61,7 @@ def mass(scene: Scene) -> float:
 
 
 def centre(scene: Scene) -> np.ndarray:
-    """Return the centre of mass (3,), m, of a scene's structure at the start: of all particles but
-    the ground, as in `mass`."""
+    """Return a scene's centre of mass (3,), m, at the start, without the ground (see `mass`)."""
     own = _own_particles(scene)
     return scene.mass[own] @ scene.position[own] / scene.mass[own].sum()
 

@@ -1,8 +1,7 @@
 """Statements: what can be said about a structure, one function for each kind of thing.
 
-A statement says which keys it takes, with units and limits, and how it goes into a scene. For an
-element these follow from the fields of its kind. A new kind of joint or action is one such function
-in a file of `statements/`."""
+A statement says which keys it takes, with units and limits, and how it goes into a scene. An
+element's keys follow from its fields. A new joint or action is a function in `statements/`."""
 
 from collections.abc import Callable, Container, Mapping
 from dataclasses import MISSING, dataclass, fields, replace
@@ -141,11 +140,10 @@ def acting(
     left_out: Mapping[str, str] | None = None,
     **extra: Key,
 ) -> Callable:
-    """Return a decorator that makes a Statement of `actions` for an element type, with its fields
-    as keys, required ones first, and registers it. kind: the type; text: what it is, "": the first
-    line of the decorated function's docstring; excluded: fields that are no keys; left_out: by
-    field without default, what leaving its key out means; extra: Keys to add, or to replace those
-    of fields."""
+    """Return a decorator that makes a Statement of `actions` for the element type `kind`, with its
+    fields as keys, required ones first, and registers it. text: what it is, "": the first line of
+    the function's docstring; excluded: fields that are no keys; left_out: by field without default,
+    what leaving its key out means; extra: Keys to add, or to replace those of fields."""
     names = [name for name in specs(kind) if name not in excluded]
     own = {name: key_of(kind, name, (left_out or {}).get(name, "")) for name in names}
     keys = {"joint": own.pop("hinge")} if "hinge" in own else {}
@@ -179,9 +177,8 @@ class Entry:
     read: dict[str, Value]
 
     def values(self, build: Builder) -> SimpleNamespace:
-        """Return the values of all keys in the sample of the Builder `build` (SI units, defaults
-        where left out), and `name` and `key` of the entry, as attributes of a namespace: `args` of
-        Statement.build."""
+        """Return the values of all keys in the sample of `build` (SI units, defaults where left
+        out), and `name` and `key` of the entry, as a namespace: `args` of Statement.build."""
         args = SimpleNamespace(name=self.name, key=self.key)
         for name, key in self.statement.keys.items():
             setattr(args, name, self.read[name](build) if name in self.read else key.default)
@@ -220,8 +217,7 @@ def _statement(kinds: Mapping[str, Statement], node: Node, place: Place) -> Stat
 
 
 def _slides(statement: Statement, node: Node, place: Place) -> list[str]:
-    """The keys of an entry that name slides; SkippedError if one names a joint of which nobody can
-    tell what it is."""
+    """Keys of an entry that name slides; SkippedError if one names a joint of unknown type."""
     keys, types = [], place.names.types
     for key in statement.openings.keys() & node.entries.keys():
         text = node.entries[key].text

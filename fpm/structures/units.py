@@ -25,8 +25,7 @@ class Dimension(NamedTuple):
 
     def fits(self, dimension: "Dimension") -> bool:
         """Return whether a number of this dimension may stand where `dimension` is required: if the
-        powers of kg, m and s are equal, or if this one is a plain number without unit, which fits
-        all."""
+        powers of kg, m and s are equal, or if this one is a number without unit, which fits all."""
         return self.bare or self.powers == dimension.powers
 
     def __str__(self) -> str:

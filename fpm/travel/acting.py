@@ -41,8 +41,7 @@ class ElementForces:
 
     def forces(self, poses: ParticlePoses) -> np.ndarray:
         """Move the elements from their last poses to `poses` (positions and frames of all
-        particles) and return their forces (N) and moments (N m) on all particles (6n,), in global
-        axes."""
+        particles) and return their forces (N) and moments (N m) on all particles (6n,), global."""
         self._put(poses)
         self._act()
         return self._act()[:, 0]  # once more: nothing is passed on the way

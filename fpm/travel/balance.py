@@ -38,8 +38,7 @@ class Balance:
         self.acting = [ElementForces(scene, elements) for elements in by_kind.values()]
 
     def strain(self, poses: ParticlePoses) -> float:
-        """Return the strain energy (J) of all bars at `poses` (positions and frames of
-        particles)."""
+        """Return strain energy (J) of all bars at `poses` (particles' positions and frames)."""
         return self._bars.energy(poses) if len(self._bars.nodes) else 0.0
 
     def derivatives(self, poses: ParticlePoses):

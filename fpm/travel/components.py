@@ -35,8 +35,7 @@ def parts_of(scene) -> dict[str, str]:
 
 
 def springs_of(scene) -> list[str]:
-    """Return the names of a scene's parts of virtual work that are springs on joints, by tables
-    too."""
+    """Return names of a scene's parts of virtual work that are springs on joints, by tables too."""
     springs = [part for part in components_of(scene) if part.resists_as == "S"]
     return [p.name for p in springs if isinstance(p.balanced, TorsionSpring | TableSpring)]
 
@@ -65,11 +64,10 @@ def _of_cable(scene, cable: Cable) -> tuple[str, ...]:
 
 
 class Component(NamedTuple):
-    """A named contribution to the virtual work of a travel, the slow motion of an opening. name:
-    its name; elements: one that does the work, or several (an element at its least and largest
-    load), of whose works the least is taken; resists_as: its class in standards, as "S" for
-    springs; drags: whether it can only resist, as friction; baseline: element whose work is
-    subtracted, or None."""
+    """A contribution to the virtual work of a travel, slow motion of an opening. name: its name;
+    elements: one that does the work, or several (at smallest and largest load), of whose works the
+    least is taken; resists_as: its class in standards, as "S" for springs; drags: whether it can
+    only resist, as friction; baseline: element whose work is subtracted, or None."""
 
     name: str
     elements: tuple[ElementType, ...]
@@ -158,6 +156,5 @@ def _load_cases_of(scene, element: ElementType) -> tuple[ElementType, ...]:
 
 
 def bearing_name(scene, hinge: int) -> str:
-    """Return the name of the component that is the friction in a bearing. hinge: the hinge's
-    index."""
+    """Return the name of the component of friction in a bearing. hinge: the hinge's index."""
     return f"bearing {scene.hinges[hinge].name}"

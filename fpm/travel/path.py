@@ -81,9 +81,8 @@ class Path:
 
     def move_to(self, value: float, depth: int = 0) -> None:
         """Move the opening to `value` (rad, m) in static equilibrium, in smaller steps where one
-        would leave the branch of solutions. depth: how often the step was halved already, 0 for
-        callers. Raises MisfitError where it cannot be moved, SceneError where motions jump too
-        often."""
+        would leave the branch of solutions. depth: how often the step was halved, 0 for callers.
+        MisfitError where it cannot be moved, SceneError where motions jump too often."""
         state, tangents = self.state(), self._tangents
         low, high = sorted((state[1], value))
         is_past_jump = any(low <= jump <= high for jump in self._jumps)
@@ -107,9 +106,8 @@ class Path:
         self.move_to(value, depth + 1)
 
     def _stays(self, state: tuple, tangents: Sequence[np.ndarray]) -> bool:
-        """Whether the last motion agrees with the rates at both of its ends, and stayed on its
-        branch: where two meet, the conditions' derivatives have the other orientation on the
-        other."""
+        """Whether the last motion agrees with the rates at both ends, and stayed on its branch:
+        where two meet, the conditions' derivatives have the other orientation on the other."""
         step = self.opening - state[1]
         shift = self.poses.position - state[0].position
         turn = _rotations_of(state[0].frame, self.poses.frame)
@@ -130,8 +128,7 @@ class Path:
         return rows[:, self._free].toarray()
 
     def _step(self, value: float) -> None:
-        """Lead the opening to a value (rad, m) in one step; raises MisfitError where it cannot be
-        led there."""
+        """Lead the opening to a value (rad, m) in one step; MisfitError where that fails."""
         step, conditions = value - self.opening, self._conditions_at(value)
         weights = PREDICTOR_WEIGHTS[len(self._tangents) - 1] if self._tangents else []
         prediction = sum(w / sum(weights) * t for w, t in zip(weights, self._tangents, strict=True))
@@ -189,8 +186,7 @@ class Path:
         return [float(rate_at(self.poses, self.scene.hinges[h], motion)) for h in hinges]
 
     def _opens(self, hinge: Any) -> np.ndarray:
-        """Derivatives (6n,) of a hinge's opening by the motions of all particles, at the current
-        poses."""
+        """Derivatives (6n,) of a hinge's opening by all particles' motions, at current poses."""
         rates = np.zeros((len(self.scene.mass), 2, 3))
         for particle, kind, axis in product(hinge.particles, range(2), range(3)):
             unit = np.zeros_like(rates)
@@ -200,11 +196,10 @@ class Path:
         return rates.ravel()
 
     def in_bearings(self, friction: np.ndarray) -> list[float]:
-        """Return the virtual work (N m, on slides N) of the friction in each bearing, per unit of
-        the opening, at most 0, by the force in its joint, on a slide that across it, in balance
-        with all friction. friction: forces and moments (6n,), N and N m, of the other components
-        that only resist. Raises SceneError where friction presses its joint harder than it is
-        pushed: self-locking."""
+        """Return virtual work (N m, on slides N) of friction in each bearing, per unit of the
+        opening, at most 0, by the force in its joint, on a slide that across it, in balance with
+        all friction. friction: forces and moments (6n,), N and N m, of other components that only
+        resist. SceneError for self-locking: friction presses its joint harder than it is pushed."""
         levers = np.array(list(self.scene.bearings.values()))
         if not len(levers):
             return []
@@ -246,8 +241,7 @@ class Path:
 
     def _moving(self, poses: ParticlePoses) -> np.ndarray:
         """Degrees of freedom that are not held. Where the whole may drift as it is, some of the
-        heaviest particle are: what acts between parts does the same work whichever of them moves.
-        """
+        heaviest particle are: what acts between parts does the same work whichever moves."""
         from scipy.linalg import qr
 
         is_held = self.scene.fixed.ravel().copy()
@@ -277,8 +271,7 @@ class Path:
         return self._scales * solve(np.zeros(len(self._scales)), self._weight * lacks)[0]
 
     def _conditions_at(self, value: float) -> Conditions:
-        """Conditions of all joints, the last of which hold the led openings where the first has a
-        value."""
+        """Conditions of all joints; the last hold the led openings, the first one at `value`."""
         conditions, shift, count = self._conditions, value - self._start, len(self._hinges)
         normals, arms = conditions.axis1.copy(), conditions.arms.copy()
         for row, hinge, zero in zip(range(-count, 0), self._hinges, self._zeros, strict=True):

@@ -1,9 +1,8 @@
 """Positions of a travel, at which values are taken, and interpolation between them.
 
 Values are known at increasing positions; where they bend or jump, a position stands twice, and what
-is between bends is interpolated by cubics through the four positions around (fewer where there are
-not as many). Positions are added half-way between others until the interpolant meets every tested
-value."""
+is between bends is interpolated by cubics through the four positions around (or fewer). Positions
+are added half-way between others until the interpolant meets every tested value."""
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable
@@ -78,8 +77,7 @@ class SampledTravel:
         self._bends: set[float] = set()
 
     def add(self, position: float) -> np.ndarray:
-        """Return the values (k,) at a position (0 to 1), measured and stored unless they are
-        known."""
+        """Return the values (k,) at a position (0 to 1), measured and stored unless known."""
         k = bisect_left(self.positions, position)
         if k < len(self.positions) and self.positions[k] == position:
             return self.values[k]
@@ -103,8 +101,7 @@ class SampledTravel:
         self._bends.add(position)
 
     def arrays(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return positions (p,), increasing, those of kinks or jumps twice, and values (p, k)
-        there."""
+        """Return positions (p,), increasing, kinks or jumps twice, and values (p, k) there."""
         inner = [
             p in self._bends and 0 < i < len(self.positions) - 1
             for i, p in enumerate(self.positions)

@@ -148,8 +148,7 @@ class Beams(ElementType):
     def with_strain(self, strain: float, curvature: float | None) -> "Beams":
         """Return a copy of this group, whose elements have equal lengths, with another stress-free
         shape. strain: its relative elongation; curvature (1/m): of every element, above 0 if the
-        side towards the local third axis is the longer one; None: straight, in all samples of a
-        batch."""
+        side towards the local third axis is longer; None: straight, in all samples of a batch."""
         length = self.length * (1.0 + strain)
         bow = None if curvature is None else float(curvature * length[0] / 2)
         return replace(self, length=length, bow=bow)
@@ -197,10 +196,9 @@ class Beams(ElementType):
         return Deformations(*(np.concatenate(x) for x in zip(*modes, strict=True)))
 
     def modes(self, frame: np.ndarray) -> list[Deformations]:
-        """Return the independent deformations of these m elements, a list of six Deformations with
-        m springs each: stretch, twist, and sum and difference of the end rotations in both bending
-        planes, by which the stiffness is diagonal. frame (n, 3, 3): all particles' strain-free
-        axes, as columns."""
+        """Return independent deformations of these m elements, six Deformations with m springs
+        each: stretch, twist, sum and difference of the end rotations in both bending planes, by
+        which the stiffness is diagonal. frame (n, 3, 3): particles' strain-free axes, columns."""
         table, (a, b) = self.stiffness(), self.nodes.T
         six = np.arange(6)
         dofs = np.concatenate([6 * a[:, None] + six, 6 * b[:, None] + six], axis=1)

@@ -68,12 +68,11 @@ class Cable(ElementType):
 
     @staticmethod
     def create(scene, name, points, stiffness, rest, preload, reel, curve, friction) -> "Cable":
-        """Return a cable through points of a scene, as placed now; the caller adds it to the scene.
-        name: no other cable's; points: pairs of a particle's index and a position (3,) m, None: its
-        own; stiffness: EA (N); rest: unstrained length before reeling (m), or preload: tension at
-        the start (N), the other one None; reel: length (m) that a winch takes in, times the curve
-        of index `curve` (-1: none); friction: coefficient or None. SceneError if they do not
-        fit."""
+        """Return a cable through points of a scene, as placed now; the caller adds it. name: no
+        other cable's; points: pairs of a particle's index and a position (3,) m, None: its own;
+        stiffness: EA (N); rest: unstrained length before reeling (m), or preload: tension at the
+        start (N), the other None; reel: length (m) that a winch takes in, times the curve of index
+        `curve` (-1: none); friction: coefficient or None. SceneError if they do not fit."""
         count = len(scene.position)
         particles = [particle for particle, _ in points]
         if len(points) < 2 or not all(0 <= p < count for p in particles):
@@ -172,8 +171,7 @@ class Cable(ElementType):
     @classmethod
     def deformations(cls, scene):
         """Return springs (Deformations) at least as stiff as the cables of a scene can become, for
-        the stable time step, made by `bounding_springs`; None without cables, or if all their
-        points are held."""
+        the stable time step; None without cables, or if all their points are held."""
         return bounding_springs(scene, (cable.pieces(scene) for cable in cls.find(scene)))
 
     @classmethod
@@ -218,8 +216,7 @@ def _with_friction(part, batch):
     from fpm.elements.cables.cable_slip_kernels import MATERIAL, RUBBED
 
     def material(scene) -> np.ndarray:
-        """Unstrained lengths (m) of all stretches at the start, at one strain all along each
-        cable."""
+        """Unstrained lengths (m) of all stretches at the start, at one strain along each cable."""
         array = np.zeros((len(part.particle), RUBBED))
         for first, cable in zip(part.start, Cable.find(scene), strict=False):
             lengths = cable.lengths(scene)

@@ -25,10 +25,9 @@ Piece = tuple[Sequence[VirtualBeam], float]
 
 
 def bounding_springs(scene, cables: Iterable[Iterable[Piece]]) -> Deformations | None:
-    """Return springs from the points of cables to the ground that are at least as stiff as the
-    cables can be in any position, as Deformations for the stable time step; None if all points are
-    held. scene: of the cables; cables: parts of each with one tension (virtual beams, stiffness in
-    N/m)."""
+    """Return springs from the points of cables to the ground at least as stiff as the cables in any
+    position, as Deformations for the stable time step; None if all points are held. scene: of the
+    cables; cables: parts of each with one tension (virtual beams, stiffness in N/m)."""
     rows = []
     for number, pieces in enumerate(cables):
         for beams, stiffness in pieces:

@@ -1,9 +1,8 @@
 """Cables that rub at the points through which they run (theory: cable.py; how: docs/mechanics.md).
 
-Where such a cable turns tight or slack within a step, all its stretches do so at one time, which
-the lengths at both ends of the step tell, as if they had changed evenly. What slips does so after
-that, or before it, and the forces are corrected as `edge` does those of other cables.
-"""
+Where such a cable turns tight or slack in a step, all its stretches do so at one time, which the
+lengths at both ends of the step tell, as if changing evenly. What slips does so after or before,
+and the forces are corrected as `edge` does those of other cables."""
 
 from typing import NamedTuple
 
@@ -182,9 +181,8 @@ def forces(part, world, timing):
 
 @kernel
 def gain(part, j, soft):
-    """Return the energy (J/m) that a metre of unstrained cable brings into stretch j when it slips
-    there, as a mean of its values at the start and end of the step that ends now. part: arrays of
-    all cables; soft: 1/EA (1/N)."""
+    """Return the energy (J/m) that unstrained cable brings into stretch j when it slips there, as a
+    mean over both ends of the step that ends now. part: arrays of all cables; soft: 1/EA (1/N)."""
     tension, last = load(part.rubbed, j, TENSION), load(part.rubbed, j, TENSION_BEFORE)
     return 0.5 * (tension + last) + 0.25 * soft * (tension * tension + last * last)
 
@@ -212,8 +210,7 @@ def work_before(part, world, timing):
 
 @hook(RubbingCables)
 def energy_of(part, world, c):
-    """Return the strain energy (J) of all of cable c. part: arrays of all cables; world: not
-    used."""
+    """Return the strain energy (J) of cable c. part: arrays of all cables; world: not used."""
     total = energy_of_cable(part, c)
     if part.rubs[c]:
         total = 0.0 * total

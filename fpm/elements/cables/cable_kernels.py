@@ -46,8 +46,8 @@ class Cables(NamedTuple):
     in the particles' frames (m); cables (c, 3, lanes): EA (N), unstrained length (m), reel (m);
     stretches (p, 8, lanes): direction (3), length (m), arm of the point (3, m), pull (N); state (c,
     6, lanes): elongation, unstrained length (m), winch force (N), each now and a step ago; account:
-    index of the winches' work in World.accounts; watched (1, 1, lanes): largest `crowding` of all
-    so far; rows (c, 1, lanes): that of each; log: of events; track ((instants + 1) c, 2, lanes):
+    index of the winches' work in World.accounts; peaks (1, 1, lanes): largest `crowding` of all so
+    far; rows (c, 1, lanes): that of each; log: of events; track ((instants + 1) c, 2, lanes):
     recorded tension (N) and length (m)."""
 
     start: np.ndarray  # (c + 1,) first point of each
@@ -96,9 +96,8 @@ def unstrained_now(part, world, timing, c):
 
 @kernel
 def find_pull(part, world, timing, c):
-    """Store the elongation (m) of cable c in part.state, and its tension (N), one all along (no
-    friction), in part.stretches. part: arrays of all cables; world: solver state; timing: times of
-    this step (s)."""
+    """Store the elongation (m) of cable c, without friction, in part.state, and its tension (N) in
+    part.stretches. part: arrays of all cables; world: solver state; timing: step times (s)."""
     length = lay(part, world.state, c)
     store(part.state, c, LONGER_BEFORE, load(part.state, c, LONGER))
     store(part.state, c, UNSTRAINED_BEFORE, load(part.state, c, UNSTRAINED))

@@ -62,11 +62,10 @@ def handed_on(part, first, j, strain):
 @kernel
 def strain_alone(part, first, j, tight, slope, close):
     """Return the strain of stretch j > first if nothing could slip over the point at its end, 0 if
-    slack, and the derivative of `handed_on` (m) there. At this strain `handed_on`, which grows with
-    it, is 0: found by Newton's method between bounds, from the solution to first order. part:
-    arrays of all cables; first: the cable's first point; tight: length less unstrained length (m)
-    of the stretches up to j; slope: derivative (m) for the stretches before j; close: allowed rest
-    (m)."""
+    slack, and the derivative of `handed_on` (m) there. At this strain `handed_on` is 0: found by
+    Newton's method between bounds, from the solution to first order. part: arrays of all cables;
+    first: the cable's first point; tight: length less unstrained length (m) of the stretches up to
+    j; slope: derivative (m) for the stretches before j; close: allowed rest (m)."""
     start, length = load(part.rubbed, j, START), load(part.stretches, j, LENGTH)
     free_strain, stuck = load(part.rubbed, j - 1, FREE_STRAIN), positive((length - start) / start)
     ratio, inverse = load(part.rubbed, j, RATIO), load(part.rubbed, j, INVERSE)

@@ -1,7 +1,6 @@
 """What lone hinges and coupled joints have in common: gaps that are watched, and impulses summed.
-
-Impulses are summed over a step only in loops in which a probe wants them: the solvers count where
-they push bodies; where sums are None nothing is compiled of it."""
+Impulses are summed over a step only where a probe wants them: the solvers count where they push
+bodies; where sums are None nothing of it is compiled."""
 
 from fpm.elements.joints.hinge_arrays import (
     ABOUT_ONE,
@@ -65,9 +64,8 @@ def count_joints(part, condition):
 
 @kernel
 def count_conditions(sums, part, condition):
-    """Add the impulses (N s, N m s) last found for all joints' constraint equations to `sums`
-    (Joints.sums; None: nothing is done), where `condition` (lanes) is below 0. part: arrays of all
-    joints."""
+    """Add the impulses (N s, N m s) last found for all constraint equations to `sums` (Joints.sums;
+    None: nothing is done), where `condition` (lanes) < 0. part: arrays of all joints."""
     if sums is not None:
         for r in range(sums.shape[0]):
             total = load(sums, r, 0)
@@ -101,9 +99,8 @@ def keep(b, r, state, i, axes):
 
 @kernel
 def restore(b, r, state, i):
-    """Set particle i back to the position and axes that `keep` saved at the start of the step, in
-    row r of `b`, the working memory of bodies; i, r: indices or pairs of them. state: of the
-    particles, changed in place."""
+    """Set particle i back to the position and axes that `keep` saved in row r of `b`, bodies'
+    working memory; i, r: indices or pairs of them. state: of the particles, changed in place."""
     put3(state, i, X, get3(b, r, OLD_X))
     put3(state, i, D2, get3(b, r, OLD_D2))
     put3(state, i, D3, get3(b, r, OLD_D3))
@@ -120,18 +117,16 @@ def turn_little(state, i, turn):
 
 @kernel
 def coarse(time, size):
-    """Return the factor by which a gap of a joint is multiplied to judge it: above 1 the step needs
-    another round of closing. It is time over the allowed gap, 5e-9 times size or 1 m, whichever is
-    less. time: 1.0 for a gap (m), the time step (s) for a rate of a gap (m/s); size: characteristic
-    length of the scene (m)."""
+    """Return the factor by which a joint's gap is multiplied to judge it: above 1 the step needs
+    another round. It is time over the allowed gap, 5e-9 times size or 1 m, the smaller. time: 1.0
+    for a gap (m), the time step (s) for its rate (m/s); size: scene's characteristic length (m)."""
     return (time / COARSE_GAP) / where_negative(size - 1.0, size, 0.0 * size + 1.0)
 
 
 @kernel
 def watch(part, gap2, tilt2):
-    """Raise the largest gap and tilt so far, in part.peaks, to those given as squares gap2 (m²)
-    and tilt2 (squared sine). Returns gap (m) and tilt (sine of the angle between axes). part:
-    arrays of all hinges or joints."""
+    """Raise the largest gap and tilt so far, in part.peaks, to the roots of gap2 (m²) and tilt2
+    (squared sine of the axes' angle); returns these roots. part: arrays of all hinges or joints."""
     gap, tilt = sqrt(gap2), sqrt(tilt2)
     store(part.peaks, 0, GAP, larger(load(part.peaks, 0, GAP), gap))
     store(part.peaks, 0, TILT, larger(load(part.peaks, 0, TILT), tilt))
@@ -159,9 +154,8 @@ def report_gaps(arrays, find):
 
     @hook(arrays)
     def list_excess(part, world):
-        """Once a run has failed, store in part.excess how far each hinge or joint gapes: squares of
-        gap and tilt over those allowed, summed, to name the worst. part: their arrays; world:
-        solver state."""
+        """After a failure, store in part.excess how far each hinge or joint gapes: squared gap and
+        tilt over the allowed, summed, to name the worst. part: their arrays; world: state."""
         for i in range(part.names.shape[0]):
             gap2, tilt2 = find(part, world.state, i)
             size = MOST_GAP * load(world.size, 0, 0)

@@ -50,8 +50,7 @@ def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Wat
 class JointBase(ElementType):
     """Base class of hinges and joints. Each has a `name`, a `type` (as "revolute"), and `beams`:
     one or two rigid arms (VirtualBeam) from particles to the joint, whose free ends are kept
-    together, or held in place if there is one. gaps: names and words of its recorded gap and
-    tilt."""
+    together, or, of one, held in place. gaps: names and words of recorded gap and tilt."""
 
     joins = True
     gaps: ClassVar[dict[str, str]]  # recorded: the largest of points and of directions, in words
@@ -96,18 +95,16 @@ class JointBase(ElementType):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the largest gap (m) and tilt (rad; for small ones its sine) over all elements at
-        every recorded instant of one sample, two Series (t,) by variable name. part: kernel arrays
-        after the run; scene: not used; lane: index of the sample among those simulated side by
-        side."""
+        """Return the largest gap (m) and tilt (rad; its sine if small) over all elements at every
+        recorded instant of one sample, two Series (t,) by variable name. part: kernel arrays after
+        the run; scene: not used; lane: index of the sample among those run side by side."""
         columns = zip(cls.gaps.items(), part.gaps[:, :, lane].T, ("m", "rad"), strict=True)
         return {name: Series(values, unit, words) for (name, words), values, unit in columns}
 
 
 @dataclass(frozen=True)
 class Hinge(JointBase):
-    """A hinge, or another opening of a joint, between the free ends of two virtual beams (rigid
-    arms from particles).
+    """A hinge, or other opening of a joint, between the free ends of two rigid arms from particles.
 
     name: no other's; axes (2, 3): the axis in each particle's own frame; references (2, 3):
     directions normal to the axis, one in each frame, that coincide at opening 0; opening (rad): at
@@ -142,12 +139,11 @@ class Hinge(JointBase):
     @staticmethod
     def create(scene, name, particles, point, axis, references, opening, support) -> "Hinge":
         """Return a revolute hinge between two particles of a scene, as placed now; the caller adds
-        it to the scene. name: no other joint's; particles: pair of indices; point (3,) m: on the
-        axis, global; axis: direction (3,); references: a direction for each particle, normal to the
-        axis, equal at opening 0, None: chosen so that the opening is `opening` (rad) now; else
-        `opening` only says which full turn is meant; support: global axes ("xyz") along which the
-        point is held. point and axis may be (2, 3), one for each particle. Raises SceneError if
-        they do not fit."""
+        it. name: no other joint's; particles: pair of indices; point (3,) m: on the axis, global;
+        axis: direction (3,); references: a direction for each particle, normal to the axis, equal
+        at opening 0, None: chosen so that the opening is `opening` (rad) now; else `opening` only
+        says which full turn is meant; support: global axes ("xyz") along which the point is held.
+        point and axis may be (2, 3), one for each particle. SceneError if they do not fit."""
         pair = two_of(scene, particles, f"hinge {name}")
         if set(support) - set(AXES):
             raise SceneError(f"support of hinge {name}", support, "letters out of 'xyz'")
@@ -183,8 +179,7 @@ class Hinge(JointBase):
 
     @property
     def joint(self) -> str:
-        """Name of the whole joint: the hinge's own; of both angles of a universal joint without
-        their endings (ANGLES)."""
+        """Name of the whole joint: the hinge's; of universal joints without the ending (ANGLES)."""
         suffix = {"universal": ANGLES[0], "cross": ANGLES[1]}.get(self.type, "")
         return self.name.removesuffix(suffix)
 
@@ -195,8 +190,7 @@ class Hinge(JointBase):
         return [hinge for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True) if lone]
 
     def topology(self):
-        """Return what must be equal in scenes run side by side: name, type, particles, axes
-        held."""
+        """Return what scenes run side by side must share: name, type, particles, axes held."""
         return self.name, self.type, self.particles, self.support
 
     @classmethod
@@ -264,12 +258,11 @@ def places_of(scene, joints: Sequence[JointBase]) -> np.ndarray:
 
 
 def are_alone(scene) -> list[bool]:
-    """Return for each hinge of a scene, in their order, whether it can be solved alone, which is
-    cheaper than as a coupled joint. It can if it is revolute; nothing holds its opening exactly
-    (turn.py); its particles, unless held altogether, are in no other hinge or joint and have no
-    Drive; and its own matrix is regular, whatever arms and axis are and become: no axis is held for
-    both particles, nor for a particle and the hinge point, one may turn, and about all axes or
-    none."""
+    """Return for each hinge of a scene, in order, whether it can be solved alone, cheaper than as a
+    coupled joint. It can if it is revolute; nothing holds its opening exactly (turn.py); its
+    particles, unless held altogether, are in no other hinge or joint and have no Drive; and its own
+    matrix is regular, whatever arms and axis are and become: no axis is held for both particles,
+    nor for a particle and the hinge point, one may turn, and about all axes or none."""
     joining = [e for kind, elements in scene.kinds.items() if kind.joins for e in elements]
     uses = Counter(p for element in joining for p in element.particles)
     shared = {p for p, count in uses.items() if count > 1 and not scene.fixed[p].all()}
@@ -301,8 +294,7 @@ def arms(scene, particles, point) -> tuple[VirtualBeam, VirtualBeam]:
 
 
 def of_both(vector) -> Sequence[np.ndarray]:
-    """Return a pair of vectors (3,), one for each of two particles: `vector` for both if it is
-    (3,), its rows if it is (2, 3)."""
+    """Return vectors (3,) of two particles: `vector` for both if it is (3,), its rows if (2, 3)."""
     vector = np.asarray(vector, float)
     return (vector, vector) if vector.ndim == 1 else np.broadcast_to(vector, (2, 3))
 
@@ -315,8 +307,7 @@ def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:
 
 @lru_cache(1024)  # there are few cases, and each of many runs asks several times
 def _is_regular(support: str, fixed1: bytes, fixed2: bytes) -> bool:
-    """Whether the matrix of a hinge alone is regular, by held axes: letters of the point, and six
-    truth values of each particle."""
+    """Whether a lone hinge's matrix is regular, by held axes of point (letters) and particles."""
     fixed1, fixed2 = np.frombuffer(fixed1, bool), np.frombuffer(fixed2, bool)
     point = np.array(held_axes(support))
     doubled = (fixed1[:3] & fixed2[:3]) | ((fixed1[:3] | fixed2[:3]) & point)

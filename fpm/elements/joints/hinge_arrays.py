@@ -46,14 +46,13 @@ GAP, TILT = 0, 1  # watched, and recorded
 
 
 class Hinges(NamedTuple):
-    """Arrays of the h hinges that are solved alone: no body of one that can move is in another
-    joint, so that its impulses follow from its two bodies.
+    """Arrays of the h hinges solved alone, no body of which that can move is in another joint.
 
     Hinge i has the bodies 2 i and 2 i + 1. ends (2 h,): particle of each body; bodies (2 h, 15,
     lanes): arm, axis, reference, normal to both, inverse masses; hinges (h, 6, lanes): held axes,
     place of the point; fixed_axes (h, 3): 1 where the hinge point is held along global x, y, z;
     supported: whether any is; body_scratch (2 h, 39, lanes), hinge_scratch (h, 75, lanes): working
-    memory; open (h,): whether a hinge needs another round of this step; watched (1, 2, lanes):
+    memory; open (h,): whether a hinge needs another round of this step; peaks (1, 2, lanes):
     largest gap (m) and tilt (sine) so far; names (h,): row of each hinge in `excess`; excess (h, 1,
     lanes): gap and tilt squared, as shares of what is allowed, summed, by which the worst hinge is
     named; gaps (instants + 1, 2, lanes): the largest gap (m) and tilt (sine) recorded at each

@@ -119,9 +119,8 @@ def push(state, i, r, b):
 
 @kernel
 def push_where_far(state, i, r, b, condition):
-    """Add the changes of velocity DV (m/s) and angular momentum DP (N m s) in row r of `b`, the
-    bodies' working memory (body_scratch), to particle i in `state`, where `condition` (lanes) is
-    below 0."""
+    """Add changes of velocity DV (m/s) and angular momentum DP (N m s) in row r of `b`, bodies'
+    working memory (body_scratch), to particle i in `state`, where `condition` (lanes) < 0."""
     for k, change in ((V, DV), (P, DP)):
         add_where(state, i, k, get3(b, r, change), condition)
 

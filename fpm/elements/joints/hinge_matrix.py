@@ -94,11 +94,10 @@ def response(b, h, axis):
 @kernel
 def speed_of(part, h, axis, force, mp, mq):
     """Velocity (m/s) along a global axis (0, 1, 2: x, y, z) that impulses at hinge h give its point
-    on body 1, the one that a support may hold. force (3): impulse (N s) on body 1; mp, mq: moment
-    impulses (N m s) on body 2, against body 1, about p and q, the two directions normal to the
-    hinge's axis; part: arrays of all hinges. By symmetry, what a unit of mp or mq gives is also the
-    rate of the tilt about p or q (1/s per N s) by a unit impulse of a support there along that
-    axis."""
+    on body 1, which a support may hold. force (3): impulse (N s) on body 1; mp, mq: moment impulses
+    (N m s) on body 2, against body 1, about p and q, both normal to the hinge's axis; part: arrays
+    of all hinges. By symmetry, what a unit of mp or mq gives is also the rate of the tilt about p
+    or q (1/s per N s) by a unit impulse of a support there along that axis."""
     w = part.hinge_scratch
     p, q = load(w, h, TILTS + 2 * axis), load(w, h, TILTS + 2 * axis + 1)
     return dot(response(part.body_scratch, h, axis), force) + (p * mp + q * mq)

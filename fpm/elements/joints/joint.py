@@ -70,10 +70,9 @@ EASE = {8: 1e-10, 4: 1e-5}
 class Joint(JointBase):
     """A joint between the free ends of two virtual beams (rigid arms from particles). name: no
     other joint's; type: a key of TYPES, as "fixed"; beams: the arms; axes (2, 3): the axis in each
-    particle's own frame, one and the same but for universal joints, where they are normal to each
-    other; references (2, 3): a direction normal to the axis in each frame, one and the same at the
-    start. A type of "held" has one virtual beam, whose end is held along the global axes
-    `support_axes`, as "xz"."""
+    particle's frame, the same but for universal joints, where they are normal to each other;
+    references (2, 3): a direction normal to the axis in each frame, the same at the start. A "held"
+    joint has one virtual beam, held at its end along global axes `support_axes`, as "xz"."""
 
     name: str
     type: str
@@ -97,12 +96,11 @@ class Joint(JointBase):
 
     @staticmethod
     def create(scene, name, type, particles, point, axis=(1, 0, 0), axis2=None) -> "Joint":
-        """Return a joint between two particles of a scene, as these are placed now; the caller adds
-        it to the scene. name: no other joint's; type: "revolute", "spherical", "fixed", "universal"
-        or "prismatic"; particles: indices of both; point: position (3,), m, in global axes, or (2,
-        3), one for each particle; axis (3,): direction, of any length; axis2 (3,): of a universal
-        joint, the axis on the second particle, normal to `axis`, None: any that is. Raises
-        SceneError if they do not fit."""
+        """Return a joint between two particles of a scene as placed now; the caller adds it. name:
+        no other joint's; type: "revolute", "spherical", "fixed", "universal" or "prismatic";
+        particles: indices of both; point: position (3,), m, global, or (2, 3), one for each
+        particle; axis (3,): direction, of any length; axis2 (3,): of a universal joint, the axis on
+        the second particle, normal to `axis`, None: any that is. SceneError if they do not fit."""
         allowed = [name for name, joint_type in TYPES.items() if joint_type.conditions]
         if type not in allowed:
             raise SceneError(f"type of joint {name}", type, f"one of {', '.join(allowed)}")
@@ -184,8 +182,7 @@ class Joint(JointBase):
         return self.type in ("opening", "slid")
 
     def topology(self):
-        """Return what must be equal in scenes run side by side: name, type, particles, held
-        axes."""
+        """Return what scenes run side by side must share: name, type, particles, held axes."""
         return self.name, self.type, self.particles, self.support_axes
 
     @classmethod
@@ -282,9 +279,8 @@ class Joint(JointBase):
 
 
 def as_joints(hinge: Hinge) -> Sequence[Joint]:
-    """Return the joints that are solved in place of a `hinge`: itself as a Joint and, if its point
-    is held, a "held" one; none for the second angle ("cross") of a universal joint, which the first
-    one's joint includes."""
+    """Return the joints solved in place of a `hinge`: itself as a Joint and, if its point is held,
+    a "held" one; none for the second angle ("cross") of a universal joint, part of the first's."""
     if hinge.type == "cross":
         return []
     name, axes = hinge.joint, hinge.axes

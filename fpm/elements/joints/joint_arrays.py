@@ -89,19 +89,18 @@ class Turns(NamedTuple):
 
 class Joints(NamedTuple):
     """Arrays of all joints solved together: j joints in order of elimination, with two sides each
-    (2j and 2j + 1), b bodies (particles), r scalar constraint equations ("rows"), t held openings;
-    lanes: samples side by side.
+    (2j and 2j + 1), b bodies (particles), r constraint equations ("rows"), t held openings.
 
     types (j,): constants REVOLUTE to SLIDE; names (j,): the joint's index in the scene; slots
     (2j,): body of each side, -1 for none; sides: arm, axis, reference; places (j, 3, lanes), m, and
     fixed_axes (j, 3): where, and along which axes, a point is held; particle (b,): particle of each
     body; is_driven (b,): whether a drive moves it; bodies: constants; body_scratch, rows, matrix:
     working memory; pattern: the matrix's blocks; ease: share added to its diagonal; account: index
-    of the drives' work in World.accounts; watched: largest gap (m) and tilt (sine) so far; excess
-    (j, 1, lanes): gap and tilt squared over those allowed, summed, once a run has failed; gaps:
-    those recorded; sums, forces: impulses of this step (N s, N m s) and recorded forces (N, N m),
-    None if nothing reads them; turns (Turns), turn_of (j,), turn_at (t,): held openings, their
-    index by joint (-1: none), their joints."""
+    of the drives' work in World.accounts; peaks: largest gap (m) and tilt (sine) so far; excess (j,
+    1, lanes): gap and tilt squared over those allowed, summed, once a run has failed; gaps: those
+    recorded; sums, forces: impulses of this step (N s, N m s) and recorded forces (N, N m), None if
+    nothing reads them; turns (Turns), turn_of (j,), turn_at (t,): held openings, their index by
+    joint (-1: none), their joints."""
 
     types: np.ndarray  # (j,)
     names: np.ndarray  # (j,) number of each in the scene

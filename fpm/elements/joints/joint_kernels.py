@@ -73,10 +73,9 @@ from fpm.kernels.vectors import (
 
 @hook(Joints)
 def prepare(part, world, timing):
-    """Update the momenta of the bodies of all joints by the forces, summed before, over the time
-    timing.kick, and apply impulses that would keep the joints closed if the rates of their gaps
-    stayed as they are. part: arrays of all joints; world: state of the solver, changed; timing:
-    times of this step (s)."""
+    """Update the momenta of all joints' bodies by the forces, summed before, over timing.kick, and
+    apply impulses that would keep the joints closed if rates of gaps stayed as they are. part:
+    arrays of all joints; world: solver state, changed; timing: times of this step (s)."""
     clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
     find_rows(part, world.state)
@@ -110,9 +109,8 @@ def kick_bodies(part, state, kick):
 
 @kernel
 def find_spin(part, state, s):
-    """Angular velocity (rad/s, 3, global) of body s, only about axes about which it may turn; of
-    one that a drive moves that of the last step. part: arrays of all joints; state: of
-    particles."""
+    """Angular velocity (rad/s, 3, global) of body s, about axes about which it may turn; if a drive
+    moves it, of the last step. part: arrays of all joints; state: of particles."""
     b, turns = part.body_scratch, get3(part.bodies, s, TURNS)
     if part.is_driven[s]:
         return get3(b, s, LAST_SPIN)
@@ -269,15 +267,14 @@ def move(part, world, timing):
 
 @hook(Joints)
 def look_back(part, world, timing):
-    """Close the joints also one step before the start, in the first step only: changes the momenta
-    in world.start_state, those half a step before it. part: arrays of all joints; timing: times
-    (s).
+    """Close the joints also one step before the start, in the first step only: changes momenta in
+    world.start_state, half a step before it. part: arrays of all joints; timing: times (s).
 
-    The impulses of the first kick also close gaps of the third order in the step. As those of all
-    other steps do so before and after an instant, alike, the momenta change over an instant by what
-    acts there alone. Reflected, those before the first lack it: the impulses that close the joints
-    a step before the start as well, mu, belong to them, and the impulses of both kicks are twice
-    those of the first less mu."""
+    The impulses of the first kick also close gaps of the third order in the step. As those of other
+    steps do so before and after an instant alike, momenta change over an instant by what acts there
+    alone. Reflected, those before the first lack it: the impulses that close the joints a step
+    before the start as well, mu, belong to them, and the impulses of both kicks are twice those of
+    the first less mu."""
     move_back(part, world.start_state, timing.step)
     for j in range(part.types.shape[0]):
         find_gaps(part, world.start_state, j)

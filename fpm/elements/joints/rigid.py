@@ -4,30 +4,26 @@ Motors prescribe the opening of a hinge. A motor without a drive train of its ow
 (motor.py) turns the hinge to start + turn f(t), f being a curve of time or the integral of one,
 whatever moment M that takes. Its work is that of M on the hinge: where f bends, a blow changes the
 rate at once, and does half of what a force would over the same way (the mean of the rates before
-and after it). The rates with which a motor begins to turn are those of the start of a run
-(start.py).
+and after it). Its first rate is that of the start of a run (start.py).
 
-Releases hold a hinge at the opening that it has at the start until they let go, as others do
-(release.py), at a time or where another opening passes a level; nothing is stored, and nothing lost
-where they let go.
+Releases hold a hinge at its first opening until they let go, as others do (release.py), at a time
+or where another opening passes a level; nothing is stored or lost.
 
 Latches catch as others do (latch.py). What they catch stands still at once: an inelastic impact.
-The impulse that it takes comes from all masses that the joints couple to the opening, and what
-kinetic energy it takes is lost; a single body of inertia J that turns at w leaves the impulse -J w
-and loses J w²/2.
+Its impulse comes from all masses that the joints couple to the opening, and the kinetic energy
+taken is lost; a single body of inertia J that turns at w leaves the impulse -J w and loses J w²/2.
 
-Coulomb friction sticks without a bristle. While it sticks, the opening does not move by a hair;
-what that takes is looked at in every step. If it is more than `moment`, M, the joint slips in this
-step already, braked by M. While it slips at a rate r that would fall by d > r in a step, it stands
-after the share s = r/d of that: M brakes it until then, and pushes it from then on, (1 - 2 s) M in
-all. Where it then goes back, it was a turn. Where not, it sticks, at the angle where M brings it to
+Coulomb friction sticks without a bristle. While it sticks, the opening does not move; what that
+takes is looked at in every step. If it is more than `moment`, M, the joint slips in this step
+already, braked by M. While it slips at a rate r that would fall by d > r in a step, it stands after
+the share s = r/d of that: M brakes it until then, and pushes it from then on, (1 - 2 s) M in all.
+Where it then goes back, it was a turn. Where not, it sticks, at the angle where M brings it to
 rest: the last way is the rest of the parabola, h (r - d/2)²/(2 d), or h r²/(2 d) where it is braked
 only now. So a body of inertia J that slides at w stops after J w²/(2 M), and one that swings loses
 as much at each turn as friction takes, to the second order in the step.
 
-A blow, of a latch or at a bend of a motor's curve, after the share s of a step comes after the
-share 1/2 + s of its kick: friction that stuck with M' has (1/2 + s) M' ± (1/2 - s) M in that kick.
-"""
+A blow, of a latch or at a bend of a motor's curve, after the share s of a step comes after 1/2 + s
+of its kick: friction that stuck with M' has (1/2 + s) M' ± (1/2 - s) M in that kick."""
 
 from dataclasses import dataclass
 from importlib import import_module
@@ -64,7 +60,7 @@ others leaves a tenth (AGREES in solver/start.py)."""
 
 class Rigid(HoldsHinge):
     """Base class of motors, releases, latches and friction that hold an opening exactly, without a
-    spring. `called`: the type's word, as "latch"; its kernels are in rigid_<called>_kernels."""
+    spring. `noun`: the type's word, as "latch"; its kernels are in rigid_<noun>_kernels."""
 
     @classmethod
     def kernels(cls):
@@ -199,8 +195,7 @@ class RigidFriction(Rigid):
     def array(cls, name, batch):
         """Return the array for a field `name` of the kernels' tuple RigidFrictions, as
         HoldsHinge.array; "state" is 0 but for its field SIGN, the sign (1 or -1; 1 at rest) of the
-        hinge's rate at the start. Whether an element sticks then is in Turns. batch: the scenes
-        simulated side by side."""
+        hinge's rate at the start. batch: the scenes simulated side by side."""
         if name != "state":
             return super().array(name, batch)
         kernels, count = cls.kernels(), len(cls.find(batch.scene))

@@ -1,7 +1,6 @@
 """Moments, work and events of rigid releases (theory: rigid.py).
 
-A release within the step before a kick leaves to it a share of the moment that held (see
-release_kernels.py)."""
+A release in the step before a kick leaves it a share of the moment held (release_kernels.py)."""
 
 from typing import NamedTuple
 

@@ -111,10 +111,9 @@ def account(arrays, first, sign):
 
     @hook(arrays)
     def work_due(part, world, energies, row):
-        """Add the work (J) that `end_work` counted after the instant was recorded, but that is due
-        before it, to the recorded energies. part: arrays of the elements; world: not used; energies
-        (instants, columns, lanes): changed in row `row` (index of the instant) and column ACCOUNTS
-        + part.account."""
+        """Add the work (J) that `end_work` counted after the instant was recordedbut is due before
+        it to the recorded energies. part: elements' arrays; world: not used; energies (instants,
+        columns, lanes): changed in row `row` (the instant's) and column ACCOUNTS + part.account."""
         for i in range(part.hinge.shape[0]):
             account = ACCOUNTS + part.account
             total = load(energies, row, account) + load(part.state, i, first + WORK_DUE)
@@ -123,10 +122,9 @@ def account(arrays, first, sign):
 
 @kernel
 def end_work(part, world, timing, first, sign):
-    """Add the work (J) of the moments of the step that begins, over half of the step before it, of
-    all elements to account part.account of World. part: arrays of the elements; world: solver
-    state; timing: times (s); first: index of HELD_BY in part.state; sign: 1 for work given, -1 for
-    losses."""
+    """Add the work (J) of the moments of the step that begins, over half the step before, of all
+    elements to account part.account of World. part: arrays of the elements; world: solver state;
+    timing: times (s); first: index of HELD_BY in part.state; sign: 1 for work given, -1 lost."""
     for i in range(part.hinge.shape[0]):
         moment = moment_of(part.turns, part.turn[i], timing)
         add_late_moment(part.openings.moments, part.openings, part.hinge[i], moment)

@@ -1,8 +1,7 @@
 """Viscous dampers on hinges: moment -c dpsi/dt on the hinge's second particle.
 
-The rate is extrapolated from the two steps before, to the second order in the step h. Leapfrog with
-a damper c and a spring k on an inertia J is then stable where h² k/J + 4 h c/J <= 4 (timestep.py).
-"""
+The rate is extrapolated from the last two steps, to second order in the step h. Leapfrog with
+damper c and spring k on inertia J is stable where h² k/J + 4 h c/J <= 4 (timestep.py)."""
 
 from dataclasses import dataclass
 

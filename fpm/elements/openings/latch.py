@@ -58,10 +58,9 @@ class AnyLatch(OnHinge):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the recorded series of one sample's latches after a run, by variable name, all (t,
-        latches): moment (N m), impulse so far (N m s), rate at the catch (rad/s), of rigid latches
-        also the impulse at the catch (N m s). part: arrays of the latches' kernels; scene: the
-        sample's; lane: its index."""
+        """Return the recorded series of one sample's latches, by variable name, all (t, latches):
+        moment (N m), impulse so far (N m s), rate at the catch (rad/s), of rigid latches also its
+        impulse (N m s). part: the latches' arrays; scene: the sample's; lane: its index."""
         latches = cls.find(scene)
         columns = part.track[:, :, lane].T.reshape(part.track.shape[1], -1, len(latches))
         pairs = zip(SERIES.items(), columns, strict=False)
@@ -74,11 +73,10 @@ class AnyLatch(OnHinge):
 class Latch(AnyLatch):
     """Latch on a hinge or slide: it catches where the opening passes `angle`, and holds from then
     on by a spring and a damper. hinge: index; angle: rad; stiffness (N m/rad), damping (N m s/rad):
-    with which it holds; capture_range: how far from `angle` it catches as well (rad); side: from
-    where the opening comes when it is caught ("below", "above", "either"); max_capture_rate: above
-    which it does not catch (rad/s); one_sided: whether it lets the opening go on in the direction
-    of the catch, as a ratchet; name: its own, "": that of the hinge. On slides m for rad, N for N
-    m."""
+    it holds with; capture_range: how far from `angle` it catches as well (rad); side: from where
+    the opening comes when it is caught ("below", "above", "either"); max_capture_rate: above which
+    it does not catch (rad/s); one_sided: whether it lets the opening go on in the direction of the
+    catch, as a ratchet; name: its own, "": that of the hinge. On slides m for rad, N for N m."""
 
     hinge: int = on_hinge()
     angle: float = number("rad", text="opening at which it catches")

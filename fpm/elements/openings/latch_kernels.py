@@ -112,9 +112,8 @@ def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
 
 @kernel
 def excess(part, i, field):
-    """Return by how much (rad, lanes) the opening is beyond that at which latch i caught, positive
-    in the direction of its catch. part: arrays of all latches; field: NEW (0: now) or OLD (1: a
-    step ago)."""
+    """Return how far (rad, lanes) the opening is beyond that of the catch of latch i, positive in
+    its direction. part: arrays of all latches; field: NEW (0: now) or OLD (1: a step ago)."""
     angle = load(part.openings.angles, part.hinge[i], field) - load(part.state, i, HOLD_ANGLE)
     return load(part.state, i, SIGN) * angle
 
@@ -162,8 +161,7 @@ def forces(part, world, timing):
 @hook(Latches)
 def note_events(part, world, timing):
     """Write to part.log which latches caught (event 0) or missed (1) in the step that ends now, and
-    when, and clear that news in part.state. part: arrays of all latches; world, timing: not
-    used."""
+    when, and clear it in part.state. part: arrays of all latches; world, timing: unused."""
     for i in range(part.hinge.shape[0]):
         if any_negative(0.5 - load(part.state, i, NEWS)):
             for s in range(part.state.shape[2]):

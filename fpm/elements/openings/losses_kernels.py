@@ -47,7 +47,7 @@ def follow_rate(openings, history, i, h, timing):
     """Return the rate (rad/s, on slides m/s) of the opening of hinge h now, extrapolated to second
     order from the mean rates of the last two steps (Adams and Bashforth). Call it once a step: it
     stores the mean rate. openings: arrays of all openings (Openings); history (elements, 2, lanes):
-    `past` of the element's type, whose field RATE is written; i: index of the element; h: of its
+    `rates` of the element's type, whose field RATE is written; i: index of the element; h: of its
     hinge; timing: times of this step (s)."""
     last = load(history, i, RATE)
     rate = last
@@ -63,7 +63,7 @@ def lose(world, account, openings, history, i, h, moment):
     """Add to World.accounts the energy (J) that a moment of element i on hinge h takes out in the
     step that ends now, and store the moment for the next step. world: solver state; account: index
     in World.accounts; openings: arrays of all openings (Openings); history (elements, 2, lanes):
-    `past` of the element's type, with the moment a step ago, changed; moment: on the second
+    `rates` of the element's type, with the moment a step ago, changed; moment: on the second
     particle, now (N m). The energy is the mean of both moments times the change of the opening,
     just what kinetic energy of the half steps changes by (record.py)."""
     angles = openings.angles

@@ -27,16 +27,14 @@ class AnyMotor(OnHinge):
     variable: ClassVar[str] = "motor_moment"  # of what is recorded, in trajectory files
 
     def check(self, scene):
-        """Check the motor's fields, and that its hinge has no other motor; raises SceneError if
-        not."""
+        """Check the fields, and that the hinge has no other motor; raises SceneError if not."""
         super().check(scene)
         self.check_alone(scene)
 
     @classmethod
     def read_records(cls, part, scene, lane):
         """Return the recorded moments (N m, on slides N) of one sample's motors after a run, (t,
-        motors), by variable name. part: arrays of the motors' kernels; scene, lane: the
-        sample's."""
+        motors), by variable name. part: the motors' arrays; scene, lane: the sample's."""
         hinges = [scene.hinges[motor.hinge] for motor in cls.find(scene)]
         values = part.track[:, 0, lane].reshape(-1, len(hinges))
         text, dimension = f"moment of the {cls.noun}s on their hinges", cls.noun

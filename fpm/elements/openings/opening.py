@@ -58,8 +58,7 @@ class Opening(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return what must be equal in scenes run side by side: names and particles of all
-        hinges."""
+        """Return what scenes run side by side must share: names and particles of all hinges."""
         return tuple((hinge.name, hinge.particles) for hinge in scene.hinges)
 
     @classmethod
@@ -89,8 +88,7 @@ class Opening(ElementType):
     def seen_by(cls, kind: type[ElementType], batch):
         """Return the arrays of all openings (Openings) for the kernels of an element type `kind`
         that acts on them: with the field `part` set to the index, in PARTS ("spring", "damper",
-        ...), under which its moments are recorded. batch: the scenes that are simulated side by
-        side."""
+        ...), under which its moments are recorded. batch: the scenes simulated side by side."""
         return batch.part(cls)._replace(part=PARTS.index(kind.acts_as or "other"))
 
     @classmethod
@@ -147,14 +145,14 @@ class OnHinge(OnHinges):
         return f"{self.noun} {self.label(scene)}"
 
     def alike(self, scene) -> list["OnHinge"]:
-        """Return the elements of a scene whose types have the same word in messages (`called`) as
+        """Return the elements of a scene whose types have the same word in messages (`noun`) as
         this one: for a latch all latches, rigid ones too."""
         kinds = [k for k in scene.kinds if issubclass(k, OnHinge) and k.noun == self.noun]
         return [element for kind in kinds for element in kind.find(scene)]
 
     def check_alone(self, scene) -> None:
         """Check that the scene has no other element on this hinge with the same word in messages
-        (`called`, as "motor"); raises SceneError if it has."""
+        (`noun`, as "motor"); raises SceneError if it has."""
         if self.hinge in [element.hinge for element in self.alike(scene)]:
             allowed = f"a hinge without a {self.noun}"
             raise SceneError(f"hinge of {self.noun}", self.hinge, allowed)
@@ -202,9 +200,8 @@ class OnHinge(OnHinges):
 
 
 def on_hinge(words: str = "hinge of {noun}", types: tuple[str, ...] = ()) -> Any:
-    """Declare a dataclass field of an element that holds the index of its hinge. words: the field's
-    name in messages, in which {noun} stands for the type's word; types: allowed types of the
-    hinge ("revolute", ...), (): all."""
+    """Declare an element's dataclass field for its hinge's index. words: its name in messages,
+    {noun} being the type's word; types: allowed types of the hinge ("revolute", ...), (): all."""
     return index("hinges", words=words, types=types)
 
 
@@ -230,8 +227,7 @@ def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
 
 def unit_of(scene, hinge: int, unit: str) -> str:
     """Return the unit of a quantity on a hinge: `unit`, as "N m/rad", where it turns; on a slide
-    the one in place of it, as "N/m" (KeyError for units other than those of SLIDING). scene: has
-    the hinge; hinge: its index."""
+    that of SLIDING, as "N/m" (KeyError for others). scene: has the hinge; hinge: its index."""
     return SLIDING[unit] if scene.hinges[hinge].slides else unit
 
 
@@ -243,9 +239,8 @@ def _sides(scene) -> np.ndarray:
 
 
 def relative_turn(scene, hinges, stiffness) -> Deformations:
-    """Return how motions of particles strain springs on openings of hinges, for the stable time
-    step. scene: has the hinges; hinges: index of each spring's; stiffness: of each spring (N m/rad,
-    on slides N/m)."""
+    """Return how particles' motions strain springs on hinges' openings, for the stable step. scene:
+    has the hinges; hinges: index of each spring's; stiffness: of each (N m/rad, on slides N/m)."""
     dofs, values, factors, element = [], [], [], []
     for number, h in enumerate(hinges):
         hinge = scene.hinges[h]
@@ -262,14 +257,12 @@ def relative_turn(scene, hinges, stiffness) -> Deformations:
 
 def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
     """Derivatives (12,) of an opening by the motions of both particles, the turns in their own
-    axes, with factors on the stiffness.
-
-    The particles of a slide turn together, so that what their turn does to the opening may be taken
-    as that of either, or of both in any shares: those that bound the frequency best.
-
-    In the second particle the axis of a universal joint's angle lies in a plane, anywhere in the
-    course of a motion; so does a spring's stiffest direction. By Cauchy and Schwarz springs from
-    both sides to the ground, on the second about all axes of the plane, bound it then."""
+    axes, with factors on the stiffness. The particles of a slide turn together, so that what their
+    turn does to the opening may be taken as that of either, or of both in any shares: those that
+    bound the frequency best. In the second particle the axis of a universal joint's angle lies in a
+    plane, anywhere in the course of a motion; so does a spring's stiffest direction. By Cauchy and
+    Schwarz springs from both sides to the ground, on the second about all axes of the plane, bound
+    it then."""
     axis1, axis2 = hinge.axes
     zero = np.zeros(3)
     if hinge.type == "revolute":
@@ -294,9 +287,8 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
 
 
 def softness(scene, hinge: int) -> float:
-    """Return the acceleration of the opening of a hinge by a unit moment (on a slide, force) on it,
-    if its two particles were alone: 1/(kg m²), on a slide 1/kg; 0 where both are held. scene: has
-    the hinge; hinge: its index."""
+    """Return the acceleration of a hinge's opening by a unit moment (slides: force), its particles
+    alone: 1/(kg m²), slides 1/kg; 0 where both are held. scene: has the hinge; hinge: its index."""
     joint, no_turn = scene.hinges[hinge], turns_of(scene).no_turn
     if joint.slides:
         rows = relative_turn(scene, [hinge], [1.0])

@@ -14,9 +14,8 @@ from fpm.errors import SceneError
 
 
 class AnyRelease(OnHinge):
-    """Base class of releases, rigid ones too, which hold a hinge and let go at a `time` (s), or
-    before if the opening of another hinge, of index `watch` (-1: none), passes `level` (rad; m on a
-    slide)."""
+    """Base class of releases, also rigid, which hold a hinge and let go at a `time` (s), or before
+    if the opening of another hinge (index `watch`, -1: none) passes `level` (rad; on slides m)."""
 
     takes = JOINT_LOSS
     events = ("releases",)

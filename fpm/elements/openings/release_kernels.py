@@ -1,9 +1,8 @@
 """Moments, energies and events of releases (theory: release.py).
 
-A kick at time t stands for the moment from half a step before t to half a step after. A release
-within the step before t leaves a share between -1/2 and 1/2 of the moment to the kick at t: what
-the kick before had too much is taken back. The motion then depends smoothly on the time of release.
-"""
+A kick at time t stands for the moment from half a step before t to half a step after. A release in
+the step before t leaves a share of -1/2 to 1/2 of the moment to the kick at t: what the kick before
+had too much is taken back. The motion depends smoothly on the time of release."""
 
 from typing import NamedTuple
 
@@ -30,13 +29,12 @@ STATE = 6
 
 
 class Releases(NamedTuple):
-    """Arrays of all r releases, for their kernels. hinge (r,): index of the hinge that each holds;
-    watch (r,): of that whose opening frees it, -1: none; numbers (r, 5, lanes): time (s), level
-    (rad), stiffness (N m/rad), damping (N m s/rad), opening held (rad); rates (r, 2, lanes): rate
-    of the last step; state (r, 6, lanes): moment (N m), a step ago, steps since it let go (below 0:
-    it has not in this step), energy (J), a step ago, -1 while it holds and then 1; openings: of all
-    hinges; account: index in World.accounts of the loss; rows (r, 1, lanes): energy of each; log:
-    of events."""
+    """Arrays of all r releases. hinge (r,): index of its hinge; watch (r,): of that whose opening
+    frees it, -1: none; numbers (r, 5, lanes): time (s), level (rad), stiffness (N m/rad), damping
+    (N m s/rad), opening held (rad); rates (r, 2, lanes): rate of the last step; state (r, 6,
+    lanes): moment (N m), a step ago, steps since it let go (below 0: it has not in this step),
+    energy (J), a step ago, -1 while it holds and then 1; openings: of all hinges; account: index in
+    World.accounts of the loss; rows (r, 1, lanes): energy of each; log: of events."""
 
     hinge: np.ndarray
     watch: np.ndarray

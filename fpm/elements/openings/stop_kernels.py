@@ -20,11 +20,10 @@ TOUCH = 1e-9
 
 
 class Stops(NamedTuple):
-    """Arrays of all s stops, for their kernels. hinge (s,): index of each one's hinge; numbers (s,
-    4, lanes): angle (rad), side (1 above, -1 below), stiffness (N m/rad), damping (N m s/rad);
-    openings: of all hinges; rates (s, 2, lanes): rate and damper's moment of the last step;
-    account: index in World.accounts of the loss; rows (s, 1, lanes): energy of each; log: of
-    events."""
+    """Arrays of all s stops. hinge (s,): index of its hinge; numbers (s, 4, lanes): angle (rad),
+    side (1 above, -1 below), stiffness (N m/rad), damping (N m s/rad); openings: of all hinges;
+    rates (s, 2, lanes): rate and damper's moment of the last step; account: index in World.accounts
+    of the loss; rows (s, 1, lanes): energy of each; log: of events."""
 
     hinge: np.ndarray
     numbers: np.ndarray

@@ -71,17 +71,15 @@ class SyncLoop(OnHinges):
 
     @property
     def tight(self) -> float:
-        """Slip (m, by which one strand is longer than at rest) at which the other turns slack; inf:
-        never."""
+        """Slip (m, one strand longer than at rest) at which the other turns slack; inf: never."""
         return 2 * self.preload / self.stiffness if self.stiffness > 0 else np.inf
 
     @classmethod
     def deformations(cls, scene):
-        """Return how motions of particles strain the loops, for the stable time step: a spring on
-        each hinge of each loop, whose two springs are at least as stiff as the loop; None if
-        nothing can move. By Cauchy and Schwarz (r1 psi1 - r2 psi2)² <= r1² psi1²/s1 + r2² psi2²/s2
-        with s1 + s2 = 1; with shares as r² w, w being the softness of each hinge, nothing is lost
-        where they share no body."""
+        """Return how particles' motions strain loops, for the stable time step: a spring on each
+        hinge, both together at least as stiff as the loop; None if nothing can move. By Cauchy and
+        Schwarz (r1 psi1 - r2 psi2)² <= r1² psi1²/s1 + r2² psi2²/s2 with s1 + s2 = 1; with shares as
+        r² w, w being the softness of each hinge, nothing is lost where they share no body."""
         hinges, stiffness, element = [], [], []
         for i, loop in enumerate(cls.find(scene)):
             soft = [softness(scene, hinge) for hinge in loop.hinges]
@@ -106,9 +104,8 @@ class SyncLoop(OnHinges):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the recorded series "loop_force" of one sample after a run, (t, loops): difference
-        of the tensions (N) of each loop's strands. part: arrays of all loops (Loops); scene: the
-        sample's; lane: its index."""
+        """Return "loop_force" of one sample, (t, loops): difference of the tensions (N) of each
+        loop's strands. part: all loops' arrays; scene, lane: the sample's."""
         names = tuple(loop.name for loop in cls.find(scene))
         values = part.track[:, 0, lane].reshape(-1, len(names))
         return {"loop_force": Series(values, "N", "pull of the loops", "loop", names)}

@@ -23,7 +23,6 @@ class TorsionSpring(OnHinge):
     cost = 70.0
 
     def title(self, scene):
-        """Return what messages call the spring: "torsion spring" ("spring" on slides) and its
-        hinge."""
+        """Return what messages call it: "torsion spring" ("spring" on slides) and its hinge."""
         hinge = scene.hinges[self.hinge]
         return f"{'spring' if hinge.slides else self.noun} {hinge.name}"

@@ -62,10 +62,9 @@ def restrain(part, world, timing):
 
 @hook(Damped)
 def move(part, world, timing):
-    """Make one damped step of part.free, the particles that no other element type (joint, support,
-    drive) moves: add impulses of forces to their momenta, move and turn them, and add the energy
-    lost (J) to World.accounts. part: arrays of damping (Damped); world: solver state, changed;
-    timing: times of this step (s)."""
+    """Make one damped step of part.free, the particles that no other element type moves: add
+    forces' impulses to momenta, move and turn them, and add the energy lost (J) to World.accounts.
+    part: arrays of damping (Damped); world: solver state, changed; timing: step times (s)."""
     state, particles = world.state, world.particles
     factor, force = factors(part, timing.kick)
     kick = timing.kick * force
@@ -86,9 +85,8 @@ def move(part, world, timing):
 @hook(Damped)
 def work_after(part, world, timing):
     """Add to World.accounts the energy (J) that damping takes, in this step, out of part.jointed:
-    particles that joints or supports move (not those held in all ways or moved by drives), by their
-    momenta after joints acted. part: arrays of damping (Damped); world: solver state; timing: times
-    (s)."""
+    particles that joints or supports move (not those held in all ways or driven), by their momenta
+    after joints acted. part: arrays of damping (Damped); world: solver state; timing: times (s)."""
     state, particles = world.state, world.particles
     total = 0.0 * load(part.rate, 0, 0)
     for n in range(part.jointed.shape[0]):

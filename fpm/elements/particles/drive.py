@@ -47,8 +47,7 @@ class Drive(ElementType):
     @classmethod
     def motion(cls, scene, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the motion that a scene's drives prescribe at a `time` (s): indices of particles
-        (d,), each once, velocities (d, 3) m/s, spins (d, 3) rad/s in global axes, summed over
-        drives."""
+        (d,), each once, velocities (d, 3) m/s, spins (d, 3) rad/s global, summed over drives."""
         particles = np.array(sorted(set(cls.moved_particles(scene))), int)
         motion = np.zeros((2, len(particles), 3))
         for drive in cls.find(scene):

@@ -16,10 +16,9 @@ LINEAR, SPIN = 0, 3
 
 
 class Drives(NamedTuple):
-    """Arrays of all d drives, for their kernels. particle (d,): index of each one's particle; curve
-    (d,): index of its curve of time, -1: constant 1; numbers (d, 6, lanes): velocity (m/s) and spin
-    (rad/s) in global axes; account: index of their work in World.accounts. Those of one particle
-    add up."""
+    """Arrays of all d drives. particle (d,): index of its particle; curve (d,): index of its curve
+    of time, -1: constant 1; numbers (d, 6, lanes): velocity (m/s) and spin (rad/s) in global axes;
+    account: index of their work in World.accounts. Those of one particle add up."""
 
     particle: np.ndarray
     curve: np.ndarray
@@ -80,11 +79,10 @@ def move(part, world, timing):
 
 @hook(Drives)
 def look_back(part, world, timing):
-    """In the first step only, extrapolate linearly the velocities (m/s) and spins (rad/s) of the
-    particles that drives move to half a step before the start, into World.start_state; and write
-    their spins half a step after it into World.state. Spins stand in for angular momenta, which
-    they lack. part: arrays of all drives (Drives); world: solver state, changed; timing: times of
-    this step (s)."""
+    """In the first step only, extrapolate linearly the velocities (m/s) and spins (rad/s) of driven
+    particles to half a step before the start, into World.start_state; and write their spins half a
+    step after it into World.state. Spins stand in for angular momenta, which they lack. part:
+    arrays of all drives; world: solver state, changed; timing: times of this step (s)."""
     for n in range(part.particle.shape[0]):
         i = part.particle[n]
         zero = 0.0 * get3(world.state, i, X)

@@ -13,9 +13,8 @@ from fpm.elements.particles.gravity import LOAD_WORK
 @dataclass(frozen=True)
 class Load(ElementType):
     """A force and a moment of constant direction (global axes) on a particle, which may follow a
-    curve of time. beam: rigid arm (VirtualBeam) from the particle to where the force acts; force
-    (3,) N; moment (3,) N m; curve: index in Scene.curves of the curve that multiplies both, -1:
-    constant."""
+    curve of time. beam: rigid arm from the particle to where the force acts; force (3,) N; moment
+    (3,) N m; curve: index in Scene.curves of the curve that multiplies both, -1: constant."""
 
     beam: VirtualBeam
     force: np.ndarray = number("N", count=3)

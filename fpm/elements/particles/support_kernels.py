@@ -1,5 +1,4 @@
-"""Supports: forces along held axes are removed before the kick, and particles free about two axes
-are moved."""
+"""Supports: forces along held axes go before the kick, particles free about two axes are moved."""
 
 from typing import NamedTuple
 
@@ -45,9 +44,8 @@ def restrain(part, world, timing):
 def move(part, world, timing):
     """Move particles that turn about two axes by a step: add the impulses of their forces, move and
     turn them, and set their forces to 0. part: arrays of partly held particles (Supports); world:
-    solver state (World), changed; timing: times of this step (s). The angular momentum about the
-    held axis is found such that in the middle of the step there is no spin about it: a condition on
-    rates, not on positions."""
+    solver state, changed; timing: times of this step (s). The angular momentum about the held axis
+    is found such that in the middle of the step there is no spin about it: a condition on rates."""
     state, particles = world.state, world.particles
     for n in range(part.about_two.shape[0]):
         i = part.about_two[n]

@@ -16,10 +16,9 @@ ALIKE = 1e-12
 
 
 class Turning(NamedTuple):
-    """How the n particles of a scene can turn. inertia (n, 3): kg m², about their own axes; where
-    one turns about a single axis, the inertia about that, repeated; no_turn (n, 3): whether it
-    never turns about an own axis; about_two: indices of particles of unequal inertias that turn
-    about two."""
+    """How the n particles of a scene can turn. inertia (n, 3): kg m², own axes; where one turns
+    about a single axis, the inertia about that, repeated; no_turn (n, 3): whether it never turns
+    about an own axis; about_two: indices of particles of unequal inertias that turn about two."""
 
     inertia: np.ndarray
     no_turn: np.ndarray

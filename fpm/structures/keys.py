@@ -341,13 +341,9 @@ class AssemblyKey(Key):
 
 @dataclass(frozen=True)
 class TextKey(Key):
-    """Key whose value is text. noun: what it is, in words."""
+    """Key whose value is text."""
 
-    noun: str = "text"
-
-    @property
-    def allowed(self) -> str:
-        return self.noun
+    allowed = "text"
 
     def read(self, node, place):
         if not node.text:
@@ -357,10 +353,9 @@ class TextKey(Key):
 
 @dataclass(frozen=True)
 class CurvesKey(TextKey):
-    """Key whose value is a CurvesFile, given by its path, which starts at the structure's
-    folder."""
+    """Key whose value is a CurvesFile, given by its path from the structure's folder."""
 
-    noun: str = "the path of a CSV file, from the structure's folder"
+    allowed = "the path of a CSV file, from the structure's folder"
 
     def read(self, node, place):
         super().read(node, place)

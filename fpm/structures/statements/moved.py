@@ -31,7 +31,7 @@ CURVE = ReferenceKey(None, "scales it with time; left out: constant", group="cur
     ),
     values=ListKey(None, "one for each time", kind=NumberKey()),
     file=CurvesKey(None, "with times first, and units in its first line"),
-    column=TextKey(None, "whose numbers, in SI units, are the values", noun="a column of the file"),
+    column=TextKey(None, "name of that whose numbers, in SI units, are the values"),
 )
 def curve(build, args):
     """A curve of time, straight between the values given and constant outside them.

@@ -14,11 +14,11 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from deployable import campaign
-from deployable.campaign.config.measured import CurvesFile
 from evidence.plots import BLUE, panels
 from evidence.registry import ROOT
 from evidence.results import Report, table
 from evidence.rows import Row, at_least, at_most, info
+from fpm.structures.curves_file import CurvesFile
 
 MASS, INERTIA, GRAVITY = 0.1476, 1.1e-4, 9.81  # as in config/measured/arm.yaml
 BAND = 0.002  # rad

@@ -75,14 +75,14 @@ class Outcome(Curves):
     def gap(self) -> np.ndarray:
         """Largest constraint error in position (t,), m, at the recorded instants, of the hinges
         solved alone (`are_alone`), 0 without any: distance of both particles' points, or of the
-        point to where it is held. Of other joints: `recorded["joint_gap"]`."""
+        point to where it is held. Of other joints: `records["joint_gap"]`."""
         return self._recorded_or_zero("hinge_gap")
 
     @property
     def axis_gap(self) -> np.ndarray:
         """Largest constraint error in axes (t,) at the recorded instants, of the hinges that are
         solved alone, 0 without any: the sine of the angle between the axes that a hinge has on its
-        two particles. That of all other joints: `recorded["joint_axis_gap"]`."""
+        two particles. That of all other joints: `records["joint_axis_gap"]`."""
         return self._recorded_or_zero("hinge_axis_gap")
 
     def _recorded_or_zero(self, name: str) -> np.ndarray:

@@ -15,11 +15,24 @@ def curve_value(world, curve, t):
     first, last = world.curve_start[curve], world.curve_start[curve + 1] - 1
     if t <= times[first]:
         return values[first]
-    for k in range(first, last):
-        if t < times[k + 1]:
-            share = (t - times[k]) / (times[k + 1] - times[k])
-            return values[k] + share * (values[k + 1] - values[k])
-    return values[last]
+    if t >= times[last]:
+        return values[last]
+    k = _point_after(times, first, last, t) - 1
+    share = (t - times[k]) / (times[k + 1] - times[k])
+    return values[k] + share * (values[k + 1] - values[k])
+
+
+@kernel
+def _point_after(times, first, last, t):
+    """Index of the first of the increasing times, from index first to last, that is after t; last
+    if none is."""
+    while first < last:
+        middle = (first + last) // 2
+        if times[middle] > t:
+            last = middle
+        else:
+            first = middle + 1
+    return last
 
 
 @kernel
@@ -28,9 +41,9 @@ def bend_after(world, curve, t):
     infinite where none follows. world: solver state with all curves (World); curve: index, -1: the
     curve that is always 1, which has no points."""
     if curve >= 0:
-        for k in range(world.curve_start[curve], world.curve_start[curve + 1]):
-            if world.curve_time[k] > t:
-                return world.curve_time[k] - t
+        times, last = world.curve_time, world.curve_start[curve + 1] - 1
+        if times[last] > t:
+            return times[_point_after(times, world.curve_start[curve], last, t)] - t
     return math.inf
 
 

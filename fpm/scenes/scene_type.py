@@ -4,6 +4,7 @@ import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 from fpm.elements import energies_of
@@ -75,7 +76,8 @@ class SceneType:
     function: builds the Scene from all parameters, given by keyword.
     values: values of parameters, by name, at which `sample` is built.
     mesh: name of the parameter that sets the mesh, or None.
-    content: digest of the structure's own files, hexadecimal."""
+    content: digest of the structure's own files, hexadecimal.
+    files: paths of files that a YAML structure names, whose content counts in its digest, too."""
 
     name: str
     description: str
@@ -87,6 +89,7 @@ class SceneType:
     values: Mapping[str, Any] = field(default_factory=dict)
     mesh: str | None = None
     content: str = ""
+    files: tuple[Path, ...] = ()
 
     @cached_property
     def sample(self) -> Scene:

@@ -6,6 +6,7 @@ allowed. A further type of value goes here."""
 
 from collections.abc import Callable, Container, Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ from fpm.elements.kind import AXES
 from fpm.elements.openings.opening import SLIDING
 from fpm.errors import SceneError, renamed
 from fpm.structures.builder import Builder
+from fpm.structures.curves_file import CurvesFile, CurvesFileError
 from fpm.structures.names import Bound, Context, Place
 from fpm.structures.reading import Node, SkippedError, commas
 from fpm.structures.units import unit
@@ -334,6 +336,35 @@ class AssemblyKey(Key):
             place.refuse(node, self.allowed)
         hinges = ListKey(kind=OpeningKey()).read(node.entries["hold"], place.child("hold"))
         return lambda build: hinges
+
+
+@dataclass(frozen=True)
+class TextKey(Key):
+    """Key whose value is text."""
+
+    allowed = "text"
+
+    def read(self, node, place):
+        if not node.text:
+            place.refuse(node, self.allowed)
+        return lambda build: node.text
+
+
+@dataclass(frozen=True)
+class CurvesKey(TextKey):
+    """Key whose value is a CurvesFile, given by its path from the structure's folder."""
+
+    allowed = "the path of a CSV file, from the structure's folder"
+
+    def read(self, node, place):
+        super().read(node, place)
+        path, files = Path(place.problems.source).parent / node.text, place.names.files
+        try:
+            files[path] = file = files.get(path) or CurvesFile.read(path)
+        except CurvesFileError as error:
+            place.problems.say(node.line, f"{place.key}: {error}")
+            raise SkippedError(place.key) from None
+        return lambda build: file
 
 
 @dataclass(frozen=True)

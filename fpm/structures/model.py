@@ -14,7 +14,7 @@ from fpm.scenes.scene import Scene
 from fpm.structures.expressions import ExpressionError
 from fpm.structures.keys import COMMA, MOST, AssemblyKey, NumberKey, VectorKey, WholeKey
 from fpm.structures.names import NEIGHBOURS, Context, NamedNumber, Names, Place
-from fpm.structures.reading import Node, Problems, SkippedError, check_keys, dotted, table_at
+from fpm.structures.reading import Node, SkippedError, check_keys, dotted, table_at
 from fpm.structures.statement import PARTS, Entry, read_entry, statement
 from fpm.structures.statements import GROUPS
 from fpm.structures.units import NUMBER, unit
@@ -67,12 +67,13 @@ class Sheet(NamedTuple):
 class FileStatements:
     """All statements (bars, joints, loads, ...) of a structure file, with a copy for each unit of a
     repeat. table: the file's top Node; inputs: its parameters by name (text_file.GivenParameter);
-    counts: values of those that are whole numbers; problems: where errors are noted, whose
-    statements are left out. Attributes: entries: statements in the order in which they are built;
-    overall: Entry of gravity, damping, ...; points: full names; names: all of the file (Names)."""
+    counts: values of those that are whole numbers; names: of the file, which are added here, with
+    its problems, where errors are noted, whose statements are left out. Attributes: entries:
+    statements in the order in which they are built; overall: Entry of gravity, damping, ...;
+    points: full names; problems; names."""
 
-    def __init__(self, table: Node, inputs: Mapping[str, Any], counts: Mapping, problems: Problems):
-        self.problems, self.names = problems, Names(problems)
+    def __init__(self, table: Node, inputs: Mapping[str, Any], counts: Mapping, names: Names):
+        self.problems, self.names = names.problems, names
         self.points: list[str] = []
         for name, p in inputs.items():
             key = f"parameters.{name}"
@@ -82,7 +83,7 @@ class FileStatements:
         file = Sheet(Context(ends), table, "", 0)
         sheets = [file, *self._units(table, counts, ends)]
         if "repeat" in table.entries:
-            problems.stop()  # without its units, every name in them would be unknown
+            self.problems.stop()  # without its units, every name in them would be unknown
         for sheet in sheets:
             self._register(sheet)
         for sheet in sheets:
@@ -90,10 +91,10 @@ class FileStatements:
         self.names.sort()
         self.overall = self._overall(file)
         self.entries = list(self._entries(sheets))
-        for name, p in inputs.items() if not problems else ():
+        for name, p in inputs.items() if not self.problems else ():
             if name not in self.names.uses:  # a slip of the pen
                 allowed = "nothing uses it; allowed: parameters in use"
-                problems.say(p.line, f"parameters.{name}: {allowed}")
+                self.problems.say(p.line, f"parameters.{name}: {allowed}")
 
     # -- repeats ------------------------------------------------------------------------------
 

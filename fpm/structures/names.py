@@ -8,8 +8,10 @@ from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from graphlib import CycleError, TopologicalSorter
 from keyword import iskeyword
+from pathlib import Path
 
 from fpm.errors import did_you_mean
+from fpm.structures.curves_file import CurvesFile
 from fpm.structures.expressions import RESERVED, Expression, ExpressionError, parse
 from fpm.structures.reading import Node, Problems, SkippedError, commas, dotted, show
 from fpm.structures.units import NUMBER, Dimension, is_unit
@@ -101,14 +103,15 @@ class NamedNumber:
 
 
 class Names:
-    """All names of a structure file. problems: where errors are noted; numbers: NamedNumbers
-    (parameters, `let`, coordinates of points) by full name; groups: by group, as "bars", line by
-    full name; types: of joints by name, "" if unknown; angles: of universal joints, (joint, 0 or 1)
-    by name; uses: names referred to, of numbers in full, of entries as "bars:AB"; absent: (group,
-    name) of entries left out; order: full names of numbers, each after those it depends on."""
+    """All names of a structure file. problems: where errors are noted; files: content of the files
+    of curves that it names, by path; numbers: NamedNumbers (parameters, `let`, coordinates of
+    points) by full name; groups: by group, as "bars", line by full name; types: of joints by name,
+    "" if unknown; angles: of universal joints, (joint, 0 or 1) by name; uses: names referred to, of
+    numbers in full, of entries as "bars:AB"; absent: (group, name) of entries left out; order: full
+    names of numbers, each after those it depends on."""
 
-    def __init__(self, problems: Problems):
-        self.problems = problems
+    def __init__(self, problems: Problems, files: dict[Path, CurvesFile]):
+        self.problems, self.files = problems, files
         self.numbers: dict[str, NamedNumber] = {}
         self.groups: dict[str, dict[str, int]] = {"parts": {"ground": 0}}
         self.types: dict[str, str] = {}

@@ -14,8 +14,10 @@ from fpm.errors import SceneError, did_you_mean
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
 from fpm.structures.builder import Builder
+from fpm.structures.curves_file import CurvesFile
 from fpm.structures.expressions import ExpressionError, parse
 from fpm.structures.model import KEYS, TEXTS, FileStatements
+from fpm.structures.names import Names
 from fpm.structures.reading import (
     Node,
     Problems,
@@ -63,6 +65,7 @@ class _File:
 
     def __init__(self, table: Node, parameters: dict[str, GivenParameter], source: str):
         self.table, self.parameters, self.source = table, parameters, source
+        self.files: dict[Path, CurvesFile] = {}
         self._models: dict[tuple, FileStatements] = {}
 
     def build(self, **parameters) -> Scene:
@@ -78,7 +81,7 @@ class _File:
         counts = {name: values[name] for name, p in self.parameters.items() if p.whole}
         key = tuple(counts.values())
         model = self._models.get(key) or FileStatements(
-            self.table, self.parameters, counts, problems
+            self.table, self.parameters, counts, Names(problems, self.files)
         )
         if not problems:
             self._models[key] = model
@@ -120,7 +123,8 @@ def loads(text: str, source: str = "structure") -> SceneType:
     file = _File(table, values, source)
     scene = file.builder({n: p.parameter.default for n, p in values.items()}, problems).scene
     problems.stop()
-    content = json.dumps(table.plain).encode()
+    digests = [curves.digest for curves in file.files.values()]
+    content = "".join([json.dumps(table.plain), *digests]).encode()
     return SceneType(
         name=name or Path(source).stem,
         description=description,
@@ -131,6 +135,7 @@ def loads(text: str, source: str = "structure") -> SceneType:
         cables=tuple(cable.name for cable in scene.cables),
         mesh=mesh or None,
         content=hashlib.sha256(content).hexdigest()[:16],
+        files=tuple(file.files),
     )
 
 

@@ -11,10 +11,11 @@ import yaml
 
 from deployable import campaign
 from deployable.campaign.config.check import check_config
-from deployable.campaign.config.measured import MOST_INSTANTS, CurvesFileError, read_test
+from deployable.campaign.config.measured import MOST_INSTANTS, read_test
 from deployable.campaign.errors import ConfigError
 from deployable.campaign.stages import STAGES
 from evidence.measured.study import measure_synthetic, report
+from fpm.structures.curves_file import CurvesFileError
 
 FOLDER = Path(__file__).parents[2] / "config/measured"
 CURVES = "t [s],angle [rad]\n0.1,2\n0.2,1.9\n0.3,1.8\n"

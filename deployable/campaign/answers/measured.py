@@ -38,7 +38,7 @@ import numpy as np
 from deployable.campaign.answers.discretization import halved
 from deployable.campaign.answers.evaluations import ModelEvaluator, number, runs_at
 from deployable.campaign.answers.limits import describe_limit, list_limits
-from deployable.campaign.config.measured import CurvesFileError, MeasuredCurves, read_test
+from deployable.campaign.config.measured import MeasuredCurves, read_test
 from deployable.campaign.config.sections import (
     Accuracy,
     Interval,
@@ -53,6 +53,7 @@ from deployable.campaign.plan.plan import Plan, choose_step
 from deployable.campaign.runs.progress import Notify
 from deployable.intervals.calibration import Calibration, Measurement, calibrate
 from deployable.intervals.scalars.fits import best_fit
+from fpm.structures.curves_file import CurvesFileError
 
 _LEAST_MOVE = 0.005  # of a parameter's width, by which a side must move
 _STRONG = 0.9  # correlation from which two parameters are said to trade off

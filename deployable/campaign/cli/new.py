@@ -59,7 +59,7 @@ def make_folder(folder: str | Path, start: str) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, path in structures.items():
-            (folder / name).parent.mkdir(exist_ok=True)
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(path, folder / name)
         shutil.copytree(shipped.WORKFLOW / "profiles", folder / "profiles")
         write_text(folder / CAMPAIGN, campaign)
@@ -79,8 +79,10 @@ def _start_files(start: str) -> tuple[str, dict[str, Path]]:
     if path is None or path.suffix != ".yaml" or not path.is_file():
         allowed = f"{', '.join(starts())}, or the .yaml file of a structure"
         raise CampaignError(f"--start {start} is not known; allowed: {allowed}")
-    name = f"structures/{path.name}"
-    return campaign_of(path, name), {name: path}
+    name, text = f"structures/{path.name}", campaign_of(path, f"structures/{path.name}")
+    files = (f for f in scene_type("", str(path)).files if f.is_relative_to(path.parent))
+    names = [f.relative_to(path.parent) for f in files if ".." not in f.parts]
+    return text, {name: path} | {f"structures/{f}": path.parent / f for f in names}
 
 
 def campaign_of(path: Path, name: str) -> str:

@@ -63,9 +63,10 @@ def scene_type(name: str, file: str = "") -> Any:
         file = str(files[name])
     else:
         trust(file)
-    if Path(file).suffix != ".py":  # which is run whenever it is read
-        return _of_text(read_text(file), file)
-    return structures.load(file)
+    if Path(file).suffix == ".py":  # which is run whenever it is read
+        return structures.load(file)
+    structure = _of_text(read_text(file), file)
+    return structures.load(file) if structure.files else structure  # the text has not all of it
 
 
 _TRUSTED: set[str] = set()

@@ -5,26 +5,49 @@ import numpy as np
 
 from fpm.elements import Load
 from fpm.structures.builder import POINT_TOL
-from fpm.structures.keys import ListKey, NumberKey, PointKey, ReferenceKey, VectorKey
+from fpm.structures.keys import (
+    CurvesKey,
+    ListKey,
+    NumberKey,
+    PointKey,
+    ReferenceKey,
+    TextKey,
+    VectorKey,
+)
+from fpm.structures.reading import commas
 from fpm.structures.statement import CLASS, statement
 
 ZERO = np.zeros(3)
 PART = ReferenceKey(group="parts", text="what it is about")
 POINT = ReferenceKey(group="points", text="one of its points")
+CURVE_KEYS = ["times", "values", "file", "column"]
 CURVE = ReferenceKey(None, "scales it with time; left out: constant", group="curves")
 
 
 @statement(
     "curves",
-    times=ListKey(kind=NumberKey(unit="s"), text="increasing"),
-    values=ListKey(kind=NumberKey(), text="one for each time"),
+    times=ListKey(
+        None, "increasing; these and `values`, or `file` and `column`", kind=NumberKey(unit="s")
+    ),
+    values=ListKey(None, "one for each time", kind=NumberKey()),
+    file=CurvesKey(None, "with times first, and units in its first line"),
+    column=TextKey(None, "name of that whose numbers, in SI units, are the values"),
 )
 def curve(build, args):
     """A curve of time, straight between the values given and constant outside them.
 
     Adds it to the scene; returns its index. build: Builder of the sample, with its scene; args:
-    values of an entry: times (s), increasing, and values at them."""
-    return build.scene.add_curve(args.times, args.values)
+    values of an entry: times (s), increasing, and values at them; or file (CurvesFile) and the name
+    of its column, each else None."""
+    keys = [key for key in CURVE_KEYS if getattr(args, key) is not None]
+    if keys not in (CURVE_KEYS[:2], CURVE_KEYS[2:]):
+        allowed = "`times` and `values`, or `file` and `column`"
+        build.refuse(keys[-1] if keys else "times", ", ".join(keys) or None, allowed)
+    if args.file is None:
+        return build.scene.add_curve(args.times, args.values)
+    if args.column not in args.file.columns:
+        build.refuse("column", args.column, f"a column of the file, {commas(args.file.columns)}")
+    return build.scene.add_curve(args.file.times, args.file.columns[args.column])
 
 
 def _index(curve: int | None) -> int:

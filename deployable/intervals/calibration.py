@@ -329,8 +329,9 @@ class _Waves:
             fits.append(fit_curves(test, *data, hull, errors))
         return fits
 
-    def run(self, values: np.ndarray, problem: _Problem) -> None:
-        """Run all tests at the variables `values`, and keep that if no run came nearer."""
+    def run(self, values: np.ndarray, problem: _Problem) -> float:
+        """Run all tests at the variables `values`, keep that if no run came nearer, and return the
+        least misfit of a run in the hull: of this one, or of the nearest of all if it is there."""
         own_fits, points = [], []
         for t, (test, places) in enumerate(zip(self.tests, problem.places, strict=True)):
             points.append(values[places[: test.dimension]])
@@ -345,6 +346,8 @@ class _Waves:
         if misfit < self.attained:
             self.attained, self.best = misfit, values
             self.residuals = run_problem.linearise(values)[0]
+        is_inside = (self.best >= self.hull[0]).all() and (self.best <= self.hull[1]).all()
+        return self.attained if is_inside else misfit
 
     def narrow(self, level: float | None, waves: int, most: int) -> tuple[_Problem, float, list]:
         """Narrow the hull to misfits up to `level`, None for that of the best run; return the last
@@ -361,13 +364,13 @@ class _Waves:
             best = min(plain, key=lambda pair: pair[1])[0]
             outer = [problem.search(v, self.hull, OUTER) for v, _ in plain]
             nearest = min(misfit for _, misfit in outer)
-            self.run(best, problem)
-            if nearest > self.attained:  # a run comes nearer: the errors were too small
+            if nearest > self.run(best, problem):  # which comes nearer: the errors were too small
                 continue
             least = max(least, nearest)
             limit = max(self.attained, 1.0) * (1 + _WIDER) if level is None else level
             pool = [v for v, misfit in outer if misfit <= limit]
             pool += self.islands(problem, starts, limit)
+            pool += [self.best] * (level is None)
             error = (problem.errors / problem.bands).max() / limit
             self.notify(
                 f"wave {number + 1}: {self.runs} runs, least misfit {least:.3g} to "

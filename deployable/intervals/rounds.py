@@ -17,9 +17,10 @@ _CELLS = 8  # of each direction: places in one cell are told apart no further
 
 @dataclass(frozen=True)
 class BoundPoints:
-    """A few points `unit` (P, k) in [-1, 1]^k that stand for all points where bounds are attained;
-    `lower`, `upper` (n, T): index in `unit` of the point nearest to where the lower, or the upper,
-    bound of each of n responses at T instants is attained."""
+    """A few points `unit` (P, k) in [-1, 1]^k that stand for all points where bounds are attained:
+    runs are repeated there with a finer mesh or step, for the error of the bounds. `lower`, `upper`
+    (n, T): index in `unit` of the point nearest to where the lower, or the upper, bound of each of
+    n responses at T instants is attained."""
 
     unit: np.ndarray
     lower: np.ndarray

@@ -48,7 +48,7 @@ def reflect(world):
 
 @kernel
 def kinetic_energies(world):
-    """Return two energies (J, lanes): the kinetic energy at an instant, and that of half the change
+    """Return two energies (J, lanes): the kinetic energy at an instant, and half that of the change
     of momenta in the step around it. world: solver state, with momenta half a step before the
     instant in start_state, half a step after it in state. The first is of the product of both
     velocities, the form that leapfrog conserves exactly, together with the potential energy at the
@@ -111,7 +111,7 @@ def balance(world, energies, row, kick):
     """Store the error of the energy balance (J) since the start, stored energy less work given,
     plus losses, in row `row` of `energies`, and in World.sums the sizes of all stored energies,
     with which it is compared. world: solver state; energies: Record.energies; row: index of the
-    instant; kick: energy (J) of half the change of momenta in the step. Sizes, as where an element
+    instant; kick: half the energy (J) of the change of momenta in the step. Sizes, as where an element
     type's energy is zero, and so its sign, is a matter of definition. What an impact starts has no
     kinetic energy between its half steps yet, but for rounding, some 1e-12 of `kick`."""
     stored_energy = load(energies, row, KINETIC)

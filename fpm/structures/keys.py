@@ -58,9 +58,10 @@ class Key:
 
 @dataclass(frozen=True)
 class NumberKey(Key):
-    """Key whose value is a number. unit: as "N m", whose dimension it must have; least: lower
-    limit; above: limit that it must exceed (SI units, None: none); joint: key of the entry that
-    names the joint whose opening the number may be about, so that on slides rad becomes m."""
+    """Key of an entry in a structure file, whose value is a number. unit: as "N m", whose dimension
+    it must have; least: lower limit, itself allowed; above: limit that it must exceed (SI units,
+    None: none); joint: key of the entry that names the joint that the number may be about: if that
+    is a slide, the unit is what SLIDING has for it (m for rad, N for N m, N/m for N m/rad)."""
 
     unit: str = ""
     least: float | None = None

@@ -95,9 +95,10 @@ def answer(
 def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray]:
     """Find points to simulate before a choice is final: normalized points (k), -1 to 1 in the box,
     at which, by the surrogates, an event does not occur that must (or the reverse, or a limited
-    quantity is absent), so that a trial is ruled out whose first goal is better than that of the
-    best choice. best, trials: `intervals.scalars.Choice`, the best and all that were tried; choose:
-    section of the config. Of at most four such trials, the nearest to the best, in order."""
+    quantity is absent), one for each limit that fails so. Of trials that break a limit and whose
+    first goal is better than the best choice's, the four of the nearest chosen values, over the
+    widths of their ranges, in order. best, trials: `intervals.scalars.Choice`, the best and those
+    of the first grid; choose: section of the config."""
     sign = choose.goals[0][0]
     better = [
         trial

@@ -166,8 +166,8 @@ def _default_text(key: ConfigKey) -> str:
 
 
 def table(config: ConfigKey) -> str:
-    """Write the page of all keys of a config as Markdown, `docs/config.md`, and return it. config:
-    description of a whole config, as `read.whole` returns it."""
+    """Return the page of all keys of a config (docs/config.md), Markdown, as a text; no file is
+    written. config: description of a whole config, as `read.whole` returns it."""
     groups = {f"`{name}`": [] for name in config.children}
     for key, *row in rows(config):
         groups[f"`{key.partition('.')[0]}`"].append(f"| `{key}` | {' | '.join(row)} |\n")

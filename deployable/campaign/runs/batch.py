@@ -158,8 +158,9 @@ def check_structure(plan: Plan) -> None:
 
 
 def notify_reruns(store: Any, notify: Notify) -> None:
-    """Report, by calls of `notify`, each file of a store found damaged or without variables that
-    responses now need, whose runs are made again; then clear these notes in the store."""
+    """Report why runs of a store are made again, and clear its notes of it (after `missing`): by
+    one call of `notify` with a text for each file found damaged, and one for all runs whose files
+    lack variables that responses now need."""
     for error in store.damage.values():
         notify(f"{error}; its runs are made again")
     store.damage.clear()

@@ -187,7 +187,7 @@ def position(row: Mapping[str, Any], time: float) -> str:
 
 
 def duration_text(seconds: float) -> str:
-    """Write seconds in hours, minutes and seconds: `95` as `1 min 35 s`."""
+    """Write a duration (s): 35 as `35 s`, 95 as `1 min 35 s`, 7500 as `2 h 5 min` (no seconds)."""
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     if hours:

@@ -77,7 +77,8 @@ class JointBase(ElementType):
         return any(kind.reads_impulses(scene) for kind in scene.kinds)
 
     def check(self, scene):
-        """Check that no other hinge or joint of the scene has this name; else raises SceneError."""
+        """Check, before the joint is added, that no hinge or joint of the scene has its name; else
+        raises SceneError. scene: the joint is not yet in it."""
         own = {self.name} if self.type == "cross" else {self.name, self.joint}
         if own & names_taken(scene):  # the first angle has checked for the second
             raise SceneError(type(self).__name__.lower(), self.joint, "a name not yet used")

@@ -60,9 +60,10 @@ def is_slide(slides, h):
 
 @hook(Openings)
 def forces(part, world, timing):
-    """Compute all openings, into part.angles, before other element types read them, and begin a new
-    step of the moments recorded by component. part: arrays of all openings (Openings); world:
-    solver state, whose positions are read; timing: not used."""
+    """Compute all openings, into part.angles, and axes, if other element types read them in every
+    step (part.is_needed); where moments are recorded by component (springs, dampers, ...), make
+    each that of a step ago and set it to 0. part: arrays of all openings (Openings); world: solver
+    state, whose positions and axes are read; timing: not used."""
     if part.is_needed:
         update(part, world.state)
     begin_parts(part.moments)

@@ -33,8 +33,8 @@ class TorqueMotor(AnyMotor):
     variable = "torque_motor_moment"
 
     def damping_in(self, scene):
-        """Return the damping (N m s/rad) by which the motor limits the stable time step: the
-        largest fall of its torque with the speed."""
+        """Return the damping (N m s/rad, on slides N s/m) by which the motor limits the stable time
+        step: the largest fall of its torque, or force, with the speed."""
         most = np.abs(scene.curves[self.curve][1]).max() if self.curve >= 0 else 1.0
         return float(abs(self.torque) * most / self.no_load)
 

@@ -12,10 +12,14 @@ from fpm.elements.joints.hinge import Hinge
 from fpm.elements.openings.friction import Friction
 from fpm.reading.bars import bars_of
 from fpm.scenes.scene import Scene
+from fpm.solver.start import consistent_scene
 from fpm.structures import report
 
 MOST = 6
 """Number of warnings of one structure, at most; a repeat would have one for each unit."""
+
+BLOW = 0.01
+"""Share of the kinetic energy stated for the start above which what joints take out is told."""
 
 MAX_RATIO = 1000.0
 """Ratio of lengths of one bar, or of all, above which they are hardly in one unit."""
@@ -31,7 +35,7 @@ def warnings(scene: Scene, duration: float | None = None) -> list[str]:
     """Return sentences on what a scene has that is allowed but hardly meant: odd masses or sizes,
     no support, latches that cannot catch; at most 6, and one on how many more there are; [] if all
     is usual. duration: of the run (s), to tell if latches have time to catch; None: unknown."""
-    sentences = [*_sizes(scene), *_support(scene)]
+    sentences = [*_sizes(scene), *_support(scene), *_start(scene)]
     moving = {friction.hinge for friction in Friction.find(scene) if friction.load is not None}
     sentences += [
         f"bearing of {scene.hinges[hinge].name}: without a `load` it counts in margins only"
@@ -43,6 +47,28 @@ def warnings(scene: Scene, duration: float | None = None) -> list[str]:
     sentences = list(dict.fromkeys(sentences))
     rest = len(sentences) - MOST
     return sentences[:MOST] + [f"and {rest} more of this kind"] * (rest > 0)
+
+
+def _start(scene: Scene) -> Iterator[str]:
+    """What joints, motors and drives do not allow of the velocities stated for the start."""
+    stated = _kinetic_energy(scene, scene.velocity, scene.spin)
+    if stated:
+        start = consistent_scene(scene)
+        change = start.velocity - scene.velocity, start.spin - scene.spin
+        if _kinetic_energy(scene, *change) > BLOW * stated:
+            rest = _kinetic_energy(scene, start.velocity, start.spin)
+            rest *= rest > 1e-9 * stated  # rounding
+            yield (
+                f"velocities at the start have {stated:.4g} J; joints, motors, drives and what is "
+                f"held then leave {rest:.4g} J: check axes and signs, and that every part that "
+                "moves along has its velocity"
+            )
+
+
+def _kinetic_energy(scene: Scene, velocity: np.ndarray, spin: np.ndarray) -> float:
+    """Kinetic energy (J) of velocities (n, 3) m/s and spins (n, 3) rad/s of all particles."""
+    own_spin = np.einsum("nji,nj->ni", scene.frame, spin)
+    return float((scene.mass @ velocity**2).sum() + (scene.inertia * own_spin**2).sum()) / 2
 
 
 def _sizes(scene: Scene) -> Iterator[str]:

@@ -6,6 +6,7 @@ import pytest
 import fpm
 from fpm.solver.start import check_masses, consistent_scene
 from fpm.structures import loads
+from fpm.structures.plausible import warnings
 
 LIFT = """
 name: lift
@@ -156,3 +157,32 @@ def test_a_coupler_of_nearly_no_mass_does_not_ring(step):
     np.testing.assert_allclose(outcome.openings["rocker"] - rocker(10 * outcome.time), 0, atol=1e-9)
     np.testing.assert_allclose(moment[1:], exact[1:], atol=5e-3)
     assert moment[0] == pytest.approx(exact[0], abs=300 * step)  # of the first order
+
+
+SPUN = """
+name: spun
+points: {a: [0, 0, 0], b: [1, 0, 0]}
+bodies:
+  sheet: {mass: 1 kg, centre: b, inertia: [0.1, 0.1, 0.1], points: [a]}
+joints:
+  h: {type: revolute, parts: [ground, sheet], at: a, axis: AXIS}
+initial_velocities:
+  go: {part: sheet, about: a, spin: [0, 0, 3 rad/s]}
+record:
+  b: {part: sheet, at: b}
+"""
+HELD = SPUN.replace("initial", "actions: {hold: {type: release, joint: h, time: 1 s}}\ninitial")
+
+
+@pytest.mark.parametrize(
+    ("text", "axis", "words"),
+    [
+        (SPUN, "z", None),
+        (SPUN, "y", "have 4.95 J; joints, motors, drives and what is held then leave 0 J"),
+        (HELD, "z", "have 4.95 J; joints, motors, drives and what is held then leave 0 J"),
+    ],
+)
+def test_a_motion_that_joints_do_not_allow_is_told(text, axis, words):
+    """m v²/2 and I w²/2 at 1 m from the axis: (1 + 0.1) 9/2 J."""
+    sentences = [s for s in warnings(loads(text.replace("AXIS", axis)).build()) if "velocit" in s]
+    assert words in sentences[0] if words else not sentences

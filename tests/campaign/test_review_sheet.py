@@ -22,7 +22,7 @@ from deployable.campaign.results.review import (
     HEADS,
     MET,
     NOT_ANALYSED,
-    PARTLY,
+    PARTIAL,
     STATES,
     as_csv,
     budgets_of,
@@ -288,7 +288,7 @@ def test_a_row_says_what_was_shown(name):
 def test_a_clause_that_nothing_was_stated_for_is_not_analysed():
     rows = sheet(motion=None)
     (balance,) = of(rows, "4.8.2.6", "integrity")
-    assert balance["verdict"].startswith("partly analysed") and balance["state"] == PARTLY
+    assert balance["verdict"].startswith("partly analysed") and balance["state"] == PARTIAL
     assert len(rows) == len(CLAUSES[ECSS])
     analysed = {row["asks"]: row["verdict"] for row in rows if row["state"] != NOT_ANALYSED}
     assert list(analysed) == [
@@ -390,7 +390,7 @@ def test_limits_of_both_signs_are_an_allowable():
 
 @pytest.mark.parametrize(
     ("kind", "states"),
-    [("final", [MET, MET]), ("smallest", [NOT_ANALYSED, PARTLY]), ("mean", [NOT_ANALYSED] * 2)],
+    [("final", [MET, MET]), ("smallest", [NOT_ANALYSED, PARTIAL]), ("mean", [NOT_ANALYSED] * 2)],
 )
 def test_the_impulse_of_a_latch_is_bounded_by_its_last_value(kind, states):
     limits = [required("a", limit("q", "at_most", 3.0)), required("b", limit("q", level=-6.0))]
@@ -402,8 +402,8 @@ def test_the_impulse_of_a_latch_is_bounded_by_its_last_value(kind, states):
     ("other", "state"),
     [
         ({"openings": ["g"]}, MET),
-        ({"openings": ["g"], "standard": NASA, "evidence": "analysis"}, PARTLY),
-        ({"openings": ["f"]}, PARTLY),
+        ({"openings": ["g"], "standard": NASA, "evidence": "analysis"}, PARTIAL),
+        ({"openings": ["f"]}, PARTIAL),
     ],
 )
 def test_an_opening_that_stands_is_led_by_another_margin_of_the_standard(other, state):

@@ -20,8 +20,8 @@ def other_fpm() -> str:
     package manager; returns an error message with the remedy, or an empty text if it is."""
     spec = find_spec("fpm")
     place = Path(spec.origin).parent if spec and spec.origin else None
-    ours = Path(__file__).parents[1] / "fpm"
-    if place == ours and "Finite particle method" in (ours / "__init__.py").read_text("utf-8"):
+    folder = Path(__file__).parents[1] / "fpm"
+    if place == folder and "Finite particle method" in (folder / "__init__.py").read_text("utf-8"):
         return ""
     return (
         f"error: the module fpm that Python finds ({place or 'nowhere'}) is not this program's; "

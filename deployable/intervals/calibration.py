@@ -35,7 +35,7 @@ OUTER, PLAIN, INNER = 1.0, 0.0, -1.0
 _PENALTY = 100.0  # in units of the box for each band beyond the level
 _ITERATIONS, _STARTS, _CELLS = 40, 8, 64
 _CORNERS = 4  # most directions of whose box the corners are run
-_ALIKE = 0.05  # of the difference of runs: so far left-out errors tell of those between
+_SPREAD_SHARE = 0.05  # of the difference of runs: so far left-out errors tell of those between
 _UNBOUNDED = 1e3  # times the band and the size: an error that is not known
 _WIDER = 0.02  # of the hull's width, which is added on each side, and of the level
 _PRECISE = 0.05  # of the band, at which the surrogate's error no longer matters
@@ -148,11 +148,11 @@ def fit_curves(
     spline = scipy.interpolate.CubicSpline(times, coefficients.transpose(2, 0, 1))
     # Left-out errors of runs that hardly resemble each other bound nothing between them.
     bands, size = test.bands.ravel(), np.abs(flat).max(axis=0)
-    is_known = errors <= np.maximum(_ALIKE * np.ptp(flat, axis=0), _PRECISE * bands)
+    is_known = errors <= np.maximum(_SPREAD_SHARE * np.ptp(flat, axis=0), _PRECISE * bands)
     errors = np.where(is_known, 3.0 * errors, _UNBOUNDED * (bands + size))
     coarse = scipy.interpolate.CubicSpline(times[::2], curves[:1, :, ::2], axis=2)
     gaps = np.abs(coarse(times) - curves[:1])[0].max(axis=1, keepdims=True)
-    is_resolved = gaps <= _ALIKE * np.ptp(curves[0], axis=1, keepdims=True)
+    is_resolved = gaps <= _SPREAD_SHARE * np.ptp(curves[0], axis=1, keepdims=True)
     gaps = np.where(is_resolved, gaps / 16, gaps)  # of a cubic: the fourth power of the distance
     errors = errors.reshape(sampled.shape[1:]) + gaps + own_errors
     return CurveFit(test, center, half, spline, indices, errors)
@@ -314,9 +314,9 @@ class _Waves:
         the step. number: of the wave; most: runs of each test."""
         fits, size = [], self.k
         for t, test in enumerate(self.tests):
-            own = np.arange(size, size + test.starts)
+            places = np.arange(size, size + test.starts)
             size += test.starts + test.limits.shape[1]
-            hull = self.hull[:, np.concatenate([test.axes, own]).astype(int)]
+            hull = self.hull[:, np.concatenate([test.axes, places]).astype(int)]
             half, center = np.ptp(hull, axis=0) / 2, hull.mean(axis=0)
             spread = _design(half > 0, comb(test.dimension + 2, 2), number)
             points = np.concatenate([center[None], center + half * spread])
@@ -488,10 +488,10 @@ def calibrate(
     ]
     t = int(np.searchsorted(np.cumsum(sizes), index, side="right"))
     row = divmod(index - sum(sizes[:t]), len(tests[t].times))
-    own = [places[len(f.test.axes) : f.test.dimension] for f, places in
-           zip(problem.fits, problem.places, strict=True)]  # fmt: skip
+    start_axes = [places[len(f.test.axes) : f.test.dimension] for f, places in
+                  zip(problem.fits, problem.places, strict=True)]  # fmt: skip
     return Calibration(
-        state.hull[:, :k], [state.hull[:, places] for places in own], least, state.attained,
+        state.hull[:, :k], [state.hull[:, places] for places in start_axes], least, state.attained,
         state.best[:k], (0.0, 0.0) if is_refuted else fractions, samples, state.runs,
         (t, *row), residuals,
     )  # fmt: skip

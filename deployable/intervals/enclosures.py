@@ -165,9 +165,9 @@ def _record(best, argument, is_improved, owner, top, points):
     better = top > best[owner]
     owner, top, points = owner[better], top[better], points[better]
     np.maximum.at(best, owner, top)
-    won = top == best[owner]
-    argument[owner[won]] = points[won]
-    is_improved[owner[won]] = True
+    is_best = top == best[owner]
+    argument[owner[is_best]] = points[is_best]
+    is_improved[owner[is_best]] = True
 
 
 def _halve(patches, owner, centre, half, degrees):
@@ -204,10 +204,10 @@ def _from_chebyshev(n: int) -> np.ndarray:
     C(2i, 2l) / C(i, l) of degree i for T_i (Rababah 2003), raised to degree n."""
     matrix = np.zeros((n + 1, n + 1))
     for i in range(n + 1):
-        own = [(-1) ** (i - m) * comb(2 * i, 2 * m) / comb(i, m) for m in range(i + 1)]
+        column = [(-1) ** (i - m) * comb(2 * i, 2 * m) / comb(i, m) for m in range(i + 1)]
         for row in range(n + 1):
             matrix[row, i] = sum(
-                comb(i, m) * comb(n - i, row - m) / comb(n, row) * own[m]
+                comb(i, m) * comb(n - i, row - m) / comb(n, row) * column[m]
                 for m in range(max(0, row - n + i), min(i, row) + 1)
             )
     return matrix

@@ -147,9 +147,9 @@ def overruled(
     ]
     if not 0 < len(next_two) <= len(unit):
         return decay
-    terms, own = np.array(next_two), surrogate.multi_indices
-    alias = np.linalg.lstsq(product_basis(points, own), product_basis(points, terms), rcond=None)[0]
-    residual_basis = product_basis(unit, terms) - product_basis(unit, own) @ alias
+    new, terms = np.array(next_two), surrogate.multi_indices
+    alias = np.linalg.lstsq(product_basis(points, terms), product_basis(points, new), rcond=None)[0]
+    residual_basis = product_basis(unit, new) - product_basis(unit, terms) @ alias
     size = np.linalg.svd(residual_basis, compute_uv=False)
     if size[-1] < _INDEPENDENT * size[0]:
         return decay

@@ -127,8 +127,8 @@ def _improve(state, column, t, g):
     better = g > best[column]
     column, t, g = column[better], t[better], g[better]
     np.maximum.at(best, column, g)
-    won = g == best[column]
-    angles[column[won]] = t[won]
+    is_best = g == best[column]
+    angles[column[is_best]] = t[is_best]
 
 
 def _newton(state, column, t, radius):

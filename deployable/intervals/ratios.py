@@ -33,12 +33,12 @@ def shares_of(samples: Samples) -> Samples:
 def ratios_of(samples: Samples, bounds: Range, error: ErrorEstimate) -> tuple[Range, ErrorEstimate]:
     """Transform back the range and error (n, T) of a fit to `shares_of(samples)`, to those of the
     responses in `samples`: for ratios less one, lower and upper swap; others stay."""
-    is_ratio, own = samples.ratios[:, None], samples.ratios[:, None, None]
+    is_ratio = samples.ratios[:, None]
     ends = (bounds.upper, bounds.lower, bounds.inner_upper, bounds.inner_lower)
     old = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
-    curves = [np.where(is_ratio, ratio(end), was) for end, was in zip(ends, old, strict=True)]
+    curves = [np.where(is_ratio, ratio(end), curve) for end, curve in zip(ends, old, strict=True)]
     places = [
-        np.where(own, mirror, point)
+        np.where(is_ratio[..., None], mirror, point)
         for mirror, point in ((bounds.argmax, bounds.argmin), (bounds.argmin, bounds.argmax))
     ]
 

@@ -96,8 +96,8 @@ def sensitivity_dataset(
     for i, variance in enumerate(influence.variance):
         area = np.trapezoid(np.where(width[i] > error[i], width[i], 0.0), data.time)
         weight = np.trapezoid(variance, data.time)
-        own = np.trapezoid(total[i] * variance, data.time)
-        wide[i], shares[i] = area / (area.sum() or 1.0), own / (weight or 1.0)
+        parts = np.trapezoid(total[i] * variance, data.time)
+        wide[i], shares[i] = area / (area.sum() or 1.0), parts / (weight or 1.0)
     curve, number = ("response", "parameter", "time"), ("response", "parameter")
     share = {"units": "1"}
     variables = {

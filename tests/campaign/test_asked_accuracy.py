@@ -121,7 +121,7 @@ def test_what_a_round_takes_fits_the_budget_or_it_is_not_begun(what):
     parts = {"runs": {"surrogate": 0.3, "mesh": 0.01}, "check": {"surrogate": 0.3, "mesh": 0.01},
              "step": {"surrogate": 0.01, "mesh": 0.0, "step": 0.3},
              "mesh": {"surrogate": 0.01, "mesh": 0.3}}[what]  # fmt: skip
-    runs, seconds = COST.find(what)
+    runs, seconds = COST.need_of(what)
     # Half the step costs twice, a mesh twice as fine four times; what is checked is run as it is
     # from then on, with half its step, and on a mesh twice as fine. There is room for the last
     # check, of step and mesh.

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import sheets
 import xarray
-from sheets import ECSS, NASA, limit, margin, number, of, of_margin, quantity, required, sheet
+from sheets import ECSS, NASA, find, limit, margin, number, of_margin, quantity, required, sheet
 
 from deployable import campaign
 from deployable.campaign.results.review import (
@@ -22,7 +22,7 @@ from deployable.campaign.results.review import (
     HEADS,
     MET,
     NOT_ANALYSED,
-    PARTLY,
+    PARTIAL,
     STATES,
     as_csv,
     budgets_of,
@@ -278,7 +278,7 @@ def test_sheets_say_what_they_said_before():
 @pytest.mark.parametrize("name", ROWS)
 def test_a_row_says_what_was_shown(name):
     stated, clause, word, verdict = ROWS[name]
-    rows = of(sheet(*stated), clause, word)
+    rows = find(sheet(*stated), clause, word)
     assert len(rows) == 1 and rows[0]["verdict"].startswith(verdict), rows
     assert rows[0]["state"] in STATES
     begins = rows[0]["verdict"].startswith(rows[0]["state"])
@@ -287,8 +287,8 @@ def test_a_row_says_what_was_shown(name):
 
 def test_a_clause_that_nothing_was_stated_for_is_not_analysed():
     rows = sheet(motion=None)
-    (balance,) = of(rows, "4.8.2.6", "integrity")
-    assert balance["verdict"].startswith("partly analysed") and balance["state"] == PARTLY
+    (balance,) = find(rows, "4.8.2.6", "integrity")
+    assert balance["verdict"].startswith("partly analysed") and balance["state"] == PARTIAL
     assert len(rows) == len(CLAUSES[ECSS])
     analysed = {row["asks"]: row["verdict"] for row in rows if row["state"] != NOT_ANALYSED}
     assert list(analysed) == [
@@ -304,7 +304,7 @@ def test_a_clause_that_nothing_was_stated_for_is_not_analysed():
 )  # fmt: skip
 def test_a_balance_of_energy_takes_a_run_that_moves(exchanged, off, verdict):
     motion = {"exchanged": exchanged, "largest": 2.0, "off": off}
-    (row,) = of(sheet(motion=motion), "4.8.2.6", "integrity")
+    (row,) = find(sheet(motion=motion), "4.8.2.6", "integrity")
     assert row["verdict"].startswith(verdict) and "9 runs, each of 2 s" in row["analysed"]
 
 
@@ -327,10 +327,10 @@ def test_a_requirement_of_two_quantities_gives_each_its_own_verdict(met, share, 
                     limit("q", level=1.0, met="none", share=0.0))  # fmt: skip
     rows = sheet([*stated, quantity("q", 0.0, 0.1)], [both],
                  [*numbers, number("q", of="velocity")], margins)  # fmt: skip
-    assert of(rows, "4.7.5.3", EVERY)[0]["verdict"] == verdict
-    assert of(rows, "own", "both")[0]["verdict"] == "not met anywhere in the box"
+    assert find(rows, "4.7.5.3", EVERY)[0]["verdict"] == verdict
+    assert find(rows, "own", "both")[0]["verdict"] == "not met anywhere in the box"
     nearest = "k = 0.1 N m/rad: 0.25, computed there, at an opening of 1.5 rad"
-    assert of(rows, "4.7.5.3", EVERY)[0]["nearest"] == nearest
+    assert find(rows, "4.7.5.3", EVERY)[0]["nearest"] == nearest
 
 
 def test_springs_are_redundant_where_the_margin_holds_without_each_single_one():
@@ -342,7 +342,7 @@ def test_springs_are_redundant_where_the_margin_holds_without_each_single_one():
                            (0.0, "undecided: without s1: met")):  # fmt: skip
         quantities = [quantity("m", 0.5, 1), quantity("a", 0.2, 1), quantity("b", lower, 1)]
         rows = sheet(quantities, [], [of_margin(name) for name in margins], margins)
-        (row,) = of(rows, "4.7.5.3", REDUNDANT)
+        (row,) = find(rows, "4.7.5.3", REDUNDANT)
         assert row["verdict"].startswith(verdict)
 
 
@@ -351,7 +351,7 @@ def test_a_margin_by_own_factors_stands_beside_that_of_the_standard():
                "m_by_standard_least": margin("m_by_standard")}  # fmt: skip
     quantities = [quantity("m_least", 20, 21), quantity("m_by_standard_least", -0.7, -0.6)]
     rows = sheet(quantities, [], [of_margin(name) for name in margins], margins)
-    own, by = of(rows, "own")[0], of(rows, "4.7.5.3", EVERY)[0]
+    own, by = find(rows, "own")[0], find(rows, "4.7.5.3", EVERY)[0]
     assert own["verdict"].endswith("by those of the standard: not met anywhere in the box")
     assert "own factors: FR 0.1 for 6" in own["analysed"] and own["state"] == "reported"
     assert by["verdict"] == "not met anywhere in the box" and by["of"] == "m_by_standard_least"
@@ -359,7 +359,7 @@ def test_a_margin_by_own_factors_stands_beside_that_of_the_standard():
 
 def test_latches_and_motors_that_have_no_part_are_said():
     stated = least(latches=["lock"], motors=["g"], added=["deliver 0.1"], locked=["f"])
-    (row,) = of(sheet(*stated), "4.7.5.3", EVERY)
+    (row,) = find(sheet(*stated), "4.7.5.3", EVERY)
     for words in (
         "the latch lock, which catches on the way, has no part", "the motor of g, elastic",
         "with deliver 0.1", "f standing", "positions 0 to 1.5 rad of 0 to 1.5 rad analysed",
@@ -369,7 +369,7 @@ def test_latches_and_motors_that_have_no_part_are_said():
 
 def test_latches_that_nothing_is_asked_of_are_named():
     stated = one(1, 2, ("happens", True), **TIME)
-    rows = of(sheet(*stated, latches=["latch a", "latch b"]), "4.7.5.4.3", CATCH)
+    rows = find(sheet(*stated, latches=["latch a", "latch b"]), "4.7.5.4.3", CATCH)
     assert [(row["analysed"], row["verdict"]) for row in rows[1:]] == [("latch b", NOT_ANALYSED)]
 
 
@@ -377,7 +377,7 @@ def test_a_latch_that_misses_and_catches_later():
     numbers = [number("t", **TIME), number("late", **TIME | {"event": "misses"})]
     rows = sheet([quantity("t", 1, 2), quantity("late", 1, 2)],
                  [required("r", limit("t", "happens", True))], numbers)  # fmt: skip
-    assert of(rows, "4.7.5.4.3", "first miss")[0]["verdict"].startswith("met in all of the box")
+    assert find(rows, "4.7.5.4.3", "first miss")[0]["verdict"].startswith("met in all of the box")
 
 
 def test_limits_of_both_signs_are_an_allowable():
@@ -385,32 +385,32 @@ def test_limits_of_both_signs_are_an_allowable():
     numbers[1].response = numbers[0].response
     limits = [required("a", limit("up", "at_most", 3.0)), required("b", limit("down", level=-6.0))]
     rows = sheet([quantity("up", 1, 2), quantity("down", -5, -4)], limits, numbers)
-    assert [row["state"] for row in of(rows, "4.7.5.4.4", BEAR)] == [MET, MET]
+    assert [row["state"] for row in find(rows, "4.7.5.4.4", BEAR)] == [MET, MET]
 
 
 @pytest.mark.parametrize(
     ("kind", "states"),
-    [("final", [MET, MET]), ("smallest", [NOT_ANALYSED, PARTLY]), ("mean", [NOT_ANALYSED] * 2)],
+    [("final", [MET, MET]), ("smallest", [NOT_ANALYSED, PARTIAL]), ("mean", [NOT_ANALYSED] * 2)],
 )
 def test_the_impulse_of_a_latch_is_bounded_by_its_last_value(kind, states):
     limits = [required("a", limit("q", "at_most", 3.0)), required("b", limit("q", level=-6.0))]
     rows = sheet([quantity("q", -5, 2)], limits, [number("q", kind=kind, **IMPULSE)])
-    assert [row["state"] for row in of(rows, "4.7.5.4.3", LOADS)] == states
+    assert [row["state"] for row in find(rows, "4.7.5.4.3", LOADS)] == states
 
 
 @pytest.mark.parametrize(
     ("other", "state"),
     [
         ({"openings": ["g"]}, MET),
-        ({"openings": ["g"], "standard": NASA, "evidence": "analysis"}, PARTLY),
-        ({"openings": ["f"]}, PARTLY),
+        ({"openings": ["g"], "standard": NASA, "evidence": "analysis"}, PARTIAL),
+        ({"openings": ["f"]}, PARTIAL),
     ],
 )
 def test_an_opening_that_stands_is_led_by_another_margin_of_the_standard(other, state):
     stated, limits, numbers, margins = least(limits=[ZERO], locked=["g"])
     stated, numbers = [*stated, quantity("n_least", 0.2, 0.4)], [*numbers, of_margin("n_least")]
     rows = sheet(stated, limits, numbers, margins | {"n_least": margin("n", **other)})
-    row = next(row for row in of(rows, "4.7.5.3", EVERY) if "m_least" in row["analysed"])
+    row = next(row for row in find(rows, "4.7.5.3", EVERY) if "m_least" in row["analysed"])
     assert row["state"] == state, row
 
 
@@ -418,21 +418,21 @@ def test_margins_by_other_standards_stand_below():
     stated, limits, numbers, _ = least(limits=[ZERO])
     margins = {"m_least": margin(standard=NASA, evidence="analysis")}
     rows = sheet(stated, limits, numbers, margins)
-    (row,) = of(rows, "NASA-STD-5017B")
-    assert row["state"] == MET and of(rows, "4.7.5.3", EVERY)[0]["state"] == NOT_ANALYSED
+    (row,) = find(rows, "NASA-STD-5017B")
+    assert row["state"] == MET and find(rows, "4.7.5.3", EVERY)[0]["state"] == NOT_ANALYSED
     out = {"m_least": margin(standard=NASA, evidence="spring out", without=["torsion spring h"])}
     rows = sheet(stated, limits, numbers, out)
-    assert "not to be compared" in of(rows, "4.8.2.6", FAILURE)[0]["analysed"]
+    assert "not to be compared" in find(rows, "4.8.2.6", FAILURE)[0]["analysed"]
 
 
 def test_what_happens_in_no_run_is_said():
     rows = sheet(*one(None, None, **TIME))
-    assert of(rows, "4.7.5.4.3", CATCH)[0]["value"] == "happens in no run"
+    assert find(rows, "4.7.5.4.3", CATCH)[0]["value"] == "happens in no run"
 
 
 def test_the_budget_tells_the_tolerance_that_counts():
-    rows = sheet([quantity("late", 0.2, 0.3, "m s-1")], [], [number("late", of="velocity")])
-    assert of(rows, "4.8.2.5")[0]["value"] == "late: 0.1 m/s, 0.07 m/s with half the tolerance of k"
+    rows = sheet([quantity("v", 0.2, 0.3, "m s-1")], [], [number("v", of="velocity")])
+    assert find(rows, "4.8.2.5")[0]["value"] == "v: 0.1 m/s, 0.07 m/s with half the tolerance of k"
 
 
 def test_how_it_ends_and_over_which_box_stands_first():
@@ -540,7 +540,7 @@ def is_shown(row, rows):
         )
     if "first miss" in row["asks"]:
         by = re.search(r"[(]by (.*)[)]", row["verdict"])[1]
-        return any(one["of"] == by and one["state"] == MET for one in of(rows, "4.7.5.4.3", CATCH))
+        return any(x["of"] == by and x["state"] == MET for x in find(rows, "4.7.5.4.3", CATCH))
     if "happen" in row["analysed"]:
         return (row["value"] == "happens in no run") == ("does not happen" in row["analysed"])
     (low, a), (high, b), (error, c) = printed(row["value"], "^N to N.* ± N")

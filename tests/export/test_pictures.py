@@ -94,7 +94,7 @@ def test_only_faces_towards_the_eye_are_painted_and_the_nearest_last():
     for face in faces:
         d = face[2] - face[0], face[3] - face[1]
         area += 0.5 * abs(d[0][0] * d[1][1] - d[0][1] * d[1][0])
-    assert area == pytest.approx(np.abs(view.towards).sum(), rel=1e-12)  # shadow of a unit cube
+    assert area == pytest.approx(np.abs(view.direction).sum(), rel=1e-12)  # shadow of a unit cube
 
 
 def test_of_tubes_within_tubes_the_nearest_face_is_seen_everywhere():
@@ -107,8 +107,8 @@ def test_of_tubes_within_tubes_the_nearest_face_is_seen_everywhere():
             sides.append([(*one, low), (*two, low), (*two, high), (*one, high)])
     corners = np.array(sides)
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 1])
-    corners = corners[normal @ view.towards > 0]
-    flat, depth = corners @ view.page.T, corners @ view.towards
+    corners = corners[normal @ view.direction > 0]
+    flat, depth = corners @ view.page.T, corners @ view.direction
     order = paint_order(flat, depth)
     assert sorted(order) == list(range(len(flat)))
     rng = np.random.default_rng(3)
@@ -134,7 +134,7 @@ def test_of_no_faces_none_is_painted():
 
 def test_the_view_is_orthonormal_and_x_y_z_are_right_handed_on_the_page():
     view = View()
-    axes = np.vstack([view.page, view.towards])
+    axes = np.vstack([view.page, view.direction])
     np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-15)
     assert np.linalg.det(axes) == pytest.approx(1.0)
     assert view.page[1] @ [0, 0, 1] > 0

@@ -167,7 +167,7 @@ class Pull(Gravity):
     @classmethod
     def pack(cls, batch):
         rows = batch.stack(1, 3, lambda scene: cls.find(scene)[0].acceleration[None])
-        return Weight(rows, batch.given_by(cls))
+        return Weight(rows, batch.work_account(cls))
 
 
 def test_the_ground_has_no_weight_whichever_kind_gives_it():

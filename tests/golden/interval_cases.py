@@ -139,7 +139,7 @@ def scalars() -> Iterator:
             yield one.evaluate(trial), one.error, one.usual_error, one.occurrence.open
             border = one.occurrence
             yield border.certainty(trial), border.doubt(trial), border.infill_points(4)
-            yield one.somewhere(*part) is None, one.nowhere(*part) is None
+            yield one.find_presence(*part) is None, one.find_absence(*part) is None
             if not border.is_mixed:  # a search that ends at a border is as good as its last step
                 wide = one.range(), one.range(*part)
                 yield [(each.low, each.high, each.width) for each in wide], one.end(-1.0, *part)[0]

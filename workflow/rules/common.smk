@@ -37,7 +37,7 @@ if "{" in str(ROOT) or "}" in str(ROOT):
 os.environ.setdefault(CORES, str(os.cpu_count() or 1))
 # Whether jobs get the files that rules declare, and no others.
 IS_APART = workflow.storage_settings.default_storage_provider is not None
-ASKED = workflow.config_settings.configfiles
+CONFIG_FILES = workflow.config_settings.configfiles
 
 # A module (workflow/Snakefile says that it is one) has the config that it is given. Otherwise the
 # files that were asked for, or what the including Snakefile calls CAMPAIGN, from its folder, or the
@@ -50,14 +50,14 @@ try:
     else:
         usual = globals().get("CAMPAIGN", ROOT / "config" / "paper.yaml")
         WORKFLOW = Workflow.from_files(
-            ASKED or [Path(workflow.basedir, usual)], workflow.config_settings.config
+            CONFIG_FILES or [Path(workflow.basedir, usual)], workflow.config_settings.config
         )
 except CampaignError as error:
     print(error, file=sys.stderr)
     sys.exit(1)
 
 
-if "--report" in sys.argv and not ASKED and not IS_MODULE:
+if "--report" in sys.argv and not CONFIG_FILES and not IS_MODULE:
     if other := WORKFLOW.other_report():
         print(other, file=sys.stderr)
         sys.exit(1)
@@ -107,16 +107,16 @@ def call(stage, *more):
     )
 
 
-def asked_minutes(*of):
+def asked_minutes(*arguments):
     """Minutes to ask a queue for; none where jobs run here, since the step takes 0.3 s to find."""
-    return WORKFLOW.minutes(*of) if workflow.non_local_exec_or_dryrun else 1
+    return WORKFLOW.minutes(*arguments) if workflow.non_local_exec_or_dryrun else 1
 
 
 def job_minutes(input):
     """Minutes to ask a queue for, for a batch of runs."""
     plan = str(input[0])
-    there = Path(plan).exists() and plan not in STALE
-    return asked_minutes(WORKFLOW.batch_count(), plan if there else None)
+    has_plan = Path(plan).exists() and plan not in STALE
+    return asked_minutes(WORKFLOW.batch_count(), plan if has_plan else None)
 
 
 def minutes(wildcards, attempt):

@@ -23,7 +23,7 @@ from fpm.scenes import effort
 STARTING, RESPONSE, QUANTITY = 4.0, 1.0, 0.6
 """Seconds to start and write the page, to bound and draw a response, and a quantity."""
 
-REQUIRING, CHOOSING = 2.0, 7.0
+REQUIREMENTS, CHOICE = 2.0, 7.0
 """Seconds to find what of the box meets requirements, and the best choice, by surrogate."""
 
 MOVING = 3
@@ -87,7 +87,7 @@ def estimate(campaign: Campaign) -> Estimate:
     compiling = 0.0 if fpm.is_compiled(scene) else effort.compile_seconds(scene)
     starting = STARTING + compiling + MOVING * batch
     starting += RESPONSE * len(experiment.responses) + QUANTITY * len(experiment.quantities)
-    starting += REQUIRING * bool(campaign.requirements) + CHOOSING * bool(
+    starting += REQUIREMENTS * bool(campaign.requirements) + CHOICE * bool(
         campaign.choose.parameters
     )
     seconds = waiting + writing + starting
@@ -146,15 +146,15 @@ def runs_there(campaign: Campaign, folder: Folder) -> str:
     store = open_store(keep, folder.runs(keep), campaign.experiment)
     groups = store.groups(plan.unique_runs(), campaign.jobs.group)
     missing = sum(len(store.missing(group)) for group in groups)
-    total, lacking = sum(map(len, groups)), len(store.lacking)
-    if missing - lacking == total:
+    total, reruns = sum(map(len, groups)), len(store.absences)
+    if missing - reruns == total:
         return ""
     text = f"{total - missing} of them are there"
-    if lacking:
-        names = words(sorted(set().union(*store.lacking.values())))
+    if reruns:
+        names = words(sorted(set().union(*store.absences.values())))
         seconds = _rounded(estimate(campaign).seconds * missing / total)
         text += (
-            f"; {lacking} more lack {names} as this version reads it and are simulated again, all "
+            f"; {reruns} more lack {names} as this version reads it and are simulated again, all "
             f"in all about {duration_text(seconds)}"
         )
     return text

@@ -109,9 +109,9 @@ class ModelEvaluator:
         box = self.experiment.box
         values = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
         run, distance = self.nearest(point)
-        ran = bool(distance <= SAME_POINT)
-        value = self.numbers[run, q] if ran else np.nan
-        return {"at": values, "ran": ran, "simulated": number(value)}
+        has_run = bool(distance <= SAME_POINT)
+        value = self.numbers[run, q] if has_run else np.nan
+        return {"at": values, "ran": has_run, "simulated": number(value)}
 
     def add(self, points: Sequence[np.ndarray]) -> np.ndarray:
         """Simulate runs at normalized points (P, k) that have none yet, add them to the evaluator's

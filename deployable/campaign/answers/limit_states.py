@@ -76,11 +76,11 @@ def _find_segments(
     """Farthest unit points (P, k) where finer runs differ, and next to each where none does."""
     starts, stops = [], []
     for row in np.flatnonzero(differs)[np.argsort(-size[differs], kind="stable")][: 2 * _SIDE]:
-        agreeing = np.flatnonzero(~differs & (happens == happens[row]))
-        if len(agreeing):
-            distances = np.linalg.norm(unit[agreeing] - unit[row], axis=1)
+        peers = np.flatnonzero(~differs & (happens == happens[row]))
+        if len(peers):
+            distances = np.linalg.norm(unit[peers] - unit[row], axis=1)
             starts.append(unit[row])
-            stops.append(unit[agreeing[distances.argmin()]])
+            stops.append(unit[peers[distances.argmin()]])
     return np.array(starts).reshape(-1, unit.shape[1]), np.array(stops).reshape(-1, unit.shape[1])
 
 

@@ -287,21 +287,21 @@ def _of_left(
     center, half = result.hull.mean(axis=0), np.maximum(np.ptp(result.hull, axis=0) / 2, 1e-9)
     bounds = []
     for q, quantity in enumerate(model.experiment.numbers):
-        has = np.isfinite(numbers[:, q])
+        happens = np.isfinite(numbers[:, q])
         lower, upper, error = np.nan, np.nan, np.nan
-        if has.any():
-            fit = best_fit((unit[has] - center) / half, numbers[has, q])
+        if happens.any():
+            fit = best_fit((unit[happens] - center) / half, numbers[happens, q])
             values = fit.evaluate((result.samples - center) / half)
             ends = result.samples[[values.argmin(), values.argmax()]]
             extra = model.evaluate(model.plan, ends)[0][:, q]
-            found_values = np.concatenate([numbers[has, q], extra[np.isfinite(extra)]])
+            found_values = np.concatenate([numbers[happens, q], extra[np.isfinite(extra)]])
             lower, upper, error = found_values.min(), found_values.max(), fit.error
-        bounds.append((lower, upper, error if np.isfinite(error) else np.inf, has))
+        bounds.append((lower, upper, error if np.isfinite(error) else np.inf, happens))
         rows["quantities"].append({
             "name": quantity.name, "units": quantity.unit,
             "before": [number(end) for end in intervals[q]],
             "after": [number(lower), number(upper)], "error": number(error),
-            "happens": "all" if has.all() else "some" if has.any() else "none",
+            "happens": "all" if happens.all() else "some" if happens.any() else "none",
         })  # fmt: skip
     for spec in list_limits(requirements, list(model.experiment.quantities)):
         row = {"requirement": spec.requirement, **describe_limit(model, spec)}
@@ -309,13 +309,13 @@ def _of_left(
     return rows
 
 
-def _met(spec: Any, lower: float, upper: float, error: float, has: np.ndarray) -> str:
+def _met(spec: Any, lower: float, upper: float, error: float, happens: np.ndarray) -> str:
     """In which part of what is left a limit is met: all, some, none, or undecided."""
     if spec.kind == "happens":
-        share = np.mean(has == bool(spec.level))
+        share = np.mean(happens == bool(spec.level))
         return "all" if share == 1 else "some" if share else "none"
-    if not has.all():
-        return "some" if has.any() else "none"
+    if not happens.all():
+        return "some" if happens.any() else "none"
     sign = 1.0 if spec.kind == "at_least" else -1.0
     slack = sorted((sign * (lower - spec.level), sign * (upper - spec.level)))
     if slack[0] >= error:

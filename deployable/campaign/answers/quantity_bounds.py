@@ -79,8 +79,8 @@ def _bounds(
 
     surrogate_range, values = surrogate.range(), model.numbers[:, q]
     if not np.isfinite(values).any():
-        nowhere = np.full(model.unit.shape[1], np.nan)
-        return QuantityBounds(surrogate, surrogate_range, np.nan, np.nan, nowhere, nowhere)
+        no_point = np.full(model.unit.shape[1], np.nan)
+        return QuantityBounds(surrogate, surrogate_range, np.nan, np.nan, no_point, no_point)
     rows = int(np.nanargmin(values)), int(np.nanargmax(values))
     lower, upper = (float(values[row]) for row in rows)
     estimates = estimate_bounds(surrogate, model.unit, values, mispredictions)

@@ -145,7 +145,7 @@ def _run(options: argparse.Namespace) -> int:
     """Run a whole campaign."""
     try:
         campaign = load_config([options.file])
-        if options.require and not any(own.requirements for _, own in variants(campaign)):
+        if options.require and not any(variant.requirements for _, variant in variants(campaign)):
             raise CampaignError(f"{options.file} has no requirements; --require needs some")
         run(campaign, options.results, not options.no_figures)
         if options.require and not _are_met(campaign, Folder(Path(options.results, campaign.name))):

@@ -127,7 +127,7 @@ def campaign_of(path: Path, name: str) -> str:
             "",
             "responses:",
             *responses,
-            *_asked_of(catches),
+            *_write_catches(catches),
             "",
         ]
     )
@@ -144,7 +144,7 @@ def _latches(structure: Any) -> list[str]:
     return [e.name.removeprefix("latch ") for e in elements if "latches" in e.events]
 
 
-def _asked_of(catches: dict[str, str]) -> list[str]:
+def _write_catches(catches: dict[str, str]) -> list[str]:
     """Lines that ask when latches catch, by names of the times, and whether all do."""
     if not catches:
         return []

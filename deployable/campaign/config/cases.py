@@ -66,7 +66,7 @@ def case_config(raw: Mapping, name: str, case_lists: Mapping[str, Any]) -> tuple
     rest["campaign"] = folder_name(name)
     limits = rest.get("requirements", {})
     rest["requirements"] = {
-        key: own for key, own in limits.items() if name in case_lists.get(key, [name])
+        key: specs for key, specs in limits.items() if name in case_lists.get(key, [name])
     }
     changes = {key: case[key] for key in ("solver", "intervals") if key in case}
     if case.get("scene"):
@@ -106,7 +106,7 @@ def twin_problems(campaign: Campaign, changes: Mapping[str, Any]) -> list[str]:
     problems, first = [], {}
     for name in sorted(campaign.case_campaigns):
         physics = _physics(campaign.case_campaigns[name].experiment)
-        twin = next((label for label, own in first.items() if own == physics), None)
+        twin = next((label for label, peer in first.items() if peer == physics), None)
         if twin is not None:
             text = f"it is the same as cases.{twin}; allowed: one of them, or other values"
             problems.append(f"cases.{name}: {text}")

@@ -57,10 +57,10 @@ def load_config(
     merged: dict = {}
     lines: dict[str, str] = {}
     for path in paths:
-        data, own = read_file(path)
+        data, line_numbers = read_file(path)
         _add(merged, anchored(data, Path(path).parent))
         prefix = f"{path}, " if len(paths) > 1 else ""
-        lines |= {key: f"{prefix}line {line}: " for key, line in own.items()}
+        lines |= {key: f"{prefix}line {line}: " for key, line in line_numbers.items()}
     _add(merged, anchored(overrides or {}, "."))
     lines |= dict.fromkeys(_keys(overrides or {}), "--config: ")
     try:
@@ -98,8 +98,8 @@ def _place(problem: str, lines: Mapping[str, str]) -> str:
 def check_config(raw: Mapping, source: str = "the config") -> Campaign:
     """Check a config, fill in all defaults, return the campaign. raw: sections by name, nested as
     in YAML; source: what messages call the config. Raises `ConfigError` with all that is wrong."""
-    own = Config.__dataclass_fields__.keys()
-    if "campaign" not in raw and len(raw.keys() & {*KEYS}) > len(raw.keys() & own):
+    sections = Config.__dataclass_fields__.keys()
+    if "campaign" not in raw and len(raw.keys() & {*KEYS}) > len(raw.keys() & sections):
         raise ConfigError(source, [
             "this is a structure's file: use `structure` with it; allowed: a campaign's, such as "
             "one that names it (`scene: {file: ...}`)"
@@ -130,10 +130,10 @@ def _with_cases(campaign: Campaign, raw: Mapping, case_lists: Mapping, source: s
     cases, campaigns, problems = raw["cases"], {}, []
     for name in cases:
         fixed = fixed_problems(cases[name], name, raw["intervals"])
-        own, changes = case_config(raw, name, case_lists)
-        _add(own, changes)
+        config, changes = case_config(raw, name, case_lists)
+        _add(config, changes)
         try:
-            campaigns[name] = check_config(own)
+            campaigns[name] = check_config(config)
         except ConfigError as error:
             fixed = fixed or [in_case(name, problem) for problem in error.problems]
         problems += fixed

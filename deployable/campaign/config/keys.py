@@ -171,10 +171,10 @@ def table(config: ConfigKey) -> str:
     groups = {f"`{name}`": [] for name in config.children}
     for key, *row in rows(config):
         groups[f"`{key.partition('.')[0]}`"].append(f"| `{key}` | {' | '.join(row)} |\n")
-    single_rows = {"The campaign": [row for own in groups.values() if len(own) == 1 for row in own]}
-    sections = {name: own for name, own in groups.items() if len(own) > 1}
+    singles = {"The campaign": [row for part in groups.values() if len(part) == 1 for row in part]}
+    sections = {name: part for name, part in groups.items() if len(part) > 1}
     texts = (
-        f"\n## {name}\n\n{_COLUMNS}{''.join(own)}" for name, own in (single_rows | sections).items()
+        f"\n## {name}\n\n{_COLUMNS}{''.join(part)}" for name, part in (singles | sections).items()
     )
     return _HEAD + "".join(texts)
 

@@ -33,9 +33,9 @@ def resolve_tests(
         except CurvesFileError as error:
             problems.append(f"measured.{name}.file: {error}")
             continue
-        own = [f"measured.{name}.{text}" for text in _test_problems(test, file, experiment)]
-        problems += own
-        if not own:
+        faults = [f"measured.{name}.{text}" for text in _test_problems(test, file, experiment)]
+        problems += faults
+        if not faults:
             resolved[name] = ResolvedTest(**vars(test), digest=file.digest)
     if tests and all(test.use == "check" for test in tests.values()):
         problems.append("measured: all tests are of use check; allowed: at least one to calibrate")

@@ -85,8 +85,8 @@ def _fault(raw: Any, error: Mapping) -> Fault:
         text = _no_key(path, *unknown, keys[-1])
         path += unknown
     elif isinstance(refusal, RefusedError) and refusal.text:
-        blamed = [*path, refusal.key] if refusal.key else path
-        return Fault((*blamed,), (*path[:entry],), f"{'.'.join(blamed)}: {refusal.text}")
+        place = [*path, refusal.key] if refusal.key else path
+        return Fault((*place,), (*path[:entry],), f"{'.'.join(place)}: {refusal.text}")
     else:
         key, allowed = ".".join(path) or "the file", keys[-1].allowed
         if "[key]" in names:

@@ -88,8 +88,8 @@ def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
     definitions = dict(config.margins)
     if config.review:  # beside a margin by factors of its own, that by the standard's
         for name, definition in config.margins.items():
-            if own := set(OWN_FACTORS) & set(definition):
-                rest = {key: value for key, value in definition.items() if key not in own}
+            if factors := set(OWN_FACTORS) & set(definition):
+                rest = {key: value for key, value in definition.items() if key not in factors}
                 if name + BY_STANDARD in config.margins:
                     problems.append(
                         f"margins.{name}: its margin by the standard's factors is to be called "

@@ -76,8 +76,8 @@ def runs(folder: Folder) -> list[list]:
             rows[0] += _headings(file, "quantity", "quantity_units")
             numbers = file["quantities"][:]
         fields = ids(file, slice(None)), roles(file), values.tolist(), numbers
-        for name, role, place, own in zip(*fields, strict=True):
-            rows.append([name, role, *place, *_cells(own)])
+        for name, role, place, row in zip(*fields, strict=True):
+            rows.append([name, role, *place, *_cells(row)])
     return rows
 
 

@@ -118,12 +118,12 @@ def check_results(folder: Folder, names: Iterable[str]) -> None:
 
 
 def _check_summary(path: Path, data: dict, experiment: Experiment) -> None:
-    for key, own in (
+    for key, section in (
         ("responses", experiment.responses),
         ("quantities", experiment.quantities),
         ("parameters", experiment.intervals),
     ):
-        if [row["name"] for row in data[key]] != list(own):
+        if [row["name"] for row in data[key]] != list(section):
             raise DamagedError(path, f"its {key} have other names than those of the campaign")
     for limit in (limit for row in data.get("requirements", ()) for limit in row["limits"]):
         if limit["quantity"] not in experiment.quantities:

@@ -191,11 +191,11 @@ def _check_variable(file: Any, name: str, kind: str, dims: tuple[str, ...]) -> N
 def _belongs(file: Any, experiment: Experiment) -> Experiment:
     """The experiment of a file, if what it holds is of that."""
     variables, intervals = file.variables, experiment.intervals.values()
-    own = {"response": experiment.responses, "quantity": experiment.quantities,
-           "parameter": experiment.intervals}  # fmt: skip
-    for dim in own.keys() & variables.keys():
-        if (names := file[dim][:].tolist()) != list(own[dim]):
-            stray = next((name for name in names if name not in own[dim]), names)
+    sections = {"response": experiment.responses, "quantity": experiment.quantities,
+                "parameter": experiment.intervals}  # fmt: skip
+    for dim in sections.keys() & variables.keys():
+        if (names := file[dim][:].tolist()) != list(sections[dim]):
+            stray = next((name for name in names if name not in sections[dim]), names)
             raise ValueError(f"{str(stray)[:80]!r} is no name of a {dim} of its config")
     for name in file["run_id"][:].tolist() if "run_id" in variables else ():
         if not RUN_ID.fullmatch(name):  # after which files are called

@@ -86,8 +86,8 @@ def frames(
         draw_scale(figure, top)
     for moment, time in enumerate(motion["time"].values):
         if len(solid.nodes):
-            own = None if colours is None else colours[moment]
-            artists = [paint_solid(ax, solid, moment, view, own)]
+            moment_colours = None if colours is None else colours[moment]
+            artists = [paint_solid(ax, solid, moment, view, moment_colours)]
             artists.append(paint_cables(ax, solid, moment, view))
         else:
             artists = ax.plot(*(view.page @ solid.position[moment].T), "o", color="black")

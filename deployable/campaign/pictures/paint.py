@@ -60,9 +60,9 @@ def visible_faces(
     corners = solid.corners[moment][element[:, None], FACES[face]]
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-    is_visible = normal @ view.towards > 0
+    is_visible = normal @ view.direction > 0
     corners, normal, element = corners[is_visible], normal[is_visible], element[is_visible]
-    order = paint_order(corners @ view.page.T, corners @ view.towards)
+    order = paint_order(corners @ view.page.T, corners @ view.direction)
     bright = 0.6 + 0.4 * np.clip(normal @ _LIGHT, 0, 1)
     if colours is None:
         colours = np.array([rgb(BARS[bar % len(BARS)]) for bar in solid.bar]).reshape(-1, 3)

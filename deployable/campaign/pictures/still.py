@@ -44,8 +44,8 @@ def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> 
     points = {name: _place(scene, beam) for name, beam in scene.points.items()}
     supports = scene.position[scene.fixed[:, :3].all(axis=1)]
     hinges = list(_hinge_lines(scene))
-    own = _own(scene)
-    places = [solid.corners, solid.cable_points, scene.position[own], *points.values()]
+    particles = _particles(scene)
+    places = [solid.corners, solid.cable_points, scene.position[particles], *points.values()]
     limits = limits_of(np.vstack([np.reshape(p, (-1, 3)) for p in places]), view)
     x_span, y_span = limits[1] - limits[0]
     size = max(x_span, y_span)
@@ -60,7 +60,7 @@ def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> 
         ax.plot(*(ends @ view.page.T).T, **_HINGE)
     for place in supports[_in_limits(supports @ view.page.T, limits)]:
         ax.plot(*(view.page @ place), **_MARKER)
-    particles = np.setdiff1d(own, solid.nodes)
+    particles = np.setdiff1d(particles, solid.nodes)
     ax.plot(*(scene.position[particles] @ view.page.T).T, "o", color="black", markersize=4)
     paint_points(ax, points, view, size)
     return figure
@@ -87,7 +87,7 @@ def _hinge_lines(scene: Any) -> Iterable[tuple[np.ndarray, np.ndarray]]:
         yield _place(scene, first), scene.frame[first.particle] @ hinge.axes[0]
 
 
-def _own(scene: Any) -> np.ndarray:
+def _particles(scene: Any) -> np.ndarray:
     """Particles of the structure: the ground's has no place of its own."""
     on_beams = np.zeros(len(scene.position), bool)
     for beams in scene.beams:

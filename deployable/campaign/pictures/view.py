@@ -21,10 +21,10 @@ class View:
         """Unit vectors (2, 3) right and up in the picture; `page @ position` projects onto it."""
         a = np.radians(self.azimuth)
         right = np.array([-np.sin(a), np.cos(a), 0.0])
-        return np.stack([right, np.cross(self.towards, right)])
+        return np.stack([right, np.cross(self.direction, right)])
 
     @cached_property
-    def towards(self) -> np.ndarray:
+    def direction(self) -> np.ndarray:
         """Unit vector (3) from the structure to the eye."""
         a, e = np.radians([self.azimuth, self.elevation])
         return np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])

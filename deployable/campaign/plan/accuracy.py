@@ -61,18 +61,18 @@ def next_plan(
         cost, decision = standing.cost, standing.decide()
         whole = max((sum(parts.values()) for parts in shares.values()), default=0.0)
         safety = base.solver.safety if base.solver.step == "auto" else base.solver.step
-        finished = Round(
+        new_round = Round(
             cost.runs, whole, decision.action, decision.reason,
             shares, cost.elements, float(safety), cost.seconds, cost.nodes,
         )  # fmt: skip
-        rounds = (*state.rounds, finished)
+        rounds = (*state.rounds, new_round)
         if decision.action == "stop":
             return replace(plan, adaptive=Rounds(rounds, state.points, decision.met, state.check))
         points = list(state.points)
         if decision.action == "runs":
-            pursued = [errors.name for errors in standing.pursued]
-            unmet = [estimate for name, estimate in quantities.items() if name in pursued]
-            new = _places(base, samples, pursued, cost.next_runs, len(rounds), unmet)
+            names = [errors.name for errors in standing.reducible]
+            unmet = [estimate for name, estimate in quantities.items() if name in names]
+            new = _places(base, samples, names, cost.next_runs, len(rounds), unmet)
             points += new.tolist()
     refined = base
     if decision.action == "mesh":

@@ -165,7 +165,7 @@ class Standing:
         return {error.name: self._need(error) for error in self.unmet}
 
     @property
-    def pursued(self) -> list[Errors]:
+    def reducible(self) -> list[Errors]:
         """Errors of responses and quantities beyond tolerance whose needed action is possible."""
         return [error for error in self.unmet if not self.needs[error.name].why_not]
 
@@ -194,9 +194,9 @@ class Standing:
             return Decision(
                 "check", f"{reason}; step and mesh are checked where it decides", _PARTS
             )
-        if not self.pursued:
+        if not self.reducible:
             return self._end("; ".join(dict.fromkeys(n.why_not for n in self.needs.values())))
-        finer = [error for error in self.pursued if self.needs[error.name].action != "runs"]
+        finer = [error for error in self.reducible if self.needs[error.name].action != "runs"]
         if finer:  # comes before runs, which are all made again then
             worst = max(finer, key=lambda error: error.discretization / error.aim)
             action = self.needs[worst.name].action
@@ -204,17 +204,17 @@ class Standing:
             return Decision(action, f"{worst}; the {action} is halved", check)
         if reason := self._too_dear("runs"):
             return self._end(reason)
-        worst = max(self.pursued, key=lambda error: error.whole / error.aim)
+        worst = max(self.reducible, key=lambda error: error.whole / error.aim)
         check = _PARTS if self._is_last() else ()
         return Decision("runs", f"{worst}; {self.cost.next_runs} runs are added", check)
 
     def growth(self) -> float:
         """Return the factor (1.25 to 2) by which to increase the number of runs that surrogates are
-        fitted to, so that the surrogate errors in `pursued` fall to three quarters of their
+        fitted to, so that the surrogate errors in `reducible` fall to three quarters of their
         allowance, at the rate at which they fell last."""
         factors = [
             (error.parts["surrogate"] / (_SPARE * error.allowance)) ** (1 / self._rate(error))
-            for error in self.pursued
+            for error in self.reducible
         ]
         return min(max([_LEAST, *factors]), _MOST)
 
@@ -279,7 +279,7 @@ class Standing:
         fall = self.cost.nodes / (self.cost.nodes + self.cost.next_runs)
         return self.cost.need_of("check")[1] <= _ROUND and all(
             error.parts["surrogate"] * fall ** self._rate(error) <= error.allowance
-            for error in self.pursued
+            for error in self.reducible
         )
 
     def _end(self, cause: str) -> Decision:

@@ -9,7 +9,7 @@ import numpy as np
 
 from deployable.campaign.config.sections import Experiment
 
-_AT_ONCE = 256  # runs
+_BLOCK = 256  # runs
 
 
 def margins_of(experiment: Experiment, values: np.ndarray) -> np.ndarray:
@@ -36,6 +36,6 @@ def margins_of_samples(experiment: Experiment, samples: Any, rows: Sequence[int]
     of them. rows: indices of the runs, in the order wanted."""
     if "values" not in samples.variables or all(q.decider is None for q in experiment.numbers):
         return np.full((len(rows), len(experiment.quantities)), np.nan)
-    parts = [rows[first : first + _AT_ONCE] for first in range(0, len(rows), _AT_ONCE)]
+    parts = [rows[first : first + _BLOCK] for first in range(0, len(rows), _BLOCK)]
     values = samples.variables["values"]
     return np.concatenate([margins_of(experiment, np.asarray(values[part])) for part in parts])

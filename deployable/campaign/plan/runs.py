@@ -63,8 +63,8 @@ class Runs(Sequence[PlannedRun]):
         role, unit, values = self.role[index], self.normalized[index], self.values[index]
         if np.ndim(role):
             return Runs(role, unit, values, self.name)
-        own = tuple(values.tolist())
-        return PlannedRun(self.name(own), ROLES[role], tuple(unit.tolist()), own)
+        physical = tuple(values.tolist())
+        return PlannedRun(self.name(physical), ROLES[role], tuple(unit.tolist()), physical)
 
     def __eq__(self, runs: object) -> bool:
         return isinstance(runs, Runs) and self.digest == runs.digest

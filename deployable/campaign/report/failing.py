@@ -126,13 +126,13 @@ def prices(facts: Mapping[str, Any]) -> Panel | None:
         {"name": f"{goal['quantity']} {_ENDS[goal['end']]}", "units": goal["units"]}
         for goal in choice["goals"][:2]
     ]
-    late = [g["units"] == "s" and g["end"] == "upper" for g in choice["goals"]]
+    is_late = [g["units"] == "s" and g["end"] == "upper" for g in choice["goals"]]
     best = {"values": [p["value"] for p in choice["parameters"]], "kept": None}
     best["goals"] = [goal["value"] for goal in choice["goals"]]
     rows, feasible = [], []
     for trial in [*choice["tried"], best]:
         goals = [np.inf if value is None else value for value in trial["goals"]]
-        if not (np.array(late) & (np.array(goals) > 0.95 * facts["duration"])).any():
+        if not (np.array(is_late) & (np.array(goals) > 0.95 * facts["duration"])).any():
             rows.append(goals[:2] if len(aims) > 1 else [trial["values"][0], goals[0]])
             feasible.append(trial["kept"])
     places = np.array(rows)

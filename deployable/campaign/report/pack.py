@@ -23,7 +23,7 @@ from deployable.intervals.formula import Formula
 MOST_INSTANTS = 4001
 """Instants of a curve from which it is thinned."""
 
-MOST_TOLD = 300
+MOST_EVENT_RUNS = 300
 """Runs up to which the contact events of all are in the page, not only of those that are drawn."""
 
 MOST_COEFFICIENTS = 150_000
@@ -144,7 +144,7 @@ def _runs(data: PageData) -> list[dict[str, Any]]:
             "events": [
                 {"time": e.time, "contact": e.contact, "closing": e.closing}
                 for e in run.events
-                if len(data.runs) <= MOST_TOLD or i in visible_runs
+                if len(data.runs) <= MOST_EVENT_RUNS or i in visible_runs
             ],
         }
         for i, run in enumerate(data.runs)

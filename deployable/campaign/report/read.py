@@ -60,11 +60,11 @@ def from_results(folder: str | Path) -> PageData:
         verdicts=_verdicts(samples, folder, facts),
         what_if=_what_if(folder, facts),
     )
-    own = {m.run: m.motion["curves"].values for m in data.moving if "curves" in m.motion}
-    runs = tuple(replace(run, curves=own.get(i)) for i, run in enumerate(runs))
+    curves = {m.run: m.motion["curves"].values for m in data.moving if "curves" in m.motion}
+    runs = tuple(replace(run, curves=curves.get(i)) for i, run in enumerate(runs))
     if keeps_extremes(samples):
         return replace(data, runs=runs)
-    drawn_runs = {*data.lines, *(mover.run for mover in data.moving)} - own.keys()
+    drawn_runs = {*data.lines, *(mover.run for mover in data.moving)} - curves.keys()
     return replace(data, runs=_with_curves(runs, rows, folder / "samples.nc", drawn_runs))
 
 

@@ -41,7 +41,7 @@ def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
     """Collect what all cases answer as plain data for JSON, the content of `cases.json`; folder: of
     the campaign's results, with those of each case below it; cases: section of the config."""
     folders = {name: Folder(folder / folder_name(name)) for name in cases}
-    summaries = {name: read_json(own / "summary.json") for name, own in folders.items()}
+    summaries = {name: read_json(child / "summary.json") for name, child in folders.items()}
     requirements = _requirements(summaries)
     verdicts = {name: facts.get("together") for name, facts in summaries.items()}
     notes: dict[str, list[str]] = {}
@@ -53,21 +53,21 @@ def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
         "cases": [
             {
                 "name": name,
-                "folder": own.path.name,
-                "page": own.report.exists(),
+                "folder": child.path.name,
+                "page": child.report.exists(),
                 "changes": _changes_text(cases[name], summaries[name]),
                 "headline": sentence("headline", summaries[name], escapes=False),
                 "together": verdicts[name],
             }
-            for name, own in folders.items()
+            for name, child in folders.items()
         ],
         "requirements": requirements,
         "quantities": _quantities(summaries),
         "together": {
-            "met": combine_met(own["met"] for own in verdicts.values() if own),
+            "met": combine_met(verdict["met"] for verdict in verdicts.values() if verdict),
             "failing": _named(verdicts, "none", "some"),
             "open": _named(verdicts, "undecided"),
-            "free": [name for name, own in verdicts.items() if not own],
+            "free": [name for name, verdict in verdicts.items() if not verdict],
         } if requirements else None,
         "worst": min((row["worst"] for row in requirements), key=_severity, default=None),
         "notes": [{"notes": text, "cases": names} for text, names in notes.items()],
@@ -85,7 +85,7 @@ def combine_met(verdicts: Iterable[str]) -> str:
 
 def _named(rows: Mapping[str, Mapping | None], *verdicts: str) -> list[str]:
     """Names of the cases of which a verdict is one of these."""
-    return [name for name, own in rows.items() if own and own["met"] in verdicts]
+    return [name for name, row in rows.items() if row and row["met"] in verdicts]
 
 
 def _requirements(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
@@ -100,14 +100,14 @@ def _requirements(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
         for case, row in by_case.items():
             for limit in row["limits"]:
                 location = place(limit["at"], summaries[case]["parameters"])
-                own = {**limit, "requirement": name, "case": case, "where": location}
+                details = {**limit, "requirement": name, "case": case, "where": location}
                 key = (
                     limit["quantity"],
                     limit["kind"],
                     limit["level"],
                 )  # margins have one of their own
-                limits.setdefault(key, {})[case] = own
-        compared = [_compared(own, list(summaries)) for own in limits.values()]
+                limits.setdefault(key, {})[case] = details
+        compared = [_compared(group, list(summaries)) for group in limits.values()]
         rows.append({
             "name": name,
             "met": combine_met(row["met"] for row in by_case.values()),
@@ -123,7 +123,7 @@ def _requirements(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
 def _compared(limits: Mapping[str, Mapping], cases: list[str]) -> dict[str, Any]:
     """One limit in the cases that it is of, and the case that is worst."""
     worst = min(limits.values(), key=_severity)
-    close = [case for case, own in limits.items() if own is not worst and _is_close(own, worst)]
+    close = [case for case, row in limits.items() if row is not worst and _is_close(row, worst)]
     keys = ("quantity", "units", "words", "event", "kind", "level")
     return {
         **{key: worst[key] for key in keys if key in worst},
@@ -150,13 +150,13 @@ def _is_close(limit: Mapping, worst: Mapping) -> bool:
     is not known nobody can tell."""
     if GROUPS[limit["met"]] != GROUPS[worst["met"]]:
         return False
-    margins = [{"margin": _margin(own), "error": own["error"]} for own in (limit, worst)]
+    margins = [{"margin": _margin(row), "error": row["error"]} for row in (limit, worst)]
     return _is_same(*margins, "margin")
 
 
 def _is_same(row: Mapping, reference: Mapping, key: str) -> bool:
     """Whether two numbers differ by no more than the errors of both, or are infinite alike."""
-    errors = [math.inf if own["error"] is None else own["error"] for own in (row, reference)]
+    errors = [math.inf if entry["error"] is None else entry["error"] for entry in (row, reference)]
     if math.inf in (abs(row[key]), abs(reference[key])):
         return row[key] == reference[key]
     return abs(row[key] - reference[key]) <= sum(errors)

@@ -66,9 +66,9 @@ def facts_of(
     if folder.sensitivities.exists():
         with open_netcdf(folder.sensitivities) as data:
             shares = data["width_overall"][:] if "width_overall" in data.variables else []
-            for row, own in zip(facts["responses"], shares, strict=False):
+            for row, values in zip(facts["responses"], shares, strict=False):
                 row["shares"] = dict(
-                    zip(data["parameter"][:].tolist(), map(_number, own), strict=True)
+                    zip(data["parameter"][:].tolist(), map(_number, values), strict=True)
                 )
     facts |= _structure(experiment, facts["parameters"])
     facts["quantities"], further = [], 0

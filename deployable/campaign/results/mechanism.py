@@ -173,10 +173,10 @@ def travel_of(
         latches, stops = [], []
         for number, start in (hinges[name] for name in openings):
             side = "above" if sign > 0 else "below"
-            own = [x for kind in (Latch, RigidLatch) for x in kind.find(scene) if x.hinge == number]
-            latches += [zero + latch.angle - start for latch in own]
-            own = [x for x in Stop.find(scene) if x.hinge == number and x.side == side]
-            stops += [zero + stop.angle - start for stop in own]
+            parts = [x for cls in (Latch, RigidLatch) for x in cls.find(scene) if x.hinge == number]
+            latches += [zero + latch.angle - start for latch in parts]
+            parts = [x for x in Stop.find(scene) if x.hinge == number and x.side == side]
+            stops += [zero + stop.angle - start for stop in parts]
         latches, stops = (
             [sign * end for end in candidates if sign * (end - zero) > 0]
             for candidates in (latches, stops)
@@ -209,6 +209,6 @@ def weaker_classes(scene: Any, response: Any) -> list[str]:
     standard, parts = STANDARDS[standard_of(response)], parts_of(scene)
     drives, resists = standard.drives, standard.resists[evidence_of(response)]
     return [
-        f"{part} as {parts[part]} for {own}" for part, own in classes_of_kinds(scene).items()
-        if resists[parts[part]] < resists[own] or drives[parts[part]] > drives[own]
+        f"{part} as {parts[part]} for {label}" for part, label in classes_of_kinds(scene).items()
+        if resists[parts[part]] < resists[label] or drives[parts[part]] > drives[label]
     ]  # fmt: skip

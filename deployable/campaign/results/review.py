@@ -24,8 +24,8 @@ COLUMNS = ("standard", *HEADS, "state")
 """Of the sheet as CSV: the edition, what people read, and the verdict as one of the states."""
 
 MET, UNMET, OPEN = "met", "not met", "undecided"
-PARTLY, NOT_ANALYSED, REPORTED = "partly analysed", "not analysed", "reported"
-STATES = (UNMET, OPEN, PARTLY, NOT_ANALYSED, MET, REPORTED)
+PARTIAL, NOT_ANALYSED, REPORTED = "partly analysed", "not analysed", "reported"
+STATES = (UNMET, OPEN, PARTIAL, NOT_ANALYSED, MET, REPORTED)
 
 
 class Verdict(NamedTuple):
@@ -36,7 +36,7 @@ class Verdict(NamedTuple):
     text: str
 
 
-NOTHING = Verdict(NOT_ANALYSED, NOT_ANALYSED)
+NO_VERDICT = Verdict(NOT_ANALYSED, NOT_ANALYSED)
 
 
 class Clause(NamedTuple):
@@ -110,9 +110,9 @@ def head_of(
     (`facts_of`); rows: the sheet's dicts (`rows_of`); standard: a key of `CLAUSES`."""
     ends = []
     for state in STATES:
-        own = [row for row in rows if row["state"] == state]
-        named = dict.fromkeys(f"{row['clause']} {row['of']}".strip() for row in own)
-        ends.append(f"{len(own)} {state}" + f" ({', '.join(named)})" * bool(own))
+        state_rows = [row for row in rows if row["state"] == state]
+        named = dict.fromkeys(f"{row['clause']} {row['of']}".strip() for row in state_rows)
+        ends.append(f"{len(state_rows)} {state}" + f" ({', '.join(named)})" * bool(state_rows))
     box = (
         f"{p['description'] or p['name']} ({p['name']}) from {numbers.number(p['lower'], 4)} to "
         f"{numbers.quantity(p['upper'], p['units'], 4)}"
@@ -218,8 +218,8 @@ class _Sheet:
             if clause.topic == "margin":  # those by own factors behind those of the standard
                 quantities.sort(key=lambda row: bool(self._margins[row["name"]]["own"]))
             rows = [x for row in quantities for x in self._of_quantity(row, clause.topic)]
-            rows += self._lacking(clause.topic, quantities)
-        rows = [row for row in rows if row] or [_row("", NOTHING)]
+            rows += self._find_latches(clause.topic, quantities)
+        rows = [row for row in rows if row] or [_row("", NO_VERDICT)]
         return [{"clause": clause.number, "asks": clause.asks} | row for row in rows]
 
     def other_rows(self) -> list[dict[str, str]]:
@@ -236,7 +236,7 @@ class _Sheet:
                 }
                 rows += [named | x for x in self._of_quantity(row, "margin")]
             else:
-                rows += self._own(row, self._limits.get(name, []))
+                rows += self._list_requirements(row, self._limits.get(name, []))
         return rows
 
     def _topics(self, name: str) -> set[str]:
@@ -263,22 +263,22 @@ class _Sheet:
         if topic in JUDGES:
             verdict, limit = JUDGES[topic](self, row), None
             if topic == "latches":
-                limit = next((own for _, own in limits if _is_there(own)), None)
+                limit = next((entry for _, entry in limits if _is_there(entry)), None)
             elif topic in ("margin", "failure"):
                 limit = self._limit_at_zero(name)
             main = self._row(row, verdict, limit)
             if topic == "margin" and self._margins[name]["own"]:
                 main |= {"clause": "own", "asks": "a margin by factors of one's own"}
-            rest = [(requirement, own) for requirement, own in limits if own is not limit]
-            return [main, *self._own(row, rest)]
+            rest = [(requirement, entry) for requirement, entry in limits if entry is not limit]
+            return [main, *self._list_requirements(row, rest)]
         if not limits:
             verdict = Verdict(REPORTED, "reported; no limit was stated")
             if topic in ALLOWABLES:
                 verdict = Verdict(NOT_ANALYSED, "not analysed: no allowable was stated (at_most)")
             return [self._row(row, verdict)]
-        return [self._row(row, self._allowed(row, own, topic), own) for _, own in limits]
+        return [self._row(row, self._allowed(row, limit, topic), limit) for _, limit in limits]
 
-    def _own(self, row: Mapping[str, Any], limits: Sequence) -> list[dict[str, str]]:
+    def _list_requirements(self, row: Mapping[str, Any], limits: Sequence) -> list[dict[str, str]]:
         """A row for each requirement of a quantity that is the campaign's own."""
         self._row_names.add(row["name"])
         rows = []
@@ -322,7 +322,7 @@ class _Sheet:
             nearest += f", at an opening of {opening}"
         return _row(analysed, verdict, value, nearest, name)
 
-    def _lacking(self, topic: str, rows: Sequence[Mapping]) -> list[dict[str, str]]:
+    def _find_latches(self, topic: str, rows: Sequence[Mapping]) -> list[dict[str, str]]:
         """Latches that no quantity of the clause is about, where there are others."""
         if topic != "latches" or not rows:
             return []
@@ -331,7 +331,7 @@ class _Sheet:
             for place in self._numbers[row["name"]].places
         }  # fmt: skip
         latches = [name for name in self._mechanism["latches"] if name not in places]
-        return [_row(", ".join(latches), NOTHING)] if latches else []
+        return [_row(", ".join(latches), NO_VERDICT)] if latches else []
 
     # -- verdicts ----------------------------------------------------------------------------------
 
@@ -356,7 +356,7 @@ class _Sheet:
         """Whether a limit is kept that is an allowable; nothing where it is none."""
         if topic not in ALLOWABLES:
             return self._judge(row, limit)
-        sides = {self._side(q, own) for q in self._numbers for _, own in self._limits.get(q, ())
+        sides = {self._side(q, bound) for q in self._numbers for _, bound in self._limits.get(q, ())
                  if self._numbers[q].response == self._numbers[row["name"]].response}  # fmt: skip
         if not self._side(row["name"], limit):
             limit_text = _describe_limit(limit, row["units"])
@@ -366,7 +366,7 @@ class _Sheet:
         signed = self._numbers[row["name"]].response.least is None
         if verdict.state == MET and signed and not {1, -1} <= sides:
             text = "partly analysed: met for loads of one sign; state a limit of the other as well"
-            return Verdict(PARTLY, text)
+            return Verdict(PARTIAL, text)
         if verdict.state == MET:
             return Verdict(MET, f"{verdict.text}, by the allowable that the campaign states")
         return verdict
@@ -404,12 +404,12 @@ class _Sheet:
         """Whether a margin meets its standard; of one by factors of its own, what both say."""
         margin, verdict = self._margins[row["name"]], self._above_zero(row)
         if margin["own"]:
-            name, standard_verdict = f"{margin['name']}{BY_STANDARD}_least", NOTHING
+            name, standard_verdict = f"{margin['name']}{BY_STANDARD}_least", NO_VERDICT
             peer = self._margins.get(name, {})
             if not peer.get("own", True) and peer["standard"] == margin["standard"]:
                 standard_verdict = self._margin(self._quantities[name])
-            own = f"by own factors ({', '.join(margin['own'])}): {verdict.text}"
-            return Verdict(REPORTED, f"{own}; by those of the standard: {standard_verdict.text}")
+            text = f"by own factors ({', '.join(margin['own'])}): {verdict.text}"
+            return Verdict(REPORTED, f"{text}; by those of the standard: {standard_verdict.text}")
         if verdict.state != MET:
             return verdict
         for requirement, limit in self._limits.get(row["name"], ()):
@@ -421,7 +421,7 @@ class _Sheet:
         if reasons := self._open_travel(margin):
             analysed = _stretch(margin["first"], margin["last"], margin["unit"])
             text = f"partly analysed: met from {analysed}; {'; '.join(reasons)}"
-            return Verdict(PARTLY, text)
+            return Verdict(PARTIAL, text)
         if "measurement" in margin["evidence"] or "test" in margin["evidence"]:
             return Verdict(MET, f"{verdict.text}, if tests have shown what the factors rest on")
         return verdict
@@ -485,7 +485,7 @@ class _Sheet:
         verdict = self._judge(row, event_limits[0])
         if verdict.state == MET and len(places) > 1:
             text = f"partly analysed: met for one of {', '.join(places)}, whichever it is"
-            return Verdict(PARTLY, text)
+            return Verdict(PARTIAL, text)
         return verdict
 
     def _catches_later(self, row: Mapping[str, Any]) -> Verdict:
@@ -517,11 +517,11 @@ class _Sheet:
     def redundant(self) -> dict[str, str] | None:
         """Row on whether the torque margin holds with each single driving spring left out in turn;
         None where no spring drives."""
-        own = {
+        margins = {
             name: margin for name, margin in self._margins.items()
             if margin["standard"] == self.standard and not margin["own"]
         }  # fmt: skip
-        springs = list(dict.fromkeys(name for m in own.values() for name in m["springs"]))
+        springs = list(dict.fromkeys(name for m in margins.values() for name in m["springs"]))
         if not springs:
             return None
         if len(springs) == 1:
@@ -529,7 +529,7 @@ class _Sheet:
             return _row("", Verdict(NOT_ANALYSED, text))
         verdicts = {
             margin["without"][0]: (name, self._margin(self._quantities[name]))
-            for name, margin in own.items()
+            for name, margin in margins.items()
             if len(margin["without"]) == 1 and margin["without"][0] in springs
         }  # fmt: skip
         remaining = [name for name in springs if name not in verdicts]
@@ -544,7 +544,7 @@ class _Sheet:
         if state == MET and not remaining:
             text = f"met in all of the box: with each single one of {', '.join(springs)} out"
         elif remaining:
-            state = PARTLY if state == MET else state
+            state = PARTIAL if state == MET else state
             text += f"; not analysed: {', '.join(remaining)}"
         text = text if text.startswith(state) else f"{state}: {text}"
         return _row(f"one at a time: {analysed}", Verdict(state, text))
@@ -578,7 +578,7 @@ class _Sheet:
             verdict = self._judge({}, {**whole, "met": "undecided"})
         elif open_:
             text = f"what the campaign requires is met; see the rows of {', '.join(open_)}"
-            verdict = Verdict(PARTLY, f"partly analysed: {text}")
+            verdict = Verdict(PARTIAL, f"partly analysed: {text}")
         else:
             verdict = Verdict(MET, "met in all of the box, by analysis")
         if failing and whole["met"] == "some":
@@ -597,7 +597,7 @@ class _Sheet:
         )
         if motion is None:
             text = "partly analysed: how far energies change was not kept (jobs.keep)"
-            return _row(analysed, Verdict(PARTLY, text))
+            return _row(analysed, Verdict(PARTIAL, text))
         exchanged, largest, imbalance = (motion[key] for key in ("exchanged", "largest", "off"))
         value = (
             f"in the nominal run energies change by up to {numbers.quantity(exchanged, 'J')}, the "
@@ -619,16 +619,16 @@ class _Sheet:
             for p in self.facts["fixed"] if isinstance(p["value"], float)
         ]  # fmt: skip
         if not varied:
-            return _row("", NOTHING)
+            return _row("", NO_VERDICT)
         verdict = Verdict(REPORTED, "reported")
         if fixed:
-            verdict = Verdict(PARTLY, f"partly analysed: these do not vary: {'; '.join(fixed)}")
+            verdict = Verdict(PARTIAL, f"partly analysed: these do not vary: {'; '.join(fixed)}")
         return _row("parameters that are intervals", verdict, ", ".join(varied))
 
     def tests(self) -> dict[str, str]:
         """Row on what measured curves leave of the parameters' box, or that they refute it."""
         if (measured := self.facts.get("measured")) is None:
-            return _row("", NOTHING)
+            return _row("", NO_VERDICT)
         analysed = "measured curves: " + ", ".join(test["name"] for test in measured["tests"])
         worst = measured["worst"]
         nearest = (

@@ -96,7 +96,7 @@ def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
     names: dict[str, list[str]] = {}
     for name, text in doubts.items():
         names.setdefault(text, []).append(name)
-    return [f"Not determined by the model: {', '.join(own)}: {text}" for text, own in names.items()]
+    return [f"Not determined by the model: {', '.join(ids)}: {text}" for text, ids in names.items()]
 
 
 def sentence(name: str, *facts: Any, escapes: bool = True) -> str:

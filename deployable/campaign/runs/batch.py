@@ -74,8 +74,8 @@ def run_batch(
     store = open_store(jobs.keep, folder, plan.experiment)
     sweep(folder)
     groups = store.groups(plan.unique_runs(), jobs.group)
-    mine = share(groups, batch, batches)
-    work = [(group, missing) for group in mine if len(missing := store.missing(group))]
+    batch_groups = share(groups, batch, batches)
+    work = [(group, missing) for group in batch_groups if len(missing := store.missing(group))]
     notify_reruns(store, notify)
 
     simulation = Simulation(plan, jobs.group, threads)
@@ -99,7 +99,7 @@ def run_batch(
     simulation.check()
     facts = {
         "batch": batch,
-        "runs": sum(map(len, mine)),
+        "runs": sum(map(len, batch_groups)),
         "simulated": simulation.count,
         # Of the clock and of the processor.
         "seconds": (clocks() - start_clocks).round(3).tolist(),
@@ -140,13 +140,13 @@ def _simulate_groups(
     simulation: Simulation, store: Any, processes: int, work: Sequence[tuple[Runs, Runs]]
 ) -> tuple[int, list[Failure], np.ndarray]:
     """Simulate and write what is missing of groups: how many, failures, seconds."""
-    own = Simulation(simulation.plan, simulation.size, simulation.threads)
+    runner = Simulation(simulation.plan, simulation.size, simulation.threads)
     if processes == 1:
-        own.after_group = simulation.after_group
+        runner.after_group = simulation.after_group
     lots = [(missing, store.previous_columns(missing)) for _, missing in work]
-    for (group, _), results in zip(work, own.run_lots(lots), strict=True):
+    for (group, _), results in zip(work, runner.run_lots(lots), strict=True):
         store.write(group, results)
-    return own.count, own.failures, own.seconds
+    return runner.count, runner.failures, runner.seconds
 
 
 def check_structure(plan: Plan) -> None:
@@ -164,11 +164,11 @@ def notify_reruns(store: Any, notify: Notify) -> None:
     for error in store.damage.values():
         notify(f"{error}; its runs are made again")
     store.damage.clear()
-    if store.lacking:
-        variables = words(sorted(set().union(*store.lacking.values())))
-        count = len(store.lacking)
+    if store.absences:
+        variables = words(sorted(set().union(*store.absences.values())))
+        count = len(store.absences)
         notify(f"{count} runs lack {variables} as this version reads it; they are simulated again")
-    store.lacking.clear()
+    store.absences.clear()
 
 
 def make_again(plan: Plan, store: Any, group: Runs, size: int, notify: Notify) -> None:
@@ -225,11 +225,11 @@ class Simulation:
                 return [pool.submit(simulate, self.plan, part, columns) for part in parts]
 
             groups = [(groups_of(runs, self.size), columns) for runs, columns in lots]
-            items = ((group, columns) for own, columns in groups for group in own)
+            items = ((group, columns) for lot, columns in groups for group in lot)
             futures = _one_ahead(start, items)
             try:
-                for own, _ in groups:
-                    yield self._collect(islice(futures, len(own)))
+                for lot, _ in groups:
+                    yield self._collect(islice(futures, len(lot)))
             finally:
                 pool.shutdown(cancel_futures=True)
 

@@ -41,7 +41,7 @@ LARGE = 512
 PAUSE = 2.0
 """Seconds, at least, from one time that a chunk is written to the next, but for its end."""
 
-_AT_ONCE = 32  # runs that are taken in side by side
+_LOT = 32  # runs that are taken in side by side
 
 CURVES = {"lower": "f8", "upper": "f8", "lower_run": "i4", "upper_run": "i4"}
 """Tables (response, time) of a chunk, in the order of `Running`, and their kinds."""
@@ -168,7 +168,7 @@ class ScanExtremes(common.Store):
         chunk = self.read(group) or ScanChunk(len(group), self.responses, self.quantities)
         rows = {values: row for row, values in enumerate(map(tuple, group.values.tolist()))}
         results, write_time = iter(results), time.monotonic()
-        while lot := list(islice(results, _AT_ONCE)):
+        while lot := list(islice(results, _LOT)):
             chunk.take([rows[result.run.values] for result in lot], lot)
             if time.monotonic() > write_time + PAUSE:
                 self._save(group, chunk)

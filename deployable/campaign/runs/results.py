@@ -41,8 +41,8 @@ class Result:
     @property
     def attributes(self) -> dict[str, Any]:
         """Attributes of the run's netCDF file, by name."""
-        own = {f"parameter_{name}": v for name, v in self.parameters.items() if v is not None}
-        return {"run_id": self.id, **self.common, **own}
+        values = {f"parameter_{name}": v for name, v in self.parameters.items() if v is not None}
+        return {"run_id": self.id, **self.common, **values}
 
 
 @dataclass(frozen=True)
@@ -64,14 +64,14 @@ class Store:
     """Base of the stores: a folder of run results in files named by a digest of their content, so
     that a restarted campaign finds finished runs again. experiment: its responses and quantities
     are kept. A file that is damaged or of another run counts as absent, and is noted in `damage`
-    (errors by path); `lacking` notes by run id the columns (variable, label) that its file lacks. A
+    (errors by path); `absences`, by run id, the columns (variable, label) that its file lacks. A
     subclass can tell which runs of a group are `missing`, `write` results and `read` records."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         self.folder, self.experiment = folder, experiment
         self.responses, self.quantities = experiment.curves, experiment.numbers
         self.damage: dict[Path, DamagedError] = {}
-        self.lacking: dict[str, set[Column]] = {}
+        self.absences: dict[str, set[Column]] = {}
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
         """Divide runs, in order, into groups that are written together, of at most `size` runs."""
@@ -194,8 +194,8 @@ def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapp
     import netCDF4
 
     with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
-        for dimension, own in names.items():
-            write_dimension(file, dimension, own, f"name of the {dimension}")
+        for dimension, labels in names.items():
+            write_dimension(file, dimension, labels, f"name of the {dimension}")
         for name, (kind, dims, values, options) in variables.items():
             for dim, size in zip(dims, np.shape(values), strict=True):
                 if dim not in file.dimensions:

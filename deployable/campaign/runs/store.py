@@ -3,7 +3,7 @@
 `Trajectories`  one netCDF file per run, `<run id>.nc`, with everything recorded: found again by any
                 later design. What is recorded on request (`fpm.reading.variables`) may be lacking,
                 or be of another version of the code that reads it: then the run is noted in
-                `lacking` and counts as absent, and what it had is recorded again as well;
+                `absences` and counts as absent, and what it had is recorded again as well;
 `Responses`     one netCDF file per group, `<digest of the group's runs>.nc`, with the
                 responses, contact events and quantities only. Other groups have other files:
                 another design, size of group or response simulates its runs again;
@@ -101,7 +101,7 @@ class Trajectories(Store):
         columns = {column for column in curves.columns if curves.codes.get(column[0]) == self._code}
         if not (lacks := self._needs - columns):
             return curves
-        self.lacking[run.id] = lacks
+        self.absences[run.id] = lacks
         self._columns[run.id] = {column for column in curves.columns if column[0] in VARIABLES}
         return None
 
@@ -171,9 +171,9 @@ class Responses(Store):
             numbers = file["quantities"][:] if self.quantities else empty
             records = {}
             for row, run in enumerate(group):
-                own = events[row][np.isfinite(events[row, :, 0])]
+                run_events = events[row][np.isfinite(events[row, :, 0])]
                 overlap = float(overlaps[row])
-                record = RunRecord(time, values[row], own, contacts, numbers[row], overlap)
+                record = RunRecord(time, values[row], run_events, contacts, numbers[row], overlap)
                 records[run.id] = self.checked(record)
         return records
 

@@ -117,7 +117,7 @@ class Stage:
             check = import_module("deployable.campaign.config.check")
             campaign = check.load_config([config])
             if campaign.cases and self.name != "cases":
-                names = {own.name: own for own in campaign.case_campaigns.values()}
+                names = {case.name: case for case in campaign.case_campaigns.values()}
                 if folder is None or folder.whole.name not in names:
                     allowed = ", ".join(f"{campaign.name}/{name}" for name in names)
                     raise CampaignError(f"{folder and folder.whole} is no folder of a case of "

@@ -130,8 +130,8 @@ class Workflow:
         """Return the paths of the files meant for the reader: summary, figures and page; of a
         campaign with cases also theirs."""
         if self.cases:
-            own = map(str, self.files_of(STAGES["cases"]))
-            return [*own, *(path for case in self.cases.values() for path in case.results())]
+            files = map(str, self.files_of(STAGES["cases"]))
+            return [*files, *(path for case in self.cases.values() for path in case.results())]
         last = [stage for stage in stages_of(self.campaign) if stage.draws]
         names = ["summary.json", "summary.md", *(n for s in last for n in s.leaves(self.campaign))]
         return [str(self.folder / name) for name in names]

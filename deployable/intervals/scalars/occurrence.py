@@ -179,9 +179,9 @@ class Occurrence:
         if len(rows) > _MOST:
             distance = np.empty(len(rows))
             for kind in (True, False):
-                own = self.happens[rows] == kind
+                mask = self.happens[rows] == kind
                 rivals = self.points[self.happens != kind]
-                distance[own] = scipy.spatial.cKDTree(rivals).query(self.points[rows[own]])[0]
+                distance[mask] = scipy.spatial.cKDTree(rivals).query(self.points[rows[mask]])[0]
             rows = rows[np.argsort(distance, kind="stable")[:_MOST]]
         return self.points[rows], np.where(self.happens[rows], 1.0, -1.0)
 

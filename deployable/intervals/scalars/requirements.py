@@ -13,7 +13,7 @@ from ..designs import scan_points
 from .surrogate import ScalarSurrogate
 
 _LINES, _ON_LINE, _ON_ONE_LINE = 2048, 65, 4097
-_AT_ONCE = 64  # lines
+_BLOCK = 64  # lines
 
 
 @dataclass(frozen=True)
@@ -79,11 +79,11 @@ class Limit:
     def _end(self, lower: np.ndarray, upper: np.ndarray, worst: bool) -> tuple[float, np.ndarray]:
         surrogate, middle = self.surrogate, (lower + upper) / 2
         if self.kind == "happens":
-            place = surrogate.somewhere if bool(self.level) != worst else surrogate.nowhere
+            place = surrogate.find_presence if bool(self.level) != worst else surrogate.find_absence
             point = place(lower, upper)
             feasible = (point is None) == worst
             return (np.inf if feasible else -np.inf), middle if point is None else point
-        if worst and (point := surrogate.nowhere(lower, upper)) is not None:
+        if worst and (point := surrogate.find_absence(lower, upper)) is not None:
             return -np.inf, point
         sign = 1.0 if (self.kind == "at_most") == worst else -1.0
         value, point = surrogate.end(sign, lower, upper)
@@ -125,8 +125,8 @@ def share_of_box(
     start_axes[direction] = False
     starts = scan_points(start_axes, _LINES if start_axes.any() else 1, corners=False)
     fractions = []
-    for first in range(0, len(starts), _AT_ONCE):
-        points = np.repeat(starts[first : first + _AT_ONCE, None], len(line), axis=1)
+    for first in range(0, len(starts), _BLOCK):
+        points = np.repeat(starts[first : first + _BLOCK, None], len(line), axis=1)
         points[:, :, direction] = line
         flat = lower + 0.5 * (points.reshape(-1, len(free)) + 1.0) * (upper - lower)
         rows = [row for limit in limits for row in limit.conditions(flat)]

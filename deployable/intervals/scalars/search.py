@@ -30,7 +30,7 @@ _CANDIDATES, _CLOUD = 1024, 96
 _CLOUD_SIZES = (1.0, 0.3, 0.1, 0.03, 0.01, 1e-3, 1e-4)  # about the extreme run
 _INFILL, _SECTIONS = 3, 3  # runs of one iteration by confidence, and towards a limit-state surface
 _WORTH = 10.0  # times the tolerance: a gain by confidence, which may be none, that is worth runs
-_LATE = 0.05  # of the width: so near the end of the runs a time is taken to go on beyond it
+_END_SHARE = 0.05  # of the width: so near the end of the runs a time is taken to go on beyond it
 _TRUSTED = 3.0  # times its error: so far the surrogate must exceed all runs to be a bound
 
 
@@ -111,7 +111,7 @@ def _estimate(
         points += _spaced(surrogate.occurrence.points, candidates[gains > worth])
     unit_points = np.array(points).reshape(-1, len(argument))
     # A time that in a part of the box comes after the runs have ended.
-    is_late = excess > 0 and end >= surrogate.latest and excess <= _LATE * width
+    is_late = excess > 0 and end >= surrogate.latest and excess <= _END_SHARE * width
     if sign > 0 and surrogate.occurrence.is_mixed and (is_late or surrogate.is_censored):
         return BoundEstimate(surrogate.latest, 0.0, unit_points[: int(excess > tolerance)])
     if is_predicted:

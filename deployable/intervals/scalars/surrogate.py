@@ -220,12 +220,12 @@ class ScalarSurrogate:
         lower = np.where(free, -side if lower is None else lower, 0.0)
         return lower, np.where(free, side if upper is None else upper, 0.0)
 
-    def nowhere(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
+    def find_absence(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
         """Find the point (k) in the part of the box from `lower` to `upper` (k each, in [-1, 1])
         where the quantity most certainly does not exist; None if it exists all over the part."""
         return self._place(lower, upper, False)
 
-    def somewhere(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
+    def find_presence(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
         """Find the point (k) in the part of the box from `lower` to `upper` (k each, in [-1, 1])
         where the quantity most certainly exists; None if it exists nowhere in the part."""
         return self._place(lower, upper, True)
@@ -285,8 +285,8 @@ def _occurrence(
         return by_runs
     borders = [by_runs]
     if margin is not None and np.isfinite(margin).all():
-        by_how_much = best_fit(points, margin)
-        border = FittedOccurrence(points, happens, by_how_much, by_how_much.error)
+        margin_fit = best_fit(points, margin)
+        border = FittedOccurrence(points, happens, margin_fit, margin_fit.error)
         borders += [border] if np.isfinite(border.error) and border.agrees(border.error) else []
     if latest is not None and np.isfinite(fit.error):
         by_time = FittedOccurrence(points, happens, fit, fit.error, latest)

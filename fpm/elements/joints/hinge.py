@@ -78,8 +78,8 @@ class JointBase(ElementType):
 
     def check(self, scene):
         """Check that no other hinge or joint of the scene has this name; else raises SceneError."""
-        own = {self.name} if self.type == "cross" else {self.name, self.joint}
-        if own & names_taken(scene):  # the first angle has checked for the second
+        names = {self.name} if self.type == "cross" else {self.name, self.joint}
+        if names & names_taken(scene):  # the first angle has checked for the second
             raise SceneError(type(self).__name__.lower(), self.joint, "a name not yet used")
 
     @classmethod

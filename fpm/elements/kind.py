@@ -151,7 +151,7 @@ class ElementType:
 
     def check_index(self, scene: SceneData, field: Index, value: int) -> None:
         """Check that an index in one of the element's fields exists in a list of the scene; raises
-        SceneError if not. field: spec of the field: `of`, the list's attribute, and `least`, the
+        SceneError if not. field: spec of the field: `group`, the list's attribute, and `least`, the
         lowest index allowed (-1: none); value: the index."""
         count = len(getattr(scene, field.group))
         if not (isinstance(value, Integral) and field.least <= value < count):

@@ -115,7 +115,7 @@ def exudyn(duration: float, repeats: int, cases=None) -> list[Row]:
 def _against_exudyn(
     exact: list, fine: np.ndarray, duration: float, repeats: int, result: tuple[float, float]
 ) -> list[Row]:
-    """Our result, cost (cpu s per s) and error (m), against those of Exudyn's runs, with its version."""
+    """Our result, cost (cpu s per s) and error (m), against Exudyn's, with its version."""
     cost, error = result
     fastest, deviation, version = min(exact)
     name = f"{WHAT_EXUDYN} (Exudyn {version})"

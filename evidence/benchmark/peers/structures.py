@@ -218,7 +218,7 @@ def _step(case: Case, scenes: list[fpm.Scene]) -> float:
 
 
 def _measure(case: Case, structure: SceneType, python: str, repeats: int, steps: int | None):
-    """Our run, and the answers of Exudyn with the least cpu times: in turns, the best of several."""
+    """Our run, and Exudyn's answers with the least cpu times: in turns, the best of several."""
     middle = structure.parameters[case.varies].default
 
     def build(share: float) -> fpm.Scene:

@@ -22,11 +22,11 @@ NUMBERS = "time", "level"  # which come first of all releases
 
 
 class RigidReleases(NamedTuple):
-    """Arrays of r rigid releases. on, watch (r,): index of the hinge held, and of that watched (-1:
-    none); turn (r,): row of its condition in turns.state; numbers (r, 2, lanes): time (s), level
-    (rad); openings, turns: arrays of all openings, and of those held exactly; state (r, 4, lanes):
-    moment (N m), work due (J), steps since it let go (below 0: not in this step), rest of the
-    moment (N m); account: index of the loss in World.accounts; log: of events."""
+    """Arrays of r rigid releases. hinge, watch (r,): index of the hinge held, and of that watched
+    (-1: none); turn (r,): row of its condition in turns.state; numbers (r, 2, lanes): time (s),
+    level (rad); openings, turns: arrays of all openings, and of those held exactly; state (r, 4,
+    lanes): moment (N m), work due (J), steps since it let go (below 0: not in this step), rest of
+    the moment (N m); account: index of the loss in World.accounts; log: of events."""
 
     hinge: np.ndarray
     turn: np.ndarray

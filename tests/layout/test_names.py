@@ -27,6 +27,10 @@ passed placed pushed reached recorded refused removed required said seen settled
 slid solved sought spun started stated stored strained stretched taken told touched tried
 turned used wanted watched weighed wished written
 being coming doing due ending going losing watching
+own ours theirs mine partly nothing nowhere somewhere was has ran won towards may fell late alike
+unlike like amid blamed requiring lacking pursued finished agreeing
+handed_on seen_by by_how_much told_so at_once of_all on_one about_one most_before held_by most_told
+asked_of
 """
 NEVER = frozenset(WORDS.split())
 ALLOWED = {

@@ -90,8 +90,8 @@ def at_least(
 
 def refusal(name: str, error: object) -> Row:
     """A case that is refused by name, as it should be."""
-    told_so = f"refused: {error}"
-    return Row(name, told_so, "", "", "a clear refusal", None, True, "the error's message")
+    text = f"refused: {error}"
+    return Row(name, text, "", "", "a clear refusal", None, True, "the error's message")
 
 
 def skipped(name: str, reason: str, unit: str = "") -> Row:

@@ -91,12 +91,12 @@ def attack_files(
     change = HARMS[harm](path, rng)
     if path.read_bytes() == content:
         return
-    at_once = rng.random() < 0.5
-    detail = f"{path.relative_to(folder)}, {change}, keep: {victim.keep}, at once: {at_once}"
-    ledger.attempt(harm, detail, 60.0, lambda: _lead_on(victim, folder, path, at_once))
+    is_whole = rng.random() < 0.5
+    detail = f"{path.relative_to(folder)}, {change}, keep: {victim.keep}, at once: {is_whole}"
+    ledger.attempt(harm, detail, 60.0, lambda: _lead_on(victim, folder, path, is_whole))
 
 
-def _lead_on(victim: Victim, folder: Path, path: Path, at_once: bool) -> str:
+def _lead_on(victim: Victim, folder: Path, path: Path, is_whole: bool) -> str:
     """What a whole run makes of a damaged folder, at once or after single stages.
 
     Whoever reads the file first has to name it.
@@ -107,7 +107,7 @@ def _lead_on(victim: Victim, folder: Path, path: Path, at_once: bool) -> str:
     workflow.stale()
     if path.parent.name != victim.keep and str(path) not in workflow.damage:
         return "wrong"
-    for name in () if at_once else ("bounds", "answers"):
+    for name in () if is_whole else ("bounds", "answers"):
         try:
             STAGES[name].run(stages, silent, **STAGES[name].sections_of(sections))
         except CampaignError:
@@ -118,7 +118,7 @@ def _lead_on(victim: Victim, folder: Path, path: Path, at_once: bool) -> str:
     messages: list[str] = []
     if not victim.is_true(victim.run(folder.parent, messages.append)):
         return "wrong"
-    if at_once and not any(str(path) in text for text in messages):
+    if is_whole and not any(str(path) in text for text in messages):
         return "wrong"
     if broken_in(folder):
         return "stuck"

@@ -71,11 +71,11 @@ class Edits:
     def __init__(self, place: Path, seed: int):
         self.place, self.rng = place, random.Random(seed)
         make_copy(place)
-        self.own = place / "structure"
-        self.own.mkdir()
-        shutil.copy(place / "config/structures/bennett.yaml", self.own)
+        self.structure = place / "structure"
+        self.structure.mkdir()
+        shutil.copy(place / "config/structures/bennett.yaml", self.structure)
         for name, text in (("linkage.py", LINKAGE), ("helper.py", HELPER), ("table.csv", "1e9\n")):
-            (self.own / name).write_text(text, encoding="utf-8")
+            (self.structure / name).write_text(text, encoding="utf-8")
         child = [sys.executable, str(Path(__file__).with_name("edits_child.py"))]
         environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
         self._child = subprocess.Popen(
@@ -100,7 +100,7 @@ class Edits:
 
         cache: the folder for what is compiled; options: what else is asked of the process.
         """
-        scene = {"file": str(self.own / "linkage.py")}
+        scene = {"file": str(self.structure / "linkage.py")}
         raws = [
             {**raw, "campaign": name, "scene": scene}
             for name, raw in CAMPAIGNS.items()
@@ -133,10 +133,10 @@ class Edits:
         inner, executed = set(), set()
         for node in ast.walk(tree):
             if isinstance(node, ast.FunctionDef | ast.Lambda):
-                own = set(range(node.lineno, node.end_lineno + 1))
-                inner |= own
+                span = set(range(node.lineno, node.end_lineno + 1))
+                inner |= span
                 first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", ()))])
-                executed |= own if (name, first) in self._executed_code else set()
+                executed |= span if (name, first) in self._executed_code else set()
         return executed | (set(range(tree.body[-1].end_lineno + 1)) - inner)
 
     def drawn(self, compiled: bool = False) -> tuple[str, int]:
@@ -190,7 +190,7 @@ class Edits:
                 imports=imports, holds=holds,
             )  # fmt: skip
             old, new = self._compare("session", texts, cache="numba-session", **whole)
-        last = (answers or [NOTHING])[-1]
+        last = (answers or [NO_ANSWER])[-1]
         says = last["numbers"].get("failed", "old") if _changed_names(last, new) else "new"
         return {"says": says, "stale": _changed_names(old, new)}
 
@@ -217,7 +217,7 @@ class Edits:
         """
         shutil.rmtree(self.place / "scratch", ignore_errors=True)
         if not any(name.startswith(COMPILED) for name in names):
-            return self._run(folder, "scratch", cache=cache, **options)[0] or [NOTHING] * 2
+            return self._run(folder, "scratch", cache=cache, **options)[0] or [NO_ANSWER] * 2
         for name in ("numba-old", "numba-new"):
             shutil.rmtree(self.place / name, ignore_errors=True)
         new, _ = self._run("scratch", cache="numba-new", **options)
@@ -226,10 +226,10 @@ class Edits:
             if not (self.place / "numba-old" / compiled.name).exists():
                 shutil.copytree(compiled, self.place / "numba-old" / compiled.name)
         answers, _ = self._run(folder, cache="numba-old", **options)
-        (old,), (new,) = answers or [NOTHING], new or [NOTHING]
+        (old,), (new,) = answers or [NO_ANSWER], new or [NO_ANSWER]
         if _changed_names(old, new):  # an index may be beyond an array now, where anything may lie
             shutil.rmtree(self.place / "scratch", ignore_errors=True)
-            (repeat,) = self._run("scratch", cache="numba-new", **options)[0] or [NOTHING]
+            (repeat,) = self._run("scratch", cache="numba-new", **options)[0] or [NO_ANSWER]
             for name in _changed_names(new, repeat):
                 old["numbers"].pop(name, None), new["numbers"].pop(name, None)
         return [old, new]
@@ -246,7 +246,7 @@ def _changed_names(first: dict, second: dict) -> list[str]:
     return sorted({key for key, _ in first["numbers"].items() ^ second["numbers"].items()})
 
 
-NOTHING = {"numbers": {}, "simulated": {}}
+NO_ANSWER = {"numbers": {}, "simulated": {}}
 """Of a process that did not end."""
 
 ROOMS = (

@@ -128,11 +128,11 @@ def timed(
         origin, cpu_start = time.time(), cpu_of_children()
         wall = snakemake(folder, config, cores)
         cpu = cpu_of_children() - cpu_start
-        finished = jobs(folder)
+        spans = jobs(folder)
         manifests = manifests_in(folder)
-    own = snakemake_alone(cores)
-    first = finished[0][1] - origin if finished else wall
-    busy_seconds = union([(start, end) for _, start, end in finished])
+    alone_row = snakemake_alone(cores)
+    first = spans[0][1] - origin if spans else wall
+    busy_seconds = union([(start, end) for _, start, end in spans])
     runs = sum(manifest["runs"] for manifest in manifests)
     batch_seconds = sum(manifest["seconds"][0] for manifest in manifests) / cores
     arithmetic = integrating(manifests) / cores
@@ -141,10 +141,10 @@ def timed(
         info("all", wall, "s", f"{runs} runs in {len(manifests)} batches"),
         info("cpu time of all processes", cpu, "s"),
         info("a dry run: interpreter, imports, plan of the jobs", dry, "s"),
-        own,
+        alone_row,
         info("until the first job starts", first, "s"),
         info("between jobs and at the end", wall - first - busy_seconds, "s"),
-        *rules(finished),
+        *rules(spans),
         info("batches inside their processes", batch_seconds, "s", shared),
         info("integrating", arithmetic, "s",
              f"cpu time, {shared}: {100 * arithmetic / wall:.0f} % of all"),
@@ -187,11 +187,11 @@ def integrating(manifests: list[dict]) -> float:
     return sum(manifest["seconds_integrating"][1] for manifest in manifests)
 
 
-def rules(finished: list[tuple[str, float, float]]) -> list[Row]:
+def rules(spans: list[tuple[str, float, float]]) -> list[Row]:
     """The time that each rule's jobs took together."""
     return [
-        info(f"rule {rule}", union([(start, end) for r, start, end in finished if r == rule]), "s")
-        for rule in dict.fromkeys(rule for rule, _, _ in finished)
+        info(f"rule {rule}", union([(start, end) for r, start, end in spans if r == rule]), "s")
+        for rule in dict.fromkeys(rule for rule, _, _ in spans)
     ]
 
 

@@ -34,9 +34,9 @@ def starting(repeats: int) -> list[Row]:
     times = []
     for _ in range(repeats):
         times.append(json.loads(python("-c", START)))
-    own, numba, kernels = np.min(times, axis=0)
+    package, numba, kernels = np.min(times, axis=0)
     return [
-        at_most("import fpm", own, 0.5, unit="s"),
+        at_most("import fpm", package, 0.5, unit="s"),
         info("import numba, when first simulating", float(numba), "s"),
         info("loading the compiled kernels from the cache", float(kernels), "s"),
     ]

@@ -89,13 +89,13 @@ def _line(scan: Scan, k: float) -> tuple[str, ...]:
     if not scan.K_F.min() <= k <= scan.K_F.max():
         raise ValueError(f"K_F = {k} N/rad of the scene is outside the scan of {scan.reading}")
     second = numbers.closure(1)
-    late = f"{np.nanmin(second):.3f} to {np.nanmax(second):.3f}" if any(second > 0) else "none"
+    times = f"{np.nanmin(second):.3f} to {np.nanmax(second):.3f}" if any(second > 0) else "none"
     return (
         scan.reading.label, f"{scan.K_F.min():g} to {scan.K_F.max():g}",
         f"{scan.fits.sum()} of {len(scan.fits)}",
         f"{fitting[0]:g} to {fitting[-1]:g}" if len(fitting) else "none", f"{best.K_F:g}",
         f"{best.largest['BD']:.4f}", f"{best.largest['vBz']:.2f}", f"{best.misfit:.2f}",
-        f"{numbers.largest['BD']:.4f}", f"{numbers.largest['vBz']:.2f}", late,
+        f"{numbers.largest['BD']:.4f}", f"{numbers.largest['vBz']:.2f}", times,
     )  # fmt: skip
 
 

@@ -38,9 +38,9 @@ def stiff_latches(rig: Rig) -> list[Row]:
         rows += failures
         if outcome is None:
             continue
-        late = float(abs(outcome.events[0, 0] / 0.5 - 1))
+        error = float(abs(outcome.events[0, 0] / 0.5 - 1))
         note = f"{outcome.steps} steps"
-        rows.append(at_most(f"{name}: catches in time", late, RIGHT, "0.5 s", note))
+        rows.append(at_most(f"{name}: catches in time", error, RIGHT, "0.5 s", note))
         energy = outcome.energies["latch"] + outcome.energies["kinetic"]
         worst = float(np.abs(energy / (J / 2) - 1).max())
         rows.append(at_most(f"{name}: keeps energy", worst, RIGHT, "J w²/2", note))

@@ -73,8 +73,8 @@ def blows() -> list[Row]:
         if (outcome := simulate(rows, name, scene, 1.0 / rate, turn / rate)) is None:
             continue
         energy = mass * rate**2 / 6
-        late = abs(outcome.events[0, 0] * rate / 0.5 - 1)
-        rows.append(at_most(f"{name}: catches in time", late, RIGHT, "ψ/w"))
+        error = abs(outcome.events[0, 0] * rate / 0.5 - 1)
+        rows.append(at_most(f"{name}: catches in time", error, RIGHT, "ψ/w"))
         loss = abs(outcome.energies["joint_loss"][-1] / energy - 1)
         rows.append(at_most(f"{name}: lost", loss, RIGHT, "J w²/2"))
         motion = np.abs(outcome.openings["knee"][outcome.time * rate > 0.75] - 0.5).max()
@@ -92,12 +92,12 @@ def shares() -> list[Row]:
         first, second = masses
         momentum = second * (1 / 12 + 0.5 * 1.5)
         total = first / 3 + second * (4 / 12 + 1 + np.cos(0.3))
-        late = outcome.time > outcome.events[-1, 0] + 0.01
-        root = outcome.openings["root"][late]
-        rate = (root[-1] - root[0]) / np.ptp(outcome.time[late])
+        is_caught = outcome.time > outcome.events[-1, 0] + 0.01
+        root = outcome.openings["root"][is_caught]
+        rate = (root[-1] - root[0]) / np.ptp(outcome.time[is_caught])
         rows.append(at_most(f"{name}: rate", float(abs(rate / (momentum / total) - 1)), RIGHT,
                             "momentum about the pin"))  # fmt: skip
-        motion = np.abs(outcome.openings["knee"][late] - 0.3).max()
+        motion = np.abs(outcome.openings["knee"][is_caught] - 0.3).max()
         rows.append(at_most(f"{name}: is held (rad)", float(motion), MAX_MOTION, "ψ = ψ_c"))
     return rows
 
@@ -116,8 +116,8 @@ def friction() -> list[Row]:
         worst = float(np.abs(outcome.openings["knee"] - angle).max())
         rows.append(at_most(f"{name}: way (rad)", worst, 1e-5, "w t - M t²/(2 J), to the stop"))
         if inertia / moment < 0.9:
-            late = float(np.ptp(outcome.openings["knee"][time > inertia / moment + 5e-3]))
-            rows.append(at_most(f"{name}: moves afterwards (rad)", late, MAX_MOTION, "it sticks"))
+            motion = float(np.ptp(outcome.openings["knee"][time > inertia / moment + 5e-3]))
+            rows.append(at_most(f"{name}: moves afterwards (rad)", motion, MAX_MOTION, "it sticks"))
     return rows
 
 

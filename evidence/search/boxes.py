@@ -102,9 +102,9 @@ def five_parameters(u: np.ndarray) -> Values:
 
 def race(u: np.ndarray) -> np.ndarray:
     """The first of two crossings, either of which may be missed."""
-    early = crossing(1 + 0.4 * u[:, 0], 0.9, 1.3, False)[0]
-    late = crossing(1.3 - 0.3 * u[:, 0] + 0.2 * u[:, 1], 1.05, 0.6, False)[0]
-    return np.fmin(early, late)
+    first = crossing(1 + 0.4 * u[:, 0], 0.9, 1.3, False)[0]
+    second = crossing(1.3 - 0.3 * u[:, 0] + 0.2 * u[:, 1], 1.05, 0.6, False)[0]
+    return np.fmin(first, second)
 
 
 def needle(u: np.ndarray) -> np.ndarray:

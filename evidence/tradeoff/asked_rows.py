@@ -39,12 +39,12 @@ def asked_rows(case: dict) -> list[Row]:
 def _cost_row(name: str, case: dict, row: dict) -> Row:
     """The cost of one accuracy over that of the cheapest rival whose true error is no larger."""
     text = f"{name}: cpu time of {row['share']:g} over that of the best rival"
-    own = _worst(row)
-    rivals = [rival for rival in case["rivals"] if _worst(rival) <= own]
+    error = _worst(row)
+    rivals = [rival for rival in case["rivals"] if _worst(rival) <= error]
     if not rivals:
-        return skipped(text, f"none of those tried is as accurate ({own:.2g} of the width)")
+        return skipped(text, f"none of those tried is as accurate ({error:.2g} of the width)")
     best = min(rivals, key=lambda rival: rival["cpu"])
-    note = f"{row['cpu']:.3g} s for {own:.2g}; {best['name']}: {best['cpu']:.3g} s for "
+    note = f"{row['cpu']:.3g} s for {error:.2g}; {best['name']}: {best['cpu']:.3g} s for "
     return at_most(text, row["cpu"] / best["cpu"], MAX_COST, TRUE, f"{note}{_worst(best):.2g}")
 
 

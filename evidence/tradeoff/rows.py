@@ -8,7 +8,7 @@ from evidence.rows import Row, at_least, at_most
 from evidence.tradeoff.peer_rows import peer_rows
 
 PROTOTYPE = "prototype of this project: 401-run scan, other spring and start"
-OWN = "this study: dense scan of the same level"
+SCAN = "this study: dense scan of the same level"
 SINGLE = "single runs against 64 elements"
 
 
@@ -100,8 +100,8 @@ def _estimate_row(case: dict, kind: str, estimates: list[dict]) -> Row:
     name = f"{case['case']}: instants at which the error estimate covers the error, {kind}"
     if kind == "scans":
         note += "; the growth of a scan tells its size, it is no bound"
-        return at_most(name, covered, 0.9, OWN, note)
-    return at_least(name, covered, 0.9, OWN, note)
+        return at_most(name, covered, 0.9, SCAN, note)
+    return at_least(name, covered, 0.9, SCAN, note)
 
 
 def _lane_row(case: dict) -> Row:
@@ -161,10 +161,10 @@ def _spline_rows(cases: dict[str, dict]) -> list[Row]:
         if name not in cases:
             continue
         case = cases[name]
-        ours, theirs = (pick(case, 8, label)["surrogate"] for label in (spline, rival))
+        spline_rows, rival_rows = (pick(case, 8, label)["surrogate"] for label in (spline, rival))
         for i, response in enumerate(case["responses"]):
-            a, b = (row[i]["all"]["hausdorff_integrated"] for row in (ours, theirs))
+            a, b = (row[i]["all"]["hausdorff_integrated"] for row in (spline_rows, rival_rows))
             text = f"{name}: {response}, error of {spline} over {rival}"
             detail = f"{note}: {a:.3g} and {b:.3g} of the width"
-            rows.append(at_most(text, a / b, limit, OWN, detail))
+            rows.append(at_most(text, a / b, limit, SCAN, detail))
     return rows

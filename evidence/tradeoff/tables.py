@@ -29,8 +29,8 @@ def _choices(case: dict) -> str:
 def _choice(case: dict, record: dict) -> list:
     row = [record["level"], record["choice"], record["runs"], float(record["cpu"])]
     for i in range(len(case["responses"])):
-        own = record["surrogate"][i]["all"]["hausdorff_integrated"] if "surrogate" in record else ""
-        row += [own, *(record["total"][i]["all"][key] for key in KEYS)]
+        gap = record["surrogate"][i]["all"]["hausdorff_integrated"] if "surrogate" in record else ""
+        row += [gap, *(record["total"][i]["all"][key] for key in KEYS)]
     row.append(_least([x["all"]["covered"] for x in record.get("estimate", [])]))
     row.append(_least([x["coverage"] for x in record.get("scan", [])]))
     return row

@@ -178,10 +178,10 @@ def capstan(bench: Bench) -> None:
         scene.add_cable("rope", points, 1e4, preload=mass * G, reel=3 * speed, curve=curve,
                         friction=mu)  # fmt: skip
         (outcome,) = bench.simulate(scene, duration=3.2, instants=321, step=2e-4)
-        late = outcome.time > 2.2
+        is_steady = outcome.time > 2.2
         exact = mass * (G + sign * damping * speed) * np.exp(sign * mu * np.pi)
         name = f"{'lifted' if sign > 0 else 'lowered'}, μ = {mu:g}"
-        pull = outcome.tensions["rope"][late].mean()
+        pull = outcome.tensions["rope"][is_steady].mean()
         bench.check(f"{name}: pull of the winch (N)", pull, exact, 1e-3, "T exp(± μ π)")
         reel_work = outcome.energies["reel"]
         worst = np.abs(outcome.energies["balance"]).max() / np.abs(reel_work).max()
@@ -237,9 +237,9 @@ def sticking(bench: Bench) -> None:
             bench.check(f"{name}: friction took (J)", dissipation, loss, tolerance, source)
             slack = [phase.start for phase in motion[1:] if phase.slips is None]
             times = outcome.events[outcome.events[:, 2] == 1, 0]
-            late = np.abs(times - slack).max() if len(times) == len(slack) else np.inf
+            delay = np.abs(times - slack).max() if len(times) == len(slack) else np.inf
             bench.check(
-                f"{name}: slack at, off by (s)", late, 0.0, tolerance, source, measure="absolute"
+                f"{name}: slack at, off by (s)", delay, 0.0, tolerance, source, measure="absolute"
             )
         figure.curve(outcome.time, outcome.tensions["rope"], f"{points} eyelets")
 

@@ -48,11 +48,11 @@ class Rope:
         strains = np.empty(len(lengths))
         for group in np.split(np.arange(len(lengths)), np.flatnonzero(np.array(slips) == 0) + 1):
             steps = [slips[j - 1] * logs[j - 1] for j in group[1:]]
-            ratios, own = np.exp(np.cumsum([0.0, *steps])), lengths[group]
+            ratios, spans = np.exp(np.cumsum([0.0, *steps])), lengths[group]
             total, strain = material[group].sum(), 0.0
             for _ in range(50):
                 shares = 1 / (1 + ratios * strain)
-                change = (own @ shares - total) / (own * ratios @ shares**2)
+                change = (spans @ shares - total) / (spans * ratios @ shares**2)
                 strain += change
                 if abs(change) < 1e-16:
                     break

@@ -100,15 +100,15 @@ def friction(bench: Bench) -> None:
         bench.check(f"stops at, {name} (rad)", opening.max(), exact, 1e-5, "J w²/(2 M)")
         bench.check(f"stays at, {name} (rad)", opening[-1], exact - 1e-3, 1e-5,
                     "less the bend of 1 mrad")  # fmt: skip
-        late = np.ptp(opening[-1000:])
-        bench.check(f"moves in the last second, {name} (rad)", late, 0.0, 1e-6, "it sticks",
+        motion = np.ptp(opening[-1000:])
+        bench.check(f"moves in the last second, {name} (rad)", motion, 0.0, 1e-6, "it sticks",
                     1.0, "absolute")  # fmt: skip
         figure.curve(outcome.time, opening, name)
     for share, outcome in zip(shares, outcomes[len(moments) :], strict=True):
         opening = outcome.openings["hinge"]
         if share < 1:
-            late = np.ptp(opening[-1000:])
-            bench.check(f"creeps under {share:g} M in a second (rad)", late, 0.0, 1e-9,
+            motion = np.ptp(opening[-1000:])
+            bench.check(f"creeps under {share:g} M in a second (rad)", motion, 0.0, 1e-9,
                         "it sticks", 1.0, "absolute")  # fmt: skip
         else:
             mean = float(np.diff(opening[4000::2000], 2).mean()) / 4

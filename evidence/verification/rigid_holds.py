@@ -45,8 +45,8 @@ def rods(angles, rates, latch: float, gravity=NEGLIGIBLE, release=1.0) -> fpm.Sc
 def masses(knee: float) -> np.ndarray:
     """Mass matrix of the two angles (2, 2), at an opening of the knee."""
     couple = M[1] * L * L / 2 * np.cos(knee)
-    own = J + M * L**2 / 4 + [M[1] * L**2, 0.0]
-    return np.array([[own[0], couple], [couple, own[1]]])
+    diagonal = J + M * L**2 / 4 + [M[1] * L**2, 0.0]
+    return np.array([[diagonal[0], couple], [couple, diagonal[1]]])
 
 
 def just_before(outcome: fpm.Outcome) -> float:
@@ -76,11 +76,11 @@ def impacts(bench: Bench) -> None:
                     "momentum and energy")  # fmt: skip
         bench.check(f"{name}: kinetic energy just before it (J)", just_before(outcome), energy,
                     1e-4, "energy")  # fmt: skip
-        late = outcome.time > outcome.events[0, 0] + 0.1
-        knee, root = outcome.openings["knee"][late], outcome.openings["root"][late]
+        is_caught = outcome.time > outcome.events[0, 0] + 0.1
+        knee, root = outcome.openings["knee"][is_caught], outcome.openings["root"][is_caught]
         bench.check_small(f"{name}: opening held (rad)", np.abs(knee - latch).max(), 1e-12,
                           "ψ = ψ_c", "1 rad")  # fmt: skip
-        slope = (root[-1] - root[0]) / (outcome.time[late][-1] - outcome.time[late][0])
+        slope = (root[-1] - root[0]) / (outcome.time[is_caught][-1] - outcome.time[is_caught][0])
         bench.check(f"{name}: rate of both after it (rad/s)", slope, momentum / total, 1e-6,
                     "momentum")  # fmt: skip
         bench.check(f"{name}: impulse (N m s)", records["latch_impact"], -fast * rest, 1e-3,
@@ -98,8 +98,8 @@ def swings(bench: Bench) -> None:
     pull = np.hypot(lever[0] + lever[1] * np.cos(0.2), lever[1] * np.sin(0.2))
     level = -np.pi / 2 - np.arctan2(lever[1] * np.sin(0.2), lever[0] + lever[1] * np.cos(0.2))
     outcome = outcomes[0]
-    late = outcome.time > outcome.events[:, 0].min() + 0.01
-    time, angle = outcome.time[late], outcome.openings["root"][late] - level
+    is_caught = outcome.time > outcome.events[:, 0].min() + 0.01
+    time, angle = outcome.time[is_caught], outcome.openings["root"][is_caught] - level
     wide, inertia = np.abs(angle).max(), masses(0.2).sum()
     exact = 4 * np.sqrt(inertia / (G * pull)) * ellipk(np.sin(wide / 2) ** 2)
     ups = np.flatnonzero((angle[:-1] < 0) & (angle[1:] >= 0))
@@ -158,13 +158,13 @@ def elastic(bench: Bench) -> None:
         omega = z**2 / L**2 * np.sqrt(stiff / heavy)
         series += rate * L * share * mode[-1] * np.sin(omega * elapsed) / omega
     series[elapsed < 0] = 0.0
-    late = elapsed >= 0
-    worst = np.abs(tips[-1] - series)[late].max() / np.abs(series).max()
+    is_caught = elapsed >= 0
+    worst = np.abs(tips[-1] - series)[is_caught].max() / np.abs(series).max()
     bench.check_small("deflection of the tip over a period", worst, 0.01, "modes of a cantilever",
                       "the largest")  # fmt: skip
     figure = bench.figure("An elastic panel that is caught", "time (s)", "deflection (m)")
-    figure.curve(outcome.time[late], tips[-1][late], "32 elements")
-    figure.curve(outcome.time[late], series[late], "five modes")
+    figure.curve(outcome.time[is_caught], tips[-1][is_caught], "32 elements")
+    figure.curve(outcome.time[is_caught], series[is_caught], "five modes")
 
 
 PROBLEMS = {

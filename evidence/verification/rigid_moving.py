@@ -45,8 +45,8 @@ def friction(bench: Bench) -> None:
         name, psi = f"M = {moment:g} N m", outcome.openings["rubs"]
         bench.check(f"stops at, {name} (rad)", psi[-1], J * rate**2 / (2 * moment), 1e-7,
                     "J w²/(2 M)")  # fmt: skip
-        late = np.ptp(psi[outcome.time > J * rate / moment + 0.01])
-        bench.check_small(f"moves afterwards, {name} (rad)", late, 1e-13, "it sticks", "1 rad")
+        motion = np.ptp(psi[outcome.time > J * rate / moment + 0.01])
+        bench.check_small(f"moves afterwards, {name} (rad)", motion, 1e-13, "it sticks", "1 rad")
         bench.check(f"lost, {name} (J)", outcome.energies["joint_loss"][-1], J * rate**2 / 2,
                     1e-6, "J w²/2")  # fmt: skip
     for share, outcome in zip(ratios, outcomes[3:5], strict=True):
@@ -116,9 +116,9 @@ def motors(bench: Bench) -> None:
         work = G / 2 * np.sin(psi[-1]) + J / 2 * (rates[-1] ** 2 - rates[0] ** 2)
         bench.check(f"{name}: work (J)", outcome.energies["motor_work"][-1], work, 1e-4,
                     "height, and speed less that at the start", G / 2, "of m g l/2")  # fmt: skip
-        late = outcome.time > 1.3
-        moment = outcome.records["motor_moment"].values[late, 0]
-        worst = np.abs(moment - G / 2 * np.cos(psi[late])).max() / (G / 2)
+        is_steady = outcome.time > 1.3
+        moment = outcome.records["motor_moment"].values[is_steady, 0]
+        worst = np.abs(moment - G / 2 * np.cos(psi[is_steady])).max() / (G / 2)
         bench.check_small(f"{name}: moment at a constant rate", worst, 1e-6, "m g l/2 cos ψ",
                           "m g l/2")  # fmt: skip
 

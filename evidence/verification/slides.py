@@ -151,8 +151,8 @@ def slides(bench: Bench) -> None:
 def _check_exact_holds(bench: Bench, outcome: fpm.Outcome) -> None:
     """Latches, releases and motors that hold slides and crosses exactly."""
     time, opening, records = outcome.time, outcome.openings, outcome.records
-    late = time >= 0.5
-    exact = np.where(late, 0.5, time)
+    is_caught = time >= 0.5
+    exact = np.where(is_caught, 0.5, time)
     bench.check_small("caught: opening (m)", np.abs(opening["caught"] - exact).max(), 1e-9,
                       "v t, then held", "1 m")  # fmt: skip
     impulse = records["slide_latch_impact"].values[-1, 0]

@@ -185,11 +185,11 @@ class Conditions(NamedTuple):
         normal, is_body_fixed = types == NORMAL, types == BODY_FIXED
         factor, turn = self.second[:, None], np.cross(axis1, axis2)
         shift = np.where(normal, 0.0, axis1)
-        own = np.cross(arms[0], axis1) + np.where(is_body_fixed, np.cross(axis1, offset), 0.0)
+        lever = np.cross(arms[0], axis1) + np.where(is_body_fixed, np.cross(axis1, offset), 0.0)
         return np.concatenate(
             [
                 shift,
-                np.where(normal, turn, own),
+                np.where(normal, turn, lever),
                 -factor * shift,
                 np.where(normal, -turn, -factor * np.cross(arms[1], axis1)),
             ],

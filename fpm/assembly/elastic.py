@@ -76,8 +76,8 @@ class Elastic(NamedTuple):
         chord = chord / length[..., None]
         axes = np.concatenate(
             [
-                np.einsum("...eij,ekj->...eki", end.frame, own)
-                for end, own in ((first, self.axes[:, :2]), (second, self.axes[:, 2:]))
+                np.einsum("...eij,ekj->...eki", end.frame, local_axes)
+                for end, local_axes in ((first, self.axes[:, :2]), (second, self.axes[:, 2:]))
             ],
             axis=-2,
         )

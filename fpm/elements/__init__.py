@@ -66,8 +66,8 @@ def kinds_of(scenes) -> list[type[ElementType]]:
     """Return the element types (subclasses of ElementType) of which at least one of the scenes has
     elements: those in the registry KINDS in its order, then others by module and name."""
     types = {kind for scene in scenes for kind in scene.kinds}
-    own = sorted(types.difference(KINDS), key=lambda kind: (kind.__module__, kind.__qualname__))
-    return [kind for kind in (*KINDS, *own) if any(kind.find(scene) for scene in scenes)]
+    extras = sorted(types.difference(KINDS), key=lambda kind: (kind.__module__, kind.__qualname__))
+    return [kind for kind in (*KINDS, *extras) if any(kind.find(scene) for scene in scenes)]
 
 
 def energies_of(kinds) -> list:

@@ -89,7 +89,7 @@ def number(
     """Declare a dataclass field of an element that holds one or more numbers. unit: as "N m";
     least, above: lower bound, itself allowed (least) or not (above), None: none; default: MISSING
     where a value must be given; is_shown: whether descriptions say a single number; keys: further
-    attributes of its spec `Number` (count, finite, zero, same, words, text)."""
+    attributes of its spec `Number` (count, finite, zero, is_topology, words, text)."""
     keys |= {"is_shown": is_shown and keys.get("count", 1) == 1, "optional": default is None}
     return _field(Number(unit=unit, least=least, above=above, **keys), default)
 
@@ -110,7 +110,7 @@ def damping(**keys) -> Any:
 def word(values: Mapping[Any, float], *, default=MISSING, **keys) -> Any:
     """Declare a dataclass field of an element that takes one of some words. values: allowed words,
     each with the number that stands for it in kernels; default: MISSING where one must be given;
-    keys: further attributes of its spec `Word` (same, words, text)."""
+    keys: further attributes of its spec `Word` (is_topology, words, text)."""
     return _field(Word(values=values, **keys), default)
 
 

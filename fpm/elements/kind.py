@@ -151,7 +151,7 @@ class ElementType:
 
     def check_index(self, scene: SceneData, field: Index, value: int) -> None:
         """Check that an index in one of the element's fields exists in a list of the scene; raises
-        SceneError if not. field: spec of the field: `of`, the list's attribute, and `least`, the
+        SceneError if not. field: spec of the field: `group`, the list's attribute, and `least`, the
         lowest index allowed (-1: none); value: the index."""
         count = len(getattr(scene, field.group))
         if not (isinstance(value, Integral) and field.least <= value < count):
@@ -326,6 +326,6 @@ def _row(element: ElementType, columns: list) -> list[float]:
 @cache
 def _arrays_in(kernels: ModuleType) -> type:
     """The named tuple that a file of kernels states."""
-    own = [x for x in vars(kernels).values() if getattr(x, "__module__", "") == kernels.__name__]
-    (array_type,) = [x for x in own if isinstance(x, type) and issubclass(x, tuple)]
+    items = [x for x in vars(kernels).values() if getattr(x, "__module__", "") == kernels.__name__]
+    (array_type,) = [x for x in items if isinstance(x, type) and issubclass(x, tuple)]
     return array_type

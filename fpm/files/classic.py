@@ -36,7 +36,7 @@ def write(
     with netcdf_file(path, "w", version=2) as file:
         _set_attributes(file, attributes)
         for name, variable in variables.items():
-            dims, values, own = _column(name, *variable)
+            dims, values, attrs = _column(name, *variable)
             if not values.size:
                 continue
             for dim, size in zip(dims, values.shape, strict=True):
@@ -44,7 +44,7 @@ def write(
                     file.createDimension(dim, size)
             column = file.createVariable(name, values.dtype, dims)
             column[...] = values
-            _set_attributes(column, own)
+            _set_attributes(column, attrs)
 
 
 def read(

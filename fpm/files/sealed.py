@@ -83,7 +83,7 @@ def read_bytes(path: str | os.PathLike, most: int = _MOST) -> bytes:
     than `most` bytes. Devices, pipes, and files below /proc and /sys are refused at once."""
     if os.path.realpath(path).startswith(("/proc/", "/sys/")):
         raise DamagedError(path, "the system makes it up; allowed: a plain file, such as a copy")
-    with open(path, "rb", opener=lambda name, flags: os.open(name, flags | _AT_ONCE)) as file:
+    with open(path, "rb", opener=lambda name, flags: os.open(name, flags | _NONBLOCK)) as file:
         state = os.fstat(file.fileno())
         if not stat.S_ISREG(state.st_mode):
             raise DamagedError(path, "it is no plain file but a device or a pipe")
@@ -96,7 +96,7 @@ def read_bytes(path: str | os.PathLike, most: int = _MOST) -> bytes:
     return content
 
 
-_AT_ONCE = getattr(os, "O_NONBLOCK", 0)
+_NONBLOCK = getattr(os, "O_NONBLOCK", 0)
 
 
 def unsealed(path: str | os.PathLike) -> bytes:

@@ -84,27 +84,27 @@ class Curves:
         """Return the times (s), increasing, at which any of some elements had an event. event: its
         name, such as "latches"; places: the elements' names."""
         names = [e.events if e.name in places else () for e in self.eventful]
-        numbers = [own.index(event) if event in own else -1 for own in names]
+        numbers = [labels.index(event) if event in labels else -1 for labels in names]
         rows = self.events[:, 2] == np.array(numbers)[self.events[:, 1].astype(int)]
         return np.sort(self.events[rows, 0])
 
     def impacts(self, pairs: Mapping[str, str] = IMPACTS) -> Impacts:
         """Return the impacts of the run, at whose times responses bend or jump. pairs: by name of
         the event that begins an impact, that of the event that ends it; a latch's ends at once."""
-        events = [own.events for own in self.eventful]
-        starts = [next((e for e in own if e in pairs), None) for own in events]
+        events = [e.events for e in self.eventful]
+        starts = [next((e for e in labels if e in pairs), None) for labels in events]
         has_impact = [event is not None for event in starts]
         index, element = np.cumsum(has_impact) - 1, self.events[:, 1].astype(int)
         blocks = []
         for number_of, flag in ((lambda e: e, 1.0), (pairs.get, 0.0)):
             event_pairs = zip(events, starts, strict=True)
-            numbers = [own.index(number_of(e)) if e else -1 for own, e in event_pairs]
+            numbers = [labels.index(number_of(e)) if e else -1 for labels, e in event_pairs]
             selection = np.flatnonzero(self.events[:, 2] == np.array(numbers, int)[element])
             blocks.append(stacked(self.events[selection, 0], index[element[selection]], flag))
         rows = np.concatenate(blocks)
         # In order of time; what begins and ends at once begins first.
         rows = rows[np.lexsort((rows[:, 1], -rows[:, 2], rows[:, 0]))]
-        names = [e.name for e, has in zip(self.eventful, has_impact, strict=True) if has]
+        names = [e.name for e, hits in zip(self.eventful, has_impact, strict=True) if hits]
         return Impacts(rows, [name.removeprefix("contact ") for name in names])
 
 
@@ -193,10 +193,10 @@ def _record_variables(outcome) -> dict[str, classic.NetcdfVariable]:
 def _events(outcome) -> dict[str, classic.NetcdfVariable]:
     (time, element, number), eventful = outcome.events.T, outcome.eventful
     element, number = element.astype(np.int32), number.astype(np.int8)
-    own = (" ".join(e.events) for e in eventful)
+    event_names = (" ".join(e.events) for e in eventful)
     return {
         **_names("event_element", (e.name for e in eventful), "element that has events"),
-        **_names("event_element", own, "its events by number", "event_names"),
+        **_names("event_element", event_names, "its events by number", "event_names"),
         "event_time": _variable("event", time, "s", "time of an event"),
         "event_of": _variable("event", element, "1", "index of the event's element"),
         "event_number": _variable("event", number, "1", "number of the event"),
@@ -316,8 +316,8 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
             },
             events=np.stack(events, axis=1) if events else np.zeros((0, len(columns))),
             eventful=tuple(
-                Eventful(name, tuple(own.split(" ")))
-                for name, own in zip(names("event_element"), names("event_names"), strict=True)
+                Eventful(name, tuple(text.split(" ")))
+                for name, text in zip(names("event_element"), names("event_names"), strict=True)
             ),
             events_dropped=int(attributes.get("events_dropped", 0)),
             step=float(attributes["time_step"]),

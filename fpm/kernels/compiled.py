@@ -49,8 +49,8 @@ def source_digest(parts: tuple[type, ...] = ()) -> str:
     """Return a digest (16 hex digits) of numba's version, the kernel sources of fpm, and the
     sources of element types from elsewhere, by which compiled code is named. parts: classes of the
     named tuples that the types' kernels take."""
-    own = [digest for _, digest in sorted(own_sources(parts).items())]
-    text = repr([numba.__version__, sources.kernels(), own])
+    digests = [digest for _, digest in sorted(own_sources(parts).items())]
+    text = repr([numba.__version__, sources.kernels(), digests])
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
@@ -154,10 +154,10 @@ def _seldom_collected() -> Iterator[None]:
 
 def _optional(parts: tuple) -> tuple[str, ...]:
     """The fields of named tuples that may be None, and are not."""
-    may = (
+    fields = (
         (part, n) for part in parts for n, value in part._field_defaults.items() if value is None
     )
-    return tuple(name for part, name in may if getattr(part, name) is not None)
+    return tuple(name for part, name in fields if getattr(part, name) is not None)
 
 
 DIGESTS = "digests.json"

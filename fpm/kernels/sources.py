@@ -58,8 +58,8 @@ class Imported:
         self._states = dict(_states(folder))
         if files is not None:
             data = {n: state for n, state in self._states.items() if not n.endswith(".py")}
-            own = {path.relative_to(folder): state_of(stat) for path, stat in files.items()}
-            code = {p.as_posix(): s for p, s in own.items() if SHIPPED not in p.parent.as_posix()}
+            stats = {path.relative_to(folder): state_of(stat) for path, stat in files.items()}
+            code = {p.as_posix(): s for p, s in stats.items() if SHIPPED not in p.parent.as_posix()}
             self._states = data | code
         self._digests: dict[str, str] = {}
         self._digests_of: dict[tuple, str] = {}

@@ -66,8 +66,8 @@ def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, n
     start, ends = scene.frame if scene.unstrained is None else scene.unstrained, []
     for nodes, square in zip(beams.nodes.T, beams.end_axes(), strict=True):
         frames = np.stack([axes(int(p)) for p in nodes], axis=1)
-        own = frames @ (start[nodes].transpose(0, 2, 1) @ square)
-        ends.append((np.stack([place(int(p)) for p in nodes], axis=1), own))
+        section_axes = frames @ (start[nodes].transpose(0, 2, 1) @ square)
+        ends.append((np.stack([place(int(p)) for p in nodes], axis=1), section_axes))
     return ends
 
 
@@ -87,28 +87,28 @@ class Bends(NamedTuple):
 def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
     """Return the deformation of `beams`, a group of beam elements of a scene; place(particle),
     axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle (index) at t instants."""
-    (first, *own), (second, *axes2) = ends_of(scene, beams, place, axes)
-    chord, own = second - first, own + axes2
+    (first, *end_axes), (second, *axes2) = ends_of(scene, beams, place, axes)
+    chord, end_axes = second - first, end_axes + axes2
     length = np.linalg.norm(chord, axis=2)
     chord = chord / length[:, :, None]
-    sines = [np.einsum("tmi,tmik->tmk", chord, axes_of_end) for axes_of_end in own]
-    return Bends(length, chord, sines, [s * (1.0 + s**2 / 6.0) for s in sines], own)
+    sines = [np.einsum("tmi,tmik->tmk", chord, axes_of_end) for axes_of_end in end_axes]
+    return Bends(length, chord, sines, [s * (1.0 + s**2 / 6.0) for s in sines], end_axes)
 
 
 def sections(scene: Scene, beams: Beams, place, axes) -> Sections:
     """Return forces and moments in the sections of `beams`, a group of elements of a scene;
     place(i), axes(i): positions (t, 3) m and frames (t, 3, 3) of particle i."""
     _, axial, bend_z, bend_y, twist = beams.stiffness().T
-    length, chord, sines, angles, own = bends_of(scene, beams, place, axes)
+    length, chord, sines, angles, end_axes = bends_of(scene, beams, place, axes)
     stiffness = np.stack([bend_z, bend_y], axis=1)
     by_sine = [
         stiffness * (2.0 * angles[k] + angles[1 - k]) * (1.0 + 0.5 * sines[k] ** 2) for k in (0, 1)
     ]
-    pulls = [np.einsum("tmk,tmik->tmi", c, e) for c, e in zip(by_sine, own, strict=True)]
+    pulls = [np.einsum("tmk,tmik->tmi", c, e) for c, e in zip(by_sine, end_axes, strict=True)]
     shear = (pulls[0] + pulls[1]) / length[:, :, None]
     axial_force = axial * (length - beams.length) - np.einsum("tmi,tmi->tm", shear, chord)
     force = shear + axial_force[:, :, None] * chord
-    (a2, a3), (b2, b3) = (np.moveaxis(axes2, 3, 0) for axes2 in own)
+    (a2, a3), (b2, b3) = (np.moveaxis(axes2, 3, 0) for axes2 in end_axes)
     turn = 0.5 * np.einsum("tmi,tmi->tm", b2 - a2, a3 + b3)  # the axes of either end are normal
     torsion = (0.5 * twist * turn)[:, :, None] * (np.cross(a3, b2) - np.cross(a2, b3))
     moments = [np.cross(chord, pulls[0]) - torsion, -np.cross(chord, pulls[1]) - torsion]

@@ -31,10 +31,10 @@ def _lines(scene: Scene, bar: Bar, place, axes) -> tuple[np.ndarray, ...]:
     as vectors (t, m, 2, 3) m, and radii (t, m) m of round ones."""
     lines = []
     for beams in bar.groups:
-        (start, own), (end, _) = ends_of(scene, beams, place, axes)
+        (start, section_axes), (end, _) = ends_of(scene, beams, place, axes)
         y, z = half_sizes(beams.section)
         is_round = beams.section.outline == "round"
-        sides = own.swapaxes(2, 3) * (0.0 if is_round else np.array([[y], [z]]))
+        sides = section_axes.swapaxes(2, 3) * (0.0 if is_round else np.array([[y], [z]]))
         lines.append((start, end, sides, np.full(start.shape[:2], y if is_round else 0.0)))
     return tuple(np.concatenate(arrays, axis=1) for arrays in zip(*lines, strict=True))
 

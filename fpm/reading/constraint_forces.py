@@ -44,8 +44,8 @@ def couple_on_two(run: Recording, joint: Hinge | Joint, sides: Sides) -> np.ndar
     particles, from `run.joints`. About axes of no rotation: minus that on the first."""
     point = point_of(run, joint)
     place1, place2 = (run.place(beam.particle) for beam in joint.beams)
-    opposite = sides.about_two - np.cross(point - place2, sides.on_two)
-    moment = np.cross(point - place1, sides.on_one) - sides.about_one
+    opposite = sides.moment2 - np.cross(point - place2, sides.force2)
+    moment = np.cross(point - place1, sides.force1) - sides.moment1
     second = joint.beams[1].particle
     turns = ~run.scene.fixed[second, 3:] | (second in Drive.moved_particles(run.scene))
     return np.where(turns, opposite, moment)
@@ -59,7 +59,7 @@ def on_particle(run: Recording, particle: int) -> tuple[np.ndarray, np.ndarray]:
         for k, beam in enumerate(joint.beams):
             if beam.particle != particle:
                 continue
-            joint_force, sign = ((sides.on_one, -1.0), (sides.on_two, 1.0))[k]
+            joint_force, sign = ((sides.force1, -1.0), (sides.force2, 1.0))[k]
             force = force + joint_force
             if len(joint.beams) == 1:
                 moment = moment + np.cross(run.arm(beam), joint_force)
@@ -106,9 +106,9 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
     force, moment = np.zeros((2, len(run.time), 3))
     for joint, sides in run.joints:
         if joint.name in support.holders and len(joint.beams) == 2:
-            force = force + (sides.on_one + sides.on_two)
+            force = force + (sides.force1 + sides.force2)
         elif joint.name.removesuffix(SUPPORT) in support.holders and len(joint.beams) == 1:
-            force = force + sides.on_one
+            force = force + sides.force1
     if support.particle:
         fixed = scene.fixed[particle]
         terms = run.inertia(particle), run.force(particle), on_particle(run, particle)
@@ -152,7 +152,7 @@ def undetermined_forces(scene: Scene, responses: Iterable[Any]) -> dict[str, str
         response.name: f"conditions of {response.subjects[0]} depend on those of other joints of "
         "rigid parts, so that only the sum of their forces is determined: let a part between them "
         "be elastic, or take joints with fewer conditions"
-        for response, own in joints if own & names
+        for response, joint_names in joints if joint_names & names
     }  # fmt: skip
 
 
@@ -172,7 +172,7 @@ def undetermined(scene: Scene) -> set[str]:
     joints: set[str] = set()
     count, groups = connected_components(abs(rows) @ abs(rows).T, directed=False)
     for group in range(count):
-        own = np.flatnonzero(groups == group)
-        shares = dependence(rows[own][:, np.unique(rows[own].indices)].toarray())[1]
-        joints.update(names[own][shares > SHARE].tolist())
+        members = np.flatnonzero(groups == group)
+        shares = dependence(rows[members][:, np.unique(rows[members].indices)].toarray())[1]
+        joints.update(names[members][shares > SHARE].tolist())
     return joints

@@ -164,8 +164,8 @@ def _path_of(spec) -> tuple[OpeningPath, Abscissa]:
     first, last = (float(hinge.opening) if end is None else end for end in ends)
     if first == last:
         raise _error(spec, "to", spec.data["to"], "another opening than `from`")
-    own = ", from each run's start" if ends[0] is None else ""
-    abscissa = Abscissa(f"opening of {openings[0]}{own}", unit, first, last)
+    suffix = ", from each run's start" if ends[0] is None else ""
+    abscissa = Abscissa(f"opening of {openings[0]}{suffix}", unit, first, last)
     return OpeningPath(openings, *ends, stand), abscissa
 
 
@@ -332,14 +332,14 @@ def _opening(spec, key: str, hinge, unit: str) -> float | None:
     if value == STOW:
         return None
     number, _, unit_name = str(value).strip().partition(" ")
-    own = ("m", "mm") if unit == "m" else ("rad", "deg")
+    pair = ("m", "mm") if unit == "m" else ("rad", "deg")
     try:
-        opening = float(number) * (UNITS[unit_name] if unit_name in own else 1.0 / (not unit_name))
+        opening = float(number) * (UNITS[unit_name] if unit_name in pair else 1.0 / (not unit_name))
     except (ValueError, ZeroDivisionError):
         opening = np.nan
     if isinstance(value, bool) or not np.isfinite(opening):
         allowed = (
             f"`stow`, the opening at the start, or a number ({unit}), with or without its unit"
         )
-        raise _error(spec, key, value, f"{allowed} ({', '.join(own)})")
+        raise _error(spec, key, value, f"{allowed} ({', '.join(pair)})")
     return opening

@@ -58,8 +58,8 @@ def _parse(name, definition, responses, elements, quantities) -> Quantity:
         "way": lambda key, value: _one_of(key, value, DIRECTIONS),
         "at": lambda key, value: _moment(key, value, quantities),
     }
-    own = [field for field in KINDS[kind].keys if field in definition]
-    fields = {field: read[field](f"{key}.{field}", definition[field]) for field in own}
+    keys = [field for field in KINDS[kind].keys if field in definition]
+    fields = {field: read[field](f"{key}.{field}", definition[field]) for field in keys}
     unit = KINDS[kind].unit or response.unit
     if kind == "smallest_at":
         unit = response.along.unit if response.along else "s"

@@ -18,12 +18,12 @@ from fpm.scenes.scene import Scene
 
 class Sides(NamedTuple):
     """Forces and moments of a joint on the particles of its two sides, (t, 3) each in global axes.
-    on_one, on_two: forces (N); about_one, about_two: moments about the particle (N m)."""
+    force1, force2: forces (N); moment1, moment2: moments about the particle (N m)."""
 
-    on_one: np.ndarray
-    about_one: np.ndarray
-    on_two: np.ndarray
-    about_two: np.ndarray
+    force1: np.ndarray
+    moment1: np.ndarray
+    force2: np.ndarray
+    moment2: np.ndarray
 
 
 class Recording:
@@ -138,9 +138,9 @@ class Recording:
         """Return rates of change of momentum (t, 3) N and angular momentum (t, 3) N m of a particle
         (its index), in global axes, also where a drive moves it."""
         (change, turning), spin = self.acceleration(particle), self.spin(particle)
-        own = self.scene.inertia[particle]
+        inertia = self.scene.inertia[particle]
         momentum, moment = (
-            self._in_own_axes(particle, v, lambda x: x * own) for v in (spin, turning)
+            self._in_own_axes(particle, v, lambda x: x * inertia) for v in (spin, turning)
         )
         return self.scene.mass[particle] * change, moment + np.cross(spin, momentum)
 
@@ -149,8 +149,8 @@ class Recording:
         one column for each of the `a` components ("spring", "damper", ...: PARTS), and the work (t,
         a) J of each since the start."""
         rows = self._rows(self._parts[Opening].part_track, len(self.scene.hinges) * len(PARTS))
-        own = rows[:, hinge * len(PARTS) : (hinge + 1) * len(PARTS)]
-        return own[..., 0], own[..., 1]
+        columns = rows[:, hinge * len(PARTS) : (hinge + 1) * len(PARTS)]
+        return columns[..., 0], columns[..., 1]
 
     def sections(self, bar: str) -> tuple[Bar, Sections]:
         """Return a bar (Bar) by its name, and its Sections: forces and moments at all instants."""
@@ -175,6 +175,6 @@ class Recording:
         for kind in (Hinge, Joint):
             if elements := kind.find(self.scene):
                 rows = self._rows(self._parts[kind].forces, len(elements)).swapaxes(0, 1)
-                sides = (Sides(*np.split(own, 4, axis=1)) for own in rows)
+                sides = (Sides(*np.split(forces, 4, axis=1)) for forces in rows)
                 pairs += zip(elements, sides, strict=True)
         return pairs

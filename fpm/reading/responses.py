@@ -138,9 +138,9 @@ def _vector(spec: Definition, names: Names | None = None, unit: str = "") -> Res
     """A vector along or about global axes, or its size: of a variable, or of some names."""
     name = spec.one_of((names or spec.variable.names)(spec.scene))
     component = spec.one_of((*AXES, "norm"), "component")
-    own = AXES if component == "norm" else (component,)
+    axes = AXES if component == "norm" else (component,)
     prefix = "magnitude of the " if component == "norm" else f"{component}-component of the "
-    columns = () if names else tuple((spec.kind, f"{name} {axis}") for axis in own)
+    columns = () if names else tuple((spec.kind, f"{name} {axis}") for axis in axes)
     text = f"{prefix}{spec.kind.replace('_', ' ')} of {name}"
     return spec.response((name,), component, unit or spec.variable.unit, text, columns)
 
@@ -177,11 +177,11 @@ def _section(spec: Definition) -> Response:
         raise SceneError(f"responses.{spec.name}.at", share, allowed)
     bending = parts[1].removesuffix("_y")
     component = spec.one_of((*parts, bending), "component")
-    own = parts[1:] if component == bending else (component,)
+    labels = parts[1:] if component == bending else (component,)
     noun = spec.kind.removeprefix("section_")
     text = component.replace("_", " along " if noun == "force" else " about ")
     text = f"{text} {noun} of {name} at {share:g} of its length"
-    columns = tuple((spec.kind, f"{name} at {share:g} {label}") for label in own)
+    columns = tuple((spec.kind, f"{name} at {share:g} {label}") for label in labels)
     size = "norm" if component == bending else component
     return spec.response((name, f"{share:g}"), size, spec.variable.unit, text, columns)
 

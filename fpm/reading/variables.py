@@ -132,7 +132,7 @@ def _keep_joint(scene: Scene, name: str) -> Probe:
 
 def _constraint(moment: bool, recording: Recording, name: str) -> np.ndarray:
     joint, sides = next(pair for pair in recording.joints if pair[0].name == name)
-    return couple_on_two(recording, joint, sides) if moment else sides.on_two
+    return couple_on_two(recording, joint, sides) if moment else sides.force2
 
 
 def _keep_reaction(scene: Scene, name: str) -> Probe:
@@ -339,11 +339,11 @@ def read_records(recording: Recording, columns: Iterable[Column]) -> dict[str, S
     series = {}
     for name, labels in _by_variable(columns).items():
         variable = VARIABLES[name]
-        own = [variable.column(recording, label) for label in labels]
-        rows = max(map(len, own))  # travels have positions of their own
-        own = [np.pad(column, (0, rows - len(column)), mode="edge") for column in own]
+        curves = [variable.column(recording, label) for label in labels]
+        rows = max(map(len, curves))  # travels have positions of their own
+        curves = [np.pad(column, (0, rows - len(column)), mode="edge") for column in curves]
         dimension, axis = f"{name}_{variable.along}", variable.time_dim
-        values = np.stack(own, axis=1)
+        values = np.stack(curves, axis=1)
         series[name] = Series(
             values, variable.unit, variable.long_name, dimension, labels, axis, sources.reading()
         )

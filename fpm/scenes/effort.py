@@ -61,7 +61,7 @@ def machine() -> float:
     one: 1/2.9 (measured) with 512 bits, 2 below 256."""
     from llvmlite.binding import get_host_cpu_features
 
-    has = get_host_cpu_features()
-    if has.get("avx512f"):
+    features = get_host_cpu_features()
+    if features.get("avx512f"):
         return 1 / 2.9
-    return 1.0 if has.get("avx2") else 2.0  # 128 bits: twice the instructions
+    return 1.0 if features.get("avx2") else 2.0  # 128 bits: twice the instructions

@@ -102,8 +102,8 @@ class SceneType:
         """Names of the energies (J) that a run of the structure records: kinetic, those of all
         element types in the registry (zero where the structure has no such element) and of its own
         types, and balance (the error of the energy balance)."""
-        own = (energy.name for energy in energies_of(self.sample.kinds))
-        return ("kinetic", *own, "balance")
+        names = (energy.name for energy in energies_of(self.sample.kinds))
+        return ("kinetic", *names, "balance")
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "description", one_line(self.description))

@@ -23,7 +23,7 @@ class CurvesFileError(ValueError):
 @dataclass(frozen=True)
 class CurvesFile:
     """Content of a CSV file of curves: times (R) in s, `columns` (R) by name in SI units, and
-    the `dimension` of each; digest: of the whole file."""
+    the `dimensions` of each; digest: of the whole file."""
 
     times: np.ndarray
     columns: dict[str, np.ndarray]

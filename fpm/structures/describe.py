@@ -43,7 +43,7 @@ def describe(structure: SceneType, duration: float = 1.0) -> str:
 def _lists(scene: Scene) -> Iterator[tuple[str, Iterable[str]]]:
     """Titles, and what there is of each in a scene."""
     start = scene.assembly.openings if scene.assembly else [h.opening for h in scene.hinges]
-    joints = [f"{h.name} ({_opening(h, was)})" for h, was in zip(scene.hinges, start, strict=True)]
+    joints = [f"{h.name} ({_opening(h, psi)})" for h, psi in zip(scene.hinges, start, strict=True)]
     joints += [f"{j.name} ({j.type})" for j in scene.kinds.get(Joint, []) if j.type != "held"]
     yield "bars", bars_of(scene) if scene.beams else ()
     yield "bodies", scene.bodies

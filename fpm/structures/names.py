@@ -56,8 +56,8 @@ class Context:
         if not self.prefix:
             return list(names)
         units = tuple(unit for units in self.units().values() for unit in units)
-        own = [name.removeprefix(self.prefix) for name in names if name.startswith(self.prefix)]
-        return own + [name for name in names if not name.startswith(units)]
+        tails = [name.removeprefix(self.prefix) for name in names if name.startswith(self.prefix)]
+        return tails + [name for name in names if not name.startswith(units)]
 
     def units(self) -> dict[str, list[str]]:
         """Return the prefixes ("bay1.", ...) of each repeat's units, in order, by its name."""

@@ -208,8 +208,8 @@ class _Finder:
         finders = (finder for finder in sys.meta_path if not isinstance(finder, _Finder))
         specs = (finder.find_spec(name, path, target) for finder in finders)
         spec = next(filter(None, specs), None)
-        own = spec and spec.has_location
-        if own and not is_installed(os.path.realpath(spec.origin)):
+        is_file = spec and spec.has_location
+        if is_file and not is_installed(os.path.realpath(spec.origin)):
             if isinstance(spec.loader, ExtensionFileLoader):
                 self.record.unseen.append(f"import {name}")
             elif isinstance(spec.loader, SourceFileLoader):

@@ -156,12 +156,12 @@ def _moment(spring: TorsionSpring | TableSpring, opening: float) -> float:
 
 def _inertia(scene: Scene, hinge: Hinge) -> float:
     """Moment of inertia (kg m2) about a hinge, or mass (kg), of its parts against each other."""
-    own, first = report.bodies(scene), hinge.beams[0]
+    numbers, first = report.bodies(scene), hinge.beams[0]
     axis = scene.frame[first.particle] @ hinge.axes[0]
     point = scene.position[first.particle] + scene.frame[first.particle] @ first.arm
     inverse = 0.0
     for beam in hinge.beams:
-        body = own == own[beam.particle]
+        body = numbers == numbers[beam.particle]
         if scene.fixed[body].all(axis=1).any():
             continue
         arms = np.cross(axis, scene.position[body] - point)

@@ -62,8 +62,8 @@ def mass(scene: Scene) -> float:
 
 def centre(scene: Scene) -> np.ndarray:
     """Return a scene's centre of mass (3,), m, at the start, without the ground (see `mass`)."""
-    own = _own_particles(scene)
-    return scene.mass[own] @ scene.position[own] / scene.mass[own].sum()
+    particles = _own_particles(scene)
+    return scene.mass[particles] @ scene.position[particles] / scene.mass[particles].sum()
 
 
 def mobility(scene: Scene) -> Mobility:
@@ -80,13 +80,13 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
     of its b moving rigid bodies (bars as rigid), and names (c) of their joints and supports, as
     "joint knee". Six columns a body: the velocity (3) of its point at the structure's middle, and
     its angular velocity (3) times the structure's size; rows of angles are times the size, too."""
-    own, rules, count = bodies(scene), conditions_of(scene), len(scene.position)
-    is_fixed = np.isin(own, own[scene.fixed.all(axis=1)])
-    moving = np.unique(own[~is_fixed])
+    numbers, rules, count = bodies(scene), conditions_of(scene), len(scene.position)
+    is_fixed = np.isin(numbers, numbers[scene.fixed.all(axis=1)])
+    moving = np.unique(numbers[~is_fixed])
     size = float(np.ptp(scene.position, axis=0).max()) or 1.0
     motion = np.zeros((count, 6, len(moving), 6))  # of particles, by those of their parts
     for particle in np.flatnonzero(~is_fixed):
-        block = motion[particle, :, np.searchsorted(moving, own[particle])]
+        block = motion[particle, :, np.searchsorted(moving, numbers[particle])]
         arm = scene.position[particle] - scene.position.mean(axis=0)
         block[:3, :3], block[3:, 3:] = np.eye(3), np.eye(3) / size
         block[:3, 3:] = -np.cross(np.eye(3), arm) / size

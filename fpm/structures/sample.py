@@ -98,7 +98,7 @@ def _build(build: Builder, entry: Entry) -> None:
         _note(build, entry.line, entry.key, SceneError("", str(error), "possible numbers"))
         return
     kinds = build.scene.kinds.items()
-    new = [(kind, i) for kind, own in kinds for i in range(count[kind], len(own))]
+    new = [(kind, i) for kind, elements in kinds for i in range(count[kind], len(elements))]
     if entry.statement.group == "actions":
         build.scene.action_names |= dict.fromkeys(new, entry.name)
     if word := vars(values).get("class"):

@@ -127,9 +127,9 @@ def element(kind: type[ElementType], args: SimpleNamespace, **extra: Any) -> Ele
     (SI units), `joint` standing for the field `hinge`; extra: fields that override them. Fields
     that are None or missing take their defaults."""
     values = {**vars(args), "hinge": getattr(args, "joint", None), **extra}
-    own = {f.name: values.get(f.name) for f in fields(kind)}
-    own = {name: tuple(x) if isinstance(x, list) else x for name, x in own.items()}
-    return kind(**{name: value for name, value in own.items() if value is not None})
+    arguments = {f.name: values.get(f.name) for f in fields(kind)}
+    arguments = {name: tuple(x) if isinstance(x, list) else x for name, x in arguments.items()}
+    return kind(**{name: value for name, value in arguments.items() if value is not None})
 
 
 def acting(
@@ -145,9 +145,9 @@ def acting(
     the function's docstring; excluded: fields that are no keys; left_out: by field without default,
     what leaving its key out means; extra: Keys to add, or to replace those of fields."""
     names = [name for name in specs(kind) if name not in excluded]
-    own = {name: key_of(kind, name, (left_out or {}).get(name, "")) for name in names}
-    keys = {"joint": own.pop("hinge")} if "hinge" in own else {}
-    keys |= {**{name: key for name, key in extra.items() if name not in own}, **own, **extra}
+    table = {name: key_of(kind, name, (left_out or {}).get(name, "")) for name in names}
+    keys = {"joint": table.pop("hinge")} if "hinge" in table else {}
+    keys |= {**{name: key for name, key in extra.items() if name not in table}, **table, **extra}
     keys |= CLASS if kind.resists_as else {}
     required_first = sorted(keys.items(), key=lambda pair: pair[1].default is not NO_VALUE)
     return statement("actions", kind.noun, text, **dict(required_first))

@@ -127,9 +127,9 @@ def acts(kind: type) -> bool:
     """Return whether an element type `kind` has a kernel that adds forces to particles."""
     from fpm.kernels.hooks import KERNELS
 
-    own = kind.kernels()
+    kernels = kind.kernels()
     array_types = [array_type for array_type, name in KERNELS if name == "forces"]
-    return any(array_type.__module__ == own.__name__ for array_type in array_types)
+    return any(array_type.__module__ == kernels.__name__ for array_type in array_types)
 
 
 def _numbers(parts) -> list[np.ndarray]:

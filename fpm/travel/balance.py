@@ -56,9 +56,9 @@ class Balance:
         angle (rad) that is the unit of each degree of freedom of the n particles."""
         from scipy.sparse import diags
 
-        own = diags(scales)
+        units = diags(scales)
         soft = [acting.linearise(poses)[1] for acting in self.acting]
-        bars, *springs = (abs(own @ k @ own).max() for k in (self._of_bars(poses)[1], *soft))
+        bars, *springs = (abs(units @ k @ units).max() for k in (self._of_bars(poses)[1], *soft))
         return max(STIFF * bars, SOFT * max(springs, default=0.0)) or 1.0
 
     def _of_bars(self, poses: ParticlePoses):

@@ -44,12 +44,12 @@ def classes_of_kinds(scene) -> dict[str, str]:
     """Return the class of each component of a scene's virtual work by name (a key of CLASSES in
     `fpm.reading.standards`, as "FR" for friction), by element type alone, whatever class a file
     states; but a table is a spring where a file says so."""
-    own = {bearing_name(scene, hinge): "FR" for hinge in scene.bearings}
+    classes = {bearing_name(scene, hinge): "FR" for hinge in scene.bearings}
     for part in components_of(scene):
-        own[part.name] = "FR" if part.baseline else type(part.balanced).resists_as
+        classes[part.name] = "FR" if part.baseline else type(part.balanced).resists_as
         if isinstance(part.balanced, TableSpring) and part.resists_as == "S":
-            own[part.name] = "S"
-    return own
+            classes[part.name] = "S"
+    return classes
 
 
 def reeled(scene) -> list[str]:
@@ -122,7 +122,7 @@ def components_of(scene) -> list[Component]:
     action_counts = Counter(name for (k, _), name in scene.action_names.items() if k in kinds)
     bearings = {bearing_name(scene, hinge) for hinge in scene.bearings}
     for kind in kinds:
-        own = kind.resists_as
+        code = kind.resists_as
         for i, (name, element) in enumerate(
             zip(kind.names(scene), kind.sweep_elements(scene), strict=True)
         ):
@@ -130,9 +130,9 @@ def components_of(scene) -> list[Component]:
                 name = f"{action} ({name})" if action_counts[action] > 1 else action
             count[name] += 1
             name = f"{name} #{count[name]}" if count[name] > 1 else name
-            is_class = scene.classes.get((kind, i), own)
+            is_class = scene.classes.get((kind, i), code)
             components.append(
-                Component(name, _load_cases_of(scene, element), is_class, own in DRAGS)
+                Component(name, _load_cases_of(scene, element), is_class, code in DRAGS)
             )
     for cable, smooth in zip(scene.cables, Cable.sweep_elements(scene), strict=True):
         if cable.rubs:

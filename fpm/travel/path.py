@@ -210,11 +210,11 @@ class Path:
         lacks = np.zeros(len(self._weight))
         first, *changes = (self._solve(forces, lacks)[1] for forces in (friction, *pushes))
         joints, pushing = np.array(self._conditions.joint), self._conditions.axis_types != NORMAL
-        own = [(joints == hinge.joint) & pushing for hinge in hinges]
-        for rows in own:
+        masks = [(joints == hinge.joint) & pushing for hinge in hinges]
+        for rows in masks:
             rows[-self._leading :] = False
-        base = [(self._weight * (self._impulses + first))[rows] for rows in own]
-        slopes = [np.stack([(self._weight * x)[rows] for x in changes], axis=1) for rows in own]
+        base = [(self._weight * (self._impulses + first))[rows] for rows in masks]
+        slopes = [np.stack([(self._weight * x)[rows] for x in changes], axis=1) for rows in masks]
         forces, is_solved = forces_with_friction(base, slopes)
         if not is_solved:
             name = hinges[int(np.argmax(levers * forces))].name

@@ -146,7 +146,7 @@ def test_peers_are_not_told_half_of_a_structure():
 
 
 def test_ratios_are_of_runs_that_agree():
-    ours = structures.Ours(np.zeros((2, 3)), 10, 1e-3, 4e-3, 5e-4, 1e-3)
+    ours = structures.Run(np.zeros((2, 3)), 10, 1e-3, 4e-3, 5e-4, 1e-3)
     runs = [
         (off, {"name": f"step {step}", "cpu": cpu, "building": 1e-3, "version": "1"})
         for off, step, cpu in ((1e-1, 3, 1e-3), (5e-4, 2, 5e-3), (1e-5, 1, 8e-2))

@@ -100,7 +100,7 @@ def test_scan_tells_how_sharp_the_fit_is():
     assert scan.best.K_F == 5.3
     assert scan.numbers_at(5.12).K_F == 5.1
     assert spans(scan.K_F, scan.fits) == [[5.1, 5.3]]
-    assert spans(scan.K_F, scan.within(0.2)) == [[5.2, 5.3]]
+    assert spans(scan.K_F, scan.mask_within(0.2)) == [[5.2, 5.3]]
     assert spans(scan.K_F, scan.misfit < 0) == []
 
 

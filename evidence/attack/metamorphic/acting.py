@@ -90,10 +90,10 @@ class Acting:
 
     def act(self, joint: str, opening: float, turns: bool) -> None:
         """Up to three different things on an opening."""
-        own = TURNING if turns else SLIDING
+        kinds = TURNING if turns else SLIDING
         if "_" in joint or opening <= 0.0:
-            own = [kind for kind in own if kind != "contact"]
-        for kind in self.rng.sample(own, self.rng.choice([0, 1, 1, 2, 3])):
+            kinds = [kind for kind in kinds if kind != "contact"]
+        for kind in self.rng.sample(kinds, self.rng.choice([0, 1, 1, 2, 3])):
             entry = getattr(self, "_" + kind.replace(" ", "_"))(joint, opening)
             if not turns:
                 entry = {ON_SLIDES.get(key, key): value for key, value in entry.items()}

@@ -18,9 +18,9 @@ class Image:
     """A structure in other words, and how to read what it does.
 
     Positions (m) are `matrix` times those of the original plus `shift`, all times the factors of
-    their units (`factor`); openings are `sign` times the original's plus `zero` (by joint);
-    `names` that are others; all happens `later` (s). is_exact: by the same arithmetic but for
-    rounding, else to the order of the step. omits: kinds of curves that are not the same;
+    their units (`factor`); openings are a sign times the original's plus a zero (`opening_maps`, by
+    joint); `names` that are others; all happens `delay` (s) later. is_exact: by the same arithmetic
+    but for rounding, else to the order of the step. omits: kinds of curves that are not the same;
     skips: so many instants at the start are not.
     """
 

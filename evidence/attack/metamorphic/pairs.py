@@ -4,7 +4,7 @@ What is the same arithmetic but for rounding must agree to `ROUNDING`, and to wh
 structure that are off by `NUDGE` change, `GROWTH` times: where that is much, the motion hangs on
 rounding (something catches, sticks or slackens just so), and the pair says nothing. What is the
 same to the order of the step must agree within `ORDER` times what half the step changes, and so
-must what is read off amid a step (`AMID`).
+must what is read off amid a step (`LATCH_KINDS`).
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ SENSITIVE = 1e-4
 ORDER = 3.0
 """The error of a first-order method is twice what half the step changes, on both sides."""
 
-AMID = frozenset(
+LATCH_KINDS = frozenset(
     f"{prefix}latch_{kind}" for prefix in ("", "slide_") for kind in ("rate", "impact", "impulse")
 )
 """Of the instant at which a latch catches: interpolated in the step, from the axes of a side."""
@@ -88,8 +88,8 @@ def differences(curves: Curves, image_curves: Curves, image: Image) -> Sizes:
     for (kind, label), (values, unit) in curves.items():
         if kind in image.omits or label.startswith(PREFIX):
             continue
-        alike = [np.abs(v).max() for (w, _), (v, _) in curves.items() if w == kind]
-        scale, size = max(LEAST * image.factor(unit), *alike), np.inf
+        peaks = [np.abs(v).max() for (w, _), (v, _) in curves.items() if w == kind]
+        scale, size = max(LEAST * image.factor(unit), *peaks), np.inf
         if (kind, label) in image_curves:
             skipped = max(image.skips, kind in UNRELIABLE_STARTS)
             size = np.abs(values - image_curves[kind, label][0])[skipped:].max() / scale
@@ -178,10 +178,10 @@ class Trial:
         sizes = differences(reference, run.curves, image)
         steps = dict.fromkeys(sizes, 0.0)
         excess, text = _most_over(sizes, growth, steps)
-        if excess > 1.0 and (not image.is_exact or sizes.keys() & AMID):
+        if excess > 1.0 and (not image.is_exact or sizes.keys() & LATCH_KINDS):
             steps = self._by_step(base, run, image)
             if image.is_exact:
-                steps = {kind: size for kind, size in steps.items() if kind in AMID}
+                steps = {kind: size for kind, size in steps.items() if kind in LATCH_KINDS}
             excess, text = _most_over(sizes, growth, steps)
         return "right" if excess <= 1.0 else "wrong", text
 

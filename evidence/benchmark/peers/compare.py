@@ -113,10 +113,10 @@ def exudyn(duration: float, repeats: int, cases=None) -> list[Row]:
 
 
 def _against_exudyn(
-    exact: list, fine: np.ndarray, duration: float, repeats: int, ours: tuple[float, float]
+    exact: list, fine: np.ndarray, duration: float, repeats: int, result: tuple[float, float]
 ) -> list[Row]:
-    """Our cost (cpu s per s) and error (m) against those of Exudyn's runs, with its version."""
-    cost, error = ours
+    """Our result, cost (cpu s per s) and error (m), against Exudyn's, with its version."""
+    cost, error = result
     fastest, deviation, version = min(exact)
     name = f"{WHAT_EXUDYN} (Exudyn {version})"
     elements, error_there = as_accurate(deviation, fine, duration)
@@ -161,7 +161,7 @@ def elastica(duration: float, repeats: int, cases=None) -> list[Row]:
         scenes = linkages(32, ELEMENTS)
         step = 0.85 * fpm.stable_step(scenes[0]).step
         seconds = best({"ours": runner(scenes, 4000, step)}, repeats)["ours"]
-        mine = 1e9 * seconds / 4000 / count / 32
-        name = f"{title} ({mine:.3g} ns)"
-        rows.append(info(name, min(costs) / mine, "x"))
+        cost = 1e9 * seconds / 4000 / count / 32
+        name = f"{title} ({cost:.3g} ns)"
+        rows.append(info(name, min(costs) / cost, "x"))
     return rows

@@ -118,7 +118,7 @@ def exudyn(repeats: int, cases=CASES, steps: int | None = None) -> list[Row]:
 
 
 @dataclass(frozen=True)
-class Ours:
+class Run:
     """A run, its places (instants, 3) m and how many steps it took, and seconds of cpu a sample.
 
     batch: one of a batch, single: by itself, set_up: packing and handing back one of a batch,
@@ -137,15 +137,15 @@ def _rows(case: Case, python: str, repeats: int, steps: int | None) -> list[Row]
     structure = structures.load(FOLDER / f"{case.name}.yaml")
     fine = _fine(case, structure)
     distance = float(np.linalg.norm(fine - fine[0], axis=1).max())
-    ours, answers = _measure(case, structure, python, repeats, steps)
-    deviation = _deviation(ours.places, fine, distance)
-    note = f"{ours.steps} steps{_mesh(case.parameters)}, off by {deviation:.2g} of the way; "
-    note += f"{ours.set_up / ours.batch:.0%} of it is set-up; {1e3 * ours.building:.2g} ms more to "
+    run, answers = _measure(case, structure, python, repeats, steps)
+    deviation = _deviation(run.places, fine, distance)
+    note = f"{run.steps} steps{_mesh(case.parameters)}, off by {deviation:.2g} of the way; "
+    note += f"{run.set_up / run.batch:.0%} of it is set-up; {1e3 * run.building:.2g} ms more to "
     note += "build the scene from its file"
     batch = f"{case.text}: ours, a sample of a batch of {SAMPLES}"
     rows = [
-        info(batch, ours.batch / case.duration, compare.COST, note),
-        info(f"{case.text}: ours, alone", ours.single / case.duration, compare.COST),
+        info(batch, run.batch / case.duration, compare.COST, note),
+        info(f"{case.text}: ours, alone", run.single / case.duration, compare.COST),
     ]
     right = []
     for answer in answers:
@@ -154,43 +154,43 @@ def _rows(case: Case, python: str, repeats: int, steps: int | None) -> list[Row]
             error = answer.get("error", "not finite").splitlines()[0]
             rows.append(info(name, "none", compare.COST, f"breaks down: {error}"))
             continue
-        theirs = _deviation(np.array(answer["points"][case.point]), fine, distance)
-        right.append((theirs, answer))
-        note = f"off by {theirs:.2g} of the way; {1e3 * answer['building']:.2g} ms more to build it"
+        miss = _deviation(np.array(answer["points"][case.point]), fine, distance)
+        right.append((miss, answer))
+        note = f"off by {miss:.2g} of the way; {1e3 * answer['building']:.2g} ms more to build it"
         rows.append(info(name, answer["cpu"] / case.duration, compare.COST, note))
     text = f"{case.text}: motion of '{case.point}', Exudyn's most accurate run against ours"
     source = f"ours with {f'{case.finest} elements' if case.finest else 'a quarter of the step'}"
-    best_off = min((theirs for theirs, _ in right), default=np.inf)
+    best_off = min((miss for miss, _ in right), default=np.inf)
     rows.append(at_most(text, best_off, case.tolerance, source, unit="of the way"))
-    return rows + _ratios(case, ours, deviation, right)
+    return rows + _ratios(case, run, deviation, right)
 
 
-def _ratios(case: Case, ours: Ours, deviation: float, right: list[tuple[float, dict]]) -> list[Row]:
+def _ratios(case: Case, run: Run, deviation: float, right: list[tuple[float, dict]]) -> list[Row]:
     """Exudyn's fastest run that agrees, and that is as accurate as ours, against ours.
 
-    deviation: our error; right: errors and answers of Exudyn's runs, shares of the way.
+    run: ours; deviation: its error; right: errors and answers of Exudyn's runs, shares of the way.
     """
-    agreeing = [pair for pair in right if pair[0] <= case.tolerance]
-    if not agreeing:
+    pairs = [pair for pair in right if pair[0] <= case.tolerance]
+    if not pairs:
         return []
-    theirs, fastest = min(agreeing, key=lambda pair: pair[1]["cpu"])
+    miss, fastest = min(pairs, key=lambda pair: pair[1]["cpu"])
     name = f"{case.text}: Exudyn {fastest['version']} against ours"
-    note = f"its {fastest['name']}, off by {theirs:.2g}, the fastest that agrees to "
-    note += f"{case.tolerance:g}; ours with steps of {case.duration / ours.steps:.2g} s off by "
+    note = f"its {fastest['name']}, off by {miss:.2g}, the fastest that agrees to "
+    note += f"{case.tolerance:g}; ours with steps of {case.duration / run.steps:.2g} s off by "
     note += f"{deviation:.2g}"
-    loops = fastest["cpu"] / max(ours.batch - ours.set_up, 1e-9)
-    whole = (fastest["cpu"] + fastest["building"]) / (ours.batch + ours.building)
-    least = min(theirs for theirs, _ in agreeing)
-    accurate = [pair for pair in agreeing if pair[0] <= max(deviation, least)]
-    theirs, equal = min(accurate, key=lambda pair: pair[1]["cpu"])
-    as_ours = f"its {equal['name']}, off by {theirs:.2g}"
-    as_ours += "; none is as accurate as ours" if theirs > deviation else ""
+    loops = fastest["cpu"] / max(run.batch - run.set_up, 1e-9)
+    whole = (fastest["cpu"] + fastest["building"]) / (run.batch + run.building)
+    least = min(miss for miss, _ in pairs)
+    accurate = [pair for pair in pairs if pair[0] <= max(deviation, least)]
+    miss, equal = min(accurate, key=lambda pair: pair[1]["cpu"])
+    as_ours = f"its {equal['name']}, off by {miss:.2g}"
+    as_ours += "; none is as accurate as ours" if miss > deviation else ""
     return [
-        at_least(f"{name}, a sample of a batch", fastest["cpu"] / ours.batch, 100.0, "", note, "x"),
+        at_least(f"{name}, a sample of a batch", fastest["cpu"] / run.batch, 100.0, "", note, "x"),
         info(f"{name}, the time loops alone", loops, "x"),
         info(f"{name}, with building the scenes", whole, "x"),
-        info(f"{name}, a sample alone", fastest["cpu"] / ours.single, "x"),
-        at_least(f"{name}, as accurate", equal["cpu"] / ours.batch, 100.0, "", as_ours, "x"),
+        info(f"{name}, a sample alone", fastest["cpu"] / run.single, "x"),
+        at_least(f"{name}, as accurate", equal["cpu"] / run.batch, 100.0, "", as_ours, "x"),
     ]
 
 
@@ -218,7 +218,7 @@ def _step(case: Case, scenes: list[fpm.Scene]) -> float:
 
 
 def _measure(case: Case, structure: SceneType, python: str, repeats: int, steps: int | None):
-    """Ours, and the answers of Exudyn with the least cpu times: in turns, the best of several."""
+    """Our run, and Exudyn's answers with the least cpu times: in turns, the best of several."""
     middle = structure.parameters[case.varies].default
 
     def build(share: float) -> fpm.Scene:
@@ -247,7 +247,7 @@ def _measure(case: Case, structure: SceneType, python: str, repeats: int, steps:
         answers = [_faster(*pair) for pair in zip(answers or new, new, strict=True)]
     for name in ("batch", "set_up"):
         least[name] /= SAMPLES
-    return Ours(_places(case, outcome), outcome.steps, **least), answers
+    return Run(_places(case, outcome), outcome.steps, **least), answers
 
 
 def _faster(a: dict, b: dict) -> dict:

@@ -111,15 +111,15 @@ def _bounds(case: Case, runs: Runs, line: np.ndarray) -> list[dict]:
         bands, seconds = {}, {}
         if order <= 64:
             design = design_of(case, Choice("tensor_lobatto", order))
-            own = runs_at(design.points)
+            values = runs_at(design.points)
             start = time.perf_counter()
-            bands["polynomial"] = intervals.surrogate_range(intervals.fit(design, own))
+            bands["polynomial"] = intervals.surrogate_range(intervals.fit(design, values))
             seconds["polynomial"] = (time.perf_counter() - start) / INSTANTS
         if order > 1:
             even = np.linspace(-1.0, 1.0, order + 1)[:, None]
-            own = runs_at(even)
+            values = runs_at(even)
             start = time.perf_counter()
-            bands["spline"] = intervals.spline_range(intervals.fit_spline(even, own))
+            bands["spline"] = intervals.spline_range(intervals.fit_spline(even, values))
             seconds["spline"] = (time.perf_counter() - start) / INSTANTS
         for name, band in bands.items():
             ends = np.stack([band.lower, band.upper], axis=1)

@@ -63,7 +63,7 @@ def _measure_level(
     reference: bounds.Band,
     phases: dict[str, np.ndarray],
 ) -> list[dict]:
-    own = bounds.hull(runs) if level.scan else None
+    hull = bounds.hull(runs) if level.scan else None
     records = []
     for choice in level.choices:
         design = design_of(case, choice)
@@ -86,9 +86,9 @@ def _measure_level(
             "lanes": LANES,
             "total": bounds.distance(runs.time, band, reference, phases),
         }
-        if own is not None:
-            record["surrogate"] = bounds.distance(runs.time, band, own, phases)
-            record["estimate"] = bounds.judge_estimate(runs.time, band, own, phases)
+        if hull is not None:
+            record["surrogate"] = bounds.distance(runs.time, band, hull, phases)
+            record["estimate"] = bounds.judge_estimate(runs.time, band, hull, phases)
             record["scan"] = bounds.runs_in_band(band, runs)
         records.append(record)
     return records

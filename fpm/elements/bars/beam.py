@@ -265,7 +265,7 @@ def end_axes(scene) -> np.ndarray:
     nodes = np.concatenate([beams.nodes for beams in Beams.find(scene)])
     axes = np.concatenate([beams.end_axes() for beams in Beams.find(scene)], axis=1)
     pairs = zip(nodes.T, axes, strict=True)
-    ends = [np.einsum("mji,mjk->mki", frame[end], own) for end, own in pairs]
+    ends = [np.einsum("mji,mjk->mki", frame[end], square) for end, square in pairs]
     return np.hstack([end.reshape(-1, 6) for end in ends])
 
 

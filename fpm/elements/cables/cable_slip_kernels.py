@@ -38,7 +38,7 @@ def positive(x):
 
 
 @kernel
-def handed_on(part, first, j, strain):
+def find_flow(part, first, j, strain):
     """Return the unstrained length (m) that slips from the stretches `first` to j over the point at
     j's end, if j has this `strain`, and its derivative (m). part: arrays of all cables."""
     flow, follows = 0.0 * strain, 0.0 * strain + 1.0
@@ -49,9 +49,9 @@ def handed_on(part, first, j, strain):
         flow = flow + linked * (share * (start * local - (length - start)))  # start - length share
         slope = slope + linked * (follows * length * share * share)
         if k > first:
-            own, ratio = load(part.rubbed, k - 1, FREE_STRAIN), load(part.rubbed, k, RATIO)
+            free_strain, ratio = load(part.rubbed, k - 1, FREE_STRAIN), load(part.rubbed, k, RATIO)
             inverse = load(part.rubbed, k, INVERSE)
-            low, high = inverse * local - own, own - ratio * local
+            low, high = inverse * local - free_strain, free_strain - ratio * local
             linked = where_negative(low, where_negative(high, 0.0, linked), linked)
             follows = follows * where_negative(low, ratio, inverse)
             if not any_negative(-linked):
@@ -62,7 +62,7 @@ def handed_on(part, first, j, strain):
 @kernel
 def strain_alone(part, first, j, tight, slope, close):
     """Return the strain of stretch j > first if nothing could slip over the point at its end, 0 if
-    slack, and the derivative of `handed_on` (m) there. At this strain `handed_on` is 0: found by
+    slack, and the derivative of `find_flow` (m) there. At this strain `find_flow` is 0: found by
     Newton's method between bounds, from the solution to first order. part: arrays of all cables;
     first: the cable's first point; tight: length less unstrained length (m) of the stretches up to
     j; slope: derivative (m) for the stretches before j; close: allowed rest (m)."""
@@ -78,7 +78,7 @@ def strain_alone(part, first, j, tight, slope, close):
     high = larger(stuck, free_strain)
     low = FLOOR * high
     for _ in range(MOST):
-        flow, steep = handed_on(part, first, j, strain)
+        flow, steep = find_flow(part, first, j, strain)
         low, high = where_negative(flow, strain, low), where_negative(flow, high, strain)
         better, halfway = strain - flow / steep, sqrt(low * high)
         better = where_negative(low - better, better, halfway)

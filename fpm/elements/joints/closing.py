@@ -3,8 +3,6 @@ Impulses are summed over a step only where a probe wants them: the solvers count
 bodies; where sums are None nothing of it is compiled."""
 
 from fpm.elements.joints.hinge_arrays import (
-    ABOUT_ONE,
-    ABOUT_TWO,
     COARSE_GAP,
     DP,
     FORCE1,
@@ -15,8 +13,10 @@ from fpm.elements.joints.hinge_arrays import (
     OLD_D2,
     OLD_D3,
     OLD_X,
-    ON_ONE,
-    ON_TWO,
+    SIDE_FORCE1,
+    SIDE_FORCE2,
+    SIDE_MOMENT1,
+    SIDE_MOMENT2,
     TILT,
 )
 from fpm.elements.joints.joint_arrays import IMPULSE, TURN_IMPULSE
@@ -47,10 +47,10 @@ def count_hinge(sums, part, h, condition):
     if sums is not None:
         w, b = part.hinge_scratch, part.body_scratch
         lanes = condition + 0.0 * load(sums, h, 0)
-        add_where(sums, h, ON_ONE, get3(w, h, FORCE1), lanes)
-        add_where(sums, h, ABOUT_ONE, get3(b, 2 * h, DP), lanes)
-        add_where(sums, h, ON_TWO, -1.0 * get3(w, h, FORCE2), lanes)
-        add_where(sums, h, ABOUT_TWO, get3(b, 2 * h + 1, DP), lanes)
+        add_where(sums, h, SIDE_FORCE1, get3(w, h, FORCE1), lanes)
+        add_where(sums, h, SIDE_MOMENT1, get3(b, 2 * h, DP), lanes)
+        add_where(sums, h, SIDE_FORCE2, -1.0 * get3(w, h, FORCE2), lanes)
+        add_where(sums, h, SIDE_MOMENT2, get3(b, 2 * h + 1, DP), lanes)
 
 
 @kernel

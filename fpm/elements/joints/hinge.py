@@ -79,8 +79,8 @@ class JointBase(ElementType):
     def check(self, scene):
         """Check, before the joint is added, that no hinge or joint of the scene has its name; else
         raises SceneError. scene: the joint is not yet in it."""
-        own = {self.name} if self.type == "cross" else {self.name, self.joint}
-        if own & names_taken(scene):  # the first angle has checked for the second
+        names = {self.name} if self.type == "cross" else {self.name, self.joint}
+        if names & names_taken(scene):  # the first angle has checked for the second
             raise SceneError(type(self).__name__.lower(), self.joint, "a name not yet used")
 
     @classmethod

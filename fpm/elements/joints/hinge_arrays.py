@@ -76,7 +76,7 @@ class Hinges(NamedTuple):
     forces: np.ndarray | None = None  # ((instants + 1) h, SUMS, lanes) recorded
 
 
-ON_ONE, ABOUT_ONE, ON_TWO, ABOUT_TWO = 0, 3, 6, 9
+SIDE_FORCE1, SIDE_MOMENT1, SIDE_FORCE2, SIDE_MOMENT2 = 0, 3, 6, 9
 SUMS = 12
 """Impulses of a joint over a step: force on a body and moment about it, of both (3 each). Divided
 by the length of the kick they are its constraint forces."""

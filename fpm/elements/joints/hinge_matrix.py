@@ -306,10 +306,10 @@ def find_impulses(part):
     for h in range(w.shape[0]):
         if open_[h]:
             row1, row2 = 2 * h, 2 * h + 1
-            on_one, against_two = get3(w, h, FORCE1), get3(w, h, FORCE2)
+            force1, force2 = get3(w, h, FORCE1), get3(w, h, FORCE2)
             mp, mq = load(w, h, MP), load(w, h, MP + 1)
             moment = mp * get3(w, h, PA) + mq * get3(w, h, QA)
-            put3(b, row1, DV, times(get3(bodies, row1, AXIS_IM), on_one))
-            put3(b, row1, DP, cross(get3(b, row1, GLOBAL_ARM), on_one) - moment)
-            put3(b, row2, DV, times(get3(bodies, row2, AXIS_IM), opposite(against_two)))
-            put3(b, row2, DP, moment - cross(get3(b, row2, GLOBAL_ARM), against_two))
+            put3(b, row1, DV, times(get3(bodies, row1, AXIS_IM), force1))
+            put3(b, row1, DP, cross(get3(b, row1, GLOBAL_ARM), force1) - moment)
+            put3(b, row2, DV, times(get3(bodies, row2, AXIS_IM), opposite(force2)))
+            put3(b, row2, DP, moment - cross(get3(b, row2, GLOBAL_ARM), force2))

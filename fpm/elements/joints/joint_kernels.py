@@ -17,15 +17,15 @@ from fpm.elements.joints.closing import (
     watch,
 )
 from fpm.elements.joints.hinge_arrays import (
-    ABOUT_ONE,
-    ABOUT_TWO,
     COARSE_TILT,
     OLD_D2,
     OLD_D3,
     OLD_X,
-    ON_ONE,
-    ON_TWO,
     ROUNDS,
+    SIDE_FORCE1,
+    SIDE_FORCE2,
+    SIDE_MOMENT1,
+    SIDE_MOMENT2,
 )
 from fpm.elements.joints.hinge_matrix import world_inverse
 from fpm.elements.joints.joint_arrays import (
@@ -386,7 +386,7 @@ def record_sums(sums, part, row, timing):
                 first = first + impulse * get3(rows, r, TURN1)
                 second = second + impulse * get3(rows, r, TURN2)
             index = row * count + part.names[j]
-            put3(part.forces, index, ON_ONE, force)
-            put3(part.forces, index, ABOUT_ONE, first)
-            put3(part.forces, index, ON_TWO, -1.0 * force)
-            put3(part.forces, index, ABOUT_TWO, -1.0 * second)
+            put3(part.forces, index, SIDE_FORCE1, force)
+            put3(part.forces, index, SIDE_MOMENT1, first)
+            put3(part.forces, index, SIDE_FORCE2, -1.0 * force)
+            put3(part.forces, index, SIDE_MOMENT2, -1.0 * second)

@@ -59,9 +59,9 @@ def factorise(part):
                         matrix, start + c * size + m, 0
                     )
                 if r == c:
-                    own = load(rows, first + c, PIVOT)
-                    entry = larger(entry, part.ease * own)
-                    pivot = where_negative(-1.0 * own, 1.0 / sqrt(entry), 0.0)
+                    diagonal = load(rows, first + c, PIVOT)
+                    entry = larger(entry, part.ease * diagonal)
+                    pivot = where_negative(-1.0 * diagonal, 1.0 / sqrt(entry), 0.0)
                     store(rows, first + c, PIVOT, pivot)
                     entry = pivot * entry
                 else:

@@ -59,9 +59,9 @@ def put_turn(part, state, slot, r, k, turn):
     axes, so that the matrix of these is never negative. part: arrays of all joints; state: of the
     particles; k: 0 for the joint's first side, 3 for its second."""
     turn = times(get3(part.bodies, slot, TURNS), turn)
-    own = to_local(frame(state, part.particle[slot]), turn)
+    local_turn = to_local(frame(state, part.particle[slot]), turn)
     put3(part.rows, r, TURN1 + k, turn)
-    put3(part.rows, r, ROOT1 + k, times(get3(part.bodies, slot, ROOT), own))
+    put3(part.rows, r, ROOT1 + k, times(get3(part.bodies, slot, ROOT), local_turn))
 
 
 @kernel
@@ -85,10 +85,10 @@ def directions(part, j, first):
 
 
 @kernel
-def unit_vectors(like):
-    """The unit vectors along global x, y, z, each with the same value in all lanes (samples). like:
-    a number in lanes, only for its type."""
-    zero = 0.0 * like
+def unit_vectors(number):
+    """The unit vectors along global x, y, z, each with the same value in all lanes (samples).
+    number: one in lanes, only for its type."""
+    zero = 0.0 * number
     unity = zero + 1.0
     return vector(unity, zero, zero), vector(zero, unity, zero), vector(zero, zero, unity)
 

@@ -32,7 +32,7 @@ import numpy as np
 
 from fpm.elements.fields import index, number, topology, word
 from fpm.elements.joints.turn import HoldsHinge
-from fpm.elements.openings.friction import AT_ONCE, Friction
+from fpm.elements.openings.friction import SWEEP_DEFLECTION, Friction
 from fpm.elements.openings.latch import SIDES, AnyLatch
 from fpm.elements.openings.motor import AnyMotor
 from fpm.elements.openings.opening import (
@@ -178,7 +178,7 @@ class RigidFriction(Rigid):
     def sweep_elements(cls, scene):
         """Return Friction elements that slip at once (bristles of no size) in place of a scene's
         rigid ones, for moving an opening slowly through static equilibria (fpm/travel)."""
-        return [Friction(f.hinge, f.moment, AT_ONCE, 0.0) for f in cls.find(scene)]
+        return [Friction(f.hinge, f.moment, SWEEP_DEFLECTION, 0.0) for f in cls.find(scene)]
 
     def held_at_start(self, scene):
         (rate,) = turning_at_start(scene, [self.hinge])

@@ -6,8 +6,8 @@ import numpy as np
 
 from fpm.elements.joints.joint_arrays import HOLDS, RATE, SOLVED_IMPULSE, TARGET, Turns
 from fpm.elements.joints.turn_kernels import (
-    HELD_BY,
     HOLD_FIELDS,
+    HOLD_MOMENT,
     account,
     add_late_moment,
     end_work_of,
@@ -86,10 +86,10 @@ def turning(part, i, timing):
     last = sign * load(part.rates, i, LAST)
     last = where_negative(last, 0.0, last)
     fall = last - sign * load(part.turns.state, part.turn[i], RATE)
-    fell = sign * load(part.rates, i, OLD_RATE) - last
+    old_fall = sign * load(part.rates, i, OLD_RATE) - last
     vertex = 0.5 * timing.step * (last - 0.5 * fall) * (last - 0.5 * fall) / fall
     sudden = 0.5 * timing.kick * last * last / fall
-    blow = fell - 0.5 * fall
+    blow = old_fall - 0.5 * fall
     share = last / fall
     if timing.time > 0.0:
         share = where_negative(blow, 0.5 + load(part.turns.blow, 0, 0), share)
@@ -133,7 +133,7 @@ def slipping(part, i, full, timing):
     if timing.time == 0.0:
         return full
     delay = load(part.turns.blow, 0, 0)
-    mean = (0.5 - delay) * full + (0.5 + delay) * load(part.state, i, WORKS + HELD_BY)
+    mean = (0.5 - delay) * full + (0.5 + delay) * load(part.state, i, WORKS + HOLD_MOMENT)
     is_slip = -absolute(load(part.state, i, LAST_BRAKE))
     return where_negative(is_slip, full, mean)
 
@@ -171,6 +171,6 @@ def work_after(part, world, timing):
     the solver; timing: times of this step (s)."""
     for i in range(part.hinge.shape[0]):
         moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], timing)
-        late = moment - load(part.state, i, LAST_BRAKE)
-        add_late_moment(part.openings.moments, part.openings, part.hinge[i], late)
+        late_moment = moment - load(part.state, i, LAST_BRAKE)
+        add_late_moment(part.openings.moments, part.openings, part.hinge[i], late_moment)
         end_work_of(part, world, i, moment, WORKS, -1.0)

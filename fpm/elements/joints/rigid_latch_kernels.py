@@ -18,7 +18,7 @@ from fpm.elements.openings.latch_kernels import (
     reach_of,
 )
 from fpm.elements.openings.latch_kernels import HOLD_ANGLE as PLACE
-from fpm.elements.openings.latch_kernels import NUMBERS as OF_ALL
+from fpm.elements.openings.latch_kernels import NUMBERS as LATCH_NUMBERS
 from fpm.elements.openings.latch_kernels import STATE as LATCH
 from fpm.elements.openings.losses_kernels import RATE as LAST
 from fpm.elements.openings.losses_kernels import half_rate
@@ -36,7 +36,7 @@ PREDICTION = IMPACT + 1  # opening that is foreseen for the end of this step
 SEARCHED = PREDICTION + 1  # opening up to which it has looked, as foreseen in the step before
 STATE = SEARCHED + 1
 
-NUMBERS = OF_ALL[:4]  # how it catches
+NUMBERS = LATCH_NUMBERS[:4]  # how it catches
 TRACK = 4  # recorded: as of all latches, and the impulse with which it caught
 
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.joints.joint_arrays import TARGET, Turns
-from fpm.elements.joints.turn_kernels import HELD_BY, HOLD_FIELDS, account, end_work
+from fpm.elements.joints.turn_kernels import HOLD_FIELDS, HOLD_MOMENT, account, end_work
 from fpm.elements.openings.opening_kernels import Openings
 from fpm.kernels.curves import bend_after, travel
 from fpm.kernels.hooks import hook
@@ -71,4 +71,4 @@ def record_step(part, world, row, timing):
     timing: not used; row: index of the recorded instant."""
     count = part.hinge.shape[0]
     for i in range(count):
-        store(part.track, row * count + i, 0, load(part.state, i, WORKS + HELD_BY))
+        store(part.track, row * count + i, 0, load(part.state, i, WORKS + HOLD_MOMENT))

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.joints.joint_arrays import HOLDS, Turns
-from fpm.elements.joints.turn_kernels import HELD_BY, account, end_work
+from fpm.elements.joints.turn_kernels import HOLD_MOMENT, account, end_work
 from fpm.elements.openings.opening_kernels import Openings, turn
 from fpm.elements.openings.release_kernels import STEPS, let_go, note_events
 from fpm.kernels.hooks import hook
@@ -22,11 +22,11 @@ NUMBERS = "time", "level"  # which come first of all releases
 
 
 class RigidReleases(NamedTuple):
-    """Arrays of r rigid releases. on, watch (r,): index of the hinge held, and of that watched (-1:
-    none); turn (r,): row of its condition in turns.state; numbers (r, 2, lanes): time (s), level
-    (rad); openings, turns: arrays of all openings, and of those held exactly; state (r, 4, lanes):
-    moment (N m), work due (J), steps since it let go (below 0: not in this step), rest of the
-    moment (N m); account: index of the loss in World.accounts; log: of events."""
+    """Arrays of r rigid releases. hinge, watch (r,): index of the hinge held, and of that watched
+    (-1: none); turn (r,): row of its condition in turns.state; numbers (r, 2, lanes): time (s),
+    level (rad); openings, turns: arrays of all openings, and of those held exactly; state (r, 4,
+    lanes): moment (N m), work due (J), steps since it let go (below 0: not in this step), rest of
+    the moment (N m); account: index of the loss in World.accounts; log: of events."""
 
     hinge: np.ndarray
     turn: np.ndarray
@@ -51,7 +51,7 @@ def forces(part, world, timing):
         if timing.time == 0.0:
             steps = 0.0 * hold - 1.0
         steps = where_negative(hold, steps, -1.0)
-        moment = (0.5 - steps) * load(part.state, i, WORKS + HELD_BY)
+        moment = (0.5 - steps) * load(part.state, i, WORKS + HOLD_MOMENT)
         moment = where_negative(steps, 0.0, moment)
         store(part.state, i, STEPS, steps)
         store(part.state, i, REST_MOMENT, moment)
@@ -72,5 +72,5 @@ def work_after(part, world, timing):
     step. part: arrays of all rigid releases; world: solver state; timing: times (s)."""
     end_work(part, world, timing, WORKS, -1.0)
     for i in range(part.hinge.shape[0]):
-        total = load(part.state, i, WORKS + HELD_BY) + load(part.state, i, REST_MOMENT)
-        store(part.state, i, WORKS + HELD_BY, total)
+        total = load(part.state, i, WORKS + HOLD_MOMENT) + load(part.state, i, REST_MOMENT)
+        store(part.state, i, WORKS + HOLD_MOMENT, total)

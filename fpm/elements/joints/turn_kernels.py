@@ -59,7 +59,7 @@ from fpm.kernels.vectors import (
 )
 
 # Kept for each element from one step to the next, in this order from a first field.
-HELD_BY, WORK_DUE = 0, 1  # moment (N m) at the last positions; work of the half step up to them (J)
+HOLD_MOMENT, WORK_DUE = 0, 1  # last moment (N m), and work of the half step up to it (J)
 HOLD_FIELDS = 2
 
 
@@ -98,7 +98,7 @@ def add_late_moment(moments, openings, h, moment):
 def account(arrays, first, sign):
     """Register the hooks `work_before` and `work_due`, which add up the work of an element type
     that holds openings exactly; called once, where its kernels are defined. arrays: its named
-    tuple; first: index of the field HELD_BY in part.state; sign: 1 if its account counts work
+    tuple; first: index of the field HOLD_MOMENT in part.state; sign: 1 if its account counts work
     given, -1 for losses. The type's own hook `work_after` calls `end_work` besides."""
 
     @hook(arrays)
@@ -106,7 +106,7 @@ def account(arrays, first, sign):
         """Add half of the work (J) of the moments of the last step, over the step that ends now, to
         part.account. part: arrays of the elements; world: solver state; timing: not used."""
         for i in range(part.hinge.shape[0]):
-            work = work_on(part.openings, part.hinge[i], load(part.state, i, first + HELD_BY))
+            work = work_on(part.openings, part.hinge[i], load(part.state, i, first + HOLD_MOMENT))
             give(world, part.account, sign * work)
 
     @hook(arrays)
@@ -124,7 +124,7 @@ def account(arrays, first, sign):
 def end_work(part, world, timing, first, sign):
     """Add the work (J) of the moments of the step that begins, over half the step before, of all
     elements to account part.account of World. part: arrays of the elements; world: solver state;
-    timing: times (s); first: index of HELD_BY in part.state; sign: 1 for work given, -1 lost."""
+    timing: times (s); first: index of HOLD_MOMENT in part.state; sign: 1 for work, -1 for loss."""
     for i in range(part.hinge.shape[0]):
         moment = moment_of(part.turns, part.turn[i], timing)
         add_late_moment(part.openings.moments, part.openings, part.hinge[i], moment)
@@ -135,10 +135,10 @@ def end_work(part, world, timing, first, sign):
 def end_work_of(part, world, i, moment, first, sign):
     """Add the work (J) of the `moment` (N m) of element i over half of the step before to account
     part.account of World. part: arrays of the elements; world: solver state; first: index of
-    HELD_BY in part.state, where the moment is kept; sign: 1 for work given, -1 for losses."""
+    HOLD_MOMENT in part.state, where the moment is kept; sign: 1 for work given, -1 for losses."""
     work = sign * work_on(part.openings, part.hinge[i], moment)
     give(world, part.account, work)
-    store(part.state, i, first + HELD_BY, moment)
+    store(part.state, i, first + HOLD_MOMENT, moment)
     store(part.state, i, first + WORK_DUE, work)
 
 

@@ -29,7 +29,7 @@ DEFLECTION = 1e-3
 SLIDE_DEFLECTION = 1e-4
 """Way (m) by which a bristle on a slide is bent before it slips, if nothing else is said."""
 
-AT_ONCE = 1e-9
+SWEEP_DEFLECTION = 1e-9
 """Deflection (rad, m) of bristles where openings are moved slowly (fpm/travel)."""
 
 LOCKS = 20.0
@@ -100,7 +100,7 @@ class Friction(OnHinge):
         static equilibria (fpm/travel), whose bristles slip at once. One with a `load`, whose moment
         depends on the joint's force, gets the moment 0: that follows from Scene.bearings."""
         frictions = [
-            replace(friction, bristle_deflection=AT_ONCE, damping=0.0)
+            replace(friction, bristle_deflection=SWEEP_DEFLECTION, damping=0.0)
             for friction in cls.find(scene)
         ]
         return [f if f.load is None else replace(f, moment=0.0, load=None) for f in frictions]
@@ -132,8 +132,8 @@ class Friction(OnHinge):
         return self.hinge, len(self.angles), self.load is None
 
     def title(self, scene):
-        own = "hysteresis" if self.angles else self.noun if self.load is None else "bearing"
-        return f"{own} {self.label(scene)}"
+        noun = "hysteresis" if self.angles else self.noun if self.load is None else "bearing"
+        return f"{noun} {self.label(scene)}"
 
     @property
     def stiffness(self) -> float:
@@ -176,7 +176,7 @@ class Friction(OnHinge):
         if name == "state":
             array[:, cls.kernels().FOOT] = start_angles(batch, cls)
             kernels = cls.kernels()
-            array[:, [kernels.MOST, kernels.MOST_BEFORE, kernels.FORCE_BEND]] = batch.table(
+            array[:, [kernels.MOST, kernels.OLD_MOST, kernels.FORCE_BEND]] = batch.table(
                 cls, 1, lambda f: [0.0 if f.load is None else f.bristle_deflection]
             )
         return array

@@ -19,9 +19,9 @@ FOOT = 0  # opening at which the bristle is straight
 BENDING = 1  # by how much it is bent
 MOST = 2  # and by how much it could be, where that goes with the joint's force
 LEAST = 3  # the least that it was bent since it slipped,
-AT_LEAST = 4  # and by how much it could be then
+BASE = 4  # and by how much it could be then
 LOCKED = 5  # by how many times its bend it was bent on while that grew as much, at most
-MOST_BEFORE = 6  # MOST a step before it,
+OLD_MOST = 6  # MOST a step before it,
 FORCE_BEND = 7  # and by how much it could be by the joint's force as it came out with that
 STATE = 8
 
@@ -70,7 +70,7 @@ def bend_at(points, start, i, most, psi):
 def bend_by_force(bearing, state, i, timing):
     """Return two bristle deflections (rad) at which element i slips by the force of its joint: now
     and a step ago. bearing: forces of joints (JointForce); state (f, 8, lanes): Frictions.state, in
-    which MOST, MOST_BEFORE and FORCE_BEND are updated; timing: step times (s). Where friction
+    which MOST, OLD_MOST and FORCE_BEND are updated; timing: step times (s). Where friction
     relieves its own joint by more than itself (beyond the angle of self-locking), taking the force
     of the step before would grow from step to step; the secant of the last two steps finds the
     force that agrees with its own friction."""
@@ -78,13 +78,13 @@ def bend_by_force(bearing, state, i, timing):
     most = last
     if timing.time > 0.0:
         result = load(bearing.share, i, 0) * force_of(bearing, i, timing)
-        change = last - load(state, i, MOST_BEFORE)
+        change = last - load(state, i, OLD_MOST)
         answer = result - load(state, i, FORCE_BEND)
         steep = (answer + STEEP * change) * change  # < 0: the answer is steep, and the other way
         safe = where_negative(steep, change - answer, 1.0 + 0.0 * change)
         secant = last + (result - last) * change / safe
         most = where_negative(steep, secant, result)
-        store(state, i, MOST_BEFORE, last)
+        store(state, i, OLD_MOST, last)
         store(state, i, FORCE_BEND, result)
     store(state, i, MOST, most)
     return most, last
@@ -116,10 +116,10 @@ def watch_lock(part, i, bend, most, slips):
     least = where_negative(slips, size, where_negative(size - least, size, least))
     growth = size - least
     start = where_negative(slips, -1.0, per_bend * growth - 1.0)
-    base = where_negative(start, most, load(state, i, AT_LEAST))
+    base = where_negative(start, most, load(state, i, BASE))
     locked = per_bend * where_negative(most - base - growth, 0.0, growth)
     store(state, i, LEAST, least)
-    store(state, i, AT_LEAST, base)
+    store(state, i, BASE, base)
     store(state, i, LOCKED, larger(load(state, i, LOCKED), locked))
     store(part.peaks, 0, 0, larger(load(part.peaks, 0, 0), locked))
 

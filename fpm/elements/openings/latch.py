@@ -50,7 +50,7 @@ class AnyLatch(OnHinge):
         """Check the latch's fields, and that its name (that of its hinge by default) is no other
         latch's; raises SceneError if not."""
         super().check(scene)
-        if self.label(scene) in [latch.label(scene) for latch in self.alike(scene)]:
+        if self.label(scene) in [latch.label(scene) for latch in self.find_peers(scene)]:
             raise SceneError("latch", self.label(scene), "a name that no other latch has")
 
     def label(self, scene):

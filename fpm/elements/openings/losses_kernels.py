@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.joints.hinge_arrays import ON_TWO
+from fpm.elements.joints.hinge_arrays import SIDE_FORCE2
 from fpm.elements.joints.joint_arrays import DIRECTION
 from fpm.elements.openings.opening_kernels import NEW, OLD
 from fpm.kernels.events import edge
@@ -80,7 +80,7 @@ def force_of(bearing, i, timing):
     zero = 0.0 * load(bearing.share, i, 0)
     impulse = vector(zero, zero, zero)
     if bearing.lone[i] >= 0:
-        impulse = get3(bearing.hinges, bearing.lone[i], ON_TWO)
+        impulse = get3(bearing.hinges, bearing.lone[i], SIDE_FORCE2)
     for r in range(bearing.first[i], bearing.first[i] + bearing.count[i]):
         impulse = impulse + load(bearing.impulses, r, 0) * get3(bearing.rows, r, DIRECTION)
     # The first kick is half a step.

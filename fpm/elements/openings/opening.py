@@ -85,7 +85,7 @@ class Opening(ElementType):
         )
 
     @classmethod
-    def seen_by(cls, kind: type[ElementType], batch):
+    def get_arrays(cls, kind: type[ElementType], batch):
         """Return the arrays of all openings (Openings) for the kernels of an element type `kind`
         that acts on them: with the field `part` set to the index, in PARTS ("spring", "damper",
         ...), under which its moments are recorded. batch: the scenes simulated side by side."""
@@ -128,7 +128,7 @@ class OnHinges(ElementType):
         """Return the array for a field of the named tuple that the type's kernels take. name: of
         the field: "openings": arrays of all openings (Openings); others as in ElementType.array
         ("numbers", "state", ...). batch: the scenes that are simulated side by side."""
-        return Opening.seen_by(cls, batch) if name == "openings" else super().array(name, batch)
+        return Opening.get_arrays(cls, batch) if name == "openings" else super().array(name, batch)
 
 
 class OnHinge(OnHinges):
@@ -144,7 +144,7 @@ class OnHinge(OnHinges):
     def title(self, scene):
         return f"{self.noun} {self.label(scene)}"
 
-    def alike(self, scene) -> list["OnHinge"]:
+    def find_peers(self, scene) -> list["OnHinge"]:
         """Return the elements of a scene whose types have the same word in messages (`noun`) as
         this one: for a latch all latches, rigid ones too."""
         kinds = [k for k in scene.kinds if issubclass(k, OnHinge) and k.noun == self.noun]
@@ -153,7 +153,7 @@ class OnHinge(OnHinges):
     def check_alone(self, scene) -> None:
         """Check that the scene has no other element on this hinge with the same word in messages
         (`noun`, as "motor"); raises SceneError if it has."""
-        if self.hinge in [element.hinge for element in self.alike(scene)]:
+        if self.hinge in [element.hinge for element in self.find_peers(scene)]:
             allowed = f"a hinge without a {self.noun}"
             raise SceneError(f"hinge of {self.noun}", self.hinge, allowed)
 
@@ -213,7 +213,7 @@ def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
     result = {}
     slides = np.array([hinge.slides for hinge in hinges], bool)
     for columns, prefix in ((~slides, ""), (slides, "slide_")):
-        names = tuple(label for label, own in zip(labels, columns, strict=True) if own)
+        names = tuple(label for label, is_chosen in zip(labels, columns, strict=True) if is_chosen)
         for name, (values, unit, text, dimension, *_) in series.items() if names else ():
             if prefix:
                 unit = SLIDING[unit]
@@ -244,9 +244,9 @@ def relative_turn(scene, hinges, stiffness) -> Deformations:
     dofs, values, factors, element = [], [], [], []
     for number, h in enumerate(hinges):
         hinge = scene.hinges[h]
-        own = np.concatenate([6 * p + np.arange(6) for p in hinge.particles])
+        hinge_dofs = np.concatenate([6 * p + np.arange(6) for p in hinge.particles])
         for row, factor in _strains(scene, hinge):
-            dofs.append(own)
+            dofs.append(hinge_dofs)
             values.append(row)
             factors.append(factor * stiffness[number])
             element.append(number)
@@ -283,7 +283,7 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
     softest = float(np.linalg.eigvalsh(plane * second @ plane.T)[-1])
     rows = [(np.concatenate([zero, -axis1, zero, zero]), soft)]
     rows += [(np.concatenate([zero, zero, zero, axis]), softest) for axis in plane]
-    return [(row, (soft + softest) / own) for row, own in rows if own > 0]
+    return [(row, (soft + softest) / inverse) for row, inverse in rows if inverse > 0]
 
 
 def softness(scene, hinge: int) -> float:
@@ -362,8 +362,8 @@ def opening_at(scene, hinge) -> float:
     """Return the opening (rad, of a slide m) of a hinge (Hinge) at the scene's present positions
     and frames; of angles that differ by full turns the one closest to hinge.opening."""
     axis, *ends = (
-        scene.frame[p] @ own[k]
-        for p, own, k in (
+        scene.frame[p] @ vectors[k]
+        for p, vectors, k in (
             (hinge.particles[0], hinge.axes, 0),
             (hinge.particles[0], hinge.ends, 0),
             (hinge.particles[1], hinge.ends, 1),

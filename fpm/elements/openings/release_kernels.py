@@ -52,8 +52,8 @@ def let_go(part, timing, i):
     """Return for how many steps (lanes, a fraction) release i has been due to let go: by its time,
     or as the watched opening passed its level in this step; below 0: it is not due. part: arrays of
     all releases (Releases); timing: times of this step (s); i: index of the release."""
-    late = timing.time - load(part.numbers, i, TIME)
-    steps = where_negative(late, -1.0, late / timing.step)
+    delay = timing.time - load(part.numbers, i, TIME)
+    steps = where_negative(delay, -1.0, delay / timing.step)
     if part.watch[i] >= 0:
         level, angles = load(part.numbers, i, LEVEL), part.openings.angles
         new = load(angles, part.watch[i], NEW) - level

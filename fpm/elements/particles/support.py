@@ -51,15 +51,15 @@ class Support(ElementType):
     @classmethod
     def topology_of(cls, scene):
         """Return what must be equal in scenes simulated side by side, besides the held axes:
-        indices of the particles that the kernels of supports move (`moved`)."""
+        indices of the particles that the kernels of supports move (`about_two`)."""
         return tuple(cls.moved_particles(scene))
 
     @classmethod
     def pack(cls, batch):
         from fpm.elements.particles.support_kernels import Supports
 
-        partly = cls.find(batch.scene)
-        free = batch.stack(len(partly), 6, lambda s: ~s.fixed[partly])
+        particles = cls.find(batch.scene)
+        free = batch.stack(len(particles), 6, lambda s: ~s.fixed[particles])
         about_two = batch.integers(cls.moved_particles(batch.scene))
         axes = batch.stack(len(about_two), 3, lambda s: s.fixed[about_two, 3:])
-        return Supports(batch.integers(partly), free, about_two, axes)
+        return Supports(batch.integers(particles), free, about_two, axes)

@@ -54,8 +54,8 @@ def move(part, world, timing):
         )
         p, axis = timing.kick * get3(state, i, M) + get3(state, i, P), get3(part.axis, n, 0)
         axes, rate = frame(state, i), get3(particles, i, HALF)
-        own = to_local(axes, axis)
-        soft = dot(own, times(rate, own))
+        local_axis = to_local(axes, axis)
+        soft = dot(local_axis, times(rate, local_axis))
         for _ in range(ROUNDS):
-            p = p - (dot(own, half_turn(to_local(axes, p), rate)) / soft) * axis
+            p = p - (dot(local_axis, half_turn(to_local(axes, p), rate)) / soft) * axis
         turn(state, particles, i, p)

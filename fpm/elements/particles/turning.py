@@ -11,7 +11,7 @@ import numpy as np
 
 from fpm.errors import SceneError
 
-ALIKE = 1e-12
+TOLERANCE = 1e-12
 """Share by which inertias that are alike may differ, by rounding."""
 
 
@@ -34,9 +34,9 @@ def turns_of(scene) -> Turning:
     for p in np.flatnonzero(count == 2):
         shares = scene.frame[p][~fixed[p]][0] ** 2
         inertia[p] = shares @ inertia[p]
-        no_turn[p] = (shares < ALIKE) & (shares.max() > 1 - ALIKE)
-    unlike = np.ptp(inertia, axis=1) > ALIKE * inertia.max(axis=1)
-    about_two = np.flatnonzero((count == 1) & unlike).tolist()
+        no_turn[p] = (shares < TOLERANCE) & (shares.max() > 1 - TOLERANCE)
+    is_unequal = np.ptp(inertia, axis=1) > TOLERANCE * inertia.max(axis=1)
+    about_two = np.flatnonzero((count == 1) & is_unequal).tolist()
     joining = (e for kind, elements in scene.kinds.items() if kind.joins for e in elements)
     for p in [p for e in joining for p in e.particles if p in about_two] if about_two else ():
         raise SceneError(

@@ -187,7 +187,7 @@ def _stretches(scene, args, points, directions, normal) -> list[int]:
     for k, point in enumerate(points):
         # The end of the stretch before, and the start of the one after.
         ends = [(*lumped[j], axes[j], i) for j, i in ((k - 1, -1), (k, 0)) if 0 <= j < len(axes)]
-        inertia, frame = _sum_inertias([(inertias[i], own) for _, inertias, own, i in ends])
+        inertia, frame = _sum_inertias([(inertias[i], basis) for _, inertias, basis, i in ends])
         node = scene.add_particles(
             point, sum(masses[i] for masses, _, _, i in ends), inertia, frame
         )

@@ -51,15 +51,15 @@ def warnings(scene: Scene, duration: float | None = None) -> list[str]:
 
 def _start(scene: Scene) -> Iterator[str]:
     """What joints, motors and drives do not allow of the velocities stated for the start."""
-    stated = _kinetic_energy(scene, scene.velocity, scene.spin)
-    if stated:
+    energy = _kinetic_energy(scene, scene.velocity, scene.spin)
+    if energy:
         start = consistent_scene(scene)
         change = start.velocity - scene.velocity, start.spin - scene.spin
-        if _kinetic_energy(scene, *change) > BLOW * stated:
+        if _kinetic_energy(scene, *change) > BLOW * energy:
             rest = _kinetic_energy(scene, start.velocity, start.spin)
-            rest *= rest > 1e-9 * stated  # rounding
+            rest *= rest > 1e-9 * energy  # rounding
             yield (
-                f"velocities at the start have {stated:.4g} J; joints, motors, drives and what is "
+                f"velocities at the start have {energy:.4g} J; joints, motors, drives and what is "
                 f"held then leave {rest:.4g} J: check axes and signs, and that every part that "
                 "moves along has its velocity"
             )

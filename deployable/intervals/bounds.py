@@ -135,11 +135,11 @@ _NUMBERS = {
     "largest_width_time": ("time of the largest difference of the bounds", "s"),
     "gap_share_of_width": ("gap between outer and attained bounds, as a share of the width", "1"),
     "coverage": ("share of the runs that were not fitted within the bounds", "1"),
-    "worst_violation": ("distance by which such runs leave the bounds at most", ""),
+    "worst_violation": ("largest distance outside the bounds of a run that was not fitted", ""),
     "largest_error": ("largest estimated error of the bounds", ""),
     "largest_error_time": ("time of the largest estimated error of the bounds", "s"),
-    "largest_impossible": ("distance by which the model falls below what is possible, at most", ""),
-    "largest_impossible_time": ("time of that", "s"),
+    "largest_impossible": ("largest distance of the model below the physical lower bound", ""),
+    "largest_impossible_time": ("time of the largest distance below the physical lower bound", "s"),
     "error_share_of_width": ("estimated error of the bounds, as a share of the width", "1"),
 }
 
@@ -196,7 +196,7 @@ def add_errors(
     curves |= {name: widen(time, np.abs(values), window) for name, values in parts.items()}
     variables = {}
     for name, values in curves.items():
-        variables[f"error_{name}"] = (axes, values, {"long_name": f"part of the error: {name}"})
+        variables[f"error_{name}"] = (axes, values, {"long_name": f"error of the bounds by {name}"})
         text = f"error of the {name}, as a share of the width"
         attrs = {"long_name": text, "units": "1"}
         variables[f"share_{name}"] = ("response", share_of(values, time, area), attrs)

@@ -152,7 +152,7 @@ def match_points(points: np.ndarray, unit: np.ndarray, tolerance: float = 1e-8) 
         first = np.round(points[missing[0]], 6).tolist()
         raise IntervalError(
             "samples",
-            f"no run at {len(missing)} of {len(points)} design points, the first at unit {first}",
+            f"no run at {len(missing)} of {len(points)} design points, such as {first} (-1 to 1)",
             "a run at every point of the design",
         )
     return index

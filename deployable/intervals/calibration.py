@@ -311,7 +311,7 @@ class _Waves:
 
     def fits(self, number: int, most: int) -> list[CurveFit]:
         """Curves of all tests in the hull, after further runs there and, at its centre, with half
-        the step. number: of the wave; most: runs of each test."""
+        the step. number: of the wave; most: largest number of runs of each test."""
         fits, size = [], self.k
         for t, test in enumerate(self.tests):
             places = np.arange(size, size + test.starts)
@@ -351,7 +351,8 @@ class _Waves:
 
     def narrow(self, level: float | None, waves: int, most: int) -> tuple[_Problem, float, list]:
         """Narrow the hull to misfits up to `level`, None for that of the best run; return the last
-        problem, the least misfit that its errors allow, and points (size) that are not excluded."""
+        problem, the least misfit that its errors allow, and points (size) that are not excluded.
+        waves: largest number of waves; most: of runs of each test, besides those already made."""
         least, pool, self.hull = 0.0, [], self.widest
         spent = [len(points) for points in self.points]
         most += max(spent)
@@ -469,7 +470,8 @@ def calibrate(
     hull
         Part of the box (2, k) in which to look, -1 to 1.
     waves, most
-        Most waves of runs, and most runs of each test; twice that where no point explains.
+        Largest numbers of waves of runs, and of runs of each test; twice both where no point
+        explains.
     notify
         Called with messages.
     """

@@ -136,7 +136,8 @@ class Surrogate:
         return self.multi_indices.max(axis=0)
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P, ...) of the polynomial at points `unit` (P, k) in [-1, 1]^k."""
+        """Values (P, ...) of the polynomial at points `unit` (P, k) in [-1, 1]^k; raises
+        IntervalError for an array of another shape."""
         unit = np.asarray(unit, dtype=float)
         if unit.ndim != 2 or unit.shape[1] != self.dimension:
             raise IntervalError("unit", unit.shape, f"an array of shape (P, {self.dimension})")

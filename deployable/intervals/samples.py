@@ -131,7 +131,8 @@ class Samples:
 
     def quarters(self) -> Iterator[Running | None]:
         """Iterate over the four quarters of the runs: least and largest values (n, T) of each, None
-        for one without runs; from the dataset if it stores them, else from the runs in chunks."""
+        for one without runs; from the dataset if it stores them, else from the runs in chunks.
+        Raises IntervalError if a response is not finite."""
         if "values" not in self.source:
             arrays = [self.source[name].values[:, self.rows] for name in _RUNNING]
             quarters = (Running(*quarter) for quarter in zip(*arrays, strict=True))

@@ -104,7 +104,7 @@ def sensitivity_dataset(
         "width": (curve, width, "width when only this parameter varies", {}),
         "first": (curve, first, "share of the variance from this parameter alone", share),
         "total": (curve, total, "share of the variance in which this parameter takes part", share),
-        "error": (("response", "time"), error, "error of the polynomial at other runs", {}),
+        "error": (("response", "time"), error, "error at runs that were not fitted", {}),
         "width_overall": (number, wide, "share of the widths above the error", share),
         "total_overall": (number, shares, "mean share of the variance, over all time", share),
     }

@@ -63,7 +63,7 @@ class Elastic(NamedTuple):
 
     @property
     def unstressed(self) -> "Unstressed":
-        """These elements with a Hessian that lacks what stress adds, and so is nowhere negative."""
+        """Beam elements with a Hessian without the stress terms, and so nowhere negative."""
         return Unstressed(self)
 
     def _ends(self, poses: ParticlePoses) -> tuple[ParticlePoses, ParticlePoses]:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import xarray
 
 KINETIC = Energy("kinetic", "kinetic_energy", "kinetic energy")
-BALANCE = Energy("balance", "energy_balance", "energy that came from nowhere since the start")
+BALANCE = Energy("balance", "energy_balance", "error of the energy balance since the start")
 
 
 class Motion(NamedTuple):

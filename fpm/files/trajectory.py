@@ -25,7 +25,7 @@ CONVENTIONS = "CF-1.8"
 _PARAMETER = "parameter_"
 
 LED_OVER = "travel_position"
-"""The dimension of what is recorded of travels: positions of an opening that is led slowly."""
+"""The dimension of what is recorded of travels: positions of an opening moved quasi-statically."""
 CODE = "code"
 """Attribute of a variable that was recorded on request: digest of the code that read it."""
 
@@ -148,8 +148,10 @@ def contents(outcome, responses=(), attributes=None, parameters=None) -> Content
 
 
 def _variable(dims, values, unit, long_name, **extra) -> classic.NetcdfVariable:
+    """A variable of numbers; without units if `unit` is "", as where its columns have several."""
     dims = (dims,) if isinstance(dims, str) else dims
-    return classic.NetcdfVariable(dims, values, {"units": unit, "long_name": long_name, **extra})
+    units = {"units": unit} if unit else {}
+    return classic.NetcdfVariable(dims, values, {**units, "long_name": long_name, **extra})
 
 
 def _names(dimension: str, values, long_name: str, name: str | None = None) -> dict:
@@ -196,7 +198,7 @@ def _events(outcome) -> dict[str, classic.NetcdfVariable]:
     event_names = (" ".join(e.events) for e in eventful)
     return {
         **_names("event_element", (e.name for e in eventful), "element that has events"),
-        **_names("event_element", event_names, "its events by number", "event_names"),
+        **_names("event_element", event_names, "events of the element, by number", "event_names"),
         "event_time": _variable("event", time, "s", "time of an event"),
         "event_of": _variable("event", element, "1", "index of the event's element"),
         "event_number": _variable("event", number, "1", "number of the event"),
@@ -207,11 +209,12 @@ def _responses(outcome, responses) -> dict[str, classic.NetcdfVariable]:
     """All responses in one variable: no name that a response may have meets another's."""
     values = np.array([response.evaluate(outcome) for response in responses])
     values, dims = values.reshape(-1, len(outcome.time)), ("response", "time")
+    text = (response.long_name for response in responses)
     return {
         **_names("response", (r.name for r in responses), "response"),
-        **_names("response", (r.unit for r in responses), "its unit", "response_units"),
-        **_names("response", (r.long_name for r in responses), "in words", "response_long_name"),
-        "response_values": _variable(dims, values, "1", "responses, in their units"),
+        **_names("response", (r.unit for r in responses), "unit of the response", "response_units"),
+        **_names("response", text, "response in words", "response_long_name"),
+        "response_values": _variable(dims, values, "", "responses in units of response_units"),
     }
 
 

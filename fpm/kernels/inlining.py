@@ -15,7 +15,7 @@ class _Inlined(JITCodeLibrary):
     """The code of a kernel, of which no machine code is made."""
 
     def _optimize_final_module(self):
-        """Callers do."""
+        """Optimise nothing: the code is optimised with that of its callers."""
 
     def _finalize_final_module(self):
         self._finalized = True
@@ -25,11 +25,11 @@ class _Inlined(JITCodeLibrary):
 
     @property
     def codegen(self):
-        """Where numba tells a function in machine code what it needs of Python: nothing."""
+        """Object by which numba gives machine code its environment in Python: none is needed."""
         return self
 
     def set_env(self, name, env):
-        """Nothing."""
+        """Set no environment: kernels use nothing of Python."""
 
 
 class InlinedCompiler(Compiler):

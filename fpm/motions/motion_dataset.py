@@ -133,7 +133,7 @@ def _moving(motion: RecordedMotion, elements: int) -> dict[str, tuple]:
     return {
         "position": (vector, motion.position[rows], "m", "position of the particles"),
         "velocity": (vector, motion.velocity, "m s-1", "velocity of the particles"),
-        "frame": ((*vector, "director"), motion.frame[rows], "1", "axes of the particle, columns"),
+        "frame": ((*vector, "director"), motion.frame[rows], "1", "particle's axes, in columns"),
         "point_position": (("time", "point", "axis"), places, "m", "position of named points"),
         "axial_strain": (element, motion.axial, "1", "stretch over unstrained length"),
         "bending_strain": (element, motion.bending, "1", "largest bending strain at surface"),
@@ -157,7 +157,7 @@ def _fixed(scene: Scene, shapes: Shapes) -> dict[str, tuple]:
     arms, axes = [hinge.beams[0].arm for hinge in hinges], [hinge.axes[0] for hinge in hinges]
     corner = ("element", "end", "corner", "axis")
     return {
-        "element_particle": (("element", "end"), whole(shapes.nodes), "1", "particles at its ends"),
+        "element_particle": (("element", "end"), whole(shapes.nodes), "1", "particles of the ends"),
         "element_length": ("element", shapes.length, "m", "unstrained length"),
         "section_size": (
             ("element", "side"),
@@ -166,10 +166,10 @@ def _fixed(scene: Scene, shapes: Shapes) -> dict[str, tuple]:
             "width and height of the section",
         ),
         "section_corner": (corner, shapes.corners, "m", "corner of the section from the particle"),
-        "point_particle": ("point", whole([p.particle for p in points]), "1", "its particle"),
-        "point_arm": (("point", "axis"), rows([p.arm for p in points], 3), "m", "from particle"),
-        "hinge_particle": (("hinge", "end"), particles, "1", "particles that it joins"),
-        "hinge_arm": (("hinge", "axis"), rows(arms, 3), "m", "point from the first particle"),
+        "point_particle": ("point", whole([p.particle for p in points]), "1", "point's particle"),
+        "point_arm": (("point", "axis"), rows([p.arm for p in points], 3), "m", "arm of a point"),
+        "hinge_particle": (("hinge", "end"), particles, "1", "particles of the hinge"),
+        "hinge_arm": (("hinge", "axis"), rows(arms, 3), "m", "first particle to the hinge point"),
         "hinge_axis": (("hinge", "axis"), rows(axes, 3), "1", "axis in the first particle's frame"),
     }
 
@@ -187,8 +187,8 @@ def _cables(motion: RecordedMotion) -> dict[str, tuple]:
     return {
         "cable_tension": (("time", "cable"), tension, "N", "tension of the cables"),
         "cable_point_cable": ("cable_point", owner.astype(np.int32), "1", "cable of the point"),
-        "cable_point_particle": ("cable_point", ids.astype(np.int32), "1", "its particle"),
-        "cable_point_arm": (("cable_point", "axis"), arms, "m", "from the particle, in its frame"),
+        "cable_point_particle": ("cable_point", ids.astype(np.int32), "1", "particle of the point"),
+        "cable_point_arm": (("cable_point", "axis"), arms, "m", "particle to point, in its frame"),
     }
 
 

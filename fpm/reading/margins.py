@@ -88,7 +88,7 @@ def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
     first, last = (float(start) if end is None else end for end in (path.first, path.last))
     if first == last:
         name = f"opening {path.openings[0]}"
-        raise SceneError(name, f"{first:.6g} at the start", "another one than that it is led to")
+        raise SceneError(name, f"{first:.6g} at the start", "another one than the last")
     return lead(scene, path.openings, first, last, path.stand, positions)
 
 
@@ -138,7 +138,7 @@ def read(spec: Any) -> Any:
         factors.append((0.0, resists["TD"] * rate, "TD"))
     deliver = _number(spec, "deliver", spec.data.get("deliver", 0.0))
     if not (factors or deliver):
-        allowed = "an opening on whose way something acts that a margin counts; here nothing does"
+        allowed = "an opening on which something acts that a margin counts; here nothing does"
         raise _error(spec, spec.kind, path.openings[0], allowed)
     text = f"margin of {path.openings[0]}, {standard.title}, {evidence}"
     subjects = (*path.openings, spec.data["standard"], evidence, *_names(spec, "without"))
@@ -157,7 +157,7 @@ def _path_of(spec) -> tuple[OpeningPath, Abscissa]:
     stand = tuple(spec.one_of(hinges, "locked", name) for name in _names(spec, "locked"))
     for name in stand:
         if name in openings:
-            raise _error(spec, "locked", name, "openings that are not led")
+            raise _error(spec, "locked", name, "openings that are not moved")
     hinge = hinges[openings[0]]
     unit = "m" if hinge.slides else "rad"
     ends = [_opening(spec, key, hinge, unit) for key in ("from", "to")]

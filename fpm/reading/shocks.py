@@ -26,8 +26,8 @@ def doubt(scene: Scene, response: Response) -> str:
         return ""
     if latches := [latch.label(scene) for latch in RigidLatch.find(scene)]:
         return (
-            f"{_listed(latches)} without `stiffness` stops the joint within one step, a blow as "
-            "large as mesh and step make it: state the `stiffness` of the latch, or of what "
+            f"{_listed(latches)} without `stiffness` stops the joint within one step, an impact "
+            "as large as mesh and step make it: state the `stiffness` of the latch, or of what "
             "bears it"
         )
     sudden = any(_sudden(scene, load) for load in Load.find(scene))

@@ -16,7 +16,7 @@ from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.hinge_arrays import SUMS
 from fpm.elements.joints.joint import Joint
 from fpm.elements.kind import AXES, Series
-from fpm.elements.openings.opening import PARTS
+from fpm.elements.openings.opening import PARTS, SLIDING
 from fpm.elements.particles.probe import Probe
 from fpm.errors import SceneError, did_you_mean
 from fpm.files.trajectory import LED_OVER, Column
@@ -71,6 +71,16 @@ class Variable(NamedTuple):
         """Split the label of a recorded column, such as "hinge1 spring", into the item's name and
         its component, one of `parts`, by the last space; "" if the variable has none."""
         return label.rpartition(" ")[::2] if self.parts else (label, "")
+
+    def unit_of(self, scene: Scene, labels: Iterable[str]) -> str:
+        """Return the unit of recorded columns of one scene: `unit`; of travels of slides that of
+        slides, "" if only some of the openings are slides."""
+        if self.separator != LED_FROM:
+            return self.unit
+        slides = {hinge.name for hinge in scene.hinges if hinge.slides}
+        paths = [margins.read_label(label)[0] for label in labels]
+        units = {SLIDING[self.unit] if p.openings[0] in slides else self.unit for p in paths}
+        return units.pop() if len(units) == 1 else ""
 
     def column(self, recording: Recording, label: str) -> np.ndarray:
         """Return the values (t,), in `unit`, of a column of a run. recording: what the time loop
@@ -235,7 +245,7 @@ VARIABLES = {
         partial(_openings, slides=True), values=partial(_acting, 0),
     ),
     "joint_work": _by_who_acts(
-        "J", "work of these moments and forces so far",
+        "J", "work of moments and forces on joints so far, by who acts",
         lambda scene: [hinge.name for hinge in scene.hinges], values=partial(_acting, 1),
     ),
     "constraint_force": _vector(
@@ -277,15 +287,15 @@ VARIABLES = {
         _clearance, form="bars",
     ),
     margins.OPENING: _travel_variable(
-        "rad", "opening (on slides in m) that is led slowly, at its positions; the last one again "
-        "where others have more", values=partial(_travel, variable=margins.OPENING),
+        "rad", "opening (rad; of slides m) that is moved quasi-statically, at each position; the "
+        "last one again where others have more", values=partial(_travel, variable=margins.OPENING),
     ),
     margins.WORK: _travel_variable(
-        "N m", "virtual work of a part for each rad (on slides in N, for each m) of an opening "
-        "that is led slowly", values=partial(_travel, variable=margins.WORK),
+        "N m", "virtual work of a part per rad (on slides N, per m) of an opening that is moved "
+        "quasi-statically", values=partial(_travel, variable=margins.WORK),
     ),
     margins.INERTIA: _travel_variable(
-        "kg m2", "inertia (on slides mass, in kg) that such an opening moves",
+        "kg m2", "inertia (kg m2; on slides mass, kg) that an opening moves",
         values=partial(_travel, variable=margins.INERTIA),
     ),
 }  # fmt: skip
@@ -344,9 +354,8 @@ def read_records(recording: Recording, columns: Iterable[Column]) -> dict[str, S
         curves = [np.pad(column, (0, rows - len(column)), mode="edge") for column in curves]
         dimension, axis = f"{name}_{variable.along}", variable.time_dim
         values = np.stack(curves, axis=1)
-        series[name] = Series(
-            values, variable.unit, variable.long_name, dimension, labels, axis, sources.reading()
-        )
+        unit, text = variable.unit_of(recording.scene, labels), variable.long_name
+        series[name] = Series(values, unit, text, dimension, labels, axis, sources.reading())
     return series
 
 

@@ -200,7 +200,7 @@ class Scene:
         inertia_scale: float = 1.0,
     ) -> Link:
         """Add a straight bar of equal beam elements; returns the Link. The particles have the bar's
-        axes and share its mass, lumped (bars/lumping.py).
+        axes and share its mass, lumped (bars/lumping.py). SceneError if ends or normal give no bar.
 
         Parameters
         ----------

@@ -69,7 +69,7 @@ class Statement:
 
     @cached_property
     def openings(self) -> dict[str, OpeningKey]:
-        """Those of the keys, by name, whose value may be the name of a prismatic joint."""
+        """Keys of the statement, by name, whose value may be the name of a prismatic joint."""
         keys = {n: k for n, k in self.keys.items() if isinstance(k, OpeningKey)}
         return {name: key for name, key in keys.items() if SLIDE in key.types}
 
@@ -94,7 +94,7 @@ JOINT = OpeningKey(text="on which joint it acts")
 """The key of a field `hinge`."""
 
 CLASS = {"class": ChoiceKey(None, "in margins; left out: by what it is", options=tuple(CLASSES))}
-"""The key of what has a part where an opening is led slowly (fpm/travel/)."""
+"""The key of what has a part where an opening is moved quasi-statically (fpm/travel/)."""
 
 
 def key_of(kind: type[ElementType], name: str, left_out: str = "", **changes: Any) -> Key:

@@ -152,7 +152,7 @@ class Path:
                 self._tangents = [self.tangent, *(self._tangents[:3] if step else [])]
                 self.balance.follow(poses)
                 return
-        allowed = "openings to which it can be led, the joints closed and all else in balance;"
+        allowed = "openings that it can reach quasi-statically, with all joints closed;"
         allowed += " other openings that nothing decides may be `locked`"
         raise MisfitError(self._key, f"{value:.6g}", allowed)
 

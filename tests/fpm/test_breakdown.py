@@ -187,7 +187,7 @@ def test_a_hinge_whose_particles_turn_too_far_in_a_step_is_refused():
     assert fine.gap.max() < 1e-11
     coarse = fpm.simulate(scene, duration=1.0, instants=5, step=0.05)[0]
     with pytest.raises(
-        fpm.InstabilityError, match=r"hinge gapes by .* hinge axle; .* halve solver"
+        fpm.InstabilityError, match=r"hinge is open by .* hinge axle; .* halve solver"
     ):
         coarse.dataset()
     assert coarse.failure.largest["gap"] > 1e-6

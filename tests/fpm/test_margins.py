@@ -14,6 +14,7 @@ from fpm.reading import margins, responses
 from fpm.reading.quantities import KINDS
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.standards import CLASSES, STANDARDS
+from fpm.reading.variables import VARIABLES
 from fpm.travel import parts_of
 
 HARNESS = {"classes": {"spring h1": "HA"}}
@@ -167,7 +168,7 @@ def test_more_random_designs(seed):
         ({"standard": "ecss"}, "standard", "ecss-e-st-33-01c"),
         ({"evidence": "hope"}, "evidence", "theory, measurement"),
         ({"locked": "h1"}, "locked", "a list of names"),
-        ({"locked": ["h1"]}, "locked", "openings that are not led"),
+        ({"locked": ["h1"]}, "locked", "openings that are not moved"),
         ({"with": ["h1"]}, "with", "each opening once"),
         ({"without": ["spring h9"]}, "without", "torsion spring h1"),
         ({"classes": {"friction h1": "XX"}}, "classes.friction h1", "FR"),
@@ -216,6 +217,13 @@ def test_every_run_is_led_from_its_own_start():
         assert (opening[0], opening[-1]) == (start, -0.2)
         # the spring gives 0.1 (start + 0.5) against 2 x 0.01, least where the way ends
         assert margins.least(response, run) == pytest.approx((0.1 * 0.3 / 0.02 - 1, -0.2))
+
+
+@pytest.mark.parametrize(("names", "unit"), [("h", "N m"), ("s", "N"), ("hs", "")])
+def test_travels_are_recorded_in_units_of_their_openings(names, unit):
+    scene = SimpleNamespace(hinges=[SimpleNamespace(name=n, slides=n == "s") for n in "hs"])
+    labels = [margins.OpeningPath((name,), 0.0, 1.0).label("friction") for name in names]
+    assert VARIABLES[margins.WORK].unit_of(scene, labels) == unit
 
 
 def test_a_scene_that_starts_where_it_is_led_to_names_the_opening():

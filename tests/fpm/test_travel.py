@@ -162,7 +162,7 @@ def test_an_opening_that_leaves_others_free_is_refused():
 def test_what_cannot_be_reached_is_told():
     scene = structures.load(STRUCTURES / "bennett.yaml").build(elements=2)
     start = scene.hinges[0].opening
-    with pytest.raises(fpm.SceneError, match="openings to which it can be led"):
+    with pytest.raises(fpm.SceneError, match="openings that it can reach"):
         lead(scene, "A", start, start + 0.8)
 
 

@@ -66,7 +66,7 @@ def check_bounds(
     dataset = intervals.add_errors(bounds, _curve_errors(model, bounds, components))
     if model.experiment.is_sought and model.experiment.quantities:
         errors = estimate_discretization_errors(model, converge_bounds(model, 0), components)
-        text = "error of the ends by their {}".format
+        text = "error of the bounds by {}".format
         dataset = dataset.assign(
             {
                 f"quantity_error_{name}": ("quantity", e.max(axis=1), {"long_name": text(name)})
@@ -74,7 +74,7 @@ def check_bounds(
             }
         )
     names = " and ".join(components)
-    notify(f"{model.experiment.name}: the places that decide were run again with a finer {names}")
+    notify(f"{model.experiment.name}: runs at the bounds were repeated with a finer {names}")
     return dataset
 
 

@@ -1,11 +1,11 @@
 """From the quantities of all runs to their intervals, `quantities.nc`, with the further runs that
-their ends take, `further.nc`.
+their bounds take, `further.nc`.
 
     dims   quantity, parameter
-    lower, upper (quantity)         the interval: of the simulated ends and of the surrogate's
+    lower, upper (quantity)         the interval: of the simulated bounds and the surrogate's
     simulated_lower, simulated_upper, argmin, argmax    the extreme runs, and where they are
     surrogate_lower, surrogate_upper                    what the surrogate says
-    unconverged_lower, unconverged_upper    1 where the surrogate promises more than was simulated
+    unconverged_lower, unconverged_upper    1 where the surrogate is beyond the simulated bound
     error                           estimated error of the surrogate
     error_step, error_mesh, error_whole     those of step and mesh, if verified, and the sum
     runs_with, runs_without         in how many runs there is such a number, and in how many not
@@ -13,7 +13,7 @@ their ends take, `further.nc`.
     error_limit, error_border       errors by step and mesh, if verified, for shares of the box: of
                                     the number, and of the certainty that there is one
     is_time, fit                    1 for times of the run; what was fitted
-    least                           what it can not be below, NaN where there is none
+    least                           physical lower bound, NaN where there is none
     share, alone, fixed, halved (quantity, parameter)   what each parameter contributes
 """
 
@@ -62,11 +62,11 @@ def answer(
     specs = list_limits(requirements, list(model.experiment.quantities))
     bounds = converge_bounds(model, verify.max_iterations, specs)
     if model.further:
-        notify(f"{model.experiment.name}: further runs where it is decided: {len(model.further)}")
+        notify(f"{model.experiment.name}: further runs at bounds and limits: {len(model.further)}")
     finer = estimate_discretization_errors(model, bounds) if verify.discretization else {}
     dataset = quantities_dataset(model, bounds, finer)
     write_dataset(dataset, folder.quantities, "Intervals of quantities")
-    write_dataset(further_dataset(model), folder.further, "Further runs for the ends of intervals")
+    write_dataset(further_dataset(model), folder.further, "Further runs for bounds of quantities")
 
 
 def quantities_dataset(
@@ -94,18 +94,18 @@ def quantities_dataset(
     if finer:
         components = {name: e.max(axis=1) for name, e in finer.items()}
         for name, values in components.items():
-            variables.put(f"error_{name}", _DIM, values, f"error of the ends by their {name}")
+            variables.put(f"error_{name}", _DIM, values, f"error of the bounds by {name}")
         whole = np.sum([errors, *components.values()], axis=0)
         variables.put("error_whole", _DIM, whole, "errors of surrogate, step and mesh together")
         text = "errors by step and mesh of {}, for shares of the box".format
-        variables.put("error_limit", _DIM, number_errors, text("the number"))
+        variables.put("error_limit", _DIM, number_errors, text("the quantity"))
         variables.put("error_border", _DIM, shifts, text("the event margin"))
     _put_occurrence(variables, model, bounds, shifts)
     _put_shares(variables, model, bounds)
     times = [int(quantity.is_time) for quantity in model.experiment.numbers]
     variables.put("is_time", _DIM, times, "1 for times of the run", "1")
     least = [np.nan if q.least is None else q.least for q in model.experiment.numbers]
-    variables.put("least", _DIM, least, "what it can not be below, where there is such a value")
+    variables.put("least", _DIM, least, "physical lower bound of the quantity")
     kinds = [b.surrogate.fit.kind if b.surrogate.fit else "none" for b in bounds]
     variables["fit"] = (_DIM, kinds, {"long_name": "what was fitted to the runs"})
     return xr.Dataset(variables, coordinates(model), attributes_of(model))
@@ -122,23 +122,23 @@ class _Variables(dict):
 
 
 def _put_bounds(variables: _Variables, model: ModelEvaluator, bounds: list[QuantityBounds]) -> None:
-    """The ends, where they are, and the surrogate at the nominal values."""
+    """The bounds, where they are, and the surrogate at the nominal values."""
     to_value = model.experiment.box.from_unit
     for i, side in enumerate(("lower", "upper")):
         outer = [b.outer[i] for b in bounds]
-        variables.put(side, _DIM, outer, f"{side} end, of runs and surrogate")
+        variables.put(side, _DIM, outer, f"{side} bound, by runs and surrogate")
         simulated = [getattr(b, side) for b in bounds]
-        variables.put(f"simulated_{side}", _DIM, simulated, f"{side} end of the simulated runs")
+        variables.put(f"simulated_{side}", _DIM, simulated, f"{side} bound attained by a run")
         predicted = [(b.surrogate_range.low, b.surrogate_range.high)[i] for b in bounds]
-        variables.put(f"surrogate_{side}", _DIM, predicted, f"{side} end by the surrogate")
+        variables.put(f"surrogate_{side}", _DIM, predicted, f"{side} bound by the surrogate")
         moving = [int(b.unconverged[i]) for b in bounds]
-        text = f"1 where the surrogate goes beyond the {side} end"
+        text = f"1 where the surrogate is beyond the simulated {side} bound"
         variables.put(f"unconverged_{side}", _DIM, moving, text, "1")
         location = ("argmin", "argmax")[i]
         points = to_value(np.array([getattr(b, location) for b in bounds]))
-        variables.put(location, _DIMS, points, f"parameters of the run at the {side} end")
+        variables.put(location, _DIMS, points, f"parameters of the run at the {side} bound")
     nominal = [s.evaluate(model.nominal[None])[0] for s in model.surrogates()]
-    variables.put("nominal", _DIM, nominal, "at the nominal values, by surrogate")
+    variables.put("nominal", _DIM, nominal, "quantity at the nominal values, by the surrogate")
 
 
 def _put_occurrence(
@@ -148,18 +148,18 @@ def _put_occurrence(
     from deployable.intervals.scalars import Limit, share_of_box
 
     counts = np.isfinite(model.numbers[model.distinct_rows]).sum(axis=0) + model.unfitted_with
-    variables.put("runs_with", _DIM, counts, "runs that have the number", "1")
+    variables.put("runs_with", _DIM, counts, "number of runs with the quantity", "1")
     absences = len(model.distinct_rows) + model.unfitted - counts
-    variables.put("runs_without", _DIM, absences, "runs in which it does not happen", "1")
+    variables.put("runs_without", _DIM, absences, "number of runs without the quantity", "1")
     free = model.experiment.box.free
     limits = [
         Limit(b.surrogate, "happens", 1.0, border=float(shift))
         for b, shift in zip(bounds, shifts, strict=True)
     ]
     shares = np.array([share_of_box([limit], free) for limit in limits])
-    variables.put("happens", _DIM, shares[:, 0], "share of the box in which it happens", "1")
-    text = "by how much that share may be more or less"
-    variables.put("happens_uncertainty", _DIM, shares[:, 1], text, "1")
+    text = "share of the box in which the quantity exists"
+    variables.put("happens", _DIM, shares[:, 0], text, "1")
+    variables.put("happens_uncertainty", _DIM, shares[:, 1], f"uncertainty of the {text}", "1")
 
 
 def _put_shares(variables: _Variables, model: ModelEvaluator, bounds: list[QuantityBounds]) -> None:
@@ -188,7 +188,7 @@ def further_dataset(model: ModelEvaluator) -> Any:
 
     runs, k = model.further, model.unit.shape[1]
     numbers, margins = (rows[len(rows) - len(runs) :] for rows in (model.numbers, model.margins))
-    dims = ("run", "parameter")
+    dims, text = ("run", "parameter"), "event margin: positive if the event occurs"
     values = np.array([run.values for run in runs]).reshape(-1, k)
     unit = np.array([run.normalized for run in runs]).reshape(-1, k)
     ids = np.array([run.id for run in runs], dtype=object)
@@ -197,7 +197,7 @@ def further_dataset(model: ModelEvaluator) -> Any:
         "normalized": (dims, unit, {"units": "1", "long_name": "coordinates in the box, -1 to 1"}),
         "value": (dims, values, {"long_name": "parameter values in their units"}),
         "quantities": (("run", "quantity"), numbers, {"long_name": "value of the quantity"}),
-        "margin": (("run", "quantity"), margins, {"long_name": "by how much the run has it"}),
+        "margin": (("run", "quantity"), margins, {"long_name": text}),
     }
     return xr.Dataset(variables, coordinates(model), attributes_of(model))
 
@@ -212,7 +212,7 @@ def coordinates(model: ModelEvaluator) -> dict:
     columns = {
         "quantity": ("quantity", [q.name for q in quantities], "name of the quantity"),
         "quantity_units": ("quantity", [q.unit for q in quantities], "units of the quantity"),
-        "quantity_long_name": ("quantity", [q.long_name for q in quantities], "the same in words"),
+        "quantity_long_name": ("quantity", [q.long_name for q in quantities], "quantity in words"),
         "parameter": ("parameter", names, "interval parameter"),
         "box_units": ("parameter", [parameters[n].unit for n in names], "units of the parameter"),
     }

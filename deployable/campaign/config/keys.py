@@ -137,9 +137,9 @@ def _docstrings(kind: type) -> dict[str, str]:
 _HEAD = """\
 # Keys of a config
 
-A campaign is one YAML file, checked before any job starts; `python -m deployable check FILE`
-does it without running anything. `<name>` stands for a name of your own or of the scene. Numbers
-are in SI units unless a unit is given. This page is made from
+A [campaign](terms.md) is one YAML file, checked before any job starts; `python -m deployable check
+FILE` does it without running anything. `<name>` stands for a name of your own or of the scene.
+Numbers are in SI units unless a unit is given. This page is made from
 `deployable/campaign/config/models.py` by `python -m deployable keys`.
 """
 

@@ -461,10 +461,11 @@ class Config(ConfigSection):
         ],
         Rule("a mapping from names (letters, digits, `_`, starting with a letter) to definitions"),
     ] = field(default_factory=dict)
-    """Torque or force margins over the travel of an opening that is led slowly, by names of your
-    own (docs/review-sheet.md). Each is a response over the opening, the quantity `<name>_least`,
-    and, unless `requirements` say otherwise, the requirement that this is at least 0. With margins
-    and no other response or quantity, `duration` is 1 ms if nothing is said: it moves no margin."""
+    """Torque or force margins over the travel of an opening moved quasi-statically, by names of
+    your own (docs/review-sheet.md). Each is a response over the opening, the quantity
+    `<name>_least`, and, unless `requirements` say otherwise, the requirement that this is at least
+    0. With margins and no other response or quantity, `duration` is 1 ms if nothing is said: it
+    moves no margin."""
     published: Annotated[
         dict[str, Annotated[
             float, Rule(text="Published largest difference, in the response's unit.")]],

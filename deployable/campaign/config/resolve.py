@@ -104,10 +104,12 @@ def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
         first, *followers = openings if isinstance(openings, list) else [openings]
         if conflicts:
             problems.append(f"{key}: there is {' and '.join(conflicts)}; allowed: another name")
+        elif words := sorted({"margin", "with"} & set(definition)):  # `along` stands for both
+            problems += [f"{key}.{w}: there is no such key; allowed: along" for w in words]
         elif not all(isinstance(opening, str) for opening in (first, *followers)):
             problems.append(
-                f"{key}.along: {show(openings)} is not allowed; allowed: the opening that is led, "
-                "or a list of those that are led together"
+                f"{key}.along: {show(openings)} is not allowed; allowed: the opening that is "
+                "moved, or a list of those that are moved together"
             )
         else:
             rest = {key: value for key, value in definition.items() if key != "along"}

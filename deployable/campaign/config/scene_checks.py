@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
@@ -148,7 +149,10 @@ def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> list
         except fpm.SceneError as error:
             key = error.key
             if name in margins:  # as its section has it
-                key = key.replace(f"responses.{name}.margin", f"margins.{name}.along")
+                if key == f"responses.{name}":
+                    keys = error.allowed.removeprefix("margin").replace(" with,", "")
+                    error = fpm.SceneError(key, margins[name], f"along{keys}")
+                key = re.sub(rf"^responses\.{name}\.(margin|with)\b", f"margins.{name}.along", key)
                 key = key.replace(f"responses.{name}", f"margins.{name}")
             problems.append(_sentence(key, error))
     unknown_names = [name for name in campaign.published if name not in responses]

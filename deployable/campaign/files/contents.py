@@ -279,10 +279,11 @@ def matches(schema: Mapping, data: Any, path: str = "") -> None:
     if kinds and (not any(is_kind) or (isinstance(data, bool) and "boolean" not in kinds)):
         raise ValueError(f"{path or 'all of it'} is no {' or '.join(kinds)}")
     if data not in schema.get("enum", [data]) or data != schema.get("const", data):
-        raise ValueError(f"{path} is not as it may be")
+        allowed = schema.get("enum", [schema.get("const")])
+        raise ValueError(f"{path} is {data!r:.60}; allowed: {', '.join(map(repr, allowed))}")
     if isinstance(data, list):
-        if len(data) < schema.get("minItems", 0):
-            raise ValueError(f"{path} is too short")
+        if len(data) < (least := schema.get("minItems", 0)):
+            raise ValueError(f"{path} has {len(data)} entries; allowed: {least} or more")
         for number, item in enumerate(data):
             matches(schema.get("items", {}), item, f"{path}[{number}]")
     elif isinstance(data, dict):

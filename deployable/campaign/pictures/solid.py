@@ -45,7 +45,8 @@ class Solid:
     """The m elements of a structure with n particles at T moments, each a hexahedron between the
     sections at its two ends. nodes (m, 2): indices of the particles at the ends; sections (m, 2, 4,
     3): the sections' corners from the particle, in its rotating frame (m); position (T, n, 3): of
-    the particles (m); frame (T, n, 3, 3): their rotation matrices; elements (m): names."""
+    the particles (m); frame (T, n, 3, 3): their rotation matrices; elements (m): names;
+    cables: points of all cables, with the particles that carry them."""
 
     nodes: np.ndarray
     sections: np.ndarray

@@ -50,8 +50,8 @@ ATTRIBUTES = {
         ("overlap", "rad", "largest overlap of the faces of a contact, at the recorded instants"),
         ("event_time", "s", "time at which a contact, stop or latch closes or opens"),
         ("event_contact", "1", "index of the contact, stop or latch"),
-        ("event_closing", "1", "1 where it closes, 0 where it opens"),
-        ("quantities", "", "value of the quantity, none where what is asked for does not happen"),
+        ("event_closing", "1", "1 where the contact, stop or latch closes, 0 where it opens"),
+        ("quantities", "", "value of the quantity, missing where the quantity does not exist"),
     )
 }
 """Of variables of runs."""

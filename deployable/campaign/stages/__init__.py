@@ -37,8 +37,8 @@ FRAMES = 401
 OPTIONS = {
     "batch": {"type": int, "default": 0, "help": "number of the batch, from 0"},
     "batches": {"type": int, "default": 1, "help": "number of batches"},
-    "processes": {"type": int, "default": 1, "help": "that share the runs"},
-    "threads": {"type": int, "default": 1, "help": "that share the runs"},
+    "processes": {"type": int, "default": 1, "help": "number of worker processes (%(default)s)"},
+    "threads": {"type": int, "default": 1, "help": "number of threads (%(default)s)"},
     "bundle": {"type": Path, "help": "file for the runs, if no folder is shared"},
     "bundles": {"nargs": "*", "type": Path, "default": [], "help": "runs, as files"},
     "frames": {"type": int, "default": FRAMES,

@@ -21,7 +21,8 @@ def work(
     """Do the work of the stage `bounds`: gather the responses of all runs, fit the surrogate and
     write its bounds (`bounds.nc`) into `folder`, with the influence of each parameter, and errors
     by mesh and step if `verify` or the plan asks. notify: called with each message; bundles: tar
-    files of runs to be extracted first; threads: how many simulate; others: config sections."""
+    files of runs to be extracted first; threads: how many simulate; others: config sections.
+    Raises `CampaignError` for a bundle that is no tar file, and if runs fail."""
     unpack(bundles, folder.runs(jobs.keep))
     bound(folder, notify, bounds, verify, jobs, threads)
 
@@ -31,7 +32,7 @@ def bound(
 ) -> None:
     """Gather the runs of the plan in `folder`, fit the surrogate, and write its bounds with errors
     there. bounds, verify, jobs: sections of the config; notify: called with each message; threads:
-    how many simulate."""
+    how many simulate. Raises `CampaignError` if runs fail."""
     plan = read_plan(folder.plan)
     collect = gather_extremes if jobs.keep == "extremes" else gather
     collect(plan, jobs, folder.runs(jobs.keep), folder.samples, notify)

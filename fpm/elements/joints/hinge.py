@@ -42,7 +42,7 @@ def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Wat
     tilt: keys of the two; remedy: the sentence that tells the user what to do."""
 
     def failure(values: dict[str, float]) -> tuple[str, str]:
-        return f"a {noun} gapes by {values[gap]:.2g} m and {values[tilt]:.2g} rad", remedy
+        return f"a {noun} is open by {values[gap]:.2g} m and {values[tilt]:.2g} rad", remedy
 
     return Watch(gap, MOST_GAP, True, failure, True), Watch(tilt, MOST_TILT, True, failure)
 

@@ -71,7 +71,7 @@ class Hinges(NamedTuple):
     peaks: np.ndarray  # (1, 2, lanes)
     names: np.ndarray  # (h,) number of each among them
     excess: np.ndarray  # (h, 1, lanes) rows that say how bad a hinge is
-    gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (rad)
+    gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (sine)
     sums: np.ndarray | None = None  # (h, SUMS, lanes) impulses of this step, where they are counted
     forces: np.ndarray | None = None  # ((instants + 1) h, SUMS, lanes) recorded
 
@@ -89,7 +89,7 @@ MOST_GAP = 1e-6
 single precision. It gapes when its particles turn too far in a step for its rounds."""
 
 MOST_TILT = 1e-5
-"""Angle (rad) between the axes of a hinge from which it counts as open."""
+"""Sine of the angle between the axes of a hinge from which it counts as open."""
 
 ROUNDS = 4
 """Most rounds in a step; smooth motion takes one, a fast impact two."""
@@ -99,4 +99,4 @@ COARSE_GAP = 5e-9
 of a metre at most: more than that on light bodies grows from step to step."""
 
 COARSE_TILT = 5e-8
-"""Angle (rad) between the axes of a hinge above which a sample gets another round."""
+"""Sine of the angle between the axes of a hinge above which a sample gets another round."""

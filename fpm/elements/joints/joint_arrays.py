@@ -119,7 +119,7 @@ class Joints(NamedTuple):
     account: int  # of the work of what drives bodies
     peaks: np.ndarray  # (1, 2, lanes)
     excess: np.ndarray  # (j, 1, lanes) rows that say how bad a joint is
-    gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (rad)
+    gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (sine)
     sums: np.ndarray | None = None  # (r, 1, lanes) impulses of the conditions in this step
     forces: np.ndarray | None = None  # ((instants + 1) j, SUMS of hinges, lanes) recorded
     turns: Turns | None = None  # openings that are held exactly

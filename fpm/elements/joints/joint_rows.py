@@ -87,7 +87,7 @@ def directions(part, j, first):
 @kernel
 def unit_vectors(number):
     """The unit vectors along global x, y, z, each with the same value in all lanes (samples).
-    number: one in lanes, only for its type."""
+    number: one in lanes, whose type the components get; its value is not used."""
     zero = 0.0 * number
     unity = zero + 1.0
     return vector(unity, zero, zero), vector(zero, unity, zero), vector(zero, zero, unity)

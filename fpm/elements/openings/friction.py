@@ -45,8 +45,8 @@ def _locked(values: dict[str, float]) -> tuple[str, str]:
     return (
         "a bearing locks itself: its friction presses its joint harder than it is pushed, and was "
         f"bent by {values['lock']:.3g} times its `bristle_deflection` without slipping",
-        "what leads it further breaks it: lead it from an angle below that of friction, or end the "
-        "way before; less `mu`; a `load` near the force of the joint, where that is far larger",
+        "no motion is possible from there on: start it at an angle below that of friction, or "
+        "end it before; less `mu`; a `load` near the force of the joint, where that is far larger",
     )
 
 

@@ -36,7 +36,7 @@ PARTS = (
 
 SLIDING = {
     "rad": "m", "rad/s": "m/s", "rad s-1": "m s-1", "N m": "N", "N m s": "N s",
-    "N m/rad": "N/m", "N m s/rad": "N s/m",
+    "N m/rad": "N/m", "N m s/rad": "N s/m", "kg m2": "kg",
 }  # fmt: skip
 """Units of what acts on hinges, and those of the same on slides."""
 

@@ -48,7 +48,7 @@ class Release(AnyRelease):
     stiffness: float = stiffness(text="with which it holds")
     damping: float = damping(text="with which it holds")
     hold: float = number("rad", text="opening at which it holds")
-    time: float = number("s", above=0.0, finite=False, default=np.inf, text="when it lets go")
+    time: float = number("s", above=0.0, finite=False, default=np.inf, text="when it releases")
     watch: int = index("hinges", -1, words="hinge of release to watch", default=-1)
     level: float = number("rad", default=0.0, is_shown=False)
 

@@ -287,7 +287,7 @@ whole(TorqueMotor)
     Release,
     left_out={"stiffness": "it holds exactly", "hold": "that at the start"},
     damping=key_of(Release, "damping", default=0.0),
-    watch=OpeningKey(None, "another joint: it lets go where its opening passes `level`"),
+    watch=OpeningKey(None, "another joint: the release acts where its opening passes `level`"),
     level=NumberKey(None, "opening of the joint that is watched", unit="rad", joint="watch"),
 )
 def release(build, args):

@@ -41,6 +41,9 @@ _WIDER = 0.02  # of the hull's width, which is added on each side, and of the le
 _PRECISE = 0.05  # of the band, at which the surrogate's error no longer matters
 _STATIONARY = 0.8  # of the hull's volume, above which a wave does not pay where errors are small
 _SAMPLES = 128  # points at which the fraction of the hull is counted
+_NEAR = 4  # instants on each side over which an error of interpolation counts
+_STEP_FACTOR = 2.0  # 4/3 of the second order, for a change at the center of the hull alone
+_CHECKS, _ATTEMPTS = 96, 3  # runs that may contradict a refutation; how often it is tried
 _DEVIATIONS = 2.0  # standard deviations of such a count that are allowed for
 
 
@@ -150,12 +153,44 @@ def fit_curves(
     bands, size = test.bands.ravel(), np.abs(flat).max(axis=0)
     is_known = errors <= np.maximum(_SPREAD_SHARE * np.ptp(flat, axis=0), _PRECISE * bands)
     errors = np.where(is_known, 3.0 * errors, _UNBOUNDED * (bands + size))
-    coarse = scipy.interpolate.CubicSpline(times[::2], curves[:1, :, ::2], axis=2)
-    gaps = np.abs(coarse(times) - curves[:1])[0].max(axis=1, keepdims=True)
-    is_resolved = gaps <= _SPREAD_SHARE * np.ptp(curves[0], axis=1, keepdims=True)
-    gaps = np.where(is_resolved, gaps / 16, gaps)  # of a cubic: the fourth power of the distance
+    gaps = _interpolation_errors(times, curves, np.ptp(test.limits[:, 0]))
+    places = np.clip(test.times - middle, times[0], times[-1])
+    gaps = [np.interp(places, times, gap) for gap in gaps]
     errors = errors.reshape(sampled.shape[1:]) + gaps + own_errors
     return CurveFit(test, center, half, spline, indices, errors)
+
+
+def _interpolation_errors(times: np.ndarray, curves: np.ndarray, delay: float) -> np.ndarray:
+    """Largest error (n, R) of cubics through the instants of any run, near each instant: by those
+    through every second and every fourth, which tell a kink from a curve. delay: width of its
+    limits (s), over which an error may be shifted."""
+    width = 2 * _NEAR + 1 + int(2 * delay / (times[1] - times[0]))
+
+    def gaps(stride: int) -> np.ndarray:
+        if len(times) < 4 * stride:
+            return np.full(curves.shape[1:], inf)
+        rows = np.arange(0, len(times), stride)
+        coarse = scipy.interpolate.CubicSpline(times[rows], curves[..., rows], axis=2)
+        change = np.abs(coarse(times) - curves)
+        change[..., rows[-1] + 1 :] = 0.0  # beyond its last instant
+        return scipy.ndimage.maximum_filter1d(change.max(axis=0), width, axis=1)
+
+    fine, coarse = gaps(2), gaps(4)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        ratio = np.nan_to_num(coarse / fine, nan=2.0, posinf=16.0)
+    return np.where(fine > 0, fine / (np.clip(ratio, 2.0, 16.0) - 1.0), 0.0)
+
+
+def _lobes(change: np.ndarray) -> np.ndarray:
+    """The largest size (n, R) of a signed change (n, R) between its zeros beside each instant, and
+    between the next ones: two oscillations that differ in phase agree wherever they cross."""
+    result = np.empty_like(change)
+    for row, values in enumerate(change):
+        starts = np.concatenate([[0], np.flatnonzero(np.diff(values > 0)) + 1])
+        peaks = np.maximum.reduceat(np.abs(values), starts)
+        peaks = scipy.ndimage.maximum_filter1d(peaks, 3)
+        result[row] = np.repeat(peaks, np.diff(np.append(starts, len(values))))
+    return result
 
 
 class _Problem:
@@ -296,7 +331,7 @@ class _Waves:
         self.k, self.notify, self.runs = hull.shape[1], notify, 0
         blank = [np.zeros((0, len(test.values), len(times))) for test in tests]
         self.points, self.curves = [np.zeros((0, test.dimension)) for test in tests], blank
-        self.attained, self.best, self.residuals = inf, None, []
+        self.attained, self.best, self.residuals, self.first = inf, None, [], None
         sizes = [test.starts + test.limits.shape[1] for test in tests]
         ends = np.full(sum(sizes), 1.0)
         self.hull = self.widest = np.concatenate([hull, [-ends, ends]], axis=1)
@@ -322,16 +357,16 @@ class _Waves:
             points = np.concatenate([center[None], center + half * spread])
             points = points[: max(most - len(self.points[t]), 1)]
             middle = self.add(t, points)[0]
-            change = np.abs(self.finer(t, center) - middle) * 4 / 3
-            change = scipy.interpolate.CubicSpline(self.times, change, axis=1)
-            errors = np.abs(change(test.times - test.limits[:, 0].mean()))
+            change = _STEP_FACTOR * _lobes(self.finer(t, center) - middle)
+            places = test.times - test.limits[:, 0].mean()
+            errors = np.array([np.interp(places, self.times, row) for row in change])
             data = self.points[t], self.curves[t], self.times
             fits.append(fit_curves(test, *data, hull, errors))
         return fits
 
-    def run(self, values: np.ndarray, problem: _Problem) -> float:
-        """Run all tests at the variables `values`, keep that if no run came nearer, and return the
-        least misfit of a run in the hull: of this one, or of the nearest of all if it is there."""
+    def run(self, values: np.ndarray, problem: _Problem) -> tuple[np.ndarray, float]:
+        """Run all tests at the variables `values`, keep that if no run came nearer; return the
+        values with those of the sensors that fit best, and the misfit."""
         own_fits, points = [], []
         for t, (test, places) in enumerate(zip(self.tests, problem.places, strict=True)):
             points.append(values[places[: test.dimension]])
@@ -346,8 +381,24 @@ class _Waves:
         if misfit < self.attained:
             self.attained, self.best = misfit, values
             self.residuals = run_problem.linearise(values)[0]
-        is_inside = (self.best >= self.hull[0]).all() and (self.best <= self.hull[1]).all()
-        return self.attained if is_inside else misfit
+        return values, misfit
+
+    def is_contradicted(self, number: int) -> bool:
+        """Whether further runs, spread over all of the box and the starts, come nearer than the
+        errors of the first wave allow there: behaviour that few runs show, such as a latch that
+        hardly ever catches. number: of the attempt, each with runs of its own."""
+        problem, free = self.first, np.zeros(self.first.size, bool)
+        free[self.narrowed] = np.ptp(self.widest[:, self.narrowed], axis=0) > 0
+        center, half = self.widest.mean(axis=0), np.ptp(self.widest, axis=0) / 2
+        count = _CHECKS // len(self.tests)
+        for point in scan_points(free, count * (number + 1), corners=False)[-count:]:
+            values, misfit = self.run(center + half * point, problem)
+            hull = np.array([values, values])
+            sensors = np.setdiff1d(np.arange(problem.size), self.narrowed)
+            hull[:, sensors] = self.widest[:, sensors]
+            if problem.search(values, hull, OUTER)[1] > 1.05 * misfit + 0.05:
+                return True
+        return False
 
     def narrow(self, level: float | None, waves: int, most: int) -> tuple[_Problem, float, list]:
         """Narrow the hull to misfits up to `level`, None for that of the best run; return the last
@@ -358,6 +409,7 @@ class _Waves:
         most += max(spent)
         for number in range(waves):
             problem = _Problem(self.fits(number, most), self.k)
+            self.first = self.first if number else problem
             rng = np.random.default_rng(number)
             starts = [rng.uniform(*self.hull) for _ in range(_STARTS)]
             starts += [self.hull.mean(axis=0)] + [self.best] * (self.best is not None)
@@ -365,7 +417,10 @@ class _Waves:
             best = min(plain, key=lambda pair: pair[1])[0]
             outer = [problem.search(v, self.hull, OUTER) for v, _ in plain]
             nearest = min(misfit for _, misfit in outer)
-            if nearest > self.run(best, problem):  # which comes nearer: the errors were too small
+            misfit = self.run(best, problem)[1]
+            if (self.best >= self.hull[0]).all() and (self.best <= self.hull[1]).all():
+                misfit = self.attained
+            if nearest > misfit:  # a run there comes nearer: the errors were too small
                 continue
             least = max(least, nearest)
             limit = max(self.attained, 1.0) * (1 + _WIDER) if level is None else level
@@ -476,12 +531,25 @@ def calibrate(
         Called with messages.
     """
     state = _Waves(tests, times, evaluate, finer, hull, notify)
-    problem, least, pool = state.narrow(1.0, waves, most)
-    is_refuted = least > 1.0
+    for attempt in range(_ATTEMPTS):
+        problem, least, pool = state.narrow(1.0, waves, most)
+        is_refuted = least > 1.0
+        if not is_refuted or not state.is_contradicted(attempt):
+            break
+    else:
+        is_refuted, pool = False, []
     if is_refuted:
         problem, least, pool = state.narrow(None, waves, most)
+        is_refuted = state.attained > 1.0
+        pool = pool if is_refuted else []
+    least = min(least, state.attained) if is_refuted else min(least, state.attained, 1.0)
     k, level = hull.shape[1], max(1.0, state.attained) * (1 + _WIDER) if is_refuted else 1.0
-    samples, fractions = _fractions(state, problem, pool, level)
+    if pool or is_refuted:
+        samples, fractions = _fractions(state, problem, pool, level)
+    else:  # errors that runs contradict exclude nothing
+        state.hull, fractions = state.widest, (0.0, 1.0)
+        spread = scan_points(np.ptp(hull, axis=0) > 0, _SAMPLES)
+        samples = np.vstack([hull.mean(axis=0) + np.ptp(hull, axis=0) / 2 * spread, state.best[:k]])
     index = int(np.abs(state.residuals).argmax())
     sizes = [test.values.size for test in tests]
     residuals = [

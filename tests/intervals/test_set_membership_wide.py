@@ -29,3 +29,47 @@ def test_a_true_model_is_not_refuted_though_the_box_spans_periods(k):
     )  # fmt: skip
     low, high = 500.0 + 300.0 * result.hull[:, 0]
     assert not result.is_refuted and low <= k <= high
+
+
+NARROW = 0.4375  # the middle of a thirtieth of the box
+
+
+def bounce(x, times, step=0.0):
+    """Falls of the rate 1 + x / 5 onto the floor at 0, from which it comes back as it came."""
+    return np.abs(1.0 - (1.0 + x / 5) * times)
+
+
+def phase(x, times, step=1.0):
+    """Vibration whose frequency a step of the second order makes too large by 0.4 %."""
+    return np.cos((31.0 + x) * (1.0 + 0.004 * step**2) * times)
+
+
+def rare(x, times, step=0.0):
+    """Drift that only a thirtieth of the box stops at 1 s."""
+    is_caught = np.abs(x - NARROW) < 1 / 30
+    return np.where(is_caught, np.minimum(times, 1.0), times) * (1.0 + x / 10)
+
+
+@pytest.mark.parametrize(
+    ("curve", "instants", "truth"),
+    [(bounce, 41, 0.3), (bounce, 61, -0.7), (phase, 401, 0.6), (phase, 401, -0.4),
+     (rare, 201, NARROW)],
+)  # fmt: skip
+def test_true_models_are_not_refuted_nor_their_truth_excluded(curve, instants, truth):
+    """Kinks between recorded instants, errors of the step in phase, behaviour of few runs."""
+    times, seen = np.linspace(0.0, 2.0, instants), np.linspace(0.0, 2.0, 151)
+    exact = curve(truth, seen, step=0.0)
+    values = exact + 0.0019 * np.random.default_rng(1).uniform(-1, 1, len(seen))
+    bands = np.full((1, len(seen)), 0.002)
+    limits = np.array([[0.0, 1.0, 0.0]] * 2)
+    test = Measurement(seen, values[None], bands, limits, np.arange(1))
+
+    def evaluate(t, points, step=1.0):
+        return np.array([[curve(x, times, step)] for x in points[:, 0]])
+
+    result = calibrate(
+        [test], times, evaluate, lambda t, point: evaluate(t, point[None], 0.5)[0],
+        np.array([[-1.0], [1.0]]),
+    )  # fmt: skip
+    (low,), (high,) = result.hull
+    assert not result.is_refuted and low <= truth <= high

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import make_plan, write_plan
 from deployable.campaign.runs.progress import Notify
+
+_PASSED = 10  # spaces of a curve's points below the time step from which on it is told
 
 
 def work(folder: Folder, notify: Notify, experiment: Any) -> None:
@@ -21,6 +24,12 @@ def work(folder: Folder, notify: Notify, experiment: Any) -> None:
         f"{experiment.name}: {len(plan.unique_runs())} runs, step {step:.4g} s "
         f"({step / limit:.0%} of the limit, set by {plan.time.limiting_element})"
     )
+    for times, _ in experiment.nominal_scene.curves:
+        if sum(after - before < step for before, after in pairwise(times)) > _PASSED:
+            notify(
+                f"{experiment.name}: warning: many points of a curve of time are less than a time "
+                f"step, {step:.3g} s, apart, and count only at steps: state solver.step"
+            )
 
 
 def warn(notify: Notify, experiment: Any) -> None:

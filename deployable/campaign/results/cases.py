@@ -56,7 +56,10 @@ def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
                 "folder": child.path.name,
                 "page": child.report.exists(),
                 "changes": _changes_text(cases[name], summaries[name]),
-                "headline": sentence("headline", summaries[name], escapes=False),
+                "headline": " ".join(
+                    sentence(macro, summaries[name], escapes=False).strip()
+                    for macro in ("headline", "tested")
+                ).strip(),
                 "together": verdicts[name],
             }
             for name, child in folders.items()

@@ -406,7 +406,7 @@ class _Waves:
         waves: largest number of waves; most: of runs of each test, besides those already made."""
         least, pool, self.hull = 0.0, [], self.widest
         spent = [len(points) for points in self.points]
-        most += max(spent)
+        most += max(spent) - waves  # each wave makes one more
         for number in range(waves):
             problem = _Problem(self.fits(number, most), self.k)
             self.first = self.first if number else problem

@@ -9,7 +9,7 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import make_plan, write_plan
 from deployable.campaign.runs.progress import Notify
 
-_PASSED = 10  # spaces of a curve's points below the time step from which on it is told
+_SKIPS = 10  # spaces of a curve's points below the time step from which on it is told
 
 
 def work(folder: Folder, notify: Notify, experiment: Any) -> None:
@@ -25,7 +25,7 @@ def work(folder: Folder, notify: Notify, experiment: Any) -> None:
         f"({step / limit:.0%} of the limit, set by {plan.time.limiting_element})"
     )
     for times, _ in experiment.nominal_scene.curves:
-        if sum(after - before < step for before, after in pairwise(times)) > _PASSED:
+        if sum(end - start < step for start, end in pairwise(times)) > _SKIPS:
             notify(
                 f"{experiment.name}: warning: many points of a curve of time are less than a time "
                 f"step, {step:.3g} s, apart, and count only at steps: state solver.step"

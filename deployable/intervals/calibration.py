@@ -41,7 +41,7 @@ _WIDER = 0.02  # of the hull's width, which is added on each side, and of the le
 _PRECISE = 0.05  # of the band, at which the surrogate's error no longer matters
 _STATIONARY = 0.8  # of the hull's volume, above which a wave does not pay where errors are small
 _SAMPLES = 128  # points at which the fraction of the hull is counted
-_NEAR = 4  # instants on each side over which an error of interpolation counts
+_GAP_INSTANTS = 4  # instants on each side over which an error of interpolation counts
 _STEP_FACTOR = 2.0  # 4/3 of the second order, for a change at the center of the hull alone
 _CHECKS, _ATTEMPTS = 96, 3  # runs that may contradict a refutation; how often it is tried
 _DEVIATIONS = 2.0  # standard deviations of such a count that are allowed for
@@ -164,7 +164,7 @@ def _interpolation_errors(times: np.ndarray, curves: np.ndarray, delay: float) -
     """Largest error (n, R) of cubics through the instants of any run, near each instant: by those
     through every second and every fourth, which tell a kink from a curve. delay: width of its
     limits (s), over which an error may be shifted."""
-    width = 2 * _NEAR + 1 + int(2 * delay / (times[1] - times[0]))
+    width = 2 * _GAP_INSTANTS + 1 + int(2 * delay / (times[1] - times[0]))
 
     def gaps(stride: int) -> np.ndarray:
         if len(times) < 4 * stride:

@@ -76,9 +76,9 @@ def count_smolyak(order: Sequence[int]) -> int:
     for n in (int(n) for n in order if n):
         new_counts: dict[float, int] = {}
         for (fraction, rows), cost in itertools.product(counts.items(), _nested_costs(n).values()):
-            share = round(fraction + cost / n, 9)
-            if share <= 1.0:
-                new_counts[share] = new_counts.get(share, 0) + rows
+            level = round(fraction + cost / n, 9)
+            if level <= 1.0:
+                new_counts[level] = new_counts.get(level, 0) + rows
         counts = new_counts
     return sum(counts.values())
 

@@ -170,9 +170,9 @@ class _RestSearch:
         shift = np.abs(low_poses.position - high_poses.position).max()
         return high - low <= SAME_TOL * (energy - low) and shift > SAME_TOL * self._size
 
-    def _system(self, poses, bars, impulses, share):
+    def _system(self, poses, bars, impulses, ratio):
         rules = self._scales, self._free, self._weight
-        return linearised(self._scene, poses, self._conditions, bars, impulses, *rules, share=share)
+        return linearised(self._scene, poses, self._conditions, bars, impulses, *rules, ratio=ratio)
 
     def _lacks(self, poses) -> np.ndarray:
         return -self._weight * self._conditions.gaps(poses)
@@ -185,12 +185,12 @@ class _RestSearch:
         tries = [(ROUNDS, MASS_SHARE, np.inf), (SOFT_ROUNDS, SOFT_SHARE, SOFT_NEAR)]
         tries = tries[: 1 + (len(self._elastic.nodes) > 0)] if len(self._free) else []
         count, largest, state = 0, 0.0, poses
-        for most, share, radius in tries:
+        for most, ratio, radius in tries:
             state, impulses, largest = poses, self._no_gaps, np.inf
             for _ in range(most):
                 count += 1
                 bars = self._elastic if largest <= radius else self._unstressed
-                solve, gradient = self._system(state, bars, impulses, share)
+                solve, gradient = self._system(state, bars, impulses, ratio)
                 step, change = solve(-gradient, self._lacks(state))
                 largest = float(np.abs(step).max(initial=0.0))
                 if not np.isfinite(largest):
@@ -313,7 +313,7 @@ def _negative(apply, count: int) -> np.ndarray:
 
 
 def linearised(
-    scene, poses, conditions, elastic, impulses, scales, free, weight, ease=None, share=MASS_SHARE
+    scene, poses, conditions, elastic, impulses, scales, free, weight, ease=None, ratio=MASS_SHARE
 ):
     """Set up the linear equations of a Newton step; returns a function solve(forces, lacks) and the
     gradient (6n,) of the strain energy and of conditions times impulses.
@@ -324,7 +324,7 @@ def linearised(
     all particles; conditions: c of them (Conditions); elastic: Elastic or Unstressed; impulses
     (c,): of the conditions; scales (6n,): size (m), 1 for turns; free: indices of degrees of
     freedom that are not held; weight (c,): factors on the conditions; ease: how much masses hold
-    motions back, times the largest (N m), None: `share` of the largest stiffness."""
+    motions back, times the largest (N m), None: `ratio` of the largest stiffness."""
     from scipy.sparse import bmat, identity
     from scipy.sparse.linalg import splu
 
@@ -336,7 +336,7 @@ def linearised(
     mass = scaled(masses(scene, poses), scales, scales)
     largest = abs(stiffness).max() if stiffness.nnz else 0.0
     if ease is None:
-        ease = share * largest if largest > 0 else 1.0
+        ease = ratio * largest if largest > 0 else 1.0
     unit = max(largest, ease)
     inner = (stiffness / unit + mass * (ease / unit / mass.max())).tocsc()[free][:, free]
     rows = scaled(rows, weight, scales)[:, free]

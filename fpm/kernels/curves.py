@@ -18,8 +18,8 @@ def curve_value(world, curve, t):
     if t >= times[last]:
         return values[last]
     k = _point_after(times, first, last, t) - 1
-    share = (t - times[k]) / (times[k + 1] - times[k])
-    return values[k] + share * (values[k + 1] - values[k])
+    fraction = (t - times[k]) / (times[k + 1] - times[k])
+    return values[k] + fraction * (values[k + 1] - values[k])
 
 
 @kernel

@@ -128,13 +128,13 @@ def sections_of(scene: Scene, bar: Bar, place, axes) -> Sections:
     return Sections(*(np.concatenate(arrays, axis=1) for arrays in zip(*groups, strict=True)))
 
 
-def at_share(bar: Bar, sections: Sections, share: float) -> tuple[np.ndarray, np.ndarray]:
+def at_fraction(bar: Bar, sections: Sections, fraction: float) -> tuple[np.ndarray, np.ndarray]:
     """Return force (t, 3) N and moment (t, 3) N m in a section of a bar, linear between the ends of
     an element; where two elements meet, the mean of both. sections: the bar's, from `sections_of`;
-    share: distance of the section from the bar's start, as a fraction of its length."""
+    fraction: distance of the section from the bar's start, as a fraction of its length."""
     ends = bar.ends
     lengths = np.diff(ends, prepend=0.0)
-    position = share * ends[-1]
+    position = fraction * ends[-1]
     margin = 1e-9 * ends[-1]
     elements = np.flatnonzero((position <= ends + margin) & (position >= ends - lengths - margin))
     parts = np.clip((position - ends[elements] + lengths[elements]) / lengths[elements], 0.0, 1.0)

@@ -57,8 +57,8 @@ def nearest(a, b, c, d) -> np.ndarray:
     u, v, w = b - a, d - c, c - a
 
     def to_segment(point, start, chord):
-        share = np.sum((point - start) * chord, axis=-1) / np.sum(chord * chord, axis=-1)
-        return start + np.clip(share, 0.0, 1.0)[..., None] * chord - point
+        fraction = np.sum((point - start) * chord, axis=-1) / np.sum(chord * chord, axis=-1)
+        return start + np.clip(fraction, 0.0, 1.0)[..., None] * chord - point
 
     uu, vv, uv = (np.sum(p * q, axis=-1) for p, q in ((u, u), (v, v), (u, v)))
     uw, vw = np.sum(u * w, axis=-1), np.sum(v * w, axis=-1)

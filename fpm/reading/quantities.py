@@ -182,8 +182,8 @@ def _place_of_smallest(quantity: Quantity, curves: Curves) -> float:
     if 0 < i < len(values) - 1:
         rise1, rise2 = values[i - 1] - values[i], values[i + 1] - values[i]
         shift = 0.5 * (rise1 - rise2) / (rise1 + rise2) if rise1 + rise2 > 0 else 0.0
-    share = (i + shift) / (len(values) - 1)
-    return float(time[0] + share * (time[-1] - time[0]))
+    fraction = (i + shift) / (len(values) - 1)
+    return float(time[0] + fraction * (time[-1] - time[0]))
 
 
 def _mean(time: np.ndarray, values: np.ndarray) -> float:

@@ -169,21 +169,21 @@ def _bar(spec: Definition) -> Response:
 
 def _section(spec: Definition) -> Response:
     """A component of what a section of a bar bears, or the size of both of two axes."""
-    share, parts = spec.data["at"], spec.variable.parts
+    fraction, parts = spec.data["at"], spec.variable.parts
     name = spec.one_of(spec.variable.names(spec.scene))
-    real = isinstance(share, int | float) and not isinstance(share, bool)
-    if not (real and 0 <= share <= 1):
+    real = isinstance(fraction, int | float) and not isinstance(fraction, bool)
+    if not (real and 0 <= fraction <= 1):
         allowed = "a share of the bar's length, from 0 to 1"
-        raise SceneError(f"responses.{spec.name}.at", share, allowed)
+        raise SceneError(f"responses.{spec.name}.at", fraction, allowed)
     bending = parts[1].removesuffix("_y")
     component = spec.one_of((*parts, bending), "component")
     labels = parts[1:] if component == bending else (component,)
     noun = spec.kind.removeprefix("section_")
     text = component.replace("_", " along " if noun == "force" else " about ")
-    text = f"{text} {noun} of {name} at {share:g} of its length"
-    columns = tuple((spec.kind, f"{name} at {share:g} {label}") for label in labels)
+    text = f"{text} {noun} of {name} at {fraction:g} of its length"
+    columns = tuple((spec.kind, f"{name} at {fraction:g} {label}") for label in labels)
     size = "norm" if component == bending else component
-    return spec.response((name, f"{share:g}"), size, spec.variable.unit, text, columns)
+    return spec.response((name, f"{fraction:g}"), size, spec.variable.unit, text, columns)
 
 
 def _opening(spec: Definition, unit: str, words: str) -> Response:

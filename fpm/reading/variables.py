@@ -163,8 +163,8 @@ def _keep_bars(scene: Scene, names: Iterable[str]) -> Probe:
 
 
 def _in_section(index: int, recording: Recording, name: str) -> np.ndarray:
-    bar, _, share = name.partition(PLACE)
-    return bars.at_share(*recording.sections(bar), float(share))[index]
+    bar, _, fraction = name.partition(PLACE)
+    return bars.at_fraction(*recording.sections(bar), float(fraction))[index]
 
 
 def _chosen_bars(scene: Scene, name: str) -> list[str]:

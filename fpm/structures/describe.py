@@ -97,8 +97,8 @@ def _remedy(structure: SceneType, scene: Scene, cost: report.RunCost) -> str:
     if cost.step == np.inf:
         return ""
     changes = [
-        f"{name} = {_number(value)} (x {share:.3g})"
-        for name, value, share in report.longer_steps(structure, cost.step)
+        f"{name} = {_number(value)} (x {ratio:.3g})"
+        for name, value, ratio in report.longer_steps(structure, cost.step)
     ]
     if cost.element.startswith(ON_JOINTS) and scene.beams:
         changes.append("`masses` with the fittings' inertia at its joint, where bars are light")

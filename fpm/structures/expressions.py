@@ -43,8 +43,8 @@ def _interpolate(x: float, *points: float) -> float:
     if any(first >= second for first, second in pairwise(places)):
         raise ExpressionError("interpolated between places that do not increase")
     k = min(max(bisect_right(places, x), 1), len(places) - 1)
-    share = min(max((x - places[k - 1]) / (places[k] - places[k - 1]), 0.0), 1.0)
-    return (1.0 - share) * values[k - 1] + share * values[k]
+    weight = min(max((x - places[k - 1]) / (places[k] - places[k - 1]), 0.0), 1.0)
+    return (1.0 - weight) * values[k - 1] + weight * values[k]
 
 
 _ROUND = {name: getattr(math, name) for name in (*_ANGULAR, "asin", "acos", "atan")}

@@ -108,7 +108,7 @@ def redundant(scene: Scene) -> list[str]:
     which depends linearly on the others at the start."""
     rows, names = jacobian(scene)
     shares = dependence(rows)[1]
-    return list(dict.fromkeys(n for n, share in zip(names, shares, strict=True) if share > 1e-6))
+    return list(dict.fromkeys(n for n, size in zip(names, shares, strict=True) if size > 1e-6))
 
 
 def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, float]]:
@@ -123,11 +123,11 @@ def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, fl
         whole = parameter.kind == "integer"
         for trial in (max(value // 2, 1),) if whole else (0.9 * value, 1.1 * value):
             try:
-                share = stable_step(structure.build(**{name: trial})).step / step
+                ratio = stable_step(structure.build(**{name: trial})).step / step
             except Exception:  # whatever a structure's own code says to a value of ours
                 continue
-            if 1.03 < share < np.inf:
-                changes.append((name, trial, share))
+            if 1.03 < ratio < np.inf:
+                changes.append((name, trial, ratio))
     return sorted(changes, key=lambda change: -change[2])[:3]
 
 

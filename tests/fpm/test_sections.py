@@ -61,7 +61,7 @@ def test_a_cantilever_bears_its_end_load_in_every_section(turned, load):
     bar = bars.bars_of(scene)["bar"]
     found = bars.sections_of(scene, bar, lambda p: position[:, p], lambda p: frame[:, p])
     for share in (0.0, 0.2, 1 / 3, 0.5, 2 / 3, 1.0):
-        here_force, here_moment = bars.at_share(bar, found, share)
+        here_force, here_moment = bars.at_fraction(bar, found, share)
         arm = np.array([1.0 - share, 0.0, 0.0])
         np.testing.assert_allclose(here_force[0], force, atol=1e-5)
         expected = moment + np.cross(arm, force)
@@ -114,7 +114,7 @@ def ends_bear(elements: int, load: np.ndarray):
     found = bars.sections_of(
         scene, bar, lambda p: poses.position[None, p], lambda p: poses.frame[None, p]
     )
-    shares = [bars.at_share(bar, found, share) for share in (0.0, 0.5, 1.0)]
+    shares = [bars.at_fraction(bar, found, share) for share in (0.0, 0.5, 1.0)]
     cut = np.array([np.concatenate([force[0], moment[0]]) for force, moment in shares])
     return poses.position[-1] @ TURNED, cut, found
 

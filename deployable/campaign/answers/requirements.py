@@ -73,18 +73,18 @@ def _met(model: ModelEvaluator, result: LimitAssessment, indices: list[int]) -> 
     them, is enough. That no run keeps one proves nothing by itself: the share is unknown then."""
     from deployable.intervals.scalars import share_of_box
 
-    share, open_ = share_of_box([result.limits[i] for i in indices], model.experiment.box.free)
+    fraction, open_ = share_of_box([result.limits[i] for i in indices], model.experiment.box.free)
     is_met = result.slack[indices].min(axis=0) >= 0
     row = {
-        "share": share,
+        "share": fraction,
         "share_uncertainty": open_,
         "runs": len(model.distinct_rows) + model.unfitted,
     }
     if is_met.all() and all(_may_hold(result, i) for i in indices):
         is_kept = min(result.worst[i][0] for i in indices) >= 0
         sure = is_kept and not open_ and all(is_shown(model, result, i) for i in indices)
-        return {"met": "all" if sure else "undecided", **row, "share": 1.0 if is_kept else share}
-    if share > 0 or is_met.any():
+        return {"met": "all" if sure else "undecided", **row, "share": 1.0 if is_kept else fraction}
+    if fraction > 0 or is_met.any():
         return {"met": "some", **row}
     never_kept = [i for i in indices if not (result.slack[i] >= 0).any()]
     if never_kept and not any(is_refuted(model, result, i) for i in never_kept):
@@ -138,6 +138,6 @@ def _halved(model: ModelEvaluator, result: LimitAssessment) -> dict[str, dict[st
     for j in np.flatnonzero(box.free):
         lower, upper = -np.ones(box.dimension), np.ones(box.dimension)
         lower[j], upper[j] = (0.5 * (model.nominal[j] + end) for end in (-1.0, 1.0))
-        share, open_ = share_of_box(result.limits, box.free, lower, upper)
-        rows[box.names[j]] = {"share": share, "share_uncertainty": open_}
+        fraction, open_ = share_of_box(result.limits, box.free, lower, upper)
+        rows[box.names[j]] = {"share": fraction, "share_uncertainty": open_}
     return rows

@@ -96,9 +96,9 @@ def _crossings(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.nd
     offset = second[:, None] - first[:, :, None]
     turn = _cross(first_edge, second_edge)
     with np.errstate(divide="ignore", invalid="ignore"):
-        share, second_share = _cross(offset, second_edge) / turn, _cross(offset, first_edge) / turn
-    cross = (share > 0) & (share < 1) & (second_share > 0) & (second_share < 1)
-    place = first[:, :, None] + np.where(cross, share, 0.0)[..., None] * first_edge
+        part1, part2 = _cross(offset, second_edge) / turn, _cross(offset, first_edge) / turn
+    cross = (part1 > 0) & (part1 < 1) & (part2 > 0) & (part2 < 1)
+    place = first[:, :, None] + np.where(cross, part1, 0.0)[..., None] * first_edge
     count = len(first)
     return place.reshape(count, 16, 2), cross.reshape(count, 16)
 

@@ -120,7 +120,7 @@ class Errors:
         return max(self.aim - mesh - step, (1 - _FINAL_SHARE) * self.aim)
 
     def __str__(self) -> str:
-        components = ", ".join(f"{part} {_percent(share)}" for part, share in self.parts.items())
+        components = ", ".join(f"{part} {_percent(value)}" for part, value in self.parts.items())
         whole, aim = _percent(self.whole), _percent(self.aim)
         return f"{self.name} {whole} of the width ({components}), tolerance {aim}"
 
@@ -233,14 +233,14 @@ class Standing:
 
     def _stagnation(self, error: Errors) -> str:
         """Why no more runs help: the error hardly fell with four times as many; empty if it did."""
-        nodes, share = self.cost.nodes, error.parts["surrogate"]
+        nodes, value = self.cost.nodes, error.parts["surrogate"]
         for record in self.state.rounds:
             if record.elements == self.cost.elements and 0 < _STAGNANT_RUNS * record.nodes <= nodes:
                 previous = record.shares.get(error.name, {}).get("surrogate", math.inf)
-                if share >= _STAGNANT * previous:
+                if value >= _STAGNANT * previous:
                     shares = (
                         f"{_percent(previous)} of the width with {record.nodes} runs, "
-                        f"{_percent(share)} with {nodes}"
+                        f"{_percent(value)} with {nodes}"
                     )
                     return (
                         f"the surrogate's error of {error.name} does not fall with more runs "
@@ -322,7 +322,7 @@ class Standing:
         """Factor by which the mesh's error fell when last halved, at most 8; None if never."""
         current, rounds = error.parts.get("mesh", 0.0), self.state.rounds
         meshes = {row.elements: row.shares.get(error.name, {}).get("mesh", 0.0) for row in rounds}
-        coarser = [share for n, share in sorted(meshes.items()) if n < self.cost.elements]
+        coarser = [value for n, value in sorted(meshes.items()) if n < self.cost.elements]
         return min(coarser[-1] / current, 8.0) if coarser and current > 0 else None
 
 
@@ -331,5 +331,5 @@ def _halvings(error: Errors, fall: float) -> int:
     return max(1, math.ceil(math.log(2 * error.discretization / error.aim) / math.log(fall)))
 
 
-def _percent(share: float) -> str:
-    return f"{100 * share:.2g} %"
+def _percent(value: float) -> str:
+    return f"{100 * value:.2g} %"

@@ -92,11 +92,11 @@ class Limit:
         return (self.level - value if self.kind == "at_most" else value - self.level), point
 
 
-def sub_box(nominal: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:
+def sub_box(nominal: np.ndarray, scale: float) -> tuple[np.ndarray, np.ndarray]:
     """Shrink the box [-1, 1]^k towards a nominal point (k) in it: returns the lower and the upper
-    corner (k each); share: scale factor of all its sides, from 0 (the point) to 1."""
+    corner (k each); scale: factor of all its sides, from 0 (the point) to 1."""
     nominal = np.asarray(nominal, dtype=float)
-    return nominal + share * (-1.0 - nominal), nominal + share * (1.0 - nominal)
+    return nominal + scale * (-1.0 - nominal), nominal + scale * (1.0 - nominal)
 
 
 def share_reaching(nominal: np.ndarray, unit: np.ndarray) -> np.ndarray:
@@ -132,8 +132,8 @@ def share_of_box(
         rows = [row for limit in limits for row in limit.conditions(flat)]
         rows = [tuple(array.reshape(-1, len(line)) for array in row) for row in rows]
         fractions.append([_parts_met(rows, sign).mean(axis=1) for sign in (0.0, -1.0, 1.0)])
-    share, least, most = np.concatenate(fractions, axis=1).mean(axis=1)
-    return float(share), float(max(most - share, share - least))
+    fraction, least, most = np.concatenate(fractions, axis=1).mean(axis=1)
+    return float(fraction), float(max(most - fraction, fraction - least))
 
 
 def _parts_met(conditions: Sequence[tuple[np.ndarray, np.ndarray]], sign: float) -> np.ndarray:
@@ -175,8 +175,8 @@ def largest_share(
     is violated first beyond it and the point (k) where, both None if it is 1. It is 0 where the
     nominal point itself violates one. steps: bisections for the factor."""
 
-    def first_violation(share: float) -> tuple[float, int, np.ndarray] | None:
-        worst = [(*limit.worst(*sub_box(nominal, share)), i) for i, limit in enumerate(limits)]
+    def first_violation(scale: float) -> tuple[float, int, np.ndarray] | None:
+        worst = [(*limit.worst(*sub_box(nominal, scale)), i) for i, limit in enumerate(limits)]
         slack, point, i = min(worst, key=lambda row: row[0])
         return None if slack >= 0 else (slack, i, point)
 

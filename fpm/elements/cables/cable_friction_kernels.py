@@ -97,11 +97,11 @@ def turn_angle(part, j):
 
 
 @kernel
-def length_at(part, j, soft, share):
-    """Length (m) of stretch j at a fraction `share` (0 to 1) of the step that ends now, as if it
+def length_at(part, j, soft, fraction):
+    """Length (m) of stretch j at a `fraction` (0 to 1) of the step that ends now, as if it
     changed evenly in it. part: arrays of all cables; soft: 1/EA (1/N)."""
     length = load(part.rubbed, j, MATERIAL) * (1.0 + soft * load(part.rubbed, j, TENSION))
-    return length + share * (load(part.stretches, j, LENGTH) - length)
+    return length + fraction * (load(part.stretches, j, LENGTH) - length)
 
 
 @kernel

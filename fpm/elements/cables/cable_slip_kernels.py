@@ -44,10 +44,10 @@ def find_flow(part, first, j, strain):
     flow, follows = 0.0 * strain, 0.0 * strain + 1.0
     slope, linked = flow, follows
     for k in range(j, first - 1, -1):
-        local, share = follows * strain, 1.0 / (1.0 + follows * strain)
+        local, scale = follows * strain, 1.0 / (1.0 + follows * strain)
         start, length = load(part.rubbed, k, START), load(part.stretches, k, LENGTH)
-        flow = flow + linked * (share * (start * local - (length - start)))  # start - length share
-        slope = slope + linked * (follows * length * share * share)
+        flow = flow + linked * (scale * (start * local - (length - start)))  # start - length scale
+        slope = slope + linked * (follows * length * scale * scale)
         if k > first:
             free_strain, ratio = load(part.rubbed, k - 1, FREE_STRAIN), load(part.rubbed, k, RATIO)
             inverse = load(part.rubbed, k, INVERSE)

@@ -90,10 +90,10 @@ def turning(part, i, timing):
     vertex = 0.5 * timing.step * (last - 0.5 * fall) * (last - 0.5 * fall) / fall
     sudden = 0.5 * timing.kick * last * last / fall
     blow = old_fall - 0.5 * fall
-    share = last / fall
+    fraction = last / fall
     if timing.time > 0.0:
-        share = where_negative(blow, 0.5 + load(part.turns.blow, 0, 0), share)
-    return share, where_negative(-last, where_negative(blow, sudden, vertex), 0.0)
+        fraction = where_negative(blow, 0.5 + load(part.turns.blow, 0, 0), fraction)
+    return fraction, where_negative(-last, where_negative(blow, sudden, vertex), 0.0)
 
 
 @hook(RigidFrictions)
@@ -146,9 +146,9 @@ def change(part, world, timing, i, slips, turns, sticks):
     t, h, most = part.turn[i], part.hinge[i], load(part.numbers, i, 0)
     old, last = load(part.state, i, SIGN), load(part.state, i, BRAKE)
     sign = where_negative(needed_by(part, i, timing), -1.0, 1.0)
-    share, path = turning(part, i, timing)
+    fraction, path = turning(part, i, timing)
     brake = where_negative(slips, slipping(part, i, sign * most, timing), last)
-    brake = where_negative(turns, (1.0 - 2.0 * share) * old * most, brake)
+    brake = where_negative(turns, (1.0 - 2.0 * fraction) * old * most, brake)
     brake = where_negative(sticks, 0.0, brake)
     push(part.openings, world.state, h, timing.kick * (brake - last))
     store(part.state, i, BRAKE, brake)

@@ -109,8 +109,8 @@ def decide(part, world, timing):
                     if part.state[i, IS_CAUGHT, s] > 0.0:
                         part.turns.state[t, HOLDS, s] = -1.0
                         part.turns.state[t, TARGET, s] = part.state[i, PLACE, s]
-                        share = (part.state[i, CATCH_TIME, s] - timing.time) / timing.step
-                        part.turns.blow[0, 0, s] = share
+                        fraction = (part.state[i, CATCH_TIME, s] - timing.time) / timing.step
+                        part.turns.blow[0, 0, s] = fraction
                         world.undecided[0] = 1
 
 

@@ -93,16 +93,16 @@ def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
     is_entered = first < 0.0 and last >= 0.0
     if not (is_entered or (reach > 0.0 and 0.0 <= first <= 2.0 * reach)):
         return
-    share = -first / (last - first) if is_entered else 1.0
+    part_of_step = -first / (last - first) if is_entered else 1.0
     half = change / step
-    rate = half + (share - 0.5) * (half - last_rate)
+    rate = half + (part_of_step - 0.5) * (half - last_rate)
     if abs(rate) <= part.numbers[i, MAX_RATE, s]:
         place = 0.0 if is_entered else min(last, 2.0 * reach)
         part.state[i, IS_CAUGHT, s] = 1.0
         part.state[i, HOLD_ANGLE, s] = angle + sign * (place - reach)
         part.state[i, SIGN, s] = sign
         part.state[i, NEWS, s] = 1.0
-        part.state[i, CATCH_TIME, s] = end - (1.0 - share) * step
+        part.state[i, CATCH_TIME, s] = end - (1.0 - part_of_step) * step
         part.state[i, RATE_THERE, s] = rate
     elif last > 2.0 * reach or reach == 0.0:
         fraction = (2.0 * reach - first) / (last - first)

@@ -274,10 +274,10 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
         turn = np.cross(scene.position[p] - scene.position[q], scene.frame[p] @ axis1)
         turns = [scene.frame[particle].T @ turn for particle in (p, q)]
         soft, soft2 = turns[0] ** 2 @ first, turns[1] ** 2 @ second
-        share = soft2 / (soft + soft2) if soft + soft2 > 0 else 0.0
+        ratio = soft2 / (soft + soft2) if soft + soft2 > 0 else 0.0
         frame = scene.frame if scene.unstrained is None else scene.unstrained
         axis1, axis2 = frame[p] @ axis1, frame[q] @ axis2
-        return [(np.concatenate([-axis1, share * turns[0], axis2, (1 - share) * turns[1]]), 1.0)]
+        return [(np.concatenate([-axis1, ratio * turns[0], axis2, (1 - ratio) * turns[1]]), 1.0)]
     plane = np.linalg.svd(hinge.references[1][None])[2][1:]  # normal to the axis on the second
     soft = axis1**2 @ first
     softest = float(np.linalg.eigvalsh(plane * second @ plane.T)[-1])

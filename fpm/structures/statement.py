@@ -97,9 +97,9 @@ CLASS = {"class": ChoiceKey(None, "in margins; left out: by what it is", options
 """The key of what has a part where an opening is moved quasi-statically (fpm/travel/)."""
 
 
-def key_of(kind: type[ElementType], name: str, left_out: str = "", **changes: Any) -> Key:
+def key_of(kind: type[ElementType], name: str, default_text: str = "", **changes: Any) -> Key:
     """Return the Key of a structure file for a field of an element type. kind: the type; name: of
-    the field; left_out: what leaving the key out means, for fields without default; changes:
+    the field; default_text: what leaving the key out means, for fields without default; changes:
     attributes of the Key to replace."""
     field = specs(kind)[name]
     default = {f.name: f.default for f in fields(kind)}[name]
@@ -117,8 +117,8 @@ def key_of(kind: type[ElementType], name: str, left_out: str = "", **changes: An
         if (count := field.count) > 1:
             item = replace(key, default=NO_VALUE, text="")
             key = ListKey(default, field.text, item, count, count)
-    if left_out:
-        key = replace(key, default=None, text=f"{key.text}; left out: {left_out}")
+    if default_text:
+        key = replace(key, default=None, text=f"{key.text}; left out: {default_text}")
     return replace(key, **changes)
 
 
@@ -137,15 +137,15 @@ def acting(
     text: str = "",
     /,
     excluded: Container[str] = (),
-    left_out: Mapping[str, str] | None = None,
+    default_texts: Mapping[str, str] | None = None,
     **extra: Key,
 ) -> Callable:
     """Return a decorator that makes a Statement of `actions` for the element type `kind`, with its
     fields as keys, required ones first, and registers it. text: what it is, "": the first line of
-    the function's docstring; excluded: fields that are no keys; left_out: by field without default,
-    what leaving its key out means; extra: Keys to add, or to replace those of fields."""
+    the function's docstring; excluded: fields that are no keys; default_texts: by field without
+    default, what leaving its key out means; extra: Keys to add, or to replace those of fields."""
     names = [name for name in specs(kind) if name not in excluded]
-    table = {name: key_of(kind, name, (left_out or {}).get(name, "")) for name in names}
+    table = {name: key_of(kind, name, (default_texts or {}).get(name, "")) for name in names}
     keys = {"joint": table.pop("hinge")} if "hinge" in table else {}
     keys |= {**{name: key for name, key in extra.items() if name not in table}, **table, **extra}
     keys |= CLASS if kind.resists_as else {}

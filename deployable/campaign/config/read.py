@@ -29,7 +29,7 @@ def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
             problems.append(fault.text)
     if faults and not endless:
         for fault in faults:
-            _remove(right, fault.left_out)
+            _remove(right, fault.faulty_path)
         config, _ = _validated(right)
     return None if endless else config, right, problems
 
@@ -49,11 +49,11 @@ def _adapter() -> Any:
 
 class Fault(NamedTuple):
     """A problem of a config: a sentence, `text`, on the key at `path` (names from the top), and
-    `left_out`, the path of what must be removed to check the rest: of a mapping's entry the whole
-    entry, since without one of its keys it would raise another complaint."""
+    `faulty_path`, the path of what must be removed to check the rest: of a mapping's entry the
+    whole entry, since without one of its keys it would raise another complaint."""
 
     path: tuple[str, ...]
-    left_out: tuple[str, ...]
+    faulty_path: tuple[str, ...]
     text: str
 
 

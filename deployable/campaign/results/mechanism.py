@@ -94,7 +94,7 @@ def margin_of(
         "standard": standard,
         "evidence": evidence_of(response),
         "openings": list(openings),
-        "without": left_out(response),
+        "without": failed_components(response),
         "locked": list(definition.get("locked", ())),
         "starts_vary": bool(stowed and np.ptp(starts) > OPENING_TOLERANCE),
         "first": positions.first,
@@ -149,7 +149,7 @@ def evidence_of(margin: Any) -> str:
     return margin.subjects[margin.subjects.index(standard_of(margin)) + 1]
 
 
-def left_out(margin: Any) -> list[str]:
+def failed_components(margin: Any) -> list[str]:
     """List the components, such as a spring that failed, without which a torque margin is taken.
     margin: its `Response`."""
     return list(margin.subjects[margin.subjects.index(standard_of(margin)) + 2 :])

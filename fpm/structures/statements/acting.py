@@ -91,7 +91,7 @@ whole(Damper)
 
 @acting(
     Friction,
-    left_out={"bristle_deflection": f"{DEFLECTION:g} rad, {1e3 * SLIDE_DEFLECTION:g} mm"},
+    default_texts={"bristle_deflection": f"{DEFLECTION:g} rad, {1e3 * SLIDE_DEFLECTION:g} mm"},
     sticks=ChoiceKey(
         "bristle", "`exactly`: without any deflection", options=("bristle", "exactly")
     ),
@@ -183,7 +183,7 @@ def stop(build, args):
 @acting(
     Latch,
     excluded=("one_sided", "name"),
-    left_out={"stiffness": "it holds exactly"},
+    default_texts={"stiffness": "it holds exactly"},
     holds=ChoiceKey(
         "both ways", "`one way`: only against going back", options=("both ways", "one way")
     ),
@@ -242,7 +242,7 @@ def tabulated_spring(build, args):
 @acting(
     SyncLoop,
     excluded=("hinges", "name"),
-    left_out={"rest": "those at the start"},
+    default_texts={"rest": "those at the start"},
     joints=ListKey(kind=TURNING, least=2, most=2, text="the two on which its pulleys sit"),
 )
 def loop(build, args):
@@ -258,7 +258,7 @@ def loop(build, args):
 @acting(
     Motor,
     excluded=("by_rate",),
-    left_out={"start": "that at the start", "stiffness": "it prescribes exactly"},
+    default_texts={"start": "that at the start", "stiffness": "it prescribes exactly"},
     damping=key_of(Motor, "damping", default=0.0),
     turn=NumberKey(None, "by how much it turns, times `curve`; this or `rate`", unit="rad"),
     rate=NumberKey(None, "how fast it turns, times `curve`", unit="rad/s"),
@@ -285,7 +285,7 @@ whole(TorqueMotor)
 
 @acting(
     Release,
-    left_out={"stiffness": "it holds exactly", "hold": "that at the start"},
+    default_texts={"stiffness": "it holds exactly", "hold": "that at the start"},
     damping=key_of(Release, "damping", default=0.0),
     watch=OpeningKey(None, "another joint: the release acts where its opening passes `level`"),
     level=NumberKey(None, "opening of the joint that is watched", unit="rad", joint="watch"),

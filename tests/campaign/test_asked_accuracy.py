@@ -320,7 +320,7 @@ def test_rounds_refine_what_is_too_coarse(met):
         )
     text = (met / "summary.md").read_text()
     assert "The accuracy that was set is met" in text
-    assert "wanted |" in text
+    assert "target |" in text
 
 
 @pytest.mark.slow

@@ -49,11 +49,12 @@ class Watch(NamedTuple):
 
 
 class Series(NamedTuple):
-    """A recorded series of one sample, for a trajectory file. values: (t,) over t instants, or (t,
-    k) for k labelled elements, in `unit` (as "N m"); long_name: what it is, in words; dimension,
-    labels: name of the dimension of the k columns (None: values are (t,)), and the name of each;
-    time_dim: name of the dimension of t; code: digest of the code that computed it, kept with it
-    where a change of that code does not rename the run, "": none."""
+    """A recorded series of one sample, for a trajectory file. values: (t,), or (t, k) for k
+    labelled elements, in `unit` (as "N m"), over t instants or, if time_dim is "travel_position",
+    over positions along a joint's travel; long_name: what it is, in words; dimension, labels: name
+    of the dimension of the k columns (None: values are (t,)), and the name of each; time_dim: name
+    of the dimension of t; code: digest of the code that computed it, kept with it where a change of
+    that code does not rename the run, "": none."""
 
     values: np.ndarray
     unit: str

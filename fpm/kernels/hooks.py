@@ -140,8 +140,9 @@ def restrain(parts, world, timing):
 
 @_unrolled()
 def prepare(parts, world, timing):
-    """Add impulses of the forces, over timing.kick (s), to momenta of particles that an element
-    type moves itself (as those in joints). parts: arrays of each element type; world: solver state
+    """Add the impulses of the forces, over timing.kick (s), to momenta of joints' bodies, and those
+    that keep the joints closed, unless `solve` finds these (World.undecided is set then); rigid
+    motors and latches store what it needs. parts: arrays of each element type; world: solver state
     (World), changed; timing: times of this step (s)."""
 
 

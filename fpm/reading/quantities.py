@@ -85,8 +85,9 @@ class Quantity:
 
 
 def peak(values: np.ndarray) -> float:
-    """Return the largest of values (t,) at equal time steps, by the parabola through the largest
-    and its two neighbours, at most an eighth of the drop to a neighbour above it."""
+    """Return the largest of values (t,) at equal time steps: the top of the parabola through the
+    largest and its two neighbours, above it by at most an eighth of the larger drop to them; at the
+    first or last instant the value itself."""
     i = int(values.argmax())
     top = float(values[i])
     if 0 < i < len(values) - 1:

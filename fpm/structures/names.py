@@ -52,7 +52,8 @@ class Context:
         raise KeyError(name)
 
     def visible(self, names: Iterable[str]) -> list[str]:
-        """Return those of `names` (full) that can be written here, as one writes them here."""
+        """Return the names that a message suggests here, as they are written here, out of `names`
+        (full): at the top all, in a unit of a repeat its own and those of no unit."""
         if not self.prefix:
             return list(names)
         units = tuple(unit for units in self.units().values() for unit in units)

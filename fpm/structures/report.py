@@ -67,9 +67,10 @@ def centre(scene: Scene) -> np.ndarray:
 
 
 def mobility(scene: Scene) -> Mobility:
-    """Return how many rigid parts, constraints and degrees of freedom a scene has at the start, by
-    the rank of its constraints, with elastic bars as rigid. In a singular position, as of a
-    mechanism folded flat, there are more freedoms than in the motion that follows."""
+    """Return how many moving rigid parts, scalar constraints, redundant ones of these (implied by
+    others) and degrees of freedom a scene has at the start, by the rank of its constraints, with
+    elastic bars as rigid. In a singular position, as of a mechanism folded flat, there are more
+    freedoms than in the motion that follows."""
     rows, _ = jacobian(scene)
     rank, count = dependence(rows)[0], rows.shape[1]
     return Mobility(count // 6, len(rows), len(rows) - rank, count - rank)

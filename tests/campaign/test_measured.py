@@ -156,5 +156,7 @@ def test_an_arm_with_air_is_refuted_by_the_study():
     test = measure_synthetic(100, "air")
     assert test["refuted"] and test["attained"] > test["least"] > 1
     truth = {**test, "lack": "", "is_left": False, "refuted": True, "runs": 100}
-    failed = [row.name for row in report({"truths": [truth], "lacks": [test]}).rows if row.is_failed]
+    failed = [
+        row.name for row in report({"truths": [truth], "lacks": [test]}).rows if row.is_failed
+    ]
     assert failed == ["tests whose truth is left"]

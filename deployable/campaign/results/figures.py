@@ -120,10 +120,10 @@ def draw_sensitivities(path: str | Path, folder: str | Path) -> None:
 
 def shares(data: Any, width: float = 7.0) -> Any:
     """Make a matplotlib figure of what each parameter contributes to each response. data: the open
-    `sensitivities.nc`; width: of the figure (inches). The left plot of a response shows how wide
-    its range is over time when one parameter varies alone, the right one these widths integrated
-    over time, in per cent of their sum over all parameters. Widths that are not above the error of
-    the fit are grey, and count as 0."""
+    `sensitivities.nc`, a netCDF4.Dataset (`files.open_netcdf`); width: of the figure (inches). The
+    left plot of a response shows how wide its range is over time when one parameter varies alone,
+    the right one these widths integrated over time, in per cent of their sum over all parameters.
+    Widths that are not above the error of the fit are grey, and count as 0."""
     from matplotlib.figure import Figure
 
     names, parameters = list(data["response"][:]), list(data["parameter"][:])

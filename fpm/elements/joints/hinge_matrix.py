@@ -200,9 +200,10 @@ def point_response(inverse_mass, spins, r):
 
 @kernel
 def prepare_bodies(world, part, kick):
-    """Save the state of each body of a hinge, change its momenta by the forces over the time `kick`
-    (s), and store its inverse inertia and response to impulses; of each hinge's first body also the
-    two directions normal to the axis. world: solver state; part: arrays of all hinges."""
+    """Change the momenta of all hinges' bodies by their forces over the time `kick` (s), then set
+    these to 0. Stored in part.body_scratch: positions and axes before, inverse inertia, velocity of
+    the hinge's point by unit impulse there (3 by 3, 1/kg); in part.hinge_scratch: two directions
+    normal to the first body's axis. world: solver state; part: arrays of all hinges."""
     state, bodies, w = world.state, part.bodies, part.body_scratch
     for r in range(part.ends.shape[0]):
         i = part.ends[r]

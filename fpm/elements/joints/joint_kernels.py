@@ -119,9 +119,10 @@ def find_spin(part, state, s):
 
 @kernel
 def find_rates(part, state):
-    """Store in RESIDUAL of part.rows, for every constraint equation, the rate of its gap (m/s,
-    rad/s) that impulses have to cancel, plus what was missed in the step before (MISS). part:
-    arrays of all joints; state: of the particles."""
+    """Store in RESIDUAL of part.rows, for every constraint equation, the rate (m/s, rad/s) that
+    impulses have to cancel: that of its gap, plus MISS, the sum over all steps before of the gap
+    left when the bodies had moved, over the step. part: arrays of all joints; state: of the
+    particles."""
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
     for s in range(part.particle.shape[0]):
         put3(b, s, SPIN, find_spin(part, state, s))

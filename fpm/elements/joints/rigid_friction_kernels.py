@@ -119,8 +119,8 @@ def decide(part, world, timing):
 
 @kernel
 def needed_by(part, i, timing):
-    """Moment (N m) that would hold element i in this step, as the joints were last solved. part:
-    arrays of all rigid frictions; timing: times of this step (s)."""
+    """Moment (N m) that holds element i in this step, as the joints were last solved; 0 where it
+    slips. part: arrays of all rigid frictions; timing: times of this step (s)."""
     return (1.0 / timing.kick) * load(part.turns.state, part.turn[i], SOLVED_IMPULSE)
 
 

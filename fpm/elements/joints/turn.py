@@ -41,7 +41,8 @@ class Turn(ElementType):
 
     @classmethod
     def places(cls, scene, kind: type[ElementType]) -> list[int]:
-        """Indices, in Turn.find(scene), of the elements of one type, `kind`."""
+        """Indices, in Turn.find(scene), of the elements of one type, `kind`, that hold an opening
+        exactly (as rigid latches do): rows of their conditions in Turns.state."""
         return [i for i, holder in enumerate(cls.find(scene)) if type(holder) is kind]
 
     @classmethod

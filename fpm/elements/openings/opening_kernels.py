@@ -110,8 +110,9 @@ def update(part, state):
 @kernel
 def turn(openings, state, h, moment):
     """Apply a moment (N m) about the axis of hinge h to its second particle, and its opposite to
-    the first: it is added to the forces in `state` and to the recorded component. On a slide it is
-    a force (N) along the axis, on both particles at the point of the second, so that they are in
+    the first: it is added to the forces in `state` and, where moments are recorded by component
+    (springs, dampers, ...), to that of the acting element type, openings.part. On a slide it is a
+    force (N) along the axis, on both particles at the point of the second, so that they are in
     balance. openings: arrays of all openings, as the acting element type takes them; state: of the
     particles (World.state), changed."""
     first, second = openings.ends[2 * h], openings.ends[2 * h + 1]

@@ -294,9 +294,10 @@ def release(build, args):
     """Holds a joint until a time, or until another has opened so far; the first counts.
 
     Adds a Release to the scene, or a RigidRelease where stiffness is None. build: Builder of the
-    sample, with its scene; args: values of an entry: joint (index of a hinge), hold (opening, rad;
-    m on a slide), time (s), watch (index of the other hinge) and level (its opening), each or None,
-    stiffness, damping."""
+    sample, with its scene; args: values of an entry: joint (index of a hinge), stiffness, damping
+    (0: none) and, each or None, hold (opening, rad; m on a slide; None: that at the start), time
+    (s), watch (index of another hinge) and level (its opening, passed either way, that frees the
+    joint)."""
     if args.time is None and args.watch is None:
         build.refuse("time", None, "a time, or a joint to `watch`")
     if (args.watch is None) != (args.level is None):

@@ -394,8 +394,7 @@ class _Waves:
         for point in scan_points(free, count * (number + 1), corners=False)[-count:]:
             values, misfit = self.run(center + half * point, problem)
             hull = np.array([values, values])
-            sensors = np.setdiff1d(np.arange(problem.size), self.narrowed)
-            hull[:, sensors] = self.widest[:, sensors]
+            hull[:, self.sensors] = self.widest[:, self.sensors]
             if problem.search(values, hull, OUTER)[1] > 1.05 * misfit + 0.05:
                 return True
         return False
@@ -438,8 +437,7 @@ class _Waves:
             low, high = np.min(pool, axis=0), np.max(pool, axis=0)
             wider = _WIDER * (high - low)
             hull = np.clip([low - wider, high + wider], *self.hull)
-            fixed = np.setdiff1d(np.arange(problem.size), self.narrowed)
-            hull[:, fixed] = self.hull[:, fixed]
+            hull[:, self.sensors] = self.hull[:, self.sensors]
             volumes = [np.ptp(side, axis=0).prod() for side in (hull, self.hull)]
             self.hull = hull
             is_precise = error <= _PRECISE or (
@@ -460,6 +458,11 @@ class _Waves:
             indices += range(size, size + test.starts)
             size += test.starts + test.limits.shape[1]
         return np.array(indices)
+
+    @property
+    def sensors(self) -> np.ndarray:
+        """Indices of the other variables, those of the sensors."""
+        return np.setdiff1d(np.arange(self.widest.shape[1]), self.narrowed)
 
     def islands(
         self, problem: _Problem, starts: list[np.ndarray], level: float

@@ -50,7 +50,8 @@ try:
     else:
         usual = globals().get("CAMPAIGN", ROOT / "config" / "paper.yaml")
         WORKFLOW = Workflow.from_files(
-            CONFIG_FILES or [Path(workflow.basedir, usual)], workflow.config_settings.config
+            CONFIG_FILES or [Path(workflow.basedir, usual)],
+            workflow.config_settings.config,
         )
 except CampaignError as error:
     print(error, file=sys.stderr)

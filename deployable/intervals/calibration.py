@@ -19,6 +19,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import comb, inf
 from typing import Any, NamedTuple
 
@@ -41,6 +42,7 @@ _WIDER = 0.02  # of the hull's width, which is added on each side, and of the le
 _PRECISE = 0.05  # of the band, at which the surrogate's error no longer matters
 _STATIONARY = 0.8  # of the hull's volume, above which a wave does not pay where errors are small
 _SAMPLES = 128  # points at which the fraction of the hull is counted
+_SPOTS = 48  # points of the box and of the hull at which the misfit is found for sliders
 _GAP_INSTANTS = 4  # instants on each side over which an error of interpolation counts
 _STEP_FACTOR = 2.0  # 4/3 of the second order, for a change at the center of the hull alone
 _CHECKS, _ATTEMPTS = 96, 3  # runs that may contradict a refutation; how often it is tried
@@ -66,6 +68,15 @@ class Measurement(NamedTuple):
     def dimension(self) -> int:
         """Number of coordinates of a run of this test: of the box, then of its start."""
         return len(self.axes) + self.starts
+
+
+class TestRuns(NamedTuple):
+    """Runs of a test: N coordinates `points` (N, p) of box and start, -1 to 1, and their `curves`
+    (N, n, R); starts (2, s): lower and upper coordinates of the part of its start to look in."""
+
+    points: np.ndarray
+    curves: np.ndarray
+    starts: np.ndarray
 
 
 class CurveFit(NamedTuple):
@@ -298,9 +309,10 @@ class Calibration:
     refuted, of what comes within the least band. starts: of each test, likewise (2, s). least,
     attained: least misfit of any point, in bands, as it is at least and as a run has it; best (k):
     that run's point. fractions: of the box's volume that explains, and that is not excluded;
-    samples (S, k): points that are not excluded, extremes of their hull among them. runs: made so
-    far, of all tests; worst: (test, response, instant) at which the best run is farthest off;
-    residuals (n, T) of each test there.
+    samples (S, k): points that are not excluded, extremes of their hull among them. runs: made
+    here, of all tests; worst: (test, response, instant) at which the best run is farthest off;
+    residuals (n, T) of each test there; data: the runs of each test. misfits (N, k + 1): points
+    spread over the box, and their least misfit by the surrogates.
     """
 
     hull: np.ndarray
@@ -313,6 +325,8 @@ class Calibration:
     runs: int
     worst: tuple[int, int, int]
     residuals: list[np.ndarray]
+    data: list[TestRuns]
+    misfits: np.ndarray
 
     @property
     def is_refuted(self) -> bool:
@@ -325,16 +339,17 @@ class _Waves:
 
     def __init__(
         self, tests: Sequence[Measurement], times: np.ndarray, evaluate: Callable, finer: Callable,
-        hull: np.ndarray, notify: Callable,
+        hull: np.ndarray, data: Sequence[TestRuns], notify: Callable,
     ):  # fmt: skip
         self.tests, self.times, self.evaluate, self.finer = tests, times, evaluate, finer
         self.k, self.notify, self.runs = hull.shape[1], notify, 0
-        blank = [np.zeros((0, len(test.values), len(times))) for test in tests]
-        self.points, self.curves = [np.zeros((0, test.dimension)) for test in tests], blank
-        self.attained, self.best, self.residuals, self.first = inf, None, [], None
-        sizes = [test.starts + test.limits.shape[1] for test in tests]
-        ends = np.full(sum(sizes), 1.0)
-        self.hull = self.widest = np.concatenate([hull, [-ends, ends]], axis=1)
+        self.points, self.curves = [d.points for d in data], [d.curves for d in data]
+        self.attained, self.best, self.residuals, self.problems = inf, None, [], []
+        sides = [hull]
+        for test, runs in zip(tests, data, strict=True):
+            ends = np.ones(test.limits.shape[1])
+            sides += [runs.starts, np.array([-ends, ends])]
+        self.hull = self.widest = np.concatenate(sides, axis=1)
 
     def add(self, t: int, points: np.ndarray) -> np.ndarray:
         """Make runs of test `t` at coordinates (N, p), and return their curves (N, n, R)."""
@@ -387,7 +402,8 @@ class _Waves:
         """Whether further runs, spread over all of the box and the starts, come nearer than the
         errors of the first wave allow there: behaviour that few runs show, such as a latch that
         hardly ever catches. number: of the attempt, each with runs of its own."""
-        problem, free = self.first, np.zeros(self.first.size, bool)
+        problem = self.problems[0][1]
+        free = np.zeros(problem.size, bool)
         free[self.narrowed] = np.ptp(self.widest[:, self.narrowed], axis=0) > 0
         center, half = self.widest.mean(axis=0), np.ptp(self.widest, axis=0) / 2
         count = _CHECKS // len(self.tests)
@@ -408,7 +424,7 @@ class _Waves:
         most += max(spent) - waves  # each wave makes one more
         for number in range(waves):
             problem = _Problem(self.fits(number, most), self.k)
-            self.first = self.first if number else problem
+            self.problems = [*(self.problems if number else []), (self.hull, problem)]
             rng = np.random.default_rng(number)
             starts = [rng.uniform(*self.hull) for _ in range(_STARTS)]
             starts += [self.hull.mean(axis=0)] + [self.best] * (self.best is not None)
@@ -508,7 +524,8 @@ def _design(free: np.ndarray, count: int, number: int) -> np.ndarray:
 
 def calibrate(
     tests: Sequence[Measurement], times: np.ndarray, evaluate: Callable, finer: Callable,
-    hull: np.ndarray, waves: int = 6, most: int = 120, notify: Callable = lambda text: None,
+    hull: np.ndarray, data: Sequence[TestRuns] = (), waves: int = 6, most: int = 120,
+    notify: Callable = lambda text: None,
 ) -> Calibration:  # fmt: skip
     """Find what of a box explains all tests, with runs where that is open; if the tests are
     refuted, where the least band is attained.
@@ -527,13 +544,15 @@ def calibrate(
         there with half the step.
     hull
         Part of the box (2, k) in which to look, -1 to 1.
+    data
+        Runs of each test that were made before; none if it is empty.
     waves, most
         Largest numbers of waves of runs, and of runs of each test; twice both where no point
         explains.
     notify
         Called with messages.
     """
-    state = _Waves(tests, times, evaluate, finer, hull, notify)
+    state = _Waves(tests, times, evaluate, finer, hull, data or no_runs(tests, times), notify)
     for attempt in range(_ATTEMPTS):
         problem, least, pool = state.narrow(1.0, waves, most)
         is_refuted = least > 1.0
@@ -563,11 +582,71 @@ def calibrate(
     row = divmod(index - sum(sizes[:t]), len(tests[t].times))
     start_axes = [places[len(f.test.axes) : f.test.dimension] for f, places in
                   zip(problem.fits, problem.places, strict=True)]  # fmt: skip
+    starts = [state.hull[:, places] for places in start_axes]
+    data = [TestRuns(*runs) for runs in zip(state.points, state.curves, starts, strict=True)]
     return Calibration(
-        state.hull[:, :k], [state.hull[:, places] for places in start_axes], least, state.attained,
+        state.hull[:, :k], starts, least, state.attained,
         state.best[:k], (0.0, 0.0) if is_refuted else fractions, samples, state.runs,
-        (t, *row), residuals,
+        (t, *row), residuals, data, _misfits(state),
     )  # fmt: skip
+
+
+def calibrate_together(
+    tests: Sequence[Measurement], times: np.ndarray, evaluate: Callable, finer: Callable,
+    hull: np.ndarray, waves: int = 6, notify: Callable = lambda indices, text: None,
+) -> tuple[Calibration, list[Calibration]]:  # fmt: skip
+    """Find what of a box explains all tests, and what each explains alone: the first is a part of
+    what they have in common. Arguments as of `calibrate`; `notify` is called with the indices of
+    tests and a message."""
+
+    def find(indices: Sequence[int], hull: np.ndarray, data: Sequence[TestRuns]) -> Calibration:
+        return calibrate(
+            [tests[t] for t in indices], times, lambda t, points: evaluate(indices[t], points),
+            lambda t, point: finer(indices[t], point), hull, data, waves=waves,
+            notify=partial(notify, indices),
+        )  # fmt: skip
+
+    indices = range(len(tests))
+    singles = [find([t], hull, ()) for t in indices]
+    if len(tests) == 1:
+        return singles[0], singles
+    data = [result.data[0] for result in singles]
+    low = np.max([result.hull[0] for result in singles], axis=0)
+    high = np.min([result.hull[1] for result in singles], axis=0)
+    if (low > high).any() or any(result.is_refuted for result in singles):
+        low, high = hull
+        blank = no_runs(tests, times)
+        data = [runs._replace(starts=b.starts) for runs, b in zip(data, blank, strict=True)]
+    return find(indices, np.array([low, high]), data), singles
+
+
+def no_runs(tests: Sequence[Measurement], times: np.ndarray) -> list[TestRuns]:
+    """Make empty data of tests: no runs at the recorded instants `times` (s), all of the starts."""
+    return [
+        TestRuns(
+            np.zeros((0, test.dimension)),
+            np.zeros((0, len(test.values), len(times))),
+            np.array([[-1.0], [1.0]]) * np.ones(test.starts),
+        )
+        for test in tests
+    ]
+
+
+def _misfits(state: _Waves) -> np.ndarray:
+    """Points (N, k) spread over the box, with their least misfit by the surrogates of the last wave
+    that had them in its hull."""
+    k, rows = state.k, []
+    spread = scan_points(np.ptp(state.widest[:, :k], axis=0) > 0, _SPOTS)
+    for low, high in (state.widest, state.hull):
+        for point in (low + high)[:k] / 2 + (high - low)[:k] / 2 * spread:
+            hull, problem = [
+                (hull, problem) for hull, problem in state.problems
+                if (point >= hull[0, :k] - 1e-9).all() and (point <= hull[1, :k] + 1e-9).all()
+            ][-1]  # fmt: skip
+            hull = hull.copy()
+            hull[:, :k] = point
+            rows.append([*point, problem.search(hull.mean(axis=0), hull, PLAIN)[1]])
+    return np.array(rows)
 
 
 def _fractions(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from deployable.intervals.calibration import Measurement, calibrate
+from deployable.intervals.calibration import Measurement, calibrate, calibrate_together
 
 TIMES = np.linspace(0.0, 2.0, 101)
 INSTANTS = np.linspace(0.1, 1.9, 46)
@@ -37,7 +37,8 @@ def find(*tests, hull=((-1.0, -1.0), (1.0, 1.0)), **options):
     def finer(t, point):
         return evaluate(t, point[None])[0]
 
-    return calibrate(tests, TIMES, evaluate, finer, np.array(hull), **options)
+    function = calibrate_together if len(tests) > 1 else calibrate
+    return function(tests, TIMES, evaluate, finer, np.array(hull), **options)
 
 
 def exact(test):
@@ -80,10 +81,17 @@ def test_what_the_model_lacks_is_refuted_with_the_least_band():
 
 def test_two_tests_never_leave_more_than_one_in_any_order():
     first, second = measure([0.3, 0.3]), measure([0.3, 0.3], noise=0.9)
-    both, turned, other = find(first, second), find(second, first), find(second)
-    assert (both.hull[0] >= other.hull[0] - 0.002).all()
-    assert (both.hull[1] <= other.hull[1] + 0.002).all()
-    assert both.hull == pytest.approx(turned.hull, abs=2e-3)
+    (both, singles), (turned, _) = find(first, second), find(second, first)
+    for single, alone in zip(singles, (find(first), find(second)), strict=True):
+        assert single.hull.tolist() == alone.hull.tolist()
+        assert (both.hull[0] >= alone.hull[0]).all() and (both.hull[1] <= alone.hull[1]).all()
+    assert both.hull == pytest.approx(turned.hull, abs=1e-9)
+
+
+def test_tests_that_contradict_each_other_are_each_explained():
+    both, singles = find(measure([0.3, 0.3]), measure([0.1, 0.1]))
+    assert both.is_refuted and not any(single.is_refuted for single in singles)
+    assert 1 < both.least <= both.attained
 
 
 def test_axis_that_a_test_does_not_see_keeps_its_interval():

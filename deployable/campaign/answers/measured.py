@@ -20,10 +20,14 @@
                         are refuted, alone with what comes nearest to them; inside: whether a run
                         explains it, null if that is undecided
     tests               [{name, file, digest, use, rows, instants, window, curves}]
+    singles             [{name, refuted, least, attained}]: each test that calibrates by itself
+    misfits             {points, values}: points of the box, -1 to 1, and their least misfit by the
+                        surrogates, in bands
     runs
 
-Curves by response are {units, times, values, bands, lower, upper, best}: measured, of all runs, and
-of the nearest run as the sensor has it, which a check has not.
+Curves by response are {units, times, values, bands, lower, upper}: measured, and of all runs; and
+but for a check {best, rates, alike}: the nearest run as the sensor has it, with its rates, and the
+part of the residual's variance that a multiple of the time, the value, ... explains.
 """
 
 from __future__ import annotations
@@ -31,6 +35,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -51,7 +56,14 @@ from deployable.campaign.files import open_netcdf, write_result
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, choose_step
 from deployable.campaign.runs.progress import Notify
-from deployable.intervals.calibration import Calibration, Measurement, calibrate
+from deployable.intervals.calibration import (
+    Calibration,
+    Measurement,
+    TestRuns,
+    calibrate,
+    calibrate_together,
+    no_runs,
+)
 from deployable.intervals.scalars.fits import best_fit
 from fpm.structures.curves_file import CurvesFileError
 
@@ -77,20 +89,26 @@ def answer(
     tests = [_Test(name, test, model, folder, threads) for name, test in measured.items()]
     sources = [test for test in tests if test.settings.use == "calibrate"]
     cube = np.array([-1.0, 1.0])[:, None] * model.experiment.box.free
-    result = _calibrate(sources, cube, verify, notify)
+    result, singles = _calibrate(sources, cube, verify, notify)
     checks = []
     for test in tests:
         if test not in sources:
             # Beside tests that nothing explains, the check alone, about what comes nearest to them.
             group = [test] if result.is_refuted else [*sources, test]
-            row = _check_row(_calibrate(group, result.hull, verify, notify), group)
+            data = () if result.is_refuted else result.data
+            row = _check_row(_calibrate(group, result.hull, verify, notify, data)[0], group)
             checks.append({"name": test.name, **row})
     rows = {
         **_verdict(result, sources, model.experiment.box.free),
+        "singles": [_single_row(*pair) for pair in zip(sources, singles, strict=True)],
         **_parameters(model, result),
         **_of_left(model, result, requirements, sources, folder),
         "checks": checks,
         "tests": [t.describe(result, sources.index(t) if t in sources else None) for t in tests],
+        "misfits": {
+            "points": result.misfits[:, :-1].tolist(),
+            "values": result.misfits[:, -1].tolist(),
+        },
         "runs": sum(test.runs for test in tests),
     }
     write_result(folder.measured, json.dumps(rows, indent=1) + "\n")
@@ -177,25 +195,58 @@ class _Test:
                    for name, curves in zip(("lower", "upper"), self.envelope, strict=True)},
             }  # fmt: skip
             if index is not None:
-                best = self.curves.values[i] + result.residuals[index][i]
-                described_curves[response]["best"] = best.tolist()
+                residuals = result.residuals[index][i]
+                best = self.curves.values[i] + residuals
+                rates = np.gradient(best, times)
+                described_curves[response] |= {
+                    "best": best.tolist(), "rates": rates.tolist(),
+                    "alike": _explained_variances(residuals, times, best, rates),
+                }  # fmt: skip
         return {**rows, "curves": described_curves}
 
 
+def _explained_variances(
+    residuals: np.ndarray, times: np.ndarray, values: np.ndarray, rates: np.ndarray
+) -> dict[str, float]:
+    """Fractions of the variance of residuals (T) that multiples of time, value, ... explain."""
+    curves = {
+        "time": times, "value": values, "rate": rates, "rate times its size": rates * np.abs(rates),
+        "sign of the rate": np.sign(rates),
+    }  # fmt: skip
+    return {
+        name: float(np.corrcoef(curve, residuals)[0, 1] ** 2)
+        for name, curve in curves.items() if np.ptp(curve) > 0 and np.ptp(residuals) > 0
+    }  # fmt: skip
+
+
 def _calibrate(
-    tests: Sequence[_Test], hull: np.ndarray, verify: Verify, notify: Notify
-) -> Calibration:
-    """What of a part of the box explains the tests."""
+    tests: Sequence[_Test], hull: np.ndarray, verify: Verify, notify: Notify,
+    data: Sequence[TestRuns] | None = None,
+) -> tuple[Calibration, list[Calibration]]:  # fmt: skip
+    """What of a part of the box explains the tests, and each of them alone; only all of them with
+    `data`, the runs of the first ones that were made before."""
     times = np.linspace(0.0, (solver := tests[0].plan.experiment.solver).duration, solver.instants)
-    return calibrate(
-        [test.measurement for test in tests],
-        times,
-        lambda t, points: tests[t].evaluate(points),
-        lambda t, point: tests[t].finer(point),
-        hull,
-        waves=max(1, verify.max_iterations),
-        notify=lambda text: notify(f"{', '.join(test.name for test in tests)}: {text}"),
-    )
+
+    def tell(indices: Sequence[int], text: str) -> None:
+        notify(f"{', '.join(tests[t].name for t in indices)}: {text}")
+
+    evaluations = (lambda t, points: tests[t].evaluate(points)), (lambda t, x: tests[t].finer(x))
+    arguments = [test.measurement for test in tests], times, *evaluations, hull
+    waves = max(1, verify.max_iterations)
+    if data is None:
+        return calibrate_together(*arguments, waves, tell)
+    data = [*data, *no_runs(arguments[0][len(data) :], times)]
+    return calibrate(*arguments, data, waves, notify=partial(tell, range(len(tests)))), []
+
+
+def _single_row(test: _Test, result: Calibration) -> dict:
+    """What a test that calibrates says without the others."""
+    return {
+        "name": test.name,
+        "refuted": bool(result.is_refuted),
+        "least": float(result.least),
+        "attained": float(result.attained),
+    }
 
 
 def _worst(result: Calibration, tests: Sequence[_Test], t: int, i: int, instant: int) -> dict:

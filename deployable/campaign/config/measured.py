@@ -83,8 +83,8 @@ def _test_problems(test: MeasuredTest, file: CurvesFile, experiment: Experiment)
 def _instant_problems(test: MeasuredTest, file: CurvesFile, duration: float) -> Iterator[str]:
     low, high = file.times[0], file.times[-1]
     first, last = test.window or (max(low, test.unknown.delay[1]), high)
-    if last + max(0.0, -test.unknown.delay[0]) > duration:
-        text = f"it lasts until {last:.6g} s, the run until {duration:.6g} s"
+    if (end := last - test.unknown.delay[0]) > duration + 1e-12:
+        text = f"less the delay it lasts until {end:.6g} s, the run until {duration:.6g} s"
         yield f"window: {text}; allowed: an earlier end, or a longer solver.duration"
     elif first < max(low, test.unknown.delay[1]) - 1e-12 or last > high + 1e-12:
         least = max(low, test.unknown.delay[1])

@@ -19,6 +19,7 @@ from deployable.campaign.report.data import MovingRun, PageData, ResponseBounds
 from deployable.campaign.results.facts import LARGE
 from deployable.campaign.text.numbers import pretty
 from deployable.intervals.formula import Formula
+from deployable.intervals.scalars.fits import best_fit
 
 MOST_INSTANTS = 4001
 """Instants of a curve from which it is thinned."""
@@ -28,6 +29,8 @@ MOST_EVENT_RUNS = 300
 
 MOST_COEFFICIENTS = 150_000
 """Coefficients of polynomials over time up to which sliders move curves."""
+
+_LEAST_MISFIT = 0.01  # bands, below which it makes no difference
 
 PAGE = 2_450_000
 """Characters of the data by which a page stays below 3 MB, with what it shows them by."""
@@ -161,8 +164,12 @@ def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any
         {"of": row["name"], **{key: limit[key] for key in ("quantity", "kind", "level")}}
         for row in data.facts.get("requirements", ()) for limit in row["limits"]
     ]  # fmt: skip
-    if measured := data.facts.get("measured"):  # what the tests leave, by name
+    if measured := data.facts.get("measured"):  # what the tests leave, by name, and misfits
         body["left"] = {row["name"]: row["after"] for row in measured["parameters"]}
+        points, misfits = map(np.array, measured["misfits"].values())
+        fit = best_fit(points, np.log(np.maximum(misfits, _LEAST_MISFIT)))
+        factor = float(np.exp(fit.usual_error)) if np.isfinite(fit.usual_error) else None
+        body["misfit"] = {"logarithm": _table(fit.formula(), arrays), "factor": factor}
     if model.coefficients is None or model.coefficients[..., keep].size > MOST_COEFFICIENTS:
         return body
     constant = ~model.indices.any(axis=1)
@@ -175,22 +182,23 @@ def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any
     }  # fmt: skip
 
 
-def _quantity(row: dict[str, Any], surrogate: Any, arrays: _Arrays) -> dict[str, Any]:
-    def table(formula: Any) -> Any:
-        if not isinstance(formula, Formula):
-            return formula
-        numbers = ("coefficients", "points", "scales", "weights")
-        root = {"root": table(formula.root), "root_scale": formula.root_scale}
-        return {"indices": formula.indices.tolist(), "kernel": formula.kernel} | root | {
-            key: arrays.add(getattr(formula, key), "f8") for key in numbers
-        }  # fmt: skip
+def _table(formula: Any, arrays: _Arrays) -> Any:
+    if not isinstance(formula, Formula):
+        return formula
+    numbers = ("coefficients", "points", "scales", "weights")
+    root = {"root": _table(formula.root, arrays), "root_scale": formula.root_scale}
+    return {"indices": formula.indices.tolist(), "kernel": formula.kernel} | root | {
+        key: arrays.add(getattr(formula, key), "f8") for key in numbers
+    }  # fmt: skip
 
+
+def _quantity(row: dict[str, Any], surrogate: Any, arrays: _Arrays) -> dict[str, Any]:
     value, happens = surrogate.formulas()
     ends = {key: end if np.isfinite(end) else None
             for key, end in (("least", surrogate.least), ("latest", surrogate.latest))}  # fmt: skip
     fields = {"name": row["name"], "unit": pretty(row["units"]), "error": row["error"]}
     return {**fields, "words": row.get("words", row["long_name"]), **ends,
-            "value": table(value), "there": table(happens)}  # fmt: skip
+            "value": _table(value, arrays), "there": _table(happens, arrays)}  # fmt: skip
 
 
 def _verdicts(data: PageData, arrays: _Arrays) -> dict[str, Any] | None:

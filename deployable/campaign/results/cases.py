@@ -15,6 +15,7 @@
     together      {met, failing, open, free}: of all requirements; cases in which some fail, are
                   undecided, or nothing is required; null without requirements
     worst         the limit that decides over all requirements
+    next          the next test that measured curves ask for, with its `case`; null: none
     notes         [{notes, cases}]: a text on what makes numbers of these cases doubtful
 
 A failure decides before what is undecided, and that before what is met; then the smaller margin.
@@ -73,8 +74,17 @@ def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
             "free": [name for name, verdict in verdicts.items() if not verdict],
         } if requirements else None,
         "worst": min((row["worst"] for row in requirements), key=_severity, default=None),
+        "next": max(_next_tests(summaries), key=itemgetter("fraction"), default=None),
         "notes": [{"notes": text, "cases": names} for text, names in notes.items()],
     }  # fmt: skip
+
+
+def _next_tests(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
+    """The clearest next test of each case, where runs that measured curves leave differ most."""
+    return [
+        {**facts["measured"]["next"][0], "case": name} for name, facts in summaries.items()
+        if facts.get("measured", {}).get("next")
+    ]  # fmt: skip
 
 
 def combine_met(verdicts: Iterable[str]) -> str:

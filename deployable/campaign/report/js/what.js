@@ -27,8 +27,8 @@ const keeps = ({ kind, level }, value) => (kind === "happens" ? Number.isNaN(val
 const isAtLimit = ({ kind, level }, value, error) => kind !== "happens" && Math.abs(value - level) <= (error ?? 0);
 
 class WhatIf {
-  constructor({ quantities, limits, indices, constants, slopes, left }) {
-    Object.assign(this, { quantities, limits, indices, constants, slopes, left, shown: null });
+  constructor({ quantities, limits, indices, constants, slopes, left, misfit }) {
+    Object.assign(this, { quantities, limits, indices, constants, slopes, left, misfit, shown: null });
     this.sliders = DATA.parameters.map(({ name, unit, lower, nominal, upper, description }) => {
       const input = make("input", { type: "range", min: lower, max: upper, step: "any", "aria-label": description || name });
       const told = make("output");
@@ -53,11 +53,14 @@ class WhatIf {
     this.sliders.forEach(({ told, unit }, j) => { told.textContent = `${digits(values[j], 3)} ${unit}`; });
   }
 
-  // Say what the measured curves say of the sliders' values: nothing outside the intervals that they leave explains them.
-  compare(values) {
+  // Say what the measured curves say of the sliders' values: nothing outside the intervals that they leave explains them;
+  // and by how many bands the nearest curve is off.
+  compare(values, unit) {
     const out = DATA.parameters.filter(({ name }, j) => !this.left[name] || values[j] < this.left[name][0] || values[j] > this.left[name][1]);
     const none = Object.values(this.left).every((ends) => !ends);
-    byId("what-tests").textContent = none ? "The measured curves leave nothing of the box." : out.length ? `The measured curves exclude this: ${out.map(({ name }) => name).join(", ")}.` : "Within the intervals that the measured curves leave.";
+    const bands = Math.exp(evaluate(this.misfit.logarithm, unit)), { factor } = this.misfit;
+    const off = ` Farthest off by about ${digits(bands, 2)} bands${factor ? `, within a factor of ${digits(factor, 2)}` : ""}.`;
+    byId("what-tests").textContent = (none ? "The measured curves leave nothing of the box." : out.length ? `The measured curves exclude this: ${out.map(({ name }) => name).join(", ")}.` : "Within the intervals that the measured curves leave.") + off;
   }
 
   values() {
@@ -105,7 +108,7 @@ class WhatIf {
       return [make("dt", {}, `${words} (${name})`), make("dd", {}, text)];
     }));
     if (this.slopes) DATA.responses.forEach((_, r) => charts[r].ask(this.curve(r, unit)));
-    if (this.left) this.compare(values);
+    if (this.left) this.compare(values, unit);
     this.nearest(unit);
     Object.assign(byId("what-if").dataset, { numbers: JSON.stringify(numbers.map((value) => (Number.isNaN(value) ? null : value))) });
   }

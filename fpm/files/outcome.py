@@ -33,8 +33,8 @@ class Motion(NamedTuple):
 def eventful(
     scene: Scene, kinds: Iterable[type[ElementType]] | None = None
 ) -> tuple[Eventful, ...]:
-    """Return the elements of a scene that have events (latches, contacts, ...), in the order of
-    their index in Curves.events. kinds: element types to look at, None: all of the scene."""
+    """Return the elements of a scene that have events (latches, contacts, ...), in the order in
+    which Curves.events numbers them. kinds: element types to look at, None: all of the scene."""
     kinds = kinds_of([scene]) if kinds is None else kinds
     return tuple(element for kind in kinds for element in kind.eventful(scene))
 

@@ -240,7 +240,7 @@ def where_negative(typingctx, condition, x, y):
 
 @intrinsic
 def any_negative(typingctx, x):
-    """Return whether x (lanes) is below zero in any sample; one that is not a number is not."""
+    """Return whether x (lanes) is below 0 in any sample (NaN is not). typingctx: numba's."""
     if not isinstance(x, Lane):
         return None
 

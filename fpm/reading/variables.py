@@ -58,9 +58,9 @@ class Variable(NamedTuple):
     time_dim: str = "time"
 
     def labels(self, scene: Scene) -> list[str]:
-        """Return the labels of the columns that a scene has of this variable, such as "tip x": item
-        and component. Of sections of bars only those in the middle, as there is one at any
-        distance; of travels of openings none, for the same reason."""
+        """Return the labels of the columns that a scene has of this variable, item and component,
+        such as "tip x". Of sections of bars only those in the middle, as there is one at any
+        distance; of quasi-static travels none, for the same reason."""
         if self.separator == LED_FROM:
             return []
         place = f"{PLACE}0.5" if self.form == "section" else ""

@@ -200,7 +200,7 @@ class ReferenceKey(Key):
 @dataclass(frozen=True)
 class OpeningKey(Key):
     """Key whose value is the index of a hinge, given by the name of a joint with an opening. types:
-    of joints that are allowed; hint: words added to those on what is allowed."""
+    joint types that are allowed; hint: text to add to `allowed`, for messages."""
 
     types: tuple[str, ...] = ("revolute", "prismatic", "universal")
     hint: str = ""

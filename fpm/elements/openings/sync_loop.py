@@ -21,7 +21,7 @@ from fpm.errors import SceneError
 @dataclass(frozen=True)
 class SyncLoop(OnHinges):
     """A closed cable loop over pulleys on two hinges, which couples their openings (joint angles).
-    name: of its own; hinges: indices of both; radii: of the two pulleys (m), opposite in sign where
+    name: its own; hinges: indices of both; radii: of the two pulleys (m), opposite in sign where
     the loop is crossed; stiffness: of both strands together (N/m); rest: both openings without slip
     (rad); preload: tension of each strand (N), infinite: never slack."""
 

@@ -19,8 +19,8 @@ class SceneError(ValueError):
 
 
 class ChangedError(SceneError):
-    """Raised for a file that changed since this process read it, so that its digest no longer
-    identifies the code behind the results. file: its path."""
+    """Raised for a file that changed since this process read it, so that its digest would not be
+    one of the code that computes the results. file: its path."""
 
     def __init__(self, file: str):
         self.key, self.value = file, "changed since it was imported"
@@ -82,9 +82,9 @@ class InstabilityError(RuntimeError):
 
 
 def did_you_mean(name: str, names: Iterable[str]) -> str:
-    """Return a hint to end the message about an unknown name: " (did you mean x?)" with the closest
-    of `names`, those allowed; or, in parentheses too, that a number has no comma, a colon or space
-    is missing, or what a former name is now; "" without a guess."""
+    """Return a hint to end the message that `name` is unknown: " (did you mean x?)", x being the
+    closest of `names`, those allowed; or, in parentheses too, that a number has a point, no comma,
+    that a colon or a space is missing, or what the name was changed to; "" without a guess."""
     names = list(names)
     head, sign, value = re.match(r"(\w*)([ :]?)(.*)", name, re.DOTALL).groups()
     if name[:1].isdigit():

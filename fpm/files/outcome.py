@@ -33,8 +33,8 @@ class Motion(NamedTuple):
 def eventful(
     scene: Scene, kinds: Iterable[type[ElementType]] | None = None
 ) -> tuple[Eventful, ...]:
-    """Return the elements of a scene that have events (latches, contacts, ...), in the order by
-    which events are numbered. kinds: element types to look at, None: all of the scene."""
+    """Return the elements of a scene that have events (latches, contacts, ...), in the order in
+    which Curves.events numbers them. kinds: element types to look at, None: all of the scene."""
     kinds = kinds_of([scene]) if kinds is None else kinds
     return tuple(element for kind in kinds for element in kind.eventful(scene))
 
@@ -46,10 +46,10 @@ class Outcome(Curves):
     Attributes
     ----------
     scene: the simulated scene.
-    energy_kinds: names and texts (Energy) of the `energies`, in their order.
-    records: further series (Series) by name, of what element types record, as "cable_tension".
+    energy_kinds: names and texts (Energy) of each of `energies`, in their order.
+    records: all recorded series (Series), `columns` among them, by variable, as "cable_tension".
     steps: number of time steps.
-    limit: the scene's stable step (StableStep); None if the run was given its step and did not
+    limit: the scene's stable step (StableStep); None if the time step was given and the run did not
         fail.
     failure: None, the InstabilityError of a run whose numbers mean nothing, or the SceneError of an
         opening moved slowly (fpm/travel) that finds no balance.
@@ -73,16 +73,18 @@ class Outcome(Curves):
 
     @property
     def gap(self) -> np.ndarray:
-        """Largest constraint error in position (t,), m, at the recorded instants, of the hinges
-        solved alone (`are_alone`), 0 without any: distance of both particles' points, or of the
-        point to where it is held. Of other joints: `records["joint_gap"]`."""
+        """Largest constraint error in position (t,), m, at the recorded instants, of hinges solved
+        alone (`are_alone`: no other joint on their bodies), 0 without any: distance of both
+        particles' points, or of the point to where it is held. Of all other joints:
+        `records["joint_gap"]`."""
         return self._recorded_or_zero("hinge_gap")
 
     @property
     def axis_gap(self) -> np.ndarray:
-        """Largest constraint error in axes (t,) at the recorded instants, of the hinges that are
-        solved alone, 0 without any: the sine of the angle between the axes that a hinge has on its
-        two particles. That of all other joints: `records["joint_axis_gap"]`."""
+        """Largest constraint error in axes (t,) at the recorded instants, of hinges solved alone
+        (`are_alone`: no other joint on their bodies), 0 without any: sine of the angle between the
+        axes that a hinge has on its two particles. Of all other joints:
+        `records["joint_axis_gap"]`."""
         return self._recorded_or_zero("hinge_axis_gap")
 
     def _recorded_or_zero(self, name: str) -> np.ndarray:
@@ -100,8 +102,8 @@ class Outcome(Curves):
 
 
 def columns_of(records: Mapping[str, Series]) -> dict[Column, np.ndarray]:
-    """Return the columns (t,) of recorded series (t, k) by (variable, label), one for each of their
-    k labels. records: series by variable; those without labels are left out."""
+    """Return the columns (t,) of recorded series (t, k) by (variable, label), one for each label.
+    records: series by variable; those without labels are left out."""
     return {
         (name, label): record.values[:, i]
         for name, record in records.items()

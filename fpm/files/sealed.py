@@ -191,7 +191,7 @@ def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) 
 
 
 def sweep(folder: str | os.PathLike) -> list[Path]:
-    """Remove temporary files of ended processes of this machine from a folder; returns paths."""
+    """Remove from a folder what ended processes here left of `whole_file`; returns the paths."""
     paths = []
     with suppress(FileNotFoundError, NotADirectoryError):
         for entry in os.scandir(folder):

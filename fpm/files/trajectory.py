@@ -44,9 +44,9 @@ class Contents(NamedTuple):
 
 
 class Impacts(NamedTuple):
-    """Impacts of a run, as closing contacts and latches. events (e, 3): a row for each impact's
-    begin or end: time (s), index into `names`, 1 for its begin, 0 for its end; names: of all
-    elements that have impacts, contacts by their hinges'."""
+    """Impacts of a run, as of closing contacts and latches. events (e, 3): a row for each begin or
+    end of an impact, by time: time (s), index into `names`, 1 for begin, 0 for end; names: of all
+    elements that can have impacts, of contacts those of their hinges."""
 
     events: np.ndarray
     names: list[str]
@@ -73,11 +73,11 @@ class Curves:
 
     @property
     def openings(self) -> dict[str, np.ndarray]:
-        """Openings (t,) of all hinges by name: rad, of slides m."""
+        """Openings (joint coordinates) (t,) of all hinges by name: rad, of slides m."""
         return {**self.labelled("opening"), **self.labelled("slide_opening")}
 
     def labelled(self, variable: str) -> dict[str, np.ndarray]:
-        """Return the columns (t,) of a recorded variable by label: "cable_tension" by cable."""
+        """Return the columns (t,) of a recorded variable by label: "cable_tension" by its cable."""
         return {label: x for (name, label), x in self.columns.items() if name == variable}
 
     def times(self, event: str, places: Iterable[str]) -> np.ndarray:
@@ -89,8 +89,8 @@ class Curves:
         return np.sort(self.events[rows, 0])
 
     def impacts(self, pairs: Mapping[str, str] = IMPACTS) -> Impacts:
-        """Return the impacts of the run, at whose times responses bend or jump. pairs: by name of
-        the event that begins an impact, that of the event that ends it; a latch's ends at once."""
+        """Return the impacts of the run, at whose times responses bend or jump. pairs: names of
+        events, {what begins an impact: what ends it}; a latch's ends at once."""
         events = [e.events for e in self.eventful]
         starts = [next((e for e in labels if e in pairs), None) for labels in events]
         has_impact = [event is not None for event in starts]

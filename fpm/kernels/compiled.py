@@ -47,8 +47,8 @@ def own_sources(parts: tuple[type, ...]) -> dict[Path, str]:
 @functools.cache
 def source_digest(parts: tuple[type, ...] = ()) -> str:
     """Return a digest (16 hex digits) of numba's version, the kernel sources of fpm, and the
-    sources of element types from elsewhere, by which compiled code is named. parts: classes of the
-    named tuples that the types' kernels take."""
+    sources of element types from outside of fpm, after which the folder of compiled code is named.
+    parts: classes of the named tuples that the types' kernels take."""
     digests = [digest for _, digest in sorted(own_sources(parts).items())]
     text = repr([numba.__version__, sources.kernels(), digests])
     return hashlib.sha256(text.encode()).hexdigest()[:16]
@@ -71,7 +71,7 @@ LONGEST = 200
 def cache_folder(parts: tuple[type, ...] = (), entry: str = "loop") -> Path:
     """Return the folder for the compiled code of one set of element types (it may not exist): in
     NUMBA_CACHE_DIR, beside the sources, or in the user's cache. parts: classes of the named tuples
-    that their kernels take; entry: "loop" (the whole time loop) or "act" (forces alone)."""
+    that their kernels take; entry: "loop" (the whole time loop) or "act" (its forces)."""
     loop_name = "-".join([entry, *(p.__name__ for p in parts)])
     if len(loop_name) > LONGEST:  # else nothing could be kept of a scene of nearly all kinds
         loop_name = f"{loop_name[:LONGEST]}-{hashlib.sha256(loop_name.encode()).hexdigest()[:16]}"

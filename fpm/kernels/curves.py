@@ -24,8 +24,7 @@ def curve_value(world, curve, t):
 
 @kernel
 def _point_after(times, first, last, t):
-    """Index of the first of the increasing times, from index first to last, that is after t; last
-    if none is."""
+    """Index of the first of increasing times, from first to last, that is after t, else last."""
     while first < last:
         middle = (first + last) // 2
         if times[middle] > t:
@@ -67,9 +66,9 @@ def curve_integral(world, curve, t):
 
 @kernel
 def travel(world, curve, by_rate, t):
-    """Return how far a motor has turned at time t (s), as a factor: the value of its curve, or, if
-    by_rate, the curve's integral from 0 to t. world: solver state with all curves (World); curve:
-    index, -1: the curve that is always 1."""
+    """Return by what a motor's turn (rad; by_rate: rad/s) is multiplied to give that made by time t
+    (s): the value of its curve or, if by_rate, the curve's integral from 0 to t. world: solver
+    state with all curves (World); curve: index, -1: the curve that is always 1."""
     if by_rate:
         return curve_integral(world, curve, t)
     return curve_value(world, curve, t)

@@ -31,10 +31,10 @@ NAMES: list[str] = []
 
 
 def hook(arrays: type, name: str | None = None) -> Callable:
-    """Return a decorator that compiles a kernel and registers it as what an element type does at
-    one point of each step (a hook, as "forces"). arrays: the NamedTuple of the type's arrays, the
-    kernel's first argument; name: of the hook, by default the function's name. The decorator raises
-    ValueError for unknown or taken hooks."""
+    """Return a decorator that compiles a function as a kernel and registers it as what an element
+    type does at one point of each step (a hook, as "forces"). arrays: the NamedTuple of the type's
+    arrays, the kernel's first argument; name: of the hook, by default the function's name. The
+    decorator raises ValueError for unknown or taken hooks."""
 
     def register(function):
         hook_name = name or function.__name__
@@ -187,14 +187,15 @@ def work_after(parts, world, timing):
 )
 def sum_energies(parts, world, energies, row):
     """Store the energy (J, lanes) of all elements of each type in its column of row `row` of
-    `energies`, the recorded ones. A type's kernel, of (part, world), returns that sum; `energy_of`,
-    for one element, is simpler. parts: arrays of each element type; world: solver state (World)."""
+    `energies`, the recorded ones. The kernel that a type registers takes (part, world) and returns
+    that sum; to register `energy_of`, for one element, is simpler. parts: arrays of each element
+    type; world: solver state (World)."""
 
 
 @_unrolled()
 def work_of_place(parts, world, energies, row):
     """Add work (J) that depends on positions only, as of weight, to recorded energies. parts:
-    arrays of each type; world: solver state; energies: Record.energies; row: the instant's."""
+    arrays of each type; world: solver state; energies: Record.energies; row: instant's index."""
 
 
 @_unrolled()
@@ -227,8 +228,8 @@ def record_step(parts, world, row, timing):
 
 
 def energy_of(part, world, e):
-    """Return the energy (J, lanes) of element e of a type, whose kernels `stored` (the sum) and
-    `list_energies` are made of it. part: arrays of the element type; world: solver state."""
+    """Return the energy (J, lanes) of element e (index) of a type; its kernels for `sum_energies`
+    and `list_energies` are made of it. part: arrays of the type; world: solver state."""
 
 
 NAMES.append("energy_of")

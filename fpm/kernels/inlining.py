@@ -42,7 +42,7 @@ class InlinedCompiler(Compiler):
 
 
 class Inlined(CPUDispatcher):
-    """A compiled kernel, for numba: compiled once for all constant arguments, not for each."""
+    """A compiled kernel, as numba sees it: compiled once for all constant arguments of a type."""
 
     def get_call_template(self, args, kws):
         return super().get_call_template(tuple(map(types.unliteral, args)), kws)

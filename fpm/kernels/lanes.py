@@ -36,8 +36,8 @@ CONTRACT = ("contract",)
 
 
 def width(dtype: np.dtype) -> int:
-    """Return the number of samples simulated side by side in a register (lanes) for the number type
-    `dtype`: 8 of float64, 16 of float32."""
+    """Return the number of samples that are simulated side by side in a SIMD register (lanes) for
+    the number type `dtype`: 8 for float64, 16 for float32."""
     return WIDTH * 8 // np.dtype(dtype).itemsize
 
 
@@ -158,7 +158,7 @@ def _mask(indices):
 @intrinsic
 def load(typingctx, array, row, field):
     """Return the lanes (numbers of samples side by side) ``array[row, field, :]`` of a C-contiguous
-    array (rows, fields, width). row: index, or two indices for a lane of twice the width."""
+    array (rows, fields, width). row: index, or two for twice the width; typingctx: numba's."""
     lane = _lane_of(array, row)
     if lane is None:
         return None
@@ -175,8 +175,8 @@ def load(typingctx, array, row, field):
 
 @intrinsic
 def store(typingctx, array, row, field, value):
-    """Write lanes (numbers of samples side by side) to ``array[row, field, :]``. row: index, or two
-    different ones; value: a lane, or one number for all lanes."""
+    """Write `value`, lanes (numbers of samples side by side) or one number for all, to ``array[row,
+    field, :]``. row: index, or two different ones for twice the width; typingctx: numba's."""
     lane = _lane_of(array, row)
     if lane is None:
         return None
@@ -223,7 +223,7 @@ absolute = _unary("fabs")
 
 @intrinsic
 def where_negative(typingctx, condition, x, y):
-    """Return, sample by sample, x where condition (lanes) < 0, else y; x, y: lanes or numbers."""
+    """Return lanes: x in samples where condition (lanes) < 0, else y; x, y: lanes or numbers."""
     if not isinstance(condition, Lane):
         return None
 
@@ -240,7 +240,7 @@ def where_negative(typingctx, condition, x, y):
 
 @intrinsic
 def any_negative(typingctx, x):
-    """Return whether x (lanes) is below zero in any sample; one that is not a number is not."""
+    """Return whether x (lanes) is below 0 in any sample (NaN is not). typingctx: numba's."""
     if not isinstance(x, Lane):
         return None
 

@@ -73,7 +73,7 @@ def kinetic_energies(world):
 def record_before(parts, world, record, row):
     """Record what depends on positions at an instant: energies, and what each element type records.
     parts: arrays of each element type; world: solver state (World); record: arrays of the run,
-    written (Record); row: index of the instant in them."""
+    written (Record); row: index of the instant."""
     hooks.sum_energies(parts, world, record.energies, row)
     for k in range(world.accounts.shape[1]):
         store(record.energies, row, ACCOUNTS + k, load(world.accounts, 0, k))

@@ -43,15 +43,15 @@ State = tuple[int, ...]
 
 
 def state_of(stat: os.stat_result) -> State:
-    """Return what tells a changed file by the result of os.stat: inode, size, times in ns."""
+    """Return what tells a changed file, out of os.stat's result: inode, size, mtime, ctime (ns)."""
     return stat.st_ino, stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns
 
 
 class Imported:
     """Files of a package as they are when this object is made, which has to be before their import:
-    then their digest is one of the code in memory, and a later change is found. folder: of the
-    package; files in it are named by their paths below it. files: os.stat results by path, from
-    before the import, of its Python files; needed where the object is made after it, else None."""
+    a digest of them is one of the code in memory then, and a later change is found. folder: of the
+    package; files in it are named by their paths below it. files: None, or, if the package was
+    imported already, os.stat results of its Python files by path, from before that."""
 
     def __init__(self, folder: Path, files: Mapping[Path, os.stat_result] | None = None):
         self.folder = folder
@@ -70,8 +70,8 @@ class Imported:
 
     def digest(self, include: tuple[str, ...] = (), exclude: tuple[str, ...] = ()) -> str:
         """Return the first 16 hex digits of the SHA-256 of some of the package's files, without
-        comments, formatting and docstrings of Python files. include: files and folders, (): all;
-        exclude: those left out of them. Raises ChangedError as `check` does."""
+        comments, formatting and docstrings of Python files. include: files and folders (paths in
+        it), (): all; exclude: those left out. Raises ChangedError as `check` does."""
         self.check()
         if (include, exclude) not in self._digests_of:
             names = (n for n in self._states if (not include or _is_within(n, include)))
@@ -267,7 +267,7 @@ def tree_digest(path: Path) -> str:
 
 def content_digest(content: bytes, path: Path) -> str:
     """Return a SHA-256 (hex) of a file by its `content`: for Python that of its syntax tree without
-    docstrings, else of the bytes. path: its suffix says which."""
+    docstrings, else of the bytes. path: of the file, whose suffix says which."""
     if path.suffix != ".py":
         return hashlib.sha256(content).hexdigest()
     return _tree_digest(content, str(path))

@@ -114,7 +114,7 @@ _register_product()
 
 @intrinsic
 def vector(typingctx, x, y, z):
-    """Return the vector with components x, y, z, each a Lane (its numbers for all samples)."""
+    """Return the vector with components x, y, z, each a Lane (numbers of samples)."""
     if not isinstance(x, Lane):
         return None
 

@@ -20,15 +20,17 @@ class World(NamedTuple):
     """State of the solver: n particles, curves, and what element types share.
 
     state (n, 21, lanes): particles now (position, axes 2 and 3, velocity, angular momentum, force,
-    moment); start_state: at the start of a recorded step; particles (n, 9, lanes): constants
-    (inverse mass and inertias, mass, effects of the step's kick); free: indices of particles that
-    no type moves; curve_start: first point of each curve; curve_time (s), curve_value: of all
-    curves' points; point_particle, point_arm: particles and arms (m) of named points; accounts (1,
-    a, lanes): energy given by the first `givers`, taken by the others (J); sums: for the balance.
-    Of quantities that types watch: peaks: largest values so far; most: limits; unconditional:
-    whether one is a failure's cause even where energy does not balance; watch_rows: first and end
-    of its elements in `rows`. size: of the scene (m); rows (e, 1, lanes): of each element, once a
-    run has failed, its energy (J) or watched quantity; undecided: 1 to find impulses again."""
+    moment); start_state (n, 21, lanes): at the start of a recorded step; particles (n, 9, lanes):
+    constants (inverse mass and inertias, mass, effects of the step's kick); free (f,): indices of
+    particles that no type moves; curve_start (c + 1,): index of the first point of each curve of
+    time, and the end; curve_time (s), curve_value: of all points; point_particle (p,), point_arm
+    (p, 3, lanes): particles and arms (m) of named points; accounts (1, a, lanes): energy (J) given
+    so far by the first `givers`, taken by the others; sums (1, 2, lanes): total energy at t = 0,
+    size of energies now (J). Of w quantities that types watch: peaks (1, w, lanes): largest so far;
+    most (w, lanes): limits; unconditional (w,): whether one is a failure's cause even where energy
+    does not balance; watch_rows (w, 2): first and end of its elements in `rows`. size (1, 1,
+    lanes): of the scene (m); rows (e, 1, lanes): of each element, once a run has failed, its energy
+    (J) or watched quantity; undecided (1,): 1 where impulses are to be found (again)."""
 
     state: np.ndarray  # (n, STATE, lanes)
     start_state: np.ndarray  # (n, STATE, lanes) the state at the start of a step that is recorded
@@ -52,9 +54,10 @@ class World(NamedTuple):
 
 
 class Log(NamedTuple):
-    """Log of the events of all element types. events (room, 3, lanes): time (s), number of the
-    element, which of its events; count (lanes,): noted so far, also those without room; first:
-    number of the first element of the type that writes; ends (2, 1, lanes): working memory."""
+    """Log of the events of all element types. events (room, 3, lanes): time (s), index of the
+    element among all that have events, index of the event in its type's `events`; count (lanes,):
+    noted so far, also those without room; first: index of the first element of the type that
+    writes; ends (2, 1, lanes): working memory."""
 
     events: np.ndarray  # (most events, 3, lanes) time, element, which of its events
     count: np.ndarray  # (lanes,) noted so far, also those that find no place
@@ -63,11 +66,12 @@ class Log(NamedTuple):
 
 
 class Record(NamedTuple):
-    """Recorded arrays, with one row more than instants, for checks between. points: positions (m),
-    velocities (m/s) of named points; energies (J): kinetic, balance, accounts, stored by type. Of
-    the first failed check, lanes last: failed_step: its step, -1: none; failed_cause: watched
+    """Recorded arrays of a run, with one row more than instants, for checks between. points
+    ((instants + 1) p, 6, lanes): positions (m), velocities (m/s) of the p named points; energies
+    (instants + 1, k, lanes), J: kinetic, error of the balance, World.accounts, stored by each type.
+    Of the first failed check, (lanes,): failed_step: its step, -1: none; failed_cause: watched
     quantity's index, -1: balance; failed_row: worst element, a row of World.rows; failed_balance
-    (J); failed_watched: World.peaks then. scale (lanes,): largest energy so far (J)."""
+    (J); failed_watched (w, lanes): World.peaks then. scale (lanes,): largest energy so far (J)."""
 
     points: np.ndarray  # ((instants + 1) p, POINT, lanes)
     energies: np.ndarray  # (instants + 1, ACCOUNTS + accounts + kinds that store, lanes)

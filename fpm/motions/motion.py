@@ -52,7 +52,7 @@ def whole_motion(
     energy_tolerance: energy error at which a run fails, as a fraction of its largest energy so far.
     record: columns (variable, label) to record, as `simulate` takes them, for the Outcome that
         extra_variables takes; the datasets do not have them.
-    attributes: further global attributes by name, for each scene's dataset.
+    attributes: further global attributes by name, one mapping for each scene's dataset, or None.
     extra_variables: called with the number of a scene (from 0) and its Outcome, returns further
         variables for its dataset, by name, as xarray.Dataset.assign takes them."""
     arguments = {"duration": duration, "instants": instants, "step": step}
@@ -82,9 +82,9 @@ def whole_motion(
 
 
 def chosen_instants(duration: float, instants: int, frames: int, times=()) -> np.ndarray:
-    """Return the indices (k,), increasing, of the recorded instants that are returned: `frames`
-    evenly spread ones, and those nearest to `times` (s). duration: of the run (s); instants: number
-    of recorded ones, evenly spread from 0 to `duration`."""
+    """Return the indices (k,), increasing, of the recorded instants that `whole_motion` returns:
+    `frames` evenly spread ones, and those nearest to `times` (s). duration: of the run (s);
+    instants: number of recorded ones, evenly spread from 0 to `duration`."""
     even = np.linspace(0, instants - 1, min(frames, instants)).round().astype(int)
     nearest = np.round(np.asarray(times, float) / duration * (instants - 1)).astype(int)
     return np.unique(np.concatenate([even, nearest.clip(0, instants - 1)]))
@@ -93,10 +93,10 @@ def chosen_instants(duration: float, instants: int, frames: int, times=()) -> np
 def element_strains(
     scene: Scene, position: np.ndarray, frame: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return strains of a scene's m beam elements at t instants: axial (t, m), > 0 in tension, and
-    largest of bending at the surface (t, m), >= 0. position (t, n, 3) m and frame (t, n, 3, 3),
-    axes as columns: of its n particles. The moments at an element's ends are the gradient of its
-    energy (elements/bars/beam.py), 2 EI/l0 (2 th_a + th_b) and its mirror image; the larger is
+    """Return two strains of a scene's m beam elements at t instants: axial (t, m), > 0 in tension,
+    and the largest by bending at the surface (t, m), >= 0. position (t, n, 3) m and frame (t, n, 3,
+    3), axes as columns: of its n particles. The moments at an element's ends are the gradient of
+    its energy (elements/bars/beam.py), 2 EI/l0 (2 th_a + th_b) and its mirror image; the larger is
     taken, at the corner of the rectangle with the section's radii of gyration (`elements_of`)."""
     if not scene.beams:
         return np.zeros((len(position), 0)), np.zeros((len(position), 0))

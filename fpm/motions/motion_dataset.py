@@ -37,10 +37,10 @@ class RecordedMotion(NamedTuple):
 
 
 class Shapes(NamedTuple):
-    """The s shapes to draw of a scene: its beam elements, then its rigid bodies as boxes. names: of
-    each; nodes (s, 2): indices of the particles at both ends, a body's own twice; length (s,): m;
-    half (s, 2): half widths and heights (m); corners (s, 2, 4, 3): at both ends, from the particle
-    in its own axes (m)."""
+    """The s shapes to draw of a scene: beam elements, then rigid bodies as boxes. names: of each;
+    nodes (s, 2): indices of the particles at both ends, bodies' twice; length (s,): m; half (s, 2):
+    half width and height (m); corners (s, 2, 4, 3), m: of both ends, from the particle in its
+    axes."""
 
     names: list[str]
     nodes: np.ndarray

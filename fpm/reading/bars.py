@@ -18,20 +18,20 @@ MOMENTS = ("torsion", "bending_y", "bending_z")
 
 
 class Bar(NamedTuple):
-    """A bar (beam member) of a scene. name: its name; groups: groups of beam elements, of one
-    section and material each, in order from the bar's start to its end."""
+    """A bar (beam member) of a scene. name: its name; groups: its beam elements in groups (Beams)
+    of one section and material each, in order from its start to its end."""
 
     name: str
     groups: tuple[Beams, ...]
 
     @property
     def particles(self) -> list[int]:
-        """Indices of all particles of the bar."""
+        """Indices of all particles of the bar, increasing."""
         return sorted({int(p) for beams in self.groups for p in beams.nodes.ravel()})
 
     @property
     def ends(self) -> np.ndarray:
-        """Distances (m,), metres, of its m elements' far ends from its start, undeformed."""
+        """Distances (m,), in m, of its m elements' far ends from the bar's start, undeformed."""
         return np.cumsum(np.concatenate([beams.length for beams in self.groups]))
 
 
@@ -45,13 +45,13 @@ class Sections(NamedTuple):
 
 
 def bar_of(name: str) -> str:
-    """Return the name of the bar that the beam element or stretch called `name` belongs to: "panel"
-    of "panel from knee[3]", "AB" of "AB[0]"."""
+    """Return the name of the bar to which a beam element, or group of them between two points,
+    belongs. name: theirs: "panel from knee[3]" is of the bar "panel", "AB[0]" of "AB"."""
     return name.rsplit("[", 1)[0].partition(" from ")[0]
 
 
 def bars_of(scene: Scene) -> dict[str, Bar]:
-    """Return the bars of a scene by name, each with the groups of elements of all its stretches."""
+    """Return the bars (Bar) of a scene by name, with all groups of elements in order."""
     groups: dict[str, list[Beams]] = {}
     for beams in scene.beams:
         groups.setdefault(bar_of(beams.name), []).append(beams)
@@ -59,9 +59,9 @@ def bars_of(scene: Scene) -> dict[str, Bar]:
 
 
 def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return, for both ends of m beam elements, a pair: positions (t, m, 3) m, and axes y and z (t,
-    m, 3, 2) of the sections as the particles there carry them. scene: the elements'; beams: the
-    group of elements; place(particle): positions (t, 3) m of a particle (index) at t instants;
+    """Return two pairs, for the start and the end of m beam elements: positions (t, m, 3) m, and
+    global axes y and z (t, m, 3, 2) of the sections as the particles carry them. scene: theirs;
+    beams: the group; place(particle): positions (t, 3) m of a particle (index) at t instants;
     axes(particle): its frames (t, 3, 3), axes as columns (`Recording.place`, `Recording.axes`)."""
     start, ends = scene.frame if scene.unstrained is None else scene.unstrained, []
     for nodes, square in zip(beams.nodes.T, beams.end_axes(), strict=True):
@@ -74,8 +74,8 @@ def ends_of(scene: Scene, beams: Beams, place, axes) -> list[tuple[np.ndarray, n
 class Bends(NamedTuple):
     """Deformation of m beam elements at t instants. length (t, m) m and chord (t, m, 3): of the
     line from end to end, and its direction; sines, angles: a list of two, for both ends, (t, m, 2):
-    sine and angle (rad) between chord and section, towards axes y and z; axes: y, z (t, m, 3, 2) at
-    both ends."""
+    sine and angle (rad) between chord and the section's normal, towards its axes y and z; axes: y,
+    z (t, m, 3, 2) at both ends, global."""
 
     length: np.ndarray
     chord: np.ndarray
@@ -85,7 +85,7 @@ class Bends(NamedTuple):
 
 
 def bends_of(scene: Scene, beams: Beams, place, axes) -> Bends:
-    """Return the deformation of `beams`, a group of beam elements of a scene; place(particle),
+    """Return the deformation of `beams`, a group of m beam elements of a scene; place(particle),
     axes(particle): positions (t, 3) m and frames (t, 3, 3) of a particle (index) at t instants."""
     (first, *end_axes), (second, *axes2) = ends_of(scene, beams, place, axes)
     chord, end_axes = second - first, end_axes + axes2
@@ -129,9 +129,9 @@ def sections_of(scene: Scene, bar: Bar, place, axes) -> Sections:
 
 
 def at_fraction(bar: Bar, sections: Sections, fraction: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return force (t, 3) N and moment (t, 3) N m in a section of a bar, linear between the ends of
-    an element; where two elements meet, the mean of both. sections: the bar's, from `sections_of`;
-    fraction: distance of the section from the bar's start, as a fraction of its length."""
+    """Return force (t, 3) N and moment (t, 3) N m in a section of a bar, in its axes, linear
+    between the ends of an element; where two elements meet, the mean of both. sections: the bar's,
+    of `sections_of`; fraction: position of the section, 0 (the bar's start) to 1."""
     ends = bar.ends
     lengths = np.diff(ends, prepend=0.0)
     position = fraction * ends[-1]

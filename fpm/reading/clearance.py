@@ -15,10 +15,10 @@ MOST_PAIRS = 1 << 20
 
 
 def clearance(scene: Scene, first: Bar, second: Bar, place, axes) -> np.ndarray:
-    """Return the clearance (t,) m of two bars of a scene, `first` and `second`, at t instants: at
-    most the shortest distance between their surfaces, equal to it where sides or edges face each
-    other; a value that is not above 0 does not show that they overlap. place(i), axes(i): positions
-    (t, 3) m and frames (t, 3, 3), axes as columns, of particle i."""
+    """Return a lower bound (t,) m of the shortest distance between the surfaces of two bars of a
+    scene, `first` and `second`, at t instants: equal to it where sides or edges face each other; a
+    value that is not above 0 does not show that they overlap. place(i), axes(i): positions (t, 3) m
+    and frames (t, 3, 3), axes as columns, of particle i."""
     lines1, lines2 = (_lines(scene, bar, place, axes) for bar in (first, second))
     count, pairs = len(lines1[0]), lines1[0].shape[1] * lines2[0].shape[1]
     size = max(1, MOST_PAIRS // pairs)

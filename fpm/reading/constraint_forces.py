@@ -26,7 +26,7 @@ SUPPORT = " (its support)"  # what joints are called that hold the point of a hi
 
 def joints_of(scene: Scene) -> dict[str, Hinge | Joint]:
     """Return all joints of a scene that connect two bodies (hinges, slides, balls, ...), by name;
-    without those that only hold an opening."""
+    without those that only hold an opening (joint coordinate)."""
     joints = (*Hinge.find(scene), *Joint.find(scene))
     return {j.name: j for j in joints if len(j.beams) == 2 and not j.holds_opening}
 
@@ -159,7 +159,7 @@ def undetermined_forces(scene: Scene, responses: Iterable[Any]) -> dict[str, str
 def undetermined(scene: Scene) -> set[str]:
     """Return names of joints and supports of a scene whose forces the motion does not determine, at
     the start: their conditions depend on those of others, with no elastic part between, as in a
-    planar loop of rigid bodies on hinges. Sums of such forces are determined, each one is not."""
+    planar loop of rigid bodies on hinges. Only sums of such forces are determined."""
     from scipy.sparse.csgraph import connected_components
 
     conditions = conditions_of(scene)

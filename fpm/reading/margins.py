@@ -51,9 +51,9 @@ class Abscissa(NamedTuple):
 
 
 class OpeningPath(NamedTuple):
-    """Path of openings moved slowly, through static equilibria (a travel). openings: names of
-    hinges or slides moved together; first, last: where the first of them begins and ends (rad, m;
-    None: each run's own opening at its start); stand: names of those locked at their start."""
+    """Path of openings (joint coordinates) moved quasi-statically (a travel). openings: names of
+    hinges or slides moved together; first, last: begin and end of the first of them (rad, m; None:
+    each run's own at its start); stand: names of hinges locked at their start."""
 
     openings: tuple[str, ...]
     first: float | None
@@ -62,7 +62,7 @@ class OpeningPath(NamedTuple):
 
     def label(self, part: str = "") -> str:
         """Return the label of a recorded column for a travel along this path, such as "A led from
-        0.0 to 1.5 by spring". part: component of the virtual work, "" for openings and inertia."""
+        0.0 to 1.5 by spring". part: whose virtual work it has, as "spring"; "": none."""
         suffix = "".join(f" beside {name}" for name in self.stand) + (part and f" by {part}")
         first, last = (STOW if end is None else repr(end) for end in (self.first, self.last))
         names = "".join(f" with {name}" for name in self.openings[1:])
@@ -81,9 +81,9 @@ def read_label(label: str) -> tuple[OpeningPath, str]:
 
 
 def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
-    """Move a scene's opening slowly along a path; returns openings, virtual works and inertia at
-    its positions (Travel). positions: number of evenly spaced ones; None: as many as the tolerance
-    takes. SceneError where the opening does not move or does not decide the motion."""
+    """Move openings (joint coordinates) of a scene slowly along a path; returns openings, virtual
+    works and inertia there (Travel). positions: number of evenly spaced ones; None: as many as the
+    tolerance takes. SceneError where the opening does not move or does not decide the motion."""
     (start,) = (hinge.opening for hinge in scene.hinges if hinge.name == path.openings[0])
     first, last = (float(start) if end is None else end for end in (path.first, path.last))
     if first == last:
@@ -108,9 +108,9 @@ def driving(works: Mapping[str, np.ndarray]) -> list[str]:
 
 
 def led_curves(scene, responses: Iterable[Any]) -> Any:
-    """Move openings of a scene slowly, as responses that are margins need it, without a simulation.
-    Returns an object that serves as argument `run` of `values`, `least` and `torque_budget`:
-    `columns`: results by (variable, label); `time`: 201 values from 0 to 1."""
+    """Move openings (joint coordinates) of a scene slowly as `responses`, all margins, need it,
+    without a run. Returns what serves as argument `run` of `values`, `least` and `torque_budget`:
+    an object with `columns`: results by (variable, label); `time`: 201 values from 0 to 1."""
     columns, travels = {}, {}
     for variable, label in dict.fromkeys(c for response in responses for c in response.columns):
         path, part = read_label(label)
@@ -121,8 +121,8 @@ def led_curves(scene, responses: Iterable[Any]) -> Any:
 
 
 def read(spec: Any) -> Any:
-    """Return the response for the definition of a torque or force margin in a config. spec: the
-    definition (`responses.Definition`); raises SceneError for wrong keys and values."""
+    """Return the Response that the definition of a torque or force margin in a config states. spec:
+    the definition (`responses.Definition`); raises SceneError for wrong keys and values."""
     path, abscissa = _path_of(spec)
     standard = STANDARDS[spec.one_of(STANDARDS, "standard")]
     evidence = spec.data.get("evidence", next(iter(standard.resists)))
@@ -185,9 +185,9 @@ def _classes_of(spec) -> dict[str, str]:
 
 
 class BudgetRow(NamedTuple):
-    """Row of a component in a torque budget. part: its name; class_: as "FR" for friction; factor:
-    of the standard; moment: virtual work per unit of the opening (N m, on slides N), below 0 where
-    it resists; weighted: factor times moment."""
+    """Row of a component in a torque budget. part: its name; class_: its class in the standard, as
+    "FR" for friction; factor: of that class; moment: virtual work per unit of the opening (N m, on
+    slides N), below 0 where it resists; weighted: factor times moment."""
 
     part: str
     class_: str
@@ -256,8 +256,8 @@ class _WeightedTravel:
 
 def values(response: Any, run: Any) -> np.ndarray:
     """Return the margin (t,), without unit and at most 99, at t positions evenly spaced over its
-    travel, as many as the run has instants. response: a margin, made by `read`; run: `Curves`, or
-    from `led_curves`."""
+    travel, as many as the run has instants. response: a margin, made by `read`; run: recorded
+    series (`Curves`) of a run, or what `led_curves` returns."""
     time = run.time
     return _WeightedTravel(response, run).margin((time - time[0]) / (time[-1] - time[0]))
 

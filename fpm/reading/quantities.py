@@ -18,13 +18,12 @@ from fpm.reading.responses import Response
 class Quantity:
     """Definition of a named number of a run, such as a peak or the time of an event.
 
-    name: its name; kind: how it is read, a key of KINDS, as "largest"; unit (UDUNITS) and
-    long_name: of the number; response: the function of time that it is read off, None for events;
-    at: of a value, its time (s) or the quantity that gives it; about: target of settling or
-    overshoot, None: the last value; within: largest deviation from it after settling; level, way
-    ("rising", "falling", "either"): of a crossing; number: n, from 1, of the nth crossing or event;
-    event: its name; places: names of the elements whose events count, (): none. about, within and
-    level are in the response's unit."""
+    kind: how it is read, a key of KINDS, as "largest"; unit (UDUNITS) and long_name: of the number;
+    response: the function of time that it is read off, None for events; at: of a value, its time
+    (s) or the quantity that gives it; about: target of settling or overshoot, None: the last value;
+    within: largest deviation from it after settling; level, way ("rising", "falling", "either"): of
+    a crossing; number: n, from 1, of the nth crossing or event; event: its name; places: names of
+    the elements whose events count, (): none. about, within, level: in the response's unit."""
 
     name: str
     kind: str
@@ -70,7 +69,7 @@ class Quantity:
 
     def margin(self, values: np.ndarray) -> np.ndarray:
         """Return by how much (...) a crossing or settling occurs, in the response's unit, > 0 if it
-        does, else < 0, continuous. values (..., t): of the response. Only for its own `decider`."""
+        does, else < 0, continuous. values (..., t): of the response. Only for a `decider`."""
         if self.kind == "settling":
             return self.within - np.abs(values[..., -1] - self.about)
         return crossing_margin(values - self.level, self.way, self.number)
@@ -219,10 +218,10 @@ def _event(quantity: Quantity, curves: Curves) -> float:
 
 
 class QuantityType(NamedTuple):
-    """A kind of quantity, in the table KINDS. read(quantity, curves): returns its number in a run;
-    text: template of its long name, in which {about} is the response's; mandatory, optional:
-    further keys of its definition; unit: of the number, None: the response's; positive: whether it
-    is never below 0; instantaneous: whether it is a size of the response at an instant."""
+    """A kind of quantity, in KINDS. read(quantity, curves): returns its number in a run; text:
+    template of its long name, in which {about} is the response's; mandatory, optional: further keys
+    that a definition must or may have; unit: of the number, None: the response's; positive: whether
+    it is never below 0; instantaneous: whether it is a size of the response at an instant."""
 
     read: Callable[[Quantity, Curves], float]
     text: str

@@ -30,7 +30,7 @@ class Recording:
     """What the time loop recorded of one run for its scene's probe (elements/particles/probe.py),
     as forces and motions at t instants. batch: the scenes that were simulated side by side
     (elements/batch.py); parts: arrays of their element types, one for each of batch.kinds; lane:
-    index of the run among them; time: instants (t,) s; step: time step (s)."""
+    index of the run's scene among them; time: instants (t,) s; step: time step (s)."""
 
     def __init__(self, batch, parts, lane: int, time: np.ndarray, step: float):
         self.scene: Scene = batch.scenes[lane]
@@ -58,8 +58,7 @@ class Recording:
 
     @cached_property
     def _driven_rates(self) -> dict[int, np.ndarray]:
-        """Velocity and spin (3, t, 2, 3) of driven particles half a step before the instants, at
-        them, and half a step after."""
+        """Velocity and spin (3, t, 2, 3) of driven particles half a step before, at, after each."""
         if not Drive.find(self.scene):
             return {}
         half = 0.5 * self.step
@@ -135,8 +134,8 @@ class Recording:
         return rotation * ~self.scene.fixed[particle, 3:]
 
     def inertia(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return rates of change of momentum (t, 3) N and angular momentum (t, 3) N m of a particle
-        (its index), in global axes, also where a drive moves it."""
+        """Return the rates of change of momentum (t, 3) N and angular momentum (t, 3) N m of a
+        particle (its index), in global axes, also of a driven one."""
         (change, turning), spin = self.acceleration(particle), self.spin(particle)
         inertia = self.scene.inertia[particle]
         momentum, moment = (
@@ -145,9 +144,9 @@ class Recording:
         return self.scene.mass[particle] * change, moment + np.cross(spin, momentum)
 
     def moments(self, hinge: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return the moments on a hinge (its index) at t instants, (t, a) N m, on a slide forces N,
-        one column for each of the `a` components ("spring", "damper", ...: PARTS), and the work (t,
-        a) J of each since the start."""
+        """Return the moments on a hinge (its index), (t, a) N m, on a slide forces N, one column
+        for each of the `a` components ("spring", "damper", ...: PARTS), and the work (t, a) J of
+        each since the start."""
         rows = self._rows(self._parts[Opening].part_track, len(self.scene.hinges) * len(PARTS))
         columns = rows[:, hinge * len(PARTS) : (hinge + 1) * len(PARTS)]
         return columns[..., 0], columns[..., 1]

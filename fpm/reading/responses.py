@@ -31,12 +31,12 @@ Names = Callable[[Scene], Iterable[str]]
 class Response:
     """A scalar function of time that is read off a run, by its definition.
 
-    name: its name; kind: type of response (key of KINDS); subjects: names of its points, hinge,
-    ...; component: x, y, z, norm, ... of a vector, "" of a scalar; unit (UDUNITS), long_name: of
-    the values that `evaluate` returns; columns: recorded series, as (variable, label), that it is
-    computed from, besides points and energies; along: the abscissa, None: time (margins: the
-    opening of a hinge); factors: of margins: (moment to deliver, its factor), then (actuation
-    factor, resistance factor, class) of each component; else ()."""
+    kind: type of response (key of KINDS, as "position"); subjects: names of its points, hinge, ...;
+    component: x, y, z, norm, ... of a vector, "" of a scalar; unit (UDUNITS), long_name: of the
+    values that `evaluate` returns; columns: recorded series, as (variable, label), that it is
+    computed from, besides points and energies; along: what it is a function of, None: time
+    (margins: the opening of a hinge); factors: of margins: (moment to deliver, its factor), then
+    (actuation factor, resistance factor, class) of each component; else ()."""
 
     name: str
     kind: str
@@ -95,8 +95,8 @@ def parse(name: str, definition: Mapping[str, Any], scene: Scene) -> Response:
 
 
 class Definition(NamedTuple):
-    """Definition of a response in a config. name: its name; kind: its one key that is a type of
-    response (KINDS); data: all its keys with their values; scene: the scene that it refers to."""
+    """Definition of a response in a config. name: its name; kind: its type (key of KINDS), which is
+    one of its keys; data: all its keys with their values; scene: the scene that it refers to."""
 
     name: str
     kind: str
@@ -125,7 +125,7 @@ class Definition(NamedTuple):
 
     @property
     def variable(self) -> Variable:
-        """Variable of `fpm.reading.variables` named as the definition's type, else KeyError."""
+        """Variable (fpm.reading.variables) with the name of the definition's type, or KeyError."""
         return VARIABLES[self.kind]
 
     def response(self, subjects: tuple[str, ...], component: str, *fields: Any) -> Response:
@@ -305,10 +305,10 @@ def _lost_energy(response: Response, run: Curves) -> np.ndarray:
 
 
 class ResponseType(NamedTuple):
-    """A type of response, in the table KINDS. read(definition): returns the Response;
-    values(response, run): returns its values (t,) in a run; mandatory, optional: further keys of
-    its definition; positive: whether values are never below 0 (a tuple: of which subjects); shock:
-    whether an impact makes values jump, so that mesh and step decide its peak."""
+    """A type of response, in KINDS. read(definition): returns the Response; values(response, run):
+    its values (t,) in a run; mandatory, optional: further keys that a definition must or may have;
+    positive: whether values are never below 0 (a tuple: of these subjects alone); shock: whether an
+    impact makes values jump, so that mesh and step decide its peak."""
 
     read: Callable[[Definition], Response]
     values: Callable[[Response, Curves], np.ndarray] = _of_columns

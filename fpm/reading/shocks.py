@@ -17,8 +17,8 @@ others follow from openings and their rates."""
 
 
 def doubt(scene: Scene, response: Response) -> str:
-    """Return a warning, a sentence with the remedy, that peaks of a response do not converge with
-    mesh and step in a scene, since a latch or a sudden load gives a shock; "" where they do."""
+    """Return a warning, with the remedy, that peaks of a response do not converge as mesh and step
+    are refined in a scene, since a latch or a sudden load gives a shock; "" where they do."""
     jumps = KINDS[response.kind].shock
     if response.kind in ("joint_moment", "joint_power"):
         jumps = response.subjects[1] in _HOLDING

@@ -25,8 +25,8 @@ from fpm.scenes.scene import Scene
 
 
 def torsion_stresses(width: float, height: float, J: float) -> tuple[float, float]:
-    """Return the largest shear stresses per torque (1/m³) of a solid rectangle: at mid-sides: y =
-    ±width/2, and z = ±height/2. width, height: its sides (m); J: torsion constant (m⁴)."""
+    """Return the two largest shear stresses per torque (Pa/(N m)) of a solid rectangular section:
+    at its mid-sides y = ±width/2, and z = ±height/2. width, height: m; J: torsion constant (m⁴)."""
     a, b = sorted((width / 2, height / 2))
     n = np.arange(1, 60, 2)
     argument = np.minimum(n * np.pi * b / (2 * a), 500.0)  # beyond, cosh overflows
@@ -40,9 +40,9 @@ def torsion_stresses(width: float, height: float, J: float) -> tuple[float, floa
 
 def equivalent(section: Section, force: np.ndarray, moment: np.ndarray) -> np.ndarray:
     """Return the largest equivalent stress (...), Pa (von Mises), of axial force and moments in a
-    section: on the contour of round ones, at corners and mid-sides of rectangles, at the corner
-    half sizes give of others (an estimate); transverse forces are left out. force, moment (..., 3):
-    N and N m, along and about its own axes: x along the bar, y, z."""
+    section: on the contour of round ones, at corners and mid-sides of rectangles, of others at the
+    corners of the rectangle of `half_sizes` (an estimate); transverse forces are left out. force,
+    moment (..., 3): N and N m, along and about its own axes: x along the bar, y, z."""
     normal = np.abs(force[..., 0]) / section.A
     torque, about_y, about_z = np.abs(np.moveaxis(moment, -1, 0))
     y, z = half_sizes(section)
@@ -64,8 +64,8 @@ def von_mises(normal: np.ndarray, shear: np.ndarray) -> np.ndarray:
 
 
 def element_stress(scene: Scene, groups: Iterable[Beams], place, axes) -> np.ndarray:
-    """Return the largest equivalent stress (t, m) Pa (von Mises) in all groups' m beam elements, at
-    either end; place(i), axes(i): positions (t, 3) and frames (t, 3, 3) of particle i."""
+    """Return the largest equivalent stress (t, m) Pa (von Mises) at either end of all groups' m
+    beam elements, in order; place(i), axes(i): positions (t, 3), frames (t, 3, 3) of particle i."""
     stresses = []
     for beams in groups:
         force, moment = sections(scene, beams, place, axes)

@@ -41,8 +41,8 @@ class Variable(NamedTuple):
     parts); parts: components of each item, as "x". form: how a definition of a response names a
     column (key of `fpm.reading.responses.FORMS`), "": there is no response of that name; shock:
     whether an impact makes it jump (`fpm.reading.shocks`); positive: whether it is never below 0;
-    along: end of the name of its dimension of labels in files; separator: text in a label after
-    which the item's name ends, "": none; time_dim: name of the dimension of its values."""
+    along: the labels' dimension in files is <name>_<along>; separator: text in a label before which
+    the item's name ends, "": none; time_dim: name of the dimension of its values."""
 
     unit: str
     long_name: str
@@ -58,9 +58,9 @@ class Variable(NamedTuple):
     time_dim: str = "time"
 
     def labels(self, scene: Scene) -> list[str]:
-        """Return the labels of the columns that a scene has of this variable, such as "tip x": item
-        and component. Of sections of bars only those in the middle, as there is one at any
-        distance; of travels of openings none, for the same reason."""
+        """Return the labels of the columns that a scene has of this variable, item and component,
+        such as "tip x". Of sections of bars only those in the middle, as there is one at any
+        distance; of quasi-static travels none, for the same reason."""
         if self.separator == LED_FROM:
             return []
         place = f"{PLACE}0.5" if self.form == "section" else ""
@@ -68,13 +68,13 @@ class Variable(NamedTuple):
         return [f"{name} {part}" for name in names for part in self.parts] if self.parts else names
 
     def split(self, label: str) -> tuple[str, str]:
-        """Split the label of a recorded column, such as "hinge1 spring", into the item's name and
-        its component, one of `parts`, by the last space; "" if the variable has none."""
+        """Split the label of a recorded column, such as "hinge1 spring", at its last space into the
+        item's name and its component, one of `parts`; the latter is "" if the variable has none."""
         return label.rpartition(" ")[::2] if self.parts else (label, "")
 
     def unit_of(self, scene: Scene, labels: Iterable[str]) -> str:
-        """Return the unit of recorded columns of one scene: `unit`; of travels of slides that of
-        slides, "" if only some of the openings are slides."""
+        """Return the unit of recorded columns of one scene: `unit`; of quasi-static travels of
+        slides that of slides, "" if only some are of slides. labels: the columns'."""
         if self.separator != LED_FROM:
             return self.unit
         slides = {hinge.name for hinge in scene.hinges if hinge.slides}
@@ -84,7 +84,7 @@ class Variable(NamedTuple):
 
     def column(self, recording: Recording, label: str) -> np.ndarray:
         """Return the values (t,), in `unit`, of a column of a run. recording: what the time loop
-        recorded of it; label: item and component, as "tip x"."""
+        recorded of it; label: name of item and component, as "tip x"."""
         name, part = self.split(label)
         values = self.values(recording, name)
         return values[:, self.parts.index(part)] if self.parts else values

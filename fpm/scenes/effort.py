@@ -41,16 +41,16 @@ def compile_seconds(scene: Scene) -> float:
 
 def step_seconds(scene: Scene) -> float:
     """Return an estimate of the core time (s) of one time step of eight runs of a scene side by
-    side, on a machine with 256-bit vector units; times `machine()` on this one."""
+    side, on a machine with 256-bit vector units; on this one, multiply with `machine()`."""
     on_beams = {int(p) for beams in scene.beams for p in np.unique(beams.nodes)}
     cost = STEP + PARTICLE * (len(scene.position) - len(on_beams))
     return 1e-9 * (cost + sum(kind.cost_in(scene) for kind in kinds_of([scene])))
 
 
 def run_seconds(scene: Scene, steps: int, instants: int) -> float:
-    """Return an estimate of the core time (s) of one run of a scene, an eighth of eight computed
-    side by side, on a machine with 256-bit vector units; times `machine()` on this one. steps,
-    instants: numbers of time steps and of recorded instants."""
+    """Return an estimate of the core time (s) of one run of a scene, an eighth of what eight
+    computed side by side take, on a machine with 256-bit vector units; on this one, multiply with
+    `machine()`. steps, instants: numbers of time steps and of recorded instants."""
     packing = PACKING + PER_STATEMENT * sum(map(len, scene.kinds.values()))
     return (steps * step_seconds(scene) + instants * 1e-9 * INSTANT) / 8 + packing
 
@@ -58,7 +58,7 @@ def run_seconds(scene: Scene, steps: int, instants: int) -> float:
 @cache
 def machine() -> float:
     """Return the factor from core times on a machine with 256-bit vector units to those on this
-    one: 1/2.9 (measured) with 512 bits, 2 below 256."""
+    one: 1/2.9 (measured) with 512 bits, 2 below 256, else 1."""
     from llvmlite.binding import get_host_cpu_features
 
     features = get_host_cpu_features()

@@ -36,7 +36,7 @@ from fpm.errors import SceneError
 @dataclass(frozen=True)
 class Link:
     """A straight bar as it was added to a scene. particles (n,): their indices from start to end;
-    triad (3, 3): its axes as columns, global, the first along it."""
+    triad (3, 3): its global axes as columns, the first along it, then y and z of its section."""
 
     particles: np.ndarray
     triad: np.ndarray
@@ -68,13 +68,14 @@ class Scene:
     """Particles of one sample at their start, and the elements between and on them.
 
     Arrays of its n particles: position (n, 3) m; frame (n, 3, 3), own axes as columns; velocity (n,
-    3) m/s; spin (n, 3) rad/s; mass (n,) kg; inertia (n, 3) kg m²; fixed (n, 6), held translations
-    and rotations. kinds: lists of elements by element type (fpm/elements); curves: list of (times
-    (s), values); points: named ones, for responses; supports: those held or driven; bodies:
-    particle of each named rigid body; unstrained, unstrained_position: frames and positions before
-    fpm.assembly strained the scene, None: as they are; assembly: what that did, or None; bearings:
-    SceneData's; classes, action_names: of elements by (type, index), class in slow travel where it
-    is not its type's, and name in the structure's file.
+    3) m/s; spin (n, 3) rad/s; mass (n,) kg; inertia (n, 3) kg m²; fixed (n, 6): whether it is held
+    along and about x, y, z. kinds: lists of elements by element type (fpm/elements); curves: list
+    of (times (s), values); points: named ones (VirtualBeam), for responses; supports: those held or
+    driven; bodies: index of the particle of each named rigid body; unstrained, unstrained_position:
+    frames and positions before fpm.assembly strained the scene, None: as they are; assembly: what
+    that did, or None; bearings: friction of joints in quasi-static travel, by hinge: mu r (m;
+    slides: mu); classes, action_names: of elements by (type, index): class in torque margins where
+    it is not its type's, and name in the structure's file.
 
     Parameters
     ----------
@@ -287,8 +288,8 @@ class Scene:
         return min(self.add(hinge) for hinge in hinges)
 
     def hold_point(self, name, particle: int, point, axes: str) -> int:
-        """Hold a point of a particle along global axes; returns the joint's index. To hold the
-        particle itself, `fix` costs nothing.
+        """Hold a point of a particle along global axes; returns the index among the joints. To hold
+        the particle itself, `fix` costs nothing.
 
         Parameters
         ----------
@@ -309,8 +310,7 @@ class Scene:
         self.add(TorsionSpring(int(hinge), float(stiffness), float(rest)))
 
     def add_contact(self, hinge: int, stiffness: float) -> None:
-        """Add a contact to a hinge (index): faces that resist openings below 0. stiffness: in N
-        m/rad."""
+        """Add a contact to a hinge (index): faces resist openings below 0. stiffness: N m/rad."""
         self.add(Contact(int(hinge), float(stiffness)))
 
     def add_cable(

@@ -26,7 +26,7 @@ class Parameter:
     ----------
     default: value in `unit`; None: it follows from other parameters.
     unit: as UDUNITS spells it, "1" for pure numbers.
-    description: one line for people.
+    description: one line of text.
     lower, upper: least and largest allowed value, in `unit`.
     kind: "real" or "integer"; only real ones may be intervals."""
 
@@ -54,7 +54,7 @@ class Parameter:
 
     def check(self, name: str, value: object) -> None:
         """Check a value of the parameter, in its `unit`; raises SceneError if it is not allowed.
-        name: the parameter's, for the message; value: None is allowed where the default is None."""
+        name: the parameter's, for the message; value: None is allowed if the default is None."""
         if value is None and self.default is None:
             return
         right = isinstance(value, int | float) and not isinstance(value, bool)
@@ -70,7 +70,7 @@ class SceneType:
 
     Attributes
     ----------
-    name, description: its name in configs, and one line for people.
+    name, description: its name in configs, and one line of text on it.
     parameters: definitions (Parameter) by name.
     points, hinges, cables: names that responses may refer to.
     function: builds the Scene from all parameters, given by keyword.

@@ -38,8 +38,9 @@ DENSE = 100
 
 
 class StableStep(NamedTuple):
-    """Stability limit of a scene. step: largest stable time step (s), inf: no limit; frequency: its
-    highest angular frequency (rad/s); element: name of the one with most energy in that mode."""
+    """Stability limit of a scene. step: largest stable time step (s), inf: none; frequency: the
+    scene's highest angular frequency (rad/s); element: name of that with most energy in this
+    mode."""
 
     step: float
     frequency: float
@@ -49,9 +50,9 @@ class StableStep(NamedTuple):
 def deformation_modes(
     scene: Scene, step: float = np.inf
 ) -> tuple[Deformations, np.ndarray, list[str]]:
-    """Return how all elements of a scene are strained at the start: r springs (Deformations), index
-    (r,) of each spring's element type among those of the scene, and all elements' names. step (s):
-    if finite, dampers C are springs too, of stiffness 4 C/step."""
+    """Return the r springs (Deformations) that stand for a scene's elements at the start; index
+    (r,) of each one's element type among the scene's; and names of all elements, at the index in
+    Deformations.element. step (s): if finite, dampers C are springs of 4 C/step, too."""
     blocks, kind_of, names = [], [], []
     for number, kind in enumerate(kinds_of([scene])):
         parts = [kind.deformations(scene)]

@@ -40,7 +40,7 @@ def check_topology(scenes: Sequence[Scene]) -> None:
 def pack(
     scenes: Sequence[Scene], width: int, dtype, instants: int, room: int = MOST_EVENTS
 ) -> Batch:
-    """Return the scenes simulated side by side as a Batch, which makes the arrays of the kernels.
+    """Return a Batch of scenes to simulate side by side, which makes the arrays of the kernels.
     scenes: must pass `check_topology`; width: number of lanes (samples in an array), at least that
     of scenes (further lanes repeat the last scene); dtype: of the arrays; instants: number of
     recorded instants; room: number of events of each scene that are kept, more are only counted."""

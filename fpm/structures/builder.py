@@ -18,15 +18,16 @@ POINT_TOL = 1e-9
 
 @dataclass(frozen=True)
 class Point:
-    """A named point of a sample. name: in full; position (3,), m, global: at the start."""
+    """A named point of a sample. name: full, as "bay1.P"; position (3,), m: global, at start."""
 
     name: str
     position: np.ndarray
 
 
 class Body:
-    """A bar or rigid body of a sample. name: full, in the file; points: index of the particle with
-    each of its named points; particles (k,): indices of all its particles, set once it is built."""
+    """A bar or rigid body of a sample. name: full (as "bay1.AB"); points: index of the particle
+    that carries each of its named points, by full name; particles (k,): indices of all its
+    particles, set once it is built."""
 
     def __init__(self, name: str, points: Mapping[str, int]):
         self.name, self.points = name, dict(points)
@@ -34,7 +35,7 @@ class Body:
 
     def particle(self, point: str) -> int:
         """Return the index of the particle that carries one of this part's points; SceneError if
-        the part does not have it. point: its full name."""
+        the part does not have it. point: full name, as "bay1.P"."""
         if point not in self.points:
             points = ", ".join(self.points)
             allowed = f"a point of {self.name}: {points} (or let it carry {point})"
@@ -52,9 +53,9 @@ class Ground(Body):
 class Builder:
     """One sample's scene in the making; `sample.build_sample` adds a structure file's statements
     one by one. problems: of the file, where errors are noted; scene: complete when there are none;
-    numbers: all named numbers by full name (SI units); size: largest extent of the structure (m);
-    joints_of: names of the joints at each particle, by index; hold: None or, if parts are forced
-    together, a function of this Builder that returns the hinges (indices) whose openings stay."""
+    numbers: all named numbers (SI units) by full name, as "bay1.width"; size: largest extent of the
+    structure (m); joints_of: names of the joints at each particle, by index; hold: None or, if
+    parts are forced together, a function of this Builder: indices of hinges whose openings stay."""
 
     hold: Callable[["Builder"], list[int]] | None = None
     scene: Scene
@@ -68,8 +69,8 @@ class Builder:
 
     def number(self, bound: Bound, key: str) -> float:
         """Return the value of an expression in SI units. bound: the expression with its names
-        found; key: dotted path of its key in the file, for errors. SkippedError if a number that it
-        refers to has no value, SceneError if it has none itself."""
+        found; key: dotted path of its key in the file, for errors. Raises SkippedError if a number
+        that it refers to has no value, SceneError if it has none itself."""
         try:
             return bound.value(self.numbers)
         except KeyError:
@@ -80,16 +81,16 @@ class Builder:
             ) from None
 
     def point(self, name: str) -> np.ndarray:
-        """Return the start position (3,), m, of a point (full name); SkippedError without one."""
+        """Return the position (3,), m, at the start of a point (its full name), or SkippedError."""
         return self.get("points", name).position
 
     def keep(self, group: str, name: str, value: Any) -> None:
-        """Store what was built for an entry of the file, for `get`. group: its group, such as
-        "bars"; name: its full name; value: what was built."""
+        """Store what was built for an entry (a bar, a joint, ...) of the file, for `get`. group:
+        the section in which it stands, as "bars"; name: its full name; value: what was built."""
         self._values[group, name] = value
 
     def get(self, group: str, name: str) -> Any:
-        """Return what `keep` stored for an entry (group, full name); SkippedError if nothing."""
+        """Return what `keep` stored for an entry (group, as "bars"; full name), or SkippedError."""
         try:
             return self._values[group, name]
         except KeyError:

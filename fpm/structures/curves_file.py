@@ -22,8 +22,8 @@ class CurvesFileError(ValueError):
 
 @dataclass(frozen=True)
 class CurvesFile:
-    """Content of a CSV file of curves: times (R) in s, `columns` (R) by name in SI units, and
-    the `dimensions` of each; digest: of the whole file."""
+    """Content of a CSV file of curves of time. times (r,): s, increasing; columns: others (r,) by
+    name, SI units; dimensions: physical dimension of all of them by name; digest: of the file."""
 
     times: np.ndarray
     columns: dict[str, np.ndarray]

@@ -70,9 +70,9 @@ class ExpressionError(ValueError):
 
 class Expression:
     """An arithmetic expression with units of a structure file, parsed once. text: as written, such
-    as `2 * P.x + 5 mm`. names: those in it (`P.x`: a coordinate of point P); dimension(names):
-    returns its physical dimension from theirs, ExpressionError where they clash. ExpressionError
-    for text that is not arithmetic."""
+    as `2 * P.x + 5 mm`. names: set of those in it (`P.x`: a coordinate of point P);
+    dimension(names): returns its physical dimension from theirs (by name), ExpressionError where
+    they clash. ExpressionError for text that is not arithmetic."""
 
     def __init__(self, text: str):
         self.text = text

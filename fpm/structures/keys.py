@@ -34,7 +34,7 @@ allowed."""
 @dataclass(frozen=True)
 class Key:
     """One key that a statement of a structure file takes (base class). default: its value when it
-    is left out, NO_VALUE if it must not be; text: what it means, for the documentation."""
+    is left out, NO_VALUE if it must not be; text: its meaning, for the documentation."""
 
     default: Any = NO_VALUE
     text: str = ""
@@ -51,8 +51,8 @@ class Key:
 
     def read(self, node: Node, place: Place) -> Value:
         """Read this key's value in a file; returns a function of the Builder, which returns it in a
-        sample (SI units). node: the value in YAML; place: where it stands. What is wrong is noted
-        in place.problems, and SkippedError raised."""
+        sample (SI units). node: the value (Node of the YAML file); place: where it stands (Place).
+        What is wrong is noted in place.problems, and SkippedError raised."""
         raise NotImplementedError
 
 
@@ -164,8 +164,8 @@ class DirectionKey(Key):
 
 class GroupMember(NamedTuple):
     """Reference to an entry of a structure file; called with a Builder, it returns what was built
-    for it. group: as "bars"; name: full name; number: added to that, if it is an index (1 for a
-    universal joint's second hinge), None: nothing."""
+    for it. group: section of the file, as "bars"; name: full name; number: added to that, if it is
+    an index (1 for a universal joint's second hinge), None: nothing."""
 
     group: str
     name: str
@@ -178,7 +178,7 @@ class GroupMember(NamedTuple):
 
 @dataclass(frozen=True)
 class ReferenceKey(Key):
-    """Key whose value is what was built for an entry of `group`, such as "bars", given by its name.
+    """Key whose value is what was built for an entry, given by its name, of `group`, as "bars".
     ground: whether `ground` is allowed too, in the group "parts"."""
 
     group: str = ""
@@ -200,7 +200,7 @@ class ReferenceKey(Key):
 @dataclass(frozen=True)
 class OpeningKey(Key):
     """Key whose value is the index of a hinge, given by the name of a joint with an opening. types:
-    of joints that are allowed; hint: words added to those on what is allowed."""
+    joint types that are allowed; hint: text to add to `allowed`, for messages."""
 
     types: tuple[str, ...] = ("revolute", "prismatic", "universal")
     hint: str = ""
@@ -297,8 +297,8 @@ class ListKey(Key):
 
 @dataclass(frozen=True)
 class MapKey(Key):
-    """Key whose value is a dict from full names of entries in `group` to values of the Key `kind`.
-    single: whether one such value may be given for all; it is the key's value then."""
+    """Key whose value is a dict from full names of entries in `group` (as "bars") to values of
+    `kind`. single: whether one such value may be given for all; it is the key's value then."""
 
     group: str = "parts"
     kind: Key | None = None

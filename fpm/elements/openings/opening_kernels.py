@@ -81,9 +81,10 @@ def begin_parts(moments):
 
 @kernel
 def update(part, state):
-    """Compute all openings (rad, m), into part.angles, and the global axes of hinges, into
-    part.axes. part: arrays of all openings (Openings); state: of the particles (World.state). Of
-    angles that differ by full turns, the one closest to the last is taken."""
+    """Compute from positions and axes of particles the openings (joint coordinates: rad, of slides
+    m) of all hinges, into part.angles, and their axes (global), into part.axes. part: arrays of all
+    openings (Openings); state (n, 21, lanes): of all particles, World.state. Of angles that differ
+    by full turns, the one closest to the last is taken."""
     sides, angles = part.sides, part.angles
     for h in range(angles.shape[0]):
         first_end, second_end = part.ends[2 * h], part.ends[2 * h + 1]
@@ -109,11 +110,11 @@ def update(part, state):
 
 @kernel
 def turn(openings, state, h, moment):
-    """Apply a moment (N m) about the axis of hinge h to its second particle, and its opposite to
-    the first: it is added to the forces in `state` and, where moments are recorded by component
-    (springs, dampers, ...), to that of the acting element type, openings.part. On a slide it is a
-    force (N) along the axis, on both particles at the point of the second, so that they are in
-    balance. openings: arrays of all openings, as the acting element type takes them; state: of the
+    """Apply a moment (N m, lanes) about the axis of hinge h (index) to its second particle, and its
+    opposite to the first: it is added to the forces in `state` and, where moments are recorded by
+    component (springs, dampers, ...), to that of the acting element type, openings.part. On a slide
+    it is a force (N) along the axis, on both particles at the point of the second, so that they are
+    in balance. openings: the field `openings` of that type's arrays (Openings); state: of all
     particles (World.state), changed."""
     first, second = openings.ends[2 * h], openings.ends[2 * h + 1]
     axis = get3(openings.axes, h, 0)
@@ -134,9 +135,9 @@ def turn(openings, state, h, moment):
 
 @kernel
 def push(openings, state, h, impulse):
-    """Apply an impulse (N m s) about the axis of hinge h, not a slide, to its second particle, and
-    the opposite to the first: to the angular momenta in `state` (World.state). Call it once the
-    step's forces are in the momenta. openings: arrays of all openings (Openings)."""
+    """Apply an impulse (N m s, lanes) about the axis of hinge h (index; no slide) to its second
+    particle, and the opposite to the first: to the angular momenta in `state` (World.state). Call
+    it once the step's forces are in the momenta. openings: arrays of all openings (Openings)."""
     first, second = openings.ends[2 * h], openings.ends[2 * h + 1]
     kick = impulse * get3(openings.axes, h, 0)
     put3(state, second, P, get3(state, second, P) + kick)
@@ -145,9 +146,9 @@ def push(openings, state, h, impulse):
 
 @kernel
 def add_moment(moments, openings, h, moment):
-    """Add a moment (N m) on hinge h to the recorded component (springs, dampers, ...) of the acting
-    element type, openings.part. moments: Openings.moments, None: nothing is done; openings: arrays
-    of all openings, as the acting type takes them."""
+    """Add a moment (N m, lanes) on hinge h (index; on a slide a force, N) to the recorded component
+    (springs, dampers, ...) of the acting element type, openings.part. moments: Openings.moments,
+    None: nothing is done; openings: the field `openings` of that type's arrays (Openings)."""
     if moments is not None:
         row = h * openings.parts + openings.part
         store(moments, row, MOMENT, load(moments, row, MOMENT) + moment)
@@ -176,9 +177,9 @@ def work_parts(moments, part):
 
 @hook(Openings)
 def record(part, world, row):
-    """Record all openings (rad, m) in part.track and, where they are told apart, moment (N m) and
-    work (J) of every component (springs, dampers, ...) in part.part_track. part: arrays of all
-    openings (Openings); world: solver state; row: index of the recorded instant."""
+    """Record the openings (joint coordinates: rad, of slides m) of all hinges in part.track and, if
+    kept, moment (N m) and work (J) of every component (springs, dampers, ...) in part.part_track.
+    part: arrays of all openings; world: solver state; row: index of the recorded instant."""
     if not part.is_needed:
         update(part, world.state)
     count = part.angles.shape[0]

@@ -14,8 +14,8 @@ from fpm.errors import SceneError
 
 
 class AnyRelease(OnHinge):
-    """Base class of releases, also rigid, which hold a hinge and let go at a `time` (s), or before
-    if the opening of another hinge (index `watch`, -1: none) passes `level` (rad; on slides m)."""
+    """Base class of releases, also rigid: they hold a hinge and let go at a `time` (s), or before
+    that when the opening of another (index `watch`, -1: none) passes `level` (rad, m)."""
 
     takes = JOINT_LOSS
     events = ("releases",)
@@ -24,8 +24,8 @@ class AnyRelease(OnHinge):
     resists_as = ""
 
     def check(self, scene):
-        """Check that the release has a finite time or watches a hinge that is not at the level at
-        the start, and that its hinge has no other release; raises SceneError if not."""
+        """Check that the release has a finite time or watches a hinge of `scene` that is not at the
+        level at the start, and that its hinge has no other release; raises SceneError if not."""
         super().check(scene)
         self.check_alone(scene)
         title = self.title(scene)
@@ -40,9 +40,10 @@ class AnyRelease(OnHinge):
 @dataclass(frozen=True)
 class Release(AnyRelease):
     """Release that holds a hinge or slide by a spring and a damper, and then lets go. hinge: index;
-    stiffness (N m/rad; N/m on a slide), damping (N m s/rad; N s/m), hold: opening (rad; m) at which
-    it holds; time: when it lets go (s); watch: index of a hinge or slide (-1: none) whose opening
-    frees it where it passes `level` (rad; m), if that is earlier."""
+    stiffness (N m/rad; N/m on a slide), damping (N m s/rad; N s/m), hold: opening (joint
+    coordinate, rad; m) at which its spring has no moment; time: when it lets go (s), infinite: by
+    `watch` only; watch: index of a hinge or slide (-1: none) whose opening frees it when it passes
+    `level` (rad; m), if that is earlier."""
 
     hinge: int = on_hinge()
     stiffness: float = stiffness(text="with which it holds")

@@ -30,11 +30,12 @@ STATE = 6
 
 class Releases(NamedTuple):
     """Arrays of all r releases. hinge (r,): index of its hinge; watch (r,): of that whose opening
-    frees it, -1: none; numbers (r, 5, lanes): time (s), level (rad), stiffness (N m/rad), damping
-    (N m s/rad), opening held (rad); rates (r, 2, lanes): rate of the last step; state (r, 6,
-    lanes): moment (N m), a step ago, steps since it let go (below 0: it has not in this step),
-    energy (J), a step ago, -1 while it holds and then 1; openings: of all hinges; account: index in
-    World.accounts of the loss; rows (r, 1, lanes): energy of each; log: of events."""
+    frees it, -1: none; numbers (r, 5, lanes): time (s) and level (rad) at which it lets go,
+    stiffness (N m/rad), damping (N m s/rad), opening held (rad); rates (r, 2, lanes): the hinge's
+    rate (rad/s) in the last step, and 0; state (r, 6, lanes): moment now and a step ago (N m),
+    steps since it let go (below 0: it did not in this step), energy now and a step ago (J), -1
+    while it holds and then 1; openings: of all hinges (Openings); account: index in World.accounts
+    of the loss; rows (r, 1, lanes): energy of each (J), to name the worst; log: of events (Log)."""
 
     hinge: np.ndarray
     watch: np.ndarray
@@ -49,7 +50,7 @@ class Releases(NamedTuple):
 
 @kernel
 def let_go(part, timing, i):
-    """Return for how many steps (lanes, a fraction) release i has been due to let go: by its time,
+    """Return how many steps ago (lanes, with fractions) release i was due to let go: by its time,
     or as the watched opening passed its level in this step; below 0: it is not due. part: arrays of
     all releases (Releases); timing: times of this step (s); i: index of the release."""
     delay = timing.time - load(part.numbers, i, TIME)

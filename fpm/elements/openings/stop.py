@@ -15,9 +15,9 @@ from fpm.elements.openings.opening import JOINT_LOSS, ONSET, OnHinge, on_hinge
 
 @dataclass(frozen=True)
 class Stop(OnHinge):
-    """Stop of a hinge or slide: a spring and a damper that act beyond an opening. hinge: index;
-    angle: that opening (rad; m on slides); side: "above" or "below" it, where they act; stiffness
-    (N m/rad; N/m), damping (N m s/rad; N s/m): of both."""
+    """Stop of a hinge or slide: a spring and a damper that act beyond an opening (joint
+    coordinate). hinge: index; angle: that opening (rad; m on slides); side: "above" or "below" it,
+    where they act; stiffness (N m/rad; N/m), damping (N m s/rad; N s/m): of spring and damper."""
 
     hinge: int = on_hinge()
     angle: float = number("rad")
@@ -38,5 +38,5 @@ class Stop(OnHinge):
 
     def damping_in(self, scene):
         """Return the damping (N m s/rad) by which the stop limits the stable time step: 1.5 times
-        its own, as the first impulse of a damper may be that of 1.5 steps."""
+        its own, as the first impulse of a damper may be that of 1.5 steps. scene: not used."""
         return ONSET * self.damping

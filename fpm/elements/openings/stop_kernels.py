@@ -22,8 +22,8 @@ TOUCH = 1e-9
 class Stops(NamedTuple):
     """Arrays of all s stops. hinge (s,): index of its hinge; numbers (s, 4, lanes): angle (rad),
     side (1 above, -1 below), stiffness (N m/rad), damping (N m s/rad); openings: of all hinges;
-    rates (s, 2, lanes): rate and damper's moment of the last step; account: index in World.accounts
-    of the loss; rows (s, 1, lanes): energy of each; log: of events."""
+    rates (s, 2, lanes): the hinge's rate (rad/s) and the damper's moment (N m) in the last step;
+    account: index in World.accounts of the loss; rows (s, 1, lanes): energies; log: of events."""
 
     hinge: np.ndarray
     numbers: np.ndarray
@@ -36,8 +36,8 @@ class Stops(NamedTuple):
 
 @kernel
 def overlap(part, i, field):
-    """Return by how much the opening is beyond stop i (rad), below 0 where it is free. part: arrays
-    of all stops (Stops); field: NEW (0: now) or OLD (1: a step ago)."""
+    """Return by how much (rad, m; lanes) the opening is beyond stop i, below 0 where it is free.
+    part: arrays of all stops (Stops); field: of angles: NEW (0: now) or OLD (1: a step ago)."""
     angle = load(part.openings.angles, part.hinge[i], field) - load(part.numbers, i, ANGLE)
     return load(part.numbers, i, SIDE) * angle
 
@@ -45,8 +45,8 @@ def overlap(part, i, field):
 @hook(Stops)
 def forces(part, world, timing):
     """Add the moments (N m) of stops, against openings beyond them, to the forces on particles, and
-    what their dampers lose in the step (J) to World.accounts. part: arrays of all stops (Stops);
-    world: solver state, changed; timing: times of this step (s)."""
+    what their dampers lose in the step that ends now (J) to World.accounts. part: arrays of all
+    stops (Stops); world: solver state, changed; timing: times of this step (s)."""
     for i in range(part.hinge.shape[0]):
         h, side = part.hinge[i], load(part.numbers, i, SIDE)
         rate = side * follow_rate(part.openings, part.rates, i, h, timing)

@@ -20,11 +20,10 @@ from fpm.errors import SceneError
 
 @dataclass(frozen=True)
 class SyncLoop(OnHinges):
-    """A closed cable loop over pulleys on two hinges, which couples their openings.
-
-    name: of its own; hinges: indices of both; radii: of the pulleys (m), opposite in sign where the
-    loop is crossed; stiffness: of both strands together (N/m); rest: openings without slip (rad);
-    preload: tension of each strand (N), infinite: no strand ever turns slack."""
+    """A closed cable loop over pulleys on two hinges, which couples their openings (joint angles).
+    name: its own; hinges: indices of both; radii: of the two pulleys (m), opposite in sign where
+    the loop is crossed; stiffness: of both strands together (N/m); rest: both openings without slip
+    (rad); preload: tension of each strand (N), infinite: never slack."""
 
     name: str = topology()
     hinges: tuple[int, int] = index("hinges", words="hinge of {title}", types=TURNING)
@@ -76,10 +75,11 @@ class SyncLoop(OnHinges):
 
     @classmethod
     def deformations(cls, scene):
-        """Return how particles' motions strain loops, for the stable time step: a spring on each
-        hinge, both together at least as stiff as the loop; None if nothing can move. By Cauchy and
-        Schwarz (r1 psi1 - r2 psi2)² <= r1² psi1²/s1 + r2² psi2²/s2 with s1 + s2 = 1; with shares as
-        r² w, w being the softness of each hinge, nothing is lost where they share no body."""
+        """Return the springs (Deformations) that stand for a scene's loops in the stable time step,
+        with how particles' motions strain them: one on each hinge of a loop, both together at least
+        as stiff as the loop; None without any that can move. By Cauchy and Schwarz (r1 psi1 - r2
+        psi2)² <= r1² psi1²/s1 + r2² psi2²/s2 with s1 + s2 = 1; with s1 : s2 as r² w, w being each
+        hinge's `softness`, nothing is lost where they share no body."""
         hinges, stiffness, element = [], [], []
         for i, loop in enumerate(cls.find(scene)):
             soft = [softness(scene, hinge) for hinge in loop.hinges]
@@ -96,16 +96,16 @@ class SyncLoop(OnHinges):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of the kernels' tuple Loops: "hinge": both hinges of
-        each loop; others as in OnHinges.array. batch: the scenes simulated side by side."""
+        """Return the array for a field `name` of the kernels' tuple Loops: "hinge": (loops, 2),
+        indices of both hinges of each loop; else as OnHinges.array. batch: scenes side by side."""
         if name == "hinge":
             return batch.integers((loop.hinges for loop in cls.find(batch.scene)), 2)
         return super().array(name, batch)
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return "loop_force" of one sample, (t, loops): difference of the tensions (N) of each
-        loop's strands. part: all loops' arrays; scene, lane: the sample's."""
+        """Return after a run {"loop_force": Series} of one sample, (t, loops) N: difference of both
+        strands' tensions of each. part: arrays of all loops (Loops); scene, lane: of the sample."""
         names = tuple(loop.name for loop in cls.find(scene))
         values = part.track[:, 0, lane].reshape(-1, len(names))
         return {"loop_force": Series(values, "N", "pull of the loops", "loop", names)}

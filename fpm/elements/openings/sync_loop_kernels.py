@@ -83,7 +83,7 @@ def forces(part, world, timing):
 @hook(Loops)
 def note_events(part, world, timing):
     """Write to part.log in which loops one strand turned slack (event 1) or both are tight again
-    (0), with the time. part: arrays of all loops; world: not used; timing: step times (s)."""
+    (0), and when. part: arrays of all loops; world: not used; timing: step times (s)."""
     for i in range(part.hinge.shape[0]):
         old, new = load(part.state, i, SLACK_BEFORE), load(part.state, i, SLACK)
         note_crossings(part.log, i, old, new, timing)

@@ -30,7 +30,7 @@ class TableSpring(OnHinge):
     resists_as = "HA"  # unless its `class` says that it is a spring
 
     def check(self, scene):
-        """Check the hinge and the table (two or more points); else raises SceneError."""
+        """Check hinge (in `scene`) and table (two or more points); raises SceneError if wrong."""
         super().check(scene)
         check_table(self.angles, self.moments, "moments", "spring by a table")
 
@@ -45,8 +45,7 @@ class TableSpring(OnHinge):
 
     @property
     def lift(self) -> float:
-        """Energy (J) that the spring stores at its table's first point, counted from the opening
-        within the table where it is least."""
+        """Energy (J) stored at the table's first point, counted from its least within the table."""
         angles, moments = np.array(self.angles), np.array(self.moments)
         works = np.concatenate([[0.0], np.cumsum(np.diff(angles) * (moments[1:] + moments[:-1]))])
         least = [-works / 2]
@@ -57,7 +56,7 @@ class TableSpring(OnHinge):
 
     def stiffness_in(self, scene):
         """Return the stiffness (N m/rad, at least 0) by which the spring limits the stable time
-        step: the steepest fall of its moment."""
+        step: the steepest fall of its moment. scene: not used."""
         return max(0.0, -float(self.slopes.min()))
 
     @property
@@ -67,9 +66,8 @@ class TableSpring(OnHinge):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field `name` of the kernels' tuple TableSprings: "points": points
-        of all tables; "start": index of each spring's first; others as in OnHinge.array. batch: the
-        scenes that are simulated side by side."""
+        """Return the array for a field `name` of the kernels' tuple TableSprings: "points",
+        "start": of `table_array`; else as OnHinge.array. batch: scenes side by side."""
         if name not in ("start", "points"):
             return super().array(name, batch)
         return table_array(name, batch, cls, lambda s: bends(s.angles, s.moments))
@@ -88,16 +86,16 @@ def check_table(angles, values, noun: str, owner: str) -> None:
 
 
 def bends(angles, values) -> np.ndarray:
-    """Return the changes of slope (n,) at the points of a piecewise linear table that is flat
-    beyond its ends. angles (n,): increasing; values (n,): at the angles."""
+    """Return the changes of slope (n,; values' unit per rad) at the points of a piecewise linear
+    table that is flat beyond its ends. angles (n,): increasing (rad); values (n,): at them."""
     return np.diff(np.diff(values) / np.diff(angles), prepend=0.0, append=0.0)
 
 
 def table_array(name: str, batch, kind, bends_of) -> np.ndarray:
-    """Return an array of the tables of all elements of a type, one after the other. name: "points":
-    (p, 2, lanes), angle and change of slope of each point; "start": (elements + 1,), index of each
-    element's first point, then p. batch: the scenes that are simulated side by side; kind: the
-    element type; bends_of(element): returns the changes of slope (n,) at its points."""
+    """Return an array, for kernels, of the tables of all elements of a type, one after the other.
+    name: which: "points": (p, 2, lanes), angle and change of slope of each of the p points;
+    "start": (elements + 1,), index of each element's first point, then p. batch: scenes simulated
+    side by side; kind: the element type; bends_of(element): changes of slope."""
     ends = np.cumsum([0, *(len(element.angles) for element in kind.find(batch.scene))])
     if name == "start":
         return batch.integers(ends)

@@ -18,7 +18,8 @@ class TorqueMotor(AnyMotor):
     """Moves a joint by a torque, or force, that falls with the speed, evenly down to none.
 
     hinge: index; torque: at rest (N m); curve: index in Scene.curves of the curve of time that
-    multiplies it, -1: 1; no_load: speed at which it is 0 (rad/s), infinite: it does not fall."""
+    multiplies it, -1: none; no_load: speed at which it is 0 (rad/s), infinite: it does not fall. On
+    a slide the units are N and m/s."""
 
     hinge: int = on_hinge()
     torque: float = number("N m", text="its moment at rest")
@@ -40,6 +41,6 @@ class TorqueMotor(AnyMotor):
 
     @classmethod
     def held_round(cls, scene):
-        """Return the sum of the sizes of a scene's torques (N m), which exactly held openings may
-        have to bear at rest; the tolerance of the energy balance follows from it."""
+        """Return the sum of the absolute torques (N m) of a scene's motors, which exactly held
+        hinges may have to bear at rest; the tolerance of the energy balance follows from it."""
         return float(sum(abs(motor.torque) for motor in cls.find(scene)))

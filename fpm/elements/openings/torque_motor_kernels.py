@@ -21,9 +21,9 @@ STATE = 2  # moment, at the last forces and a step before
 class TorqueMotors(NamedTuple):
     """Arrays of all m torque motors. hinge (m,): index of its hinge; curve (m,): index of its curve
     of time, -1: constant 1; numbers (m, 2, lanes): torque (N m), no-load speed (rad/s); rates (m,
-    2, lanes): rate of the last step; state (m, 2, lanes): moment now, a step ago (N m); openings:
-    of all hinges; work_account: index of their work in World.accounts; track ((instants + 1) m, 1,
-    lanes): recorded moment (N m)."""
+    2, lanes): the hinge's rate (rad/s) in the last step, and 0; state (m, 2, lanes): moment now, a
+    step ago (N m); openings: of all hinges; work_account: index of their work in World.accounts;
+    track ((instants + 1) m, 1, lanes): recorded moment (N m)."""
 
     hinge: np.ndarray
     curve: np.ndarray

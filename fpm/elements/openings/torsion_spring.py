@@ -9,8 +9,8 @@ from fpm.elements.openings.opening import OnHinge, on_hinge
 
 @dataclass(frozen=True)
 class TorsionSpring(OnHinge):
-    """Linear spring on the opening of a hinge or slide. hinge: index; stiffness: N m/rad (N/m on
-    slides); rest: opening without moment (rad; m on slides)."""
+    """Linear spring on the opening (joint coordinate) of a hinge or slide. hinge: index; stiffness:
+    N m/rad (N/m on slides); rest: opening without moment (rad; m on slides)."""
 
     hinge: int = on_hinge()
     stiffness: float = stiffness(text="moment for each radian")
@@ -23,6 +23,6 @@ class TorsionSpring(OnHinge):
     cost = 70.0
 
     def title(self, scene):
-        """Return what messages call it: "torsion spring" ("spring" on slides) and its hinge."""
+        """Return its name in messages: "torsion spring" ("spring" on slides) and the hinge's."""
         hinge = scene.hinges[self.hinge]
         return f"{'spring' if hinge.slides else self.noun} {hinge.name}"

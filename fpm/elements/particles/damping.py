@@ -10,9 +10,9 @@ from fpm.elements.kind import ElementType, Energy
 
 @dataclass(frozen=True)
 class Damping(ElementType):
-    """Mass-proportional damping of all particles: force -rate times mass times velocity, and
-    likewise for rotation. rate: in 1/s, at least 0; several add up. Particles held in all ways, or
-    moved by a drive, are not damped."""
+    """Mass-proportional damping of all particles: force -rate times mass times velocity, and moment
+    -rate times angular momentum. rate: in 1/s, at least 0; several add up. Particles held in all
+    ways, or moved by a drive, are not damped."""
 
     rate: float = number("1/s", 0.0, words="damping")
 
@@ -22,7 +22,7 @@ class Damping(ElementType):
 
     @classmethod
     def find(cls, scene):
-        """Return the dampings of a scene; [] where their rates add up to 0."""
+        """Return the Damping elements of a scene; [] where their rates add up to 0."""
         return scene.kinds.get(cls, []) if scene.damping > 0 else []
 
     @classmethod

@@ -17,9 +17,9 @@ from fpm.kernels.vectors import dot, get3, kernel, put3, times, to_local, vector
 
 
 class Damped(NamedTuple):
-    """Arrays of mass-proportional damping, for its kernels. rate (1, 1, lanes): 1/s; free (f,):
-    indices of particles that no other element type moves; jointed (j,): of those that joints or
-    supports move and that can move in some way; account: index in World.accounts of the loss."""
+    """Arrays of mass-proportional damping, for its kernels. rate (1, 1, lanes): total, 1/s; free
+    (f,): indices of particles that no other element type moves; jointed (j,): of those that joints
+    or supports move and that can move in some way; account: index in World.accounts of the loss."""
 
     rate: np.ndarray
     free: np.ndarray
@@ -86,7 +86,7 @@ def move(part, world, timing):
 def work_after(part, world, timing):
     """Add to World.accounts the energy (J) that damping takes, in this step, out of part.jointed:
     particles that joints or supports move (not those held in all ways or driven), by their momenta
-    after joints acted. part: arrays of damping (Damped); world: solver state; timing: times (s)."""
+    after joints acted. part: arrays of damping (Damped); world: solver state; timing: times."""
     state, particles = world.state, world.particles
     total = 0.0 * load(part.rate, 0, 0)
     for n in range(part.jointed.shape[0]):

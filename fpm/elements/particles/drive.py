@@ -40,8 +40,7 @@ class Drive(ElementType):
 
     @classmethod
     def moved_particles(cls, scene):
-        """Return the indices of the particles whose motion a scene's drives prescribe, one for each
-        drive."""
+        """Return the indices of the particles that a scene's drives move, one for each drive."""
         return [drive.particle for drive in cls.find(scene)]
 
     @classmethod
@@ -58,7 +57,7 @@ class Drive(ElementType):
 
     @classmethod
     def prescribe(cls, scene, time, motion):
-        """Write velocity (m/s) and spin (rad/s) of the driven particles at a time (s) into the
-        arrays motion.velocity and motion.spin, (n, 3) each, of all particles of the scene."""
+        """Write the velocities (m/s) and spins (rad/s) that a scene's drives prescribe at a `time`
+        (s) into motion.velocity and motion.spin, arrays (n, 3) of all particles, global axes."""
         particles, velocity, spin = cls.motion(scene, time)
         motion.velocity[particles], motion.spin[particles] = velocity, spin

@@ -29,8 +29,9 @@ class Drives(NamedTuple):
 @kernel
 def add_work(part, world, timing, time):
     """Add to World.accounts the work (J) of drives over half a step: they move particles against
-    the forces that act on these now. part: arrays of all drives (Drives); world: solver state;
-    timing: times of this step (s); time: at which the curves are read for the velocities (s)."""
+    the forces that act on these now, so that it is minus the power of the forces times step/2.
+    part: arrays of all drives (Drives); world: solver state; timing: times of this step (s); time:
+    at which the curves are read for the velocities (s)."""
     state = world.state
     total = 0.0 * load(state, 0, X)
     for n in range(part.particle.shape[0]):
@@ -59,8 +60,8 @@ def restrain(part, world, timing):
 
 @hook(Drives)
 def move(part, world, timing):
-    """Move the driven particles by one step as prescribed, and set their forces to 0. part: arrays
-    of all drives (Drives); world: solver state (World), changed; timing: times of this step (s)."""
+    """Move driven particles by one step as prescribed, and set the forces on them to 0. part:
+    arrays of all drives (Drives); world: solver state (World), changed; timing: times (s)."""
     state = world.state
     for n in range(part.particle.shape[0]):
         put3(state, part.particle[n], V, 0.0 * get3(state, part.particle[n], V))
@@ -102,8 +103,8 @@ def look_back(part, world, timing):
 def record_points(part, world, points, row, timing):
     """Overwrite recorded velocities (m/s) of named points on driven particles with the prescribed
     ones, as these particles have no momenta. part: arrays of all drives (Drives); world: solver
-    state; points: Record.points, recorded places and velocities, changed; row: index of the
-    recorded instant; timing: times of this step (s)."""
+    state; points: Record.points (rows, 6, lanes), positions and velocities, changed; row: index of
+    the recorded instant; timing: times of this step (s)."""
     count = world.point_particle.shape[0]
     for n in range(count):
         i, first, index = world.point_particle[n], True, row * count + n

@@ -22,7 +22,7 @@ class Gravity(ElementType):
 
     @classmethod
     def find(cls, scene):
-        """Return gravities of a scene; [] where they add up to 0, so that nothing has weight."""
+        """Return the Gravity elements of a scene; [] where they add up to 0: no weight."""
         return scene.kinds.get(cls, []) if np.any(scene.gravity != 0) else []
 
     @classmethod
@@ -36,8 +36,8 @@ class Gravity(ElementType):
 
     @classmethod
     def held_up(cls, scene):
-        """Return the weight (N) of all particles of a scene together, a force that joints may have
-        to bear at rest; the tolerance of the energy balance follows from it."""
+        """Return the weight (N) of all particles of a scene together, which joints may have to bear
+        at rest; the tolerance of the energy balance follows from it."""
         return float(scene.mass.sum() * np.linalg.norm(scene.gravity))
 
     @classmethod

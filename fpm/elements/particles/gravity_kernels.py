@@ -11,8 +11,8 @@ from fpm.kernels.vectors import dot, get3, put3
 
 
 class Weight(NamedTuple):
-    """Arrays of gravity, for its kernels. acceleration (1, 3, lanes): m/s², global; account: index
-    of its work in World.accounts."""
+    """Arrays of gravity, for its kernels. acceleration (1, 3, lanes): of gravity, m/s², global;
+    account: index of its work in World.accounts."""
 
     acceleration: np.ndarray
     account: int

@@ -12,9 +12,9 @@ from fpm.elements.particles.gravity import LOAD_WORK
 
 @dataclass(frozen=True)
 class Load(ElementType):
-    """A force and a moment of constant direction (global axes) on a particle, which may follow a
-    curve of time. beam: rigid arm from the particle to where the force acts; force (3,) N; moment
-    (3,) N m; curve: index in Scene.curves of the curve that multiplies both, -1: constant."""
+    """A force and a moment on a particle, of constant direction (global axes), both scaled by a
+    curve of time. beam: the particle, and its rigid arm to where the force acts; force (3,) N;
+    moment (3,) N m; curve: index in Scene.curves of the curve that scales both, -1: none."""
 
     beam: VirtualBeam
     force: np.ndarray = number("N", count=3)
@@ -48,5 +48,5 @@ class Load(ElementType):
     @classmethod
     def held_round(cls, scene):
         """Return the sum of the sizes of all moments (N m) of a scene's loads, which exactly held
-        openings may have to bear at rest; the tolerance of the energy balance follows from it."""
+        hinges may have to bear at rest; the tolerance of the energy balance follows from it."""
         return float(sum(np.linalg.norm(load.moment) for load in cls.find(scene)))

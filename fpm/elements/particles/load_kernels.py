@@ -22,8 +22,8 @@ STATE = 12
 class Loads(NamedTuple):
     """Arrays of all l loads. particle (l,): index of its particle; curve (l,): index of its curve
     of time, -1: constant 1; numbers (l, 9, lanes): force (N) and moment (N m) in global axes, arm
-    (m) in the particle's; state (l, 12, lanes): place of the arm's end (m) and the particle's three
-    axes when forces were last computed; account: index of their work in World.accounts."""
+    (m) in the particle's; state (l, 12, lanes): position of the arm's end (m) and the particle's
+    three axes when forces were last computed; account: index of their work in World.accounts."""
 
     particle: np.ndarray
     curve: np.ndarray

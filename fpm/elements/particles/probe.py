@@ -12,9 +12,9 @@ from fpm.elements.kind import ElementType
 @dataclass(frozen=True)
 class Probe(ElementType):
     """What else a run of a scene records, as its responses need it. frames: indices of particles
-    whose positions and axes are recorded; forces: indices of those, also in `frames`, whose momenta
-    and forces are; moments: whether the moments on openings of joints are, by who acts (springs,
-    dampers, ...); impulses: whether impulses of joints are."""
+    whose positions and axes are recorded; forces: indices of those, also in `frames`, whose
+    velocities, angular momenta and forces are; moments: whether moments on hinges are, by component
+    (springs, dampers, ...); impulses: whether the constraint impulses of joints are."""
 
     frames: tuple[int, ...] = ()
     forces: tuple[int, ...] = ()
@@ -25,7 +25,7 @@ class Probe(ElementType):
 
     @staticmethod
     def of_scene(scene) -> "Probe":
-        """Return the probe of a scene (what else its run records), or one that records nothing."""
+        """Return the Probe of a scene, or one that records nothing where it has none."""
         return next(iter(Probe.find(scene)), Probe())
 
     @classmethod

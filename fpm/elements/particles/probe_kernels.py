@@ -34,8 +34,8 @@ class Probes(NamedTuple):
 
 @hook(Probes)
 def record(part, world, row):
-    """Record the forces (N) and moments (N m) on chosen particles in part.forces, before the step
-    sets them to 0. part: records (Probes); world: solver state; row: index of the instant."""
+    """Record in part.forces the forces (N) and moments (N m) on chosen particles, before the step
+    sets them to 0. part: arrays (Probes); world: solver state; row: index of recorded instant."""
     count = part.forces_of.shape[0]
     for n in range(count):
         i, index = part.forces_of[n], row * count + n
@@ -47,8 +47,8 @@ def record(part, world, row):
 def record_step(part, world, row, timing):
     """Record positions (m) and axes of chosen particles at an instant in part.frames; in
     part.forces their velocities (m/s) and angular momenta (N m s), means of the half steps before
-    and after it, and the changes of both by time (m/s², N m). part: records (Probes); world: solver
-    state; row: index of the recorded instant; timing: times of this step (s)."""
+    and after it, and the changes of both by time (m/s², N m). part: arrays of the probe (Probes);
+    world: solver state; row: index of the recorded instant; timing: times of this step (s)."""
     start, state = world.start_state, world.state
     count = part.frames_of.shape[0]
     for n in range(count):

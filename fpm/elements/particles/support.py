@@ -16,7 +16,7 @@ from fpm.errors import SceneError
 @dataclass(frozen=True)
 class Support(ElementType):
     """Particles that are held along and about global axes. particles: indices; translations,
-    rotations: axes along which, and about which, they are held, letters out of "xyz"."""
+    rotations: global axes along which, and about which, they are held, letters out of "xyz"."""
 
     particles: Sequence[int]
     translations: str = "xyz"
@@ -25,8 +25,8 @@ class Support(ElementType):
     cost = 60.0
 
     def add_to(self, scene):
-        """Mark the axes of the particles as held in Scene.fixed; the support itself is not kept in
-        the scene. Raises SceneError for letters other than x, y, z."""
+        """Mark the axes of the particles as held in `fixed` (n, 6) of the Scene; the support itself
+        is not kept in the scene. Raises SceneError for letters other than x, y, z."""
         if set(self.translations + self.rotations) - set(AXES):
             axes = (self.translations, self.rotations)
             raise SceneError("fixed axes", axes, "letters out of 'xyz'")
@@ -44,14 +44,14 @@ class Support(ElementType):
 
     @classmethod
     def moved_particles(cls, scene):
-        """Return the indices of the scene's particles of unequal inertias that can turn about two
-        axes only; the kernels of supports move them."""
+        """Return the indices of a scene's particles with unequal moments of inertia that can turn
+        about two global axes only; the kernels of supports move them."""
         return turns_of(scene).about_two
 
     @classmethod
     def topology_of(cls, scene):
         """Return what must be equal in scenes simulated side by side, besides the held axes:
-        indices of the particles that the kernels of supports move (`about_two`)."""
+        indices of particles that can turn about two axes only (`moved_particles`)."""
         return tuple(cls.moved_particles(scene))
 
     @classmethod

@@ -20,8 +20,8 @@ ROUNDS = 4
 class Supports(NamedTuple):
     """Arrays of particles held along or about some axes, for kernels. particle (f,): their indices;
     free (f, 6, lanes): 1 where a particle can move along x, y, z and about them, 0 where it is
-    held; about_two (t,): indices of those that turn about two axes; axis (t, 3, lanes): global unit
-    vector about which each of these is held."""
+    held; about_two (t,): indices of those of unequal inertias that turn about two axes; axis (t, 3,
+    lanes): global unit vector of the axis about which each of these is held."""
 
     particle: np.ndarray
     free: np.ndarray

@@ -16,9 +16,10 @@ TOLERANCE = 1e-12
 
 
 class Turning(NamedTuple):
-    """How the n particles of a scene can turn. inertia (n, 3): kg m², own axes; where one turns
-    about a single axis, the inertia about that, repeated; no_turn (n, 3): whether it never turns
-    about an own axis; about_two: indices of particles of unequal inertias that turn about two."""
+    """How supports let the n particles of a scene turn. inertia (n, 3): moments of inertia (kg m²)
+    about own axes; of a particle that turns about a single global axis that about this, repeated;
+    no_turn (n, 3): whether it never turns about an own axis; about_two: indices of particles of
+    unequal inertias that turn about two global axes."""
 
     inertia: np.ndarray
     no_turn: np.ndarray
@@ -26,8 +27,8 @@ class Turning(NamedTuple):
 
 
 def turns_of(scene) -> Turning:
-    """Return how the particles of a scene can turn with its supports (Turning). SceneError where a
-    particle that turns about two axes, with unequal inertias, is in a joint."""
+    """Return how the supports of a scene let its particles turn (Turning). Raises SceneError where
+    a particle that turns about two axes, with unequal inertias, is in a joint."""
     fixed = scene.fixed[:, 3:]
     count, inertia = fixed.sum(axis=1), scene.inertia.copy()
     no_turn = np.repeat(count[:, None] == 3, 3, axis=1)

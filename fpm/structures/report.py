@@ -56,12 +56,12 @@ def _own_particles(scene: Scene) -> np.ndarray:
 
 def mass(scene: Scene) -> float:
     """Return the total mass (kg) of a scene's structure: of all particles but the ground, that is
-    those held altogether that no beam element joins (clamped ends of bars count)."""
+    those with all six freedoms fixed that no beam element joins (clamped ends of bars count)."""
     return float(scene.mass[_own_particles(scene)].sum())
 
 
 def centre(scene: Scene) -> np.ndarray:
-    """Return a scene's centre of mass (3,), m, at the start, without the ground (see `mass`)."""
+    """Return a scene's centre of mass (3,), m, at the start, without the ground (as in `mass`)."""
     particles = _own_particles(scene)
     return scene.mass[particles] @ scene.position[particles] / scene.mass[particles].sum()
 
@@ -114,7 +114,7 @@ def redundant(scene: Scene) -> list[str]:
 
 def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, float]]:
     """Return up to three parameter changes that lengthen a structure's stable step most, as advice:
-    (parameter, value tried, ratio of the stable steps), the largest ratio first. step: the stable
+    (parameter, value tried, ratio to `step`, > 1.03), the largest ratio first. step: the stable
     step (s) at default values. Tried: 10 % below and above the default; of whole numbers, half."""
     changes = []
     for name, parameter in structure.parameters.items():

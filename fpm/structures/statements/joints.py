@@ -93,8 +93,8 @@ def revolute(build, args):
 
     Adds hinges of the first part with each other one; returns the index of that with the second.
     build: Builder of the sample, with its scene; args: values of an entry: parts (Bodies), at
-    (Point, or Points by part), axis ((3,), or by part), opening (rad), references ((3,) by part, or
-    None), held (axes, as "xz")."""
+    (Point, or Points by part), axis ((3,), or by part), opening (joint coordinate at the start,
+    rad), references ((3,) by part, or None), held (axes along which the point is held, as "xz")."""
     particles, points = _meet(build, args)
     axes, refs, scene = _axes(build, args), args.references, build.scene
     if refs is not None:

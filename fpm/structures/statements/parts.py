@@ -111,7 +111,8 @@ def bar(build, args):
     particles of its points). build: Builder of the sample, with its scene; args: values of an
     entry: through (Points), section (Section), material (Material), elements (number in each
     stretch), up ((3,), of the section's height, or None), carries (by name of a point off the axis,
-    the Point that holds it), inertia_scale, strain, curvature (1/m)."""
+    the Point that holds it), inertia_scale (factor on the section's rotational inertia), and strain
+    and curvature (1/m, or None) of the bar when it is free of stress."""
     for key in ("strain", "curvature"):
         if getattr(args, key) and build.hold is None:
             build.refuse(key, getattr(args, key), "0, or `assemble: true`")

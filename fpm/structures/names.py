@@ -153,9 +153,9 @@ class Names:
         self.problems.say(line, f"{key}: there is no {noun} {name!r}{hint}; allowed: {options}")
 
     def sort(self) -> None:
-        """Fill `order`, in which the numbers can be computed one after the other, and find
-        dimensions. Cycles and clashes of units become problems; what depends on them keeps the
-        dimension None."""
+        """Fill `order`, in which numbers can be computed one after the other, and find dimensions.
+        Cycles and clashes of units become problems; what depends on them keeps the dimension
+        None."""
         needs = {
             n: tuple(x.bound.full.values()) if x.bound else () for n, x in self.numbers.items()
         }

@@ -45,9 +45,9 @@ _PROGRAM = tuple(str(sources.PACKAGE.parent / name) for name in ("fpm", "deploya
 
 
 class FileRecord:
-    """Record of all files that a structure in Python opens, by digest of their content, its own
-    file `path` too. It is sealed, its digest fixed, when the structure has been loaded and built at
-    its defaults: files that a build at other values opens beyond it are an error."""
+    """Record of all files that a structure in Python opens, by digest of their content. path: the
+    structure's own file, noted too. It is sealed, its digest fixed, when the structure was loaded
+    and built at its defaults: files that a build at other values opens beyond it are an error."""
 
     def __init__(self, path: Path):
         self.path, self.folder = path, path.parent
@@ -64,7 +64,7 @@ class FileRecord:
     @contextmanager
     def recording(self) -> Iterator[None]:
         """Return a context manager in which files that this thread opens are noted in this record,
-        and modules that are not installed are imported for its structure alone."""
+        and modules that are not installed are imported afresh, out of sight of other structures."""
         _hook()
         outer, _THREAD.record = current_record(), self
         own_modules = _own_modules()
@@ -167,7 +167,8 @@ class FileRecord:
         return set().union(*map(self.files_of, self.data or ()))
 
     def adopt(self, record: "FileRecord") -> None:
-        """Note files of another structure that this one loads as its own. record: the other's."""
+        """Note files of another structure, which this one loads, as its own. record: the
+        other's."""
         self._states_now |= {p: record._states[p] for p in record.files if p not in self.files}
 
     def hidden(self) -> list[str]:
@@ -184,8 +185,9 @@ class FileRecord:
 
 
 class Build:
-    """Callable that builds a structure's scene and checks the files opened meanwhile. function:
-    returns a Scene for parameters by keyword; record: its sealed FileRecord."""
+    """Callable that builds a structure's scene and checks the files opened meanwhile; called with
+    values of its parameters by keyword. function: does the building, called likewise; record: the
+    structure's sealed FileRecord."""
 
     def __init__(self, function: Callable, record: FileRecord):
         self.function, self.record = function, record

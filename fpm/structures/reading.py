@@ -33,7 +33,7 @@ class Problem(NamedTuple):
 
 class StructureError(SceneError):
     """Raised for a structure that cannot be built. source: name of its file; problems: list of all
-    that is wrong. As a SceneError it has `key`, `value` and `allowed` too."""
+    that is wrong, also in the message. As a SceneError it has `key`, `value`, `allowed` too."""
 
     def __init__(self, source: str, problems: list[Problem]):
         self.source, self.problems = source, list(problems)

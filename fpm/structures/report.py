@@ -16,8 +16,8 @@ from fpm.scenes.timestep import SAFETY, stable_step
 
 class Mobility(NamedTuple):
     """Counts of a mechanism at its start, bars taken as rigid. parts: rigid ones that can move;
-    conditions: scalar constraints of joints, supports and drives; redundant: those of them that
-    others imply; degrees: of freedom left, 6 parts - conditions + redundant."""
+    conditions: scalar constraints of joints, supports and drives, redundant ones included;
+    redundant: those that others imply; degrees: of freedom, 6 parts - conditions + redundant."""
 
     parts: int
     conditions: int
@@ -67,10 +67,10 @@ def centre(scene: Scene) -> np.ndarray:
 
 
 def mobility(scene: Scene) -> Mobility:
-    """Return how many moving rigid parts, scalar constraints, redundant ones of these (implied by
-    others) and degrees of freedom a scene has at the start, by the rank of its constraints, with
-    elastic bars as rigid. In a singular position, as of a mechanism folded flat, there are more
-    freedoms than in the motion that follows."""
+    """Return how many moving rigid parts, scalar constraints (redundant ones included), redundant
+    ones (implied by others) and degrees of freedom a scene has at the start, by the rank of its
+    constraints, with elastic bars as rigid. In a singular position, as of a mechanism folded flat,
+    there are more freedoms than in the motion that follows."""
     rows, _ = jacobian(scene)
     rank, count = dependence(rows)[0], rows.shape[1]
     return Mobility(count // 6, len(rows), len(rows) - rank, count - rank)
@@ -79,8 +79,9 @@ def mobility(scene: Scene) -> Mobility:
 def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
     """Return the Jacobian (c, 6 b) of a scene's c scalar constraints at the start by the velocities
     of its b moving rigid bodies (bars as rigid), and names (c) of their joints and supports, as
-    "joint knee". Six columns a body: the velocity (3) of its point at the structure's middle, and
-    its angular velocity (3) times the structure's size; rows of angles are times the size, too."""
+    "joint knee". Six columns a body: velocity (3) of its point at the mean of all particles, and
+    angular velocity (3) times the structure's size (largest extent); rows of angles are times the
+    size, too."""
     numbers, rules, count = bodies(scene), conditions_of(scene), len(scene.position)
     is_fixed = np.isin(numbers, numbers[scene.fixed.all(axis=1)])
     moving = np.unique(numbers[~is_fixed])
@@ -133,8 +134,8 @@ def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, fl
 
 
 def cost(scene: Scene, duration: float, safety: float = SAFETY) -> RunCost:
-    """Return an estimate of what a run of a scene costs. duration: simulated time (s); safety:
-    share of the stable step that is taken."""
+    """Estimate what a run of a scene costs. duration: simulated time (s); safety: fraction of the
+    stable step that is taken as step."""
     limit = stable_step(scene)
     steps = max(1, math.ceil(duration / (safety * limit.step))) if limit.step < np.inf else 1
     seconds = machine() * run_seconds(scene, steps, 0)

@@ -197,10 +197,9 @@ class Path:
 
     def in_bearings(self, friction: np.ndarray) -> list[float]:
         """Return virtual work (N m, on slides N) of friction in each bearing, per unit of the
-        opening that is moved, at most 0; by the force in its joint (on a slide, across it), in
-        balance with all friction. friction: forces and moments (6n,), N and N m, of other
-        components that only resist. SceneError for self-locking: friction presses its joint harder
-        than it is pushed."""
+        opening moved, at most 0; by the force in its joint (on a slide, across it), in balance with
+        all friction. friction: forces and moments (6n,), N and N m, of other components that only
+        resist. SceneError for self-locking: friction presses its joint harder than it is pushed."""
         levers = np.array(list(self.scene.bearings.values()))
         if not len(levers):
             return []

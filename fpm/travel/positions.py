@@ -31,8 +31,7 @@ def bends_after(positions: np.ndarray) -> np.ndarray:
 
 def interpolate(positions: np.ndarray, values: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Return values (m, ...) at points (m,), interpolated by cubics from values (p, ...) at
-    increasing positions (p,), not across bends (kinks, jumps), whose positions stand twice in a
-    row."""
+    increasing positions (p,), not across bends (kinks, jumps), whose positions stand twice."""
     points = np.atleast_1d(points)
     ends = bends_after(positions)
     index = np.clip(np.searchsorted(positions, points, side="right") - 1, 0, len(positions) - 2)
@@ -67,8 +66,8 @@ def slopes(positions: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 class SampledTravel:
     """Values (k,) sampled at increasing positions of a travel, which are fractions of it (0 to 1).
-    measure(position, state): returns (values, new state), starting from `state`, that at the
-    nearest sampled position not above, or None; states are objects of the caller's."""
+    measure(position, state): returns (values, new state), started from `state`, the one returned at
+    the nearest sampled position not above, or None; states are objects of the caller's."""
 
     def __init__(self, measure: Callable):
         self._measure = measure
@@ -112,10 +111,10 @@ class SampledTravel:
 
     def refine(self, measure_error: Callable[[np.ndarray, np.ndarray, float], float]) -> bool:
         """Sample further positions, half-way between others, until interpolation is accurate;
-        returns whether at most 1500 are enough. measure_error(expected, values, distance): returns
-        the error of interpolated values (k,) against measured ones, over the allowed error, between
-        positions that far apart; accurate up to 1, or up to ROUNDING_LIMIT (20) where halving
-        distances hardly helps."""
+        returns False where that takes more than 1500 in all. measure_error(expected, values,
+        distance): returns the error of interpolated values (k,) against measured ones, over the
+        allowed error, between positions so far apart; accurate at 1, or up to ROUNDING_LIMIT (20)
+        where it hardly falls."""
         pairs = [(*ends, np.inf) for ends in pairwise(self.positions)]
         while pairs:
             lower, upper, previous_error = pairs.pop()

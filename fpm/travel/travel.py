@@ -40,9 +40,10 @@ APPROACH = 1e-4
 
 
 class Travel(NamedTuple):
-    """Result of moving an opening slowly to p positions, all else in static balance. opening (p,):
-    rad, of slides m; work: virtual work (p,) of each component by name, per unit of the opening (N
-    m, slides N), above 0 where it drives; inertia (p,): that it moves (kg m², slides kg)."""
+    """Result of moving a joint coordinate (opening) slowly to p positions, all else in static
+    balance. opening (p,): rad, of slides m; work: virtual work (p,) of each component by name, per
+    unit of the opening (N m, slides N), above 0 where it drives; inertia (p,): generalized, of all
+    that moves with the opening (kg m², slides kg)."""
 
     opening: np.ndarray
     work: dict[str, np.ndarray]

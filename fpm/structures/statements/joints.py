@@ -160,8 +160,8 @@ def universal(build, args):
 
     Adds its two hinges to the scene; returns the index of the first (about axis; the next is about
     other). build: Builder of the sample, with its scene; args: values of an entry: parts (Bodies),
-    at (Point, or Points by part), axis and other ((3,), on the first and second part), openings
-    (two, rad, or None: 0)."""
+    at (Point, or Points by part), axis and other ((3,), global at the start, on the first and
+    second part), openings (joint coordinates of the two, rad, or None: 0)."""
     if abs(args.axis @ args.other) > 1e-6:
         build.refuse("other", args.other.tolist(), f"a direction normal to {args.axis.tolist()}")
     axis2 = unit(args.other - (args.axis @ args.other) * args.axis, "other")

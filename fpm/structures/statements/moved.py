@@ -91,8 +91,8 @@ def cable(build, args):
 
     Adds a Cable to the scene; returns its index. build: Builder of the sample, with its scene;
     args: values of an entry: through (list of (Body, Point)), EA (stiffness, N), rest (length
-    without tension, m) or preload (N), reel (m taken in, times curve), curve (index or None),
-    friction (coefficient or None)."""
+    without tension, m) or preload (N), the other None, reel (m taken in, times curve), curve (index
+    or None), friction (coefficient or None)."""
     points = [(part.particle(point.name), point.position) for part, point in args.through]
     for particle, _ in points:
         build.joints_of.setdefault(particle, [])

@@ -177,8 +177,7 @@ def _straight(scene, args, points, directions, normal) -> list[int]:
 def _stretches(scene, args, points, directions, normal) -> list[int]:
     """A bar through more points, stretch by stretch; the particles at the points.
 
-    Each stretch is lumped by itself (lumping.py); where two meet, masses and inertias add.
-    """
+    Each stretch is lumped by itself (lumping.py); where two meet, masses and inertias add."""
     axes = [triad(direction, normal) for direction in directions]
     shape = args.elements, args.section, args.material, args.inertia_scale
     lumped = [lump(np.linalg.norm(end - start), *shape) for start, end in pairwise(points)]

@@ -43,10 +43,10 @@ class HeldConfigError(CampaignError):
 
 
 def of_files(error: Exception, folder: Path) -> CampaignError | None:
-    """Turn an error of reading or writing a campaign's files into a `CampaignError`, a message for
-    users with its remedy, to be raised; None for other errors, which are the program's. error: as
-    caught; folder: of the results. netCDF's library names no cause: a limit of sizes, or a full
-    disk, is guessed where there is one."""
+    """Turn an error of reading or writing a campaign's files into a `CampaignError` that tells
+    users the remedy, and return it; None for other errors, which are the program's. error: as
+    caught; folder: of the results. netCDF's library names no cause: a limit of the size of files,
+    or a full disk, is guessed where the system shows one."""
     if isinstance(error, DamagedError):
         advice = "remove it and call snakemake or `python -m deployable run` to have it made again"
         return CampaignError(f"{error}; {advice}")

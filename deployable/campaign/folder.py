@@ -56,7 +56,7 @@ class Folder:
 
     @property
     def stage_folders(self) -> tuple[Path, ...]:
-        """All folders that stages (steps from config to page) write to, but those of runs."""
+        """All folders that stages (steps from config to page) write to, except those of runs."""
         return self.path, self.figures, self.overviews, self / "batches", self.motions
 
     def batch(self, number: int) -> Path:
@@ -74,7 +74,7 @@ class Folder:
         return self.path.parents[1] if self.path.parent.name == "rounds" else self.path
 
     def round(self, number: int) -> Folder:
-        """The folder of one round of this campaign; number: of the round, from 0."""
+        """The folder of one round of this campaign's `accuracy`; number: of the round, from 0."""
         return Folder(self / f"rounds/{number}")
 
     def previous(self) -> Folder | None:

@@ -54,9 +54,9 @@ KEYS = (*TEXTS, *overall.keys, "parameters", "let", "points", *GROUPS, "repeat")
 
 
 class Sheet(NamedTuple):
-    """One table with points, bars and so on of a structure file: its top, or one unit of a repeat.
-    context: where its names are looked up; table: its YAML Node; key: its dotted path, "" for the
-    top; number: of the unit in its repeat, from 1; 0 for the top."""
+    """One table with points, bars and so on of a structure file: its own, or that of one unit
+    (copy) of a repeat. context: which names are seen in it; table: its YAML Node; key: its dotted
+    path, "" at the top; number: of the unit in its repeat, from 1; 0 at the top of the file."""
 
     context: Context
     table: Node
@@ -67,10 +67,9 @@ class Sheet(NamedTuple):
 class FileStatements:
     """All statements (bars, joints, loads, ...) of a structure file, with a copy for each unit of a
     repeat. table: the file's top Node; inputs: its parameters by name (text_file.GivenParameter);
-    counts: values of those that are whole numbers; names: of the file, which are added here, with
-    its problems, where errors are noted, whose statements are left out. Attributes: entries:
-    statements in the order in which they are built; overall: Entry of gravity, damping, ...;
-    points: full names; problems; names."""
+    counts: values by name of those that are whole numbers; names: Names, empty before, which are
+    filled here. What is wrong is noted in its problems, and left out. Attributes: entries: in the
+    order in which they are built; overall: Entry of gravity, damping, ...; points: full names."""
 
     def __init__(self, table: Node, inputs: Mapping[str, Any], counts: Mapping, names: Names):
         self.problems, self.names = names.problems, names

@@ -21,19 +21,19 @@ NEIGHBOURS = ("next", "previous")
 
 @dataclass(frozen=True)
 class Context:
-    """Where something is written in a file, the top or one unit of a repeat, which decides which
-    names it sees. ends: prefixes of the first and last units of all repeats, by "bay.first" and
-    "bay.last"; prefix: of names in this unit, such as "bay3.", "" at the top; adjacent: prefixes of
-    the neighbouring units by "next" and "previous", None beyond a row's end, empty where neighbours
-    cannot be named."""
+    """Where something is written in a structure file, at the top or in one unit (copy) of a repeat,
+    which decides which names are seen there. ends: prefix, as "bay1.", of the first and last unit
+    of each repeat, by "bay.first" and "bay.last"; prefix: of names in this unit, as "bay3.", "" at
+    the top; adjacent: prefixes of the neighbouring units by "next" and "previous", None beyond a
+    row's end; empty where neighbours cannot be named."""
 
     ends: dict[str, str]
     prefix: str = ""
     adjacent: Mapping[str, str | None] = field(default_factory=dict)
 
     def find(self, name: str, names: Container[str]) -> str:
-        """Return the full name of what is written as `name` here. names: full names to choose from.
-        KeyError if it is none of them; SkippedError for the neighbour beyond a row's end."""
+        """Return the full name, as "bay3.P", of what is called `name` here. names: full names
+        known. KeyError if it is none of them; SkippedError for the neighbour beyond a row's end."""
         head, _, rest = name.partition(".")
         if head in self.adjacent:
             neighbour = self.adjacent[head]
@@ -52,8 +52,8 @@ class Context:
         raise KeyError(name)
 
     def visible(self, names: Iterable[str]) -> list[str]:
-        """Return the names that a message suggests here, as they are written here, out of `names`
-        (full): at the top all, in a unit of a repeat its own and those of no unit."""
+        """Return those of the full `names` that a message suggests in this context, as they are
+        written in it: at the top all, in a unit of a repeat its own and those of no unit."""
         if not self.prefix:
             return list(names)
         units = tuple(unit for units in self.units().values() for unit in units)
@@ -104,12 +104,13 @@ class NamedNumber:
 
 
 class Names:
-    """All names of a structure file. problems: where errors are noted; files: content of the files
-    of curves that it names, by path; numbers: NamedNumbers (parameters, `let`, coordinates of
-    points) by full name; groups: by group, as "bars", line by full name; types: of joints by name,
-    "" if unknown; angles: of universal joints, (joint, 0 or 1) by name; uses: names referred to, of
-    numbers in full, of entries as "bars:AB"; absent: (group, name) of entries left out; order: full
-    names of numbers, each after those it depends on."""
+    """All names of a structure file, filled as it is read. problems: where errors are noted; files:
+    content of the files of curves that it names, by path. Attributes: numbers: NamedNumbers
+    (parameters, `let`, coordinates of points) by full name; groups: by group, as "bars", the line
+    of each entry by full name; types: of joints by full name, "" if unknown; angles: (joint, 0 or
+    1) by name of each angle of a universal joint; uses: names referred to, of numbers in full, of
+    entries as "bars:AB"; absent: (group, name) of entries left out; order: full names of numbers,
+    each after those it depends on."""
 
     def __init__(self, problems: Problems, files: dict[Path, CurvesFile]):
         self.problems, self.files = problems, files
@@ -152,8 +153,9 @@ class Names:
         self.problems.say(line, f"{key}: there is no {noun} {name!r}{hint}; allowed: {options}")
 
     def sort(self) -> None:
-        """Fill `order`, in which the numbers can be computed, and find their dimensions. Cycles and
-        clashes of units become problems; what depends on them keeps the dimension None."""
+        """Fill `order`, in which numbers can be computed one after the other, and find dimensions.
+        Cycles and clashes of units become problems; what depends on them keeps the dimension
+        None."""
         needs = {
             n: tuple(x.bound.full.values()) if x.bound else () for n, x in self.numbers.items()
         }
@@ -207,7 +209,7 @@ class Place:
         return self.names.problems
 
     def child(self, *keys: str) -> "Place":
-        """Return the place of a key below this one. keys: it, behind those on the way to it."""
+        """Return the place of a key below this one. keys: names on the way to it, its own last."""
         return replace(self, key=dotted(self.key, *keys))
 
     def refuse(self, node: Node, allowed: str) -> None:
@@ -255,8 +257,9 @@ class Place:
         return bound
 
     def whole(self, node: Node, allowed: str) -> Bound:
-        """Return the expression in `node`, made of whole numbers, with its names found; what is
-        wrong is noted, and SkippedError raised. allowed: what the value may be, in words."""
+        """Return the expression in `node`, a number without unit in which all names stand for whole
+        numbers (that its value is whole is not checked); what is wrong is noted, and SkippedError
+        raised. allowed: what the value may be, in words."""
         bound = self.number(node, NUMBER, allowed)
         if not self.names.is_whole(bound):
             self.refuse(node, allowed)
@@ -268,8 +271,8 @@ class Place:
         raise SkippedError(self.key) from None
 
     def reference(self, node: Node, group: str) -> str:
-        """Return the full name of the entry of a `group` (as "bars") that `node` names; if there is
-        none, a problem is noted, and SkippedError raised."""
+        """Return the full name of the entry of a `group`, such as "bars", to which `node` refers by
+        name; if there is none, a problem is noted, and SkippedError raised."""
         noun = group.removesuffix("s")
         if not isinstance(node.value, str):
             self.refuse(node, f"the name of a {noun}")

@@ -45,9 +45,9 @@ _PROGRAM = tuple(str(sources.PACKAGE.parent / name) for name in ("fpm", "deploya
 
 
 class FileRecord:
-    """Record of all files that a structure in Python opens, by digest of their content, its own
-    file `path` too. It is sealed, its digest fixed, when the structure has been loaded and built at
-    its defaults: files that a build at other values opens beyond it are an error."""
+    """Record of all files that a structure in Python opens, by digest of their content. path: the
+    structure's own file, noted too. It is sealed, its digest fixed, when the structure was loaded
+    and built at its defaults: files that a build at other values opens beyond it are an error."""
 
     def __init__(self, path: Path):
         self.path, self.folder = path, path.parent
@@ -64,7 +64,7 @@ class FileRecord:
     @contextmanager
     def recording(self) -> Iterator[None]:
         """Return a context manager in which files that this thread opens are noted in this record,
-        and modules that are not installed are imported for its structure alone."""
+        and modules that are not installed are imported afresh, out of sight of other structures."""
         _hook()
         outer, _THREAD.record = current_record(), self
         own_modules = _own_modules()
@@ -83,8 +83,8 @@ class FileRecord:
             _THREAD.record = outer
 
     def note(self, file: Any, flags: int) -> None:
-        """Note a file that is being opened, if it is read and not installed. file: its path
-        (numbers of open files are passed over); flags: those of os.open."""
+        """Note a file that is opened to be read, if it is not of Python, a package or this program.
+        file: its path (numbers of open files are passed over); flags: those of os.open."""
         if not isinstance(file, str | bytes | os.PathLike):
             return  # by its number: it was opened before
         name = os.path.realpath(os.fsdecode(file))
@@ -125,9 +125,9 @@ class FileRecord:
         return hashlib.sha256(repr(digests).encode()).hexdigest()[:16]
 
     def check(self, values: Mapping[str, Any]) -> None:
-        """Check all files that a build has opened, when it is done. values: its parameters' by
-        name, for messages. Raises SceneError for a file not in the sealed record, or where the
-        build may have read files unseen and there is no DATA; ChangedError if one changed."""
+        """Check all files that a build of the structure opened, when it is done. values: its
+        parameters' by name, for messages. Raises SceneError for a file not in the sealed record, or
+        where files may have been read unseen and there is no DATA; ChangedError if one changed."""
         paths, self._states_now = {*self._states_now, *self._data_files()}, {}
         if self.unseen and self.data is None:
             raise SceneError(f"{self.path.name} at {dict(values)}", self.unseen, DATA_HINT)
@@ -148,9 +148,9 @@ class FileRecord:
         return _state(path) == self._states.get(path, ()) or _digest(path) == self.files[path]
 
     def follow(self, previous: "FileRecord") -> None:
-        """Check that this load of a structure did not take from memory what the previous load read
-        from a file: raises ChangedError if a file that the same code opened then has changed, and
-        was not opened now. previous: record of that load."""
+        """Check, after a structure was loaded anew, that nothing was taken from memory that the
+        previous load read from a file: raises ChangedError if a file that the same code opened then
+        has changed, and was not opened now. previous: record of the previous load."""
         code = [path for path in previous.files if path.suffix == ".py"]
         if all(self.files.get(path) == previous.files[path] for path in code):
             for path in previous.files.keys() - self.files.keys():
@@ -167,12 +167,13 @@ class FileRecord:
         return set().union(*map(self.files_of, self.data or ()))
 
     def adopt(self, record: "FileRecord") -> None:
-        """Note files of another structure that this one loads as its own. record: the other's."""
+        """Note files of another structure, which this one loads, as its own. record: the
+        other's."""
         self._states_now |= {p: record._states[p] for p in record.files if p not in self.files}
 
     def hidden(self) -> list[str]:
-        """Return by what the structure's code may read files that cannot be noted, as texts such as
-        "import ctypes"; [] if it states its files (DATA)."""
+        """Return the ways in which the structure's code may read files that cannot be noted, as
+        texts such as "import ctypes"; [] if it states its files (DATA)."""
         if self.data is not None:
             return []
         readers = sorted(set(self.unseen))
@@ -184,8 +185,9 @@ class FileRecord:
 
 
 class Build:
-    """Callable that builds a structure's scene and checks the files opened meanwhile. function:
-    returns a Scene for parameters by keyword; record: its sealed FileRecord."""
+    """Callable that builds a structure's scene and checks the files opened meanwhile; called with
+    values of its parameters by keyword. function: does the building, called likewise; record: the
+    structure's sealed FileRecord."""
 
     def __init__(self, function: Callable, record: FileRecord):
         self.function, self.record = function, record

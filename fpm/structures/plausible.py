@@ -172,7 +172,7 @@ def _inertia(scene: Scene, hinge: Hinge) -> float:
 
 
 def opening_text(hinge: Hinge, opening: float) -> str:
-    """Return an opening as text for messages, to 4 digits: "90 deg" or, on a slide, "0.1 m". hinge:
-    the one that has the opening; opening: rad, on a slide m; below 5e-10 it counts as 0."""
+    """Return a joint coordinate as text for messages, to 4 digits: "90 deg" or, on a slide, "0.1
+    m". hinge: its joint; opening: its value, rad, on a slide m; below 5e-10 it counts as 0."""
     opening = round(opening, 9) + 0.0
     return f"{opening:.4g} m" if hinge.slides else f"{np.degrees(opening):.4g} deg"

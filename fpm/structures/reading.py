@@ -33,7 +33,7 @@ class Problem(NamedTuple):
 
 class StructureError(SceneError):
     """Raised for a structure that cannot be built. source: name of its file; problems: list of all
-    that is wrong. As a SceneError it has `key`, `value` and `allowed` too."""
+    that is wrong, also in the message. As a SceneError it has `key`, `value`, `allowed` too."""
 
     def __init__(self, source: str, problems: list[Problem]):
         self.source, self.problems = source, list(problems)
@@ -157,8 +157,8 @@ def dotted(*parts: str) -> str:
 
 
 def read(text: str, problems: Problems) -> Node:
-    """Return the top table of a YAML text as a Node, values left as text. problems: of the file;
-    where there are any, StructureError lists them."""
+    """Return the top table of a YAML text as a Node, all values as text. problems: of the file;
+    what is wrong is noted there, and raised as StructureError, with what was noted before."""
     try:
         root = yaml.compose(text, _TextLoader)
     except yaml.MarkedYAMLError as error:

@@ -16,8 +16,8 @@ from fpm.scenes.timestep import SAFETY, stable_step
 
 class Mobility(NamedTuple):
     """Counts of a mechanism at its start, bars taken as rigid. parts: rigid ones that can move;
-    conditions: scalar constraints of joints, supports and drives; redundant: those of them that
-    others imply; degrees: of freedom left, 6 parts - conditions + redundant."""
+    conditions: scalar constraints of joints, supports and drives, redundant ones included;
+    redundant: those that others imply; degrees: of freedom, 6 parts - conditions + redundant."""
 
     parts: int
     conditions: int
@@ -56,21 +56,21 @@ def _own_particles(scene: Scene) -> np.ndarray:
 
 def mass(scene: Scene) -> float:
     """Return the total mass (kg) of a scene's structure: of all particles but the ground, that is
-    those held altogether that no beam element joins (clamped ends of bars count)."""
+    those with all six freedoms fixed that no beam element joins (clamped ends of bars count)."""
     return float(scene.mass[_own_particles(scene)].sum())
 
 
 def centre(scene: Scene) -> np.ndarray:
-    """Return a scene's centre of mass (3,), m, at the start, without the ground (see `mass`)."""
+    """Return a scene's centre of mass (3,), m, at the start, without the ground (as in `mass`)."""
     particles = _own_particles(scene)
     return scene.mass[particles] @ scene.position[particles] / scene.mass[particles].sum()
 
 
 def mobility(scene: Scene) -> Mobility:
-    """Return how many moving rigid parts, scalar constraints, redundant ones of these (implied by
-    others) and degrees of freedom a scene has at the start, by the rank of its constraints, with
-    elastic bars as rigid. In a singular position, as of a mechanism folded flat, there are more
-    freedoms than in the motion that follows."""
+    """Return how many moving rigid parts, scalar constraints (redundant ones included), redundant
+    ones (implied by others) and degrees of freedom a scene has at the start, by the rank of its
+    constraints, with elastic bars as rigid. In a singular position, as of a mechanism folded flat,
+    there are more freedoms than in the motion that follows."""
     rows, _ = jacobian(scene)
     rank, count = dependence(rows)[0], rows.shape[1]
     return Mobility(count // 6, len(rows), len(rows) - rank, count - rank)
@@ -79,8 +79,9 @@ def mobility(scene: Scene) -> Mobility:
 def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
     """Return the Jacobian (c, 6 b) of a scene's c scalar constraints at the start by the velocities
     of its b moving rigid bodies (bars as rigid), and names (c) of their joints and supports, as
-    "joint knee". Six columns a body: the velocity (3) of its point at the structure's middle, and
-    its angular velocity (3) times the structure's size; rows of angles are times the size, too."""
+    "joint knee". Six columns a body: velocity (3) of its point at the mean of all particles, and
+    angular velocity (3) times the structure's size (largest extent); rows of angles are times the
+    size, too."""
     numbers, rules, count = bodies(scene), conditions_of(scene), len(scene.position)
     is_fixed = np.isin(numbers, numbers[scene.fixed.all(axis=1)])
     moving = np.unique(numbers[~is_fixed])
@@ -114,7 +115,7 @@ def redundant(scene: Scene) -> list[str]:
 
 def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, float]]:
     """Return up to three parameter changes that lengthen a structure's stable step most, as advice:
-    (parameter, value tried, ratio of the stable steps), the largest ratio first. step: the stable
+    (parameter, value tried, ratio to `step`, > 1.03), the largest ratio first. step: the stable
     step (s) at default values. Tried: 10 % below and above the default; of whole numbers, half."""
     changes = []
     for name, parameter in structure.parameters.items():
@@ -133,8 +134,8 @@ def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, fl
 
 
 def cost(scene: Scene, duration: float, safety: float = SAFETY) -> RunCost:
-    """Return an estimate of what a run of a scene costs. duration: simulated time (s); safety:
-    share of the stable step that is taken."""
+    """Estimate what a run of a scene costs. duration: simulated time (s); safety: fraction of the
+    stable step that is taken as step."""
     limit = stable_step(scene)
     steps = max(1, math.ceil(duration / (safety * limit.step))) if limit.step < np.inf else 1
     seconds = machine() * run_seconds(scene, steps, 0)

@@ -19,9 +19,9 @@ FIRST_GROUPS = ("materials", "sections", *PARTS, "masses", "supports", "joints")
 
 
 def build_sample(model: FileStatements, values: Mapping[str, float], problems: Problems) -> Builder:
-    """Build the scene of one sample of a structure file; returns its Builder, whose `scene` is
-    complete if `problems` is empty. model: the file's statements; values: of its parameters by name
-    (SI units); problems: where errors are noted."""
+    """Build the scene of one sample of a structure file, at one set of parameter values; returns
+    its Builder, whose `scene` is complete if `problems` is empty. model: the file's statements;
+    values: of its parameters by name (SI units); problems: where errors are noted."""
     build = Builder(problems)
     with np.errstate(all="ignore"):
         _number(build, model, values)

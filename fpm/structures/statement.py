@@ -61,9 +61,9 @@ class Statement:
     text: str
 
     def sliding(self, joints: Container[str]) -> dict[str, tuple[str, Key]]:
-        """Return the keys of an entry by the names that it writes: (name in `args`, Key); on slides
-        `force` stands for `moment`, lengths for angles. joints: those keys of the entry, such as
-        "joint", that name a slide; empty: no change."""
+        """Return the keys that an entry may write, by names as written: (name in `args`, Key); if
+        it acts on a slide, `force` stands for `moment`, lengths for angles. joints: those keys of
+        the entry, such as "joint", that name a slide; empty: it acts on none."""
         names = ON_SLIDES if "joint" in joints else {}
         return {names.get(n, n): (n, key.sliding(joints)) for n, key in self.keys.items()}
 
@@ -166,8 +166,8 @@ def whole(kind: type[ElementType]) -> Statement:
 @dataclass(frozen=True)
 class Entry:
     """One entry of a structure file. statement: its kind; name: full name; key: dotted path; line:
-    where it stands; lines: of its keys, by key; read: by key that is given, a function of the
-    Builder that returns its value (SI units)."""
+    where it stands; lines: of its keys, by key; read: by name of each key that is given (as in
+    `args`), a function of the Builder that returns its value (SI units)."""
 
     statement: Statement
     name: str

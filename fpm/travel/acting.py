@@ -41,7 +41,7 @@ class ElementForces:
 
     def forces(self, poses: ParticlePoses) -> np.ndarray:
         """Move the elements from their last poses to `poses` (positions and frames of all
-        particles) and return their forces (N) and moments (N m) on all particles (6n,), global."""
+        particles); returns force (N), then moment (N m), global, on each particle in turn (6n,)."""
         self._put(poses)
         self._act()
         return self._act()[:, 0]  # once more: nothing is passed on the way
@@ -57,9 +57,9 @@ class ElementForces:
             array[:] = values
 
     def linearise(self, poses: ParticlePoses) -> tuple[np.ndarray, Any]:
-        """Return forces (6n,), N and N m, of the elements on all n particles at `poses` (positions
-        and frames), and their stiffness, sparse (6n, 6n): minus the derivatives by all motions (m,
-        rad). The elements' memory, as of a bristle's deflection, stays as it was."""
+        """Return forces (6n,) of the elements at `poses` (positions and frames of n particles),
+        force (N), then moment (N m) on each, and their stiffness, sparse (6n, 6n): minus the
+        derivatives by all motions (m, rad). The elements' memory (bristle deflections) is kept."""
         from scipy.sparse import csc_array
 
         history = self.copy_history()

@@ -70,8 +70,8 @@ class Balance:
         return np.zeros(count), csc_array((count, count))
 
     def follow(self, poses: ParticlePoses) -> None:
-        """Move the elements on to `poses` (positions and frames of all particles), so that those
-        with memory, as of a deflection, keep it."""
+        """Move the elements on to `poses` (positions and frames of all particles), where those with
+        memory, as bristles with a deflection, start next time."""
         for acting in self.acting:
             acting.forces(poses)
 

@@ -35,15 +35,15 @@ def parts_of(scene) -> dict[str, str]:
 
 
 def springs_of(scene) -> list[str]:
-    """Return names of a scene's parts of virtual work that are springs on joints, by tables too."""
+    """Return names of a scene's components of virtual work that are joint springs (class "S")."""
     springs = [part for part in components_of(scene) if part.resists_as == "S"]
     return [p.name for p in springs if isinstance(p.balanced, TorsionSpring | TableSpring)]
 
 
 def classes_of_kinds(scene) -> dict[str, str]:
-    """Return the class of each component of a scene's virtual work by name (a key of CLASSES in
-    `fpm.reading.standards`, as "FR" for friction), by element type alone, whatever class a file
-    states; but a table is a spring where a file says so."""
+    """Return the class (a key of CLASSES in `fpm.reading.standards`, as "FR" for friction) of each
+    component of a scene's virtual work by name, as its element type has it, whatever the file
+    states; only a spring by a table is of class "S" where the file says so."""
     classes = {bearing_name(scene, hinge): "FR" for hinge in scene.bearings}
     for part in components_of(scene):
         classes[part.name] = "FR" if part.baseline else type(part.balanced).resists_as
@@ -64,10 +64,10 @@ def _of_cable(scene, cable: Cable) -> tuple[str, ...]:
 
 
 class Component(NamedTuple):
-    """A contribution to the virtual work of a travel, slow motion of an opening. name: its name;
-    elements: one that does the work, or several (at smallest and largest load), of whose works the
-    least is taken; resists_as: its class in standards, as "S" for springs; drags: whether it can
-    only resist, as friction; baseline: element whose work is subtracted, or None."""
+    """A contribution to the virtual work while a joint coordinate is moved slowly (a travel). name:
+    its name; elements: the one that does the work, or several (at smallest and largest load), of
+    whose works the least is taken; resists_as: its class in standards, as "S" for springs; drags:
+    whether it can only resist, as friction; baseline: element whose work is subtracted, or None."""
 
     name: str
     elements: tuple[ElementType, ...]

@@ -53,10 +53,10 @@ def _rotations_of(first: np.ndarray, last: np.ndarray) -> np.ndarray:
 
 
 class Path:
-    """Moves an opening of a scene slowly, through static equilibria, and holds the state reached:
-    `poses` of n particles, the `opening` (rad, m), and `tangent`, the motion (6n,), m, rad, of all
-    particles per unit of it. openings: names of hinges or slides that move together, of which the
-    first has the `opening`; stand: names of hinges locked at their opening at the start."""
+    """Moves a joint coordinate (opening) of a scene slowly, through static equilibria, and holds
+    the state reached: `poses` of n particles, the `opening` (rad, m), and `tangent`, the motion
+    (6n,), m, rad, of all particles per unit of it. openings: names of hinges or slides that move
+    together, the first by the `opening`; stand: names of hinges locked as at the start."""
 
     def __init__(self, scene, openings: Sequence[str], stand: Sequence[str]):
         self.scene, self._key = scene, f"opening {openings[0]}"
@@ -80,9 +80,9 @@ class Path:
         self._ease = self.balance.ease(self.poses, self._scales)
 
     def move_to(self, value: float, depth: int = 0) -> None:
-        """Move the opening to `value` (rad, m) in static equilibrium, in smaller steps where one
-        would leave the branch of solutions. depth: how often the step was halved, 0 for callers.
-        MisfitError where it cannot be moved, SceneError where motions jump too often."""
+        """Move the opening (joint coordinate) to `value` (rad, m) in static equilibrium, in smaller
+        steps if one would leave the branch of solutions. depth: how often the step was halved, 0
+        for callers. MisfitError if it cannot be moved, SceneError if motions jump too often."""
         state, tangents = self.state(), self._tangents
         low, high = sorted((state[1], value))
         is_past_jump = any(low <= jump <= high for jump in self._jumps)
@@ -167,8 +167,8 @@ class Path:
         self.poses, self.opening, self.tangent, self._impulses, self._openings = state
 
     def update_openings(self) -> list[float]:
-        """Return the openings (rad, of slides m) of all hinges at the current poses, in the scene's
-        order, with full turns counted on from the last call, and keep them for the next."""
+        """Return the joint coordinates (rad, of slides m) of all hinges at the current poses, in
+        the scene's order, full turns counted on from the last call, and keep them for the next."""
         poses, openings = SimpleNamespace(**self.poses._asdict()), []
         for hinge, last in zip(self.scene.hinges, self._openings, strict=True):
             value = opening_at(poses, hinge)
@@ -180,7 +180,7 @@ class Path:
         return openings
 
     def rates(self, hinges: Sequence[int]) -> list[float]:
-        """Return derivatives of the openings of `hinges` (indices) by the opening that is moved."""
+        """Return rates of the joint coordinates of `hinges` (indices) by the one that is moved."""
         shift, turn = self.tangent.reshape(-1, 2, 3).transpose(1, 0, 2)
         motion = SimpleNamespace(velocity=shift, spin=turn)
         return [float(rate_at(self.poses, self.scene.hinges[h], motion)) for h in hinges]
@@ -197,7 +197,7 @@ class Path:
 
     def in_bearings(self, friction: np.ndarray) -> list[float]:
         """Return virtual work (N m, on slides N) of friction in each bearing, per unit of the
-        opening, at most 0, by the force in its joint, on a slide that across it, in balance with
+        opening moved, at most 0; by the force in its joint (on a slide, across it), in balance with
         all friction. friction: forces and moments (6n,), N and N m, of other components that only
         resist. SceneError for self-locking: friction presses its joint harder than it is pushed."""
         levers = np.array(list(self.scene.bearings.values()))

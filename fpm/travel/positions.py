@@ -24,14 +24,14 @@ NODES = 4
 
 
 def bends_after(positions: np.ndarray) -> np.ndarray:
-    """Return the start indices of the stretches into which bends (kinks or jumps of sampled values)
-    divide `positions`, and at last p. positions (p,): increasing, a bend's stands twice."""
+    """Return the indices at which stretches between bends (kinks or jumps of sampled values) begin,
+    and at last p. positions (p,): increasing, a bend's twice in a row, as end and as beginning."""
     return np.concatenate([[0], np.flatnonzero(np.diff(positions) == 0) + 1, [len(positions)]])
 
 
 def interpolate(positions: np.ndarray, values: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Return values (m, ...) at points (m,), interpolated by cubics from values (p, ...) at
-    increasing positions (p,), not across bends (kinks or jumps), whose positions stand twice."""
+    increasing positions (p,), not across bends (kinks, jumps), whose positions stand twice."""
     points = np.atleast_1d(points)
     ends = bends_after(positions)
     index = np.clip(np.searchsorted(positions, points, side="right") - 1, 0, len(positions) - 2)
@@ -54,7 +54,7 @@ def interpolate(positions: np.ndarray, values: np.ndarray, points: np.ndarray) -
 
 def slopes(positions: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Return the derivatives (p,) of values (p,) by the increasing positions (p,), by cubic splines
-    between bends (kinks or jumps), whose positions stand twice."""
+    between bends (kinks or jumps), whose positions stand twice in a row."""
     from scipy.interpolate import CubicSpline
 
     ends = bends_after(positions)
@@ -66,8 +66,8 @@ def slopes(positions: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 class SampledTravel:
     """Values (k,) sampled at increasing positions of a travel, which are fractions of it (0 to 1).
-    measure(position, state): returns (values, new state), starting from `state`, that at the
-    nearest sampled position not above, or None; states are objects of the caller's."""
+    measure(position, state): returns (values, new state), started from `state`, the one returned at
+    the nearest sampled position not above, or None; states are objects of the caller's."""
 
     def __init__(self, measure: Callable):
         self._measure = measure
@@ -111,10 +111,10 @@ class SampledTravel:
 
     def refine(self, measure_error: Callable[[np.ndarray, np.ndarray, float], float]) -> bool:
         """Sample further positions, half-way between others, until interpolation is accurate;
-        returns False where that takes more than 1500. measure_error(expected, values, distance):
-        returns the error of interpolated values (k,) against measured ones, over the allowed error,
-        at this distance of positions; accurate at 1, or up to ROUNDING_LIMIT (20) where it does not
-        fall with the distance."""
+        returns False where that takes more than 1500 in all. measure_error(expected, values,
+        distance): returns the error of interpolated values (k,) against measured ones, over the
+        allowed error, between positions so far apart; accurate at 1, or up to ROUNDING_LIMIT (20)
+        where it hardly falls."""
         pairs = [(*ends, np.inf) for ends in pairwise(self.positions)]
         while pairs:
             lower, upper, previous_error = pairs.pop()

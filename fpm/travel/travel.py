@@ -40,9 +40,10 @@ APPROACH = 1e-4
 
 
 class Travel(NamedTuple):
-    """Result of moving an opening slowly to p positions, all else in static balance. opening (p,):
-    rad, of slides m; work: virtual work (p,) of each component by name, per unit of the opening (N
-    m, slides N), above 0 where it drives; inertia (p,): that it moves (kg m², slides kg)."""
+    """Result of moving a joint coordinate (opening) slowly to p positions, all else in static
+    balance. opening (p,): rad, of slides m; work: virtual work (p,) of each component by name, per
+    unit of the opening (N m, slides N), above 0 where it drives; inertia (p,): generalized, of all
+    that moves with the opening (kg m², slides kg)."""
 
     opening: np.ndarray
     work: dict[str, np.ndarray]
@@ -57,15 +58,15 @@ def lead(
     stand: Sequence[str] = (),
     positions: int | None = None,
 ) -> Travel:
-    """Move an opening of a scene slowly from one value to another, all else in static balance;
-    returns openings, virtual works and inertia at all positions (Travel).
+    """Move a joint coordinate (opening) of a scene slowly from one value to another, all else in
+    static balance; returns openings, virtual works and inertia at all positions (Travel).
 
     scene: at its start; openings: name of a hinge, or of several, of which the others go as far
     from their start as the first does; first, last: values of the opening (rad, of slides m) at
     both ends; stand: names of hinges that are locked at their opening at the start; positions:
     number of evenly spaced positions, at least 2; None: as many as it takes, with those at which a
-    moment bends. Raises SceneError where the opening does not decide the motion of all, MisfitError
-    where it cannot be moved to a value in balance."""
+    moment has a kink. Raises SceneError where the opening does not decide the motion of all,
+    MisfitError where it cannot be moved to a value in balance."""
     names = [openings] if isinstance(openings, str) else openings
     count = positions or POSITIONS
     sweep = _Sweep(scene, Path(scene, names, stand), first, last, (last - first) / (count - 1))

@@ -50,7 +50,7 @@ def answer(
     notify: Notify,
     threads: int,
 ) -> None:
-    """Find nominal values of chosen parameters whose worst case is best, with its runs, and write
+    """Find nominal values of chosen parameters whose worst case is best, by further runs, and write
     `choice.json` into `folder`, a campaign's results with its plan. choose, requirements, verify,
     jobs: sections of the config; notify: called with each message; threads: how many simulate."""
     base_plan = read_plan(folder.plan)
@@ -93,12 +93,12 @@ def answer(
 
 
 def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray]:
-    """Find points to simulate before a choice is final: normalized points (k), -1 to 1 in the box,
-    at which, by the surrogates, an event does not occur that must (or the reverse, or a limited
-    quantity is absent), one for each limit that fails so. Of trials that break a limit and whose
-    first goal is better than the best choice's, the four of the nearest chosen values, over the
-    widths of their ranges, in order. best, trials: `intervals.scalars.Choice`, the best and those
-    of the first grid; choose: section of the config."""
+    """Find points to simulate before a choice is final, as there the surrogates alone rule out what
+    may be better: normalized points (k), -1 to 1 in the box, at which an event does not occur that
+    must (or the reverse, or a limited quantity is absent), one for each limit that fails so. Of
+    trials that break a limit and whose first goal is better than the best choice's, the four of the
+    nearest chosen values, over their ranges' widths. best, trials: `intervals.scalars.Choice`, the
+    best and those of the first grid; choose: section of the config."""
     sign = choose.goals[0][0]
     better = [
         trial
@@ -117,8 +117,8 @@ def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray
 
 
 def widened(experiment: Experiment, choose: Choose) -> Experiment:
-    """Copy of an experiment in which the interval of each parameter to be chosen spans all nominal
-    values that `choose` (section of the config) allows, with the uncertainty about each."""
+    """Return a copy of an experiment in which the interval of each parameter to be chosen spans all
+    nominal values that `choose` (section of the config) allows, with the uncertainty about each."""
     intervals = dict(experiment.intervals)
     for name in choose.parameters:
         lower, upper = choose.ends(name, experiment)
@@ -187,9 +187,9 @@ def _error(
 
 
 def deciding(trials: Sequence[Any], error: float) -> list[bool]:
-    """Tell which chosen parameters matter, one flag each: whether tried choices that differ only in
-    it (all, if no two do) differ by more than `error` in the first goal, or only some of them are
-    allowed; if no choice is allowed, in the least margin to a limit. trials:
+    """Tell which chosen parameters matter, one flag each, in order: whether tried choices that
+    differ only in it (all, if no two do) differ by more than `error` in the first goal, or only
+    some of them are allowed; if no choice is allowed, in the least margin to a limit. trials:
     `intervals.scalars.Choice`, all that were tried; error: in the unit of what is compared."""
     allowed = [trial.is_allowed for trial in trials]
     worth = np.array([

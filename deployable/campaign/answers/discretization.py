@@ -163,11 +163,11 @@ def _find_nearest_values(
 def estimate_fraction_errors(
     model: ModelEvaluator, bounds: list[QuantityBounds], errors: dict[str, np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the errors by mesh and step that volume fractions of the box depend on, two arrays
-    (q): of each quantity's values, in its unit, and of the decision function, whose sign tells
-    whether it occurs; infinite where refined runs disagree on that by an unknown amount, 0 if
+    """Return two errors by mesh and step, (q) each, by which fractions of the box's volume are
+    uncertain: of each quantity's values, in its unit, and of the decision function, whose sign
+    tells whether it exists; infinite where refined runs disagree on that by an unknown amount, 0 if
     `errors` is empty. model: holds the runs, and simulates finer ones; bounds: as `converge_bounds`
-    returns them; errors: those of `estimate_discretization_errors`."""
+    returns them; errors: as `estimate_discretization_errors` returns them."""
     numbers, shifts = np.zeros(len(bounds)), np.zeros(len(bounds))
     if not errors:
         return numbers, shifts

@@ -41,12 +41,12 @@ _SHARE_CURVES = 4  # of a response in the file of a share of a scan
 
 @dataclass(frozen=True)
 class Estimate:
-    """What one call of `run` takes, estimated before; `str()` is a sentence for users. runs:
-    largest possible number of planned runs, further ones at bounds and limit-state surfaces not
-    counted; seconds: wall-clock time on all cores, `compiling` (s) of it to compile kernels;
-    integrating: core time (s) of all runs; bytes: on disk; is_budget: whether seconds are a limit
-    set by the config, mostly far more than will be used; answers: what adds further runs, in words,
-    such as "quantities"."""
+    """What one call of `run` for a campaign takes, estimated before; `str()` is a sentence for
+    users. runs: largest possible number of planned runs, further ones at bounds and limit-state
+    surfaces not counted; seconds: wall-clock time on all cores, `compiling` (s) of it to compile
+    kernels; integrating: core time (s) of all runs; bytes: on disk; is_budget: whether seconds are
+    a limit set by the config, mostly far more than will be used; answers: what adds further runs,
+    in words, such as "quantities"."""
 
     runs: int
     seconds: float
@@ -137,8 +137,8 @@ def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
 
 
 def runs_there(campaign: Campaign, folder: Folder) -> str:
-    """Return text for users: how many runs of a campaign its folder of results has stored, and why
-    others must be made again; empty where it has none, and with an `accuracy`."""
+    """Return a text for users on how many runs of a campaign are stored in its folder of results,
+    and why others must be made again; "" where none is stored, and with an `accuracy`."""
     keep = campaign.jobs.keep
     if campaign.experiment.is_sought or not folder.runs(keep).is_dir():
         return ""

@@ -30,16 +30,15 @@ SAME_RUN, SAME_POINT = 1e-6, 2e-4
 
 class ModelEvaluator:
     """The R runs that surrogates are fitted to, and simulation of further ones at any point of the
-    box. `unit` (R, k): normalized points, -1 to 1; `numbers` (R, q): quantities, NaN if absent;
-    `margins` (R, q): event margins, by how much each event occurs, above 0 if so, NaN if not known.
-    `further`: planned runs that were added, at most `max_further`; `simulated`: how many were not
-    stored before. Of a large scan only some runs are taken: `unfitted` counts the others,
-    `unfitted_with` (q) those of them with each quantity.
+    box. `unit` (R, k): normalized points, -1 to 1; `numbers` (R, q): values of quantities, NaN if
+    absent; `margins` (R, q): event margins, by how much each event occurs (above 0) or is missed,
+    NaN if not known. `further`: planned runs that were added, at most `max_further`; `simulated`:
+    number of runs that were not stored before. Of a large scan (Sobol design) only some runs are
+    taken: `unfitted` counts the others, `unfitted_with` (q) those of them with each quantity.
 
     plan: sets scene, step and mesh; jobs: section of the config; folder: of the results; notify:
-    called with each message; threads: number that simulate. A new evaluator has no runs (see
-    `from_folder`).
-    """
+    called with each message; threads: number that simulate. A new evaluator has no runs yet (but
+    see `from_folder`)."""
 
     max_further: float = math.inf
 
@@ -97,15 +96,15 @@ class ModelEvaluator:
 
     def nearest(self, point: np.ndarray) -> tuple[int, float]:
         """Return the index of the evaluator's run nearest to a normalized point (k), and its
-        distance: the largest difference of a coordinate."""
+        distance, the largest difference of a normalized coordinate."""
         distances = np.abs(self.unit - point).max(axis=1)
         row = int(distances.argmin())
         return row, float(distances[row])
 
     def describe_point(self, point: np.ndarray, q: int) -> dict:
-        """Describe a normalized point (k) as a dict for JSON: parameter values by name (`at`),
-        whether a run was made there (`ran`), and the value (`simulated`) in it of the quantity of
-        index `q`, None without a run or a value."""
+        """Describe a normalized point (k) as a dict for JSON: `at`, parameter values by name, in
+        their units; `ran`, whether a run was made there; `simulated`, the value in that run of the
+        quantity of index `q`, None without a run or a value."""
         box = self.experiment.box
         values = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
         run, distance = self.nearest(point)

@@ -59,8 +59,8 @@ class LimitAssessment:
 
     @property
     def points(self) -> list[np.ndarray]:
-        """Normalized points (k), those of `worst` and `failure_point`, at which a run would confirm
-        or refute whether the limits hold."""
+        """Normalized points (k) where a run would confirm or refute whether the limits hold: those
+        of `worst`, in the order of the limits, then `failure_point` if there is one."""
         return [point for _, point in self.worst] + (
             [] if self.failure_point is None else [self.failure_point]
         )
@@ -74,8 +74,8 @@ def assess_limits(
 ) -> LimitAssessment:
     """Assess limits (`specs`, as the config sets them) over the box by the surrogates of all
     quantities, and in the runs of `model`, to say where requirements are met. errors (2, q): by
-    mesh and step, of each quantity's value and of the decision function, whose sign tells whether
-    it occurs; None: 0."""
+    mesh and step, of the values and of the decision functions (sign: whether one exists), or
+    None."""
     from deployable.intervals.scalars import Limit, largest_share, share_reaching
 
     errors = np.zeros((2, len(surrogates))) if errors is None else errors
@@ -109,9 +109,9 @@ def assess_limits(
 def is_shown(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
     """Whether limit `i` (index) of an assessment, broken in no run, surely holds in the whole box:
     its margin exceeds the estimated errors, and, if the quantity may be absent, the event margin
-    (by how much it occurs), fitted over the box, keeps its sign by more than its error. False where
-    that margin is not known: runs prove nothing between them; True for a box without width. model:
-    has the runs; result: the assessment."""
+    (how far a run is from losing or gaining it), fitted over the box, keeps its sign by more than
+    its error. False where that margin is not known: runs prove nothing between them; True for a box
+    without width. model: has the runs; result: the assessment."""
     limit, q = result.limits[i], result.specs[i].quantity
     if not model.experiment.box.free.any():
         return True

@@ -35,9 +35,9 @@ class QuantityBounds:
 
     @property
     def outer(self) -> tuple[float, float]:
-        """Lower and upper bound as reported, in the quantity's unit: a run's value, or the
-        surrogate's where it goes farther by several times its own error; the upper one of a time
-        that may lie beyond the runs: their end. NaN without a value."""
+        """Lower and upper bound as reported, in the quantity's unit: the extreme run's value, or
+        the surrogate's where it goes farther by several times its own error. The upper bound of a
+        time that may come after the end of the runs is that end. NaN without a value."""
         return tuple(e.value for e in self.estimates) or (np.nan, np.nan)
 
     @property
@@ -50,10 +50,10 @@ class QuantityBounds:
 def converge_bounds(
     model: ModelEvaluator, max_iterations: int, specs: Sequence[LimitSpec] = ()
 ) -> list[QuantityBounds]:
-    """Bound all quantities by runs and surrogates, one `QuantityBounds` each, in at most
+    """Bound all quantities by runs and surrogates, one `QuantityBounds` each, in order, in at most
     `max_iterations` iterations; 0: by the runs so far. An iteration adds runs to `model` at the
-    surrogates' bounds and where these may still go farther, at the border of where events occur,
-    and where the limits `specs` are worst, then refits."""
+    surrogates' bounds and where these may still go farther, at limit-state surfaces of events, and
+    where the limits `specs` are worst, then refits; where none is to be added, it ends."""
     mispredictions = np.zeros((len(model.experiment.numbers), 2))
     for iteration in range(max_iterations + 1):
         surrogates = model.surrogates()

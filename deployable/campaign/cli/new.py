@@ -49,8 +49,8 @@ def starts() -> list[str]:
 
 def make_folder(folder: str | Path, start: str) -> None:
     """Make `folder` with what `snakemake` and `python -m deployable run` need to run a campaign.
-    start: one of `starts()`, or a structure's YAML file. Raises `CampaignError`, before writing, if
-    one of the files exists or `start` is not known."""
+    start: one of `starts()`, or path of a structure's YAML file. Raises `CampaignError`, before
+    writing, if one of the files exists or `start` is not known; also if it cannot write."""
     folder = Path(folder)
     campaign, structures = _start_files(start)
     paths = [folder / name for name in ("Snakefile", CAMPAIGN, "profiles", *structures)]

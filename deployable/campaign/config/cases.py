@@ -20,9 +20,9 @@ def folder_name(case: str) -> str:
 
 
 def without_cases(raw: Mapping) -> tuple[dict, dict[str, Any]]:
-    """Separate from a raw config the lists `cases` of its requirements: returns the config with
-    requirements of limits alone, and the lists by requirement. A mapping called `cases` is the
-    limits of a quantity of that name."""
+    """Separate from a raw config the lists `cases` of its requirements (names of those to which one
+    applies): returns the config without them, and the lists by requirement. A mapping called
+    `cases` stays: it is the limits of a quantity of that name."""
     requirements, case_lists = {}, {}
     sections = raw.get("requirements")
     for name, limits in sections.items() if isinstance(sections, Mapping) else ():
@@ -34,8 +34,8 @@ def without_cases(raw: Mapping) -> tuple[dict, dict[str, Any]]:
 
 
 def naming_problems(cases: Mapping[str, Any], case_lists: Mapping[str, Any]) -> list[str]:
-    """Check the names of cases, and that requirements name cases: returns a sentence for each
-    problem. cases: that section of the config; case_lists: the lists of cases by requirement."""
+    """Check the names of cases, and that requirements list existing ones: returns a sentence for
+    each problem. cases: that section of the config; case_lists: names of cases by requirement."""
     problems, folders = [], {}
     for name in sorted(cases):
         twin = folders.setdefault(folder_name(name).lower().replace("-", "_"), name)
@@ -56,11 +56,11 @@ def naming_problems(cases: Mapping[str, Any], case_lists: Mapping[str, Any]) -> 
 
 
 def case_config(raw: Mapping, name: str, case_lists: Mapping[str, Any]) -> tuple[dict, dict]:
-    """Return the raw config of one case, and what it changes of the campaign's, without that.
+    """Return the raw config of one case, without what the case changes, and the changes, a raw
+    config of these alone, to be merged into it.
 
     raw: the campaign's valid config, whose requirements are of limits alone; name: of the case;
-    case_lists: the lists of cases by requirement; a requirement without one is of all cases.
-    """
+    case_lists: names of cases by requirement; a requirement without a list is of all cases."""
     case = raw["cases"][name]
     rest = {key: copy.deepcopy(value) for key, value in raw.items() if key != "cases"}
     rest["campaign"] = folder_name(name)
@@ -81,7 +81,7 @@ def case_config(raw: Mapping, name: str, case_lists: Mapping[str, Any]) -> tuple
 
 def fixed_problems(case: Mapping, name: str, intervals: Mapping) -> list[str]:
     """Check that a case gives no value to a parameter that is an interval: returns a sentence for
-    each. case: the raw section; name: of the case; intervals: the campaign's, by parameter."""
+    each. case: raw section of the case called `name`; intervals: the campaign's, by parameter."""
     return [
         f"cases.{name}.scene.{parameter}: {show(value)}, and {parameter} is an interval, of which "
         f"a case has the whole; allowed: cases.{name}.intervals.{parameter}, or another parameter"
@@ -91,8 +91,8 @@ def fixed_problems(case: Mapping, name: str, intervals: Mapping) -> list[str]:
 
 
 def in_case(name: str, problem: str) -> str:
-    """Return a sentence on the config of a case with the key that the user wrote; name: of the
-    case; problem: the sentence, which starts with its key."""
+    """Turn a problem of one case's config into one of the user's: `scene.parameters.g: ...` into
+    `cases.<name>.scene.g: ...`. name: of the case; problem: sentence that starts with its key."""
     key, _, text = problem.partition(":")
     if key.startswith(("scene.parameters.", "scene.file", "solver.duration", "intervals.")):
         user_key = key.replace("scene.parameters.", "scene.", 1).replace("scene.file", "file", 1)
@@ -101,8 +101,8 @@ def in_case(name: str, problem: str) -> str:
 
 
 def twin_problems(campaign: Campaign, changes: Mapping[str, Any]) -> list[str]:
-    """Check that cases differ: returns a sentence for each that changes nothing though it says so,
-    or that is the same as another. campaign: with its cases; changes: what each says, by name."""
+    """Check that cases differ: returns a sentence for each that has keys but changes nothing, or
+    that is the same as another. campaign: with its cases; changes: keys of each case, by name."""
     problems, first = [], {}
     for name in sorted(campaign.case_campaigns):
         physics = _physics(campaign.case_campaigns[name].experiment)
@@ -129,8 +129,8 @@ def _physics(experiment: Experiment) -> Experiment:
 
 
 def variants(campaign: Campaign) -> Iterator[tuple[str, Campaign]]:
-    """Yield the campaigns that are to be run, with a prefix for messages on each: those of the
-    cases, or the one itself if there are none."""
+    """Yield the campaigns that are to be run, each as a prefix for messages on it and the campaign:
+    those of the cases, or with "" the campaign itself if there are none."""
     if not campaign.cases:
         yield "", campaign
     for name, variant in campaign.case_campaigns.items():

@@ -52,8 +52,7 @@ def load_config(
     overrides
         Further keys of a config, nested as in YAML.
     source
-        What messages call the config; None: the paths.
-    """
+        What messages call the config; None: the paths."""
     merged: dict = {}
     lines: dict[str, str] = {}
     for path in paths:

@@ -30,15 +30,15 @@ def bytes_of_run(campaign: Campaign) -> float:
 
 
 def count_curves(experiment: Experiment) -> int:
-    """Return how many curves over time the trajectory of a run has, responses not counted, by which
-    its size is estimated. experiment: has the scene and the recorded columns."""
+    """Return how many arrays over time the trajectory file of a run has, by which its size is
+    estimated; responses are not counted. experiment: has the scene and the recorded columns."""
     scene = experiment.nominal_scene
     return 6 * len(scene.points) + len(scene.hinges) + _OTHER_CURVES + len(experiment.record)
 
 
 def room_problems(campaign: Campaign) -> list[str]:
-    """Check that the disk of the working folder has room for a campaign's runs: returns a list,
-    with a sentence on what is wrong and allowed, or empty if it has."""
+    """Check that the disk of the working folder has room for the runs of a campaign's `sobol`
+    design: returns a list, of a sentence on what is wrong and allowed, or empty if it has."""
     bytes_each, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
     samples, keep = campaign.experiment.design.samples, campaign.jobs.keep
     if samples * bytes_each <= room:

@@ -16,9 +16,9 @@ from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origi
 
 
 class RefusedError(ValueError):
-    """Values that a section of the config must not have together. key: the one to blame, relative
-    to the section; text: what is wrong and what is allowed; without both the section as a whole is
-    refused, and the message says what is allowed for it."""
+    """Raised by a section of the config for values that it must not have together. key: the one to
+    blame, relative to the section; text: what is wrong and what is allowed; without both the whole
+    section is refused, and its `Rule` says what is allowed."""
 
     def __init__(self, key: str = "", text: str = ""):
         self.key, self.text = key, text
@@ -84,7 +84,7 @@ def _text(limit: float) -> str:
 class ConfigKey:
     """A config key and the keys below it: `children` by name, or `entry`, which describes entries
     of any name (None: there are none). key: its `Rule`; allowed, text: what is allowed and what it
-    is, in words; default: value if left out, `MISSING` if required; names: allowed for entries."""
+    is, in words; default: value if left out, `MISSING` if required; names: allowed of entries."""
 
     key: Rule
     allowed: str
@@ -145,8 +145,8 @@ Numbers are in SI units unless a unit is given. This page is made from
 
 
 def rows(section: ConfigKey, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
-    """Yield the rows of the table of all config keys below a section: key, description, what is
-    allowed and default, as texts. prefix: put before the names of the keys, such as `solver.`."""
+    """Yield the rows of the table of all config keys below a section: full name, description, what
+    is allowed and default, as texts. prefix: put before the names, such as `solver.`."""
     entries = {"<name>": section.entry} if section.entry and section.entry.text else {}
     for name, child in (section.children | entries).items():
         unit = f" ({child.key.unit})" if child.key.unit else ""

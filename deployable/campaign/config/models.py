@@ -44,7 +44,8 @@ ABSENT: Any = None
 
 
 class ConfigSection:
-    """A mapping with the keys of a dataclass: no others, no text for a number, no 2.0 for 2."""
+    """Base class of config sections: a mapping with the keys of a dataclass and no others, no text
+    for a number, no 2.0 for a whole number."""
 
     __pydantic_config__: ClassVar[dict] = {"extra": "forbid", "strict": True}
 
@@ -413,7 +414,7 @@ def _definition(noun: str, example: str) -> Any:
 
 @dataclass(frozen=True, kw_only=True)
 class Config(ConfigSection):
-    """A config, as a user gives it."""
+    """A campaign's config as a user gives it in YAML, a field for each key (see docs/config.md)."""
 
     campaign: CampaignName
     """Name of the campaign; its results go to `results/<campaign>/`."""

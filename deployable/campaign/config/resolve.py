@@ -78,8 +78,8 @@ def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
     """Turn the section `margins` (torque margins of joints) of a config into responses, quantities
     of their least values, and requirements that these be at least 0, unless the config requires
     something of them itself; returns the new config and a sentence for each problem. solver:
-    section `solver` as the user wrote it; without a duration in it, and other responses or
-    quantities in the config, motions are 1 ms long."""
+    section `solver` as the user wrote it; if it has no duration, and the config no other response
+    or quantity, runs simulate 1 ms only, as a margin needs no motion."""
     if not (config.responses or config.quantities or "duration" in solver):
         brief = {key: value for key, value in BRIEFLY.items() if key not in solver}
         config = replace(config, solver=replace(config.solver, **brief))
@@ -159,8 +159,8 @@ def with_accuracy(config: Config, scene_type: Any) -> tuple[Config, Accuracy]:
 
 def choose_of(choosing: Choosing, intervals: Mapping[str, IntervalSpec]) -> Choose:
     """Resolve the section `choose` of a config (nominal values to be chosen), `choosing` as the
-    user wrote it, and return it with all its goals as tuples. intervals: section of the config, by
-    parameter, which tells whose intervals are relative, and so scale with the nominal value."""
+    user wrote it: returns it with goals as tuples, and names of parameters whose intervals are
+    `relative`, scaling with the nominal value. intervals: section of the config, by parameter."""
     relative = [
         n for n in choosing.parameters if n in intervals and intervals[n].relative is not None
     ]
@@ -230,9 +230,9 @@ def real_names(scene_type: Any) -> list[str]:
 
 
 def unknown(name: str, noun: str, names: Iterable[str]) -> str:
-    """Write the end of a message about an unknown name: that there is no such noun, a hint such as
-    the most similar name, and all allowed `names`. name: the unknown one, for the hint; the
-    caller's part of the message tells it; noun: what was looked for, such as "response"."""
+    """Write the end of a message about an unknown name: that there is no such `noun`, as
+    "response", a hint such as the most similar name, and all allowed `names`. name: the unknown
+    one, for the hint only, as the caller begins the message with it."""
     hint, names = did_you_mean(name, names), ", ".join(names)
     return f"there is no such {noun}{hint}; allowed: {names or 'none'}"
 

@@ -280,7 +280,7 @@ def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
 
 
 def answer_problems(campaign: Campaign) -> list[str]:
-    """Check the sections `requirements` and `choose` of a campaign: returns a sentence for each."""
+    """Check sections `requirements`, `choose` of a campaign: returns a sentence for each error."""
     problems = []
     quantities = campaign.experiment.quantities
     for name, limits in campaign.requirements.items():

@@ -128,7 +128,7 @@ class SceneChoice:
 @dataclass(frozen=True)
 class DesignChoice(DesignSection):
     """Design of experiments, section `design` of the config with what an `accuracy` adds: which
-    runs are made, and the polynomial `order` of the surrogate, None for another kind. existing:
+    runs are made, and the polynomial `order` of the surrogate, None for no polynomial. existing:
     normalized points (n, k), -1 to 1, of an adaptive design's runs, empty for other designs."""
 
     order: int | None = 3
@@ -155,8 +155,7 @@ class Experiment:
     of the campaign; scene: the structure and its parameters; solver: section of the config
     (duration, instants, step); intervals: of the uncertain parameters, by name; design: points of
     the runs; held_out: number of validation runs; responses (curves over time), quantities (single
-    numbers): definitions by name, as in the config; accuracy: target of runs in rounds, without
-    tolerances for none."""
+    numbers): definitions by name, as in the config; accuracy: target of runs in rounds."""
 
     name: str
     scene: SceneChoice
@@ -246,9 +245,9 @@ class Experiment:
 
     @cached_property
     def doubts(self) -> dict[str, str]:
-        """Texts, by response or quantity, on why the model does not determine its value, with
-        advice; only those with one. Peaks of shocks depend on mesh and step, forces of joints that
-        others make redundant are arbitrary."""
+        """Why the model does not determine the value of a response or quantity, and advice, in
+        words, by name; without those that it determines. Peaks of shocks depend on mesh and step;
+        forces of joints that others make redundant are arbitrary."""
         curves = [(curve.name, curve, True) for curve in self.curves]
         quantities = [(q.name, q.response, q.is_instantaneous) for q in self.numbers if q.response]
         undetermined = undetermined_forces(self.nominal_scene, self.curves)
@@ -343,7 +342,7 @@ class Choose(Choosing):
 
 @dataclass(frozen=True)
 class ResolvedTest(MeasuredTest):
-    """A test with measured curves; digest: of its file when it was checked."""
+    """A test with measured curves; digest: of the content of its `file` when that was checked."""
 
     digest: str = ""
 
@@ -354,10 +353,10 @@ class Campaign:
     sections on what is made of the runs.
 
     published: largest difference of the bounds from those in the literature, by response; review:
-    name of the standard that the review sheet follows, None for no sheet; cases: what each case
-    changes, by name, as in the config; case_campaigns: the campaigns of the cases, by name, which
-    are run in the place of this one.
-    """
+    name of the standard that the review sheet follows, None for no sheet; requirements: limits by
+    requirement, quantity and kind; cases: what each case changes, by name, as in the config;
+    case_campaigns: the campaigns of the cases, by name, which are run in the place of this one;
+    measured: tests with measured curves, by name."""
 
     experiment: Experiment
     bounds: BoundsChoice

@@ -14,9 +14,9 @@ from deployable.campaign.files import check_results
 @dataclass(frozen=True)
 class ExportFormat:
     """A format in which a run is exported, such as vtk. write: function ``write(run, folder,
-    frames)`` that simulates the run, writes the files and returns the paths to open, for moving
-    pictures also with `by_stress`; summary: what the format is, in words; frames: how many are
-    written by default; takes: names of the results that `write` reads besides `samples.nc`."""
+    frames)`` that simulates a `SelectedRun`, writes the files and returns the paths to open; of
+    moving pictures also with `by_stress` (colours); summary: what the format is, in words; frames:
+    how many by default; takes: names of results that `write` reads besides `samples.nc`."""
 
     write: Callable[..., list[Path]]
     summary: str
@@ -99,11 +99,10 @@ def export(
     folder
         Folder of the files; made where it is missing.
     frames
-        Number of frames, evenly spread over the run; None: the format's own number.
+        Number of frames, evenly spread over the run; None: the format's own number. csv needs none.
     colour
         By what moving pictures (gif, webp) are coloured: ``bars``, each in its colour, or
-        ``stress``, equivalent stress.
-    """
+        ``stress``, equivalent stress."""
     form = FORMATS[kind]
     if colour != "bars" and kind not in MOVIES:
         raise CampaignError(f"--colour {colour} is not for {kind}; allowed: {', '.join(MOVIES)}")

@@ -44,8 +44,7 @@ class SelectedRun:
     attributes
         Texts by name for its files, such as ``campaign`` and ``run_id``.
     folder
-        The campaign's results; None for a run of a config or a structure.
-    """
+        The campaign's results; None for a run of a config or a structure."""
 
     name: str
     scene: Any
@@ -117,8 +116,7 @@ def choose(
     duration
         Simulated time (s); None: that of the config, or 1 s of a structure; refused for results.
     trusted
-        Paths of structures' files that results may name: they are read, Python files executed.
-    """
+        Paths of structures' files that results may name: they are read, Python files executed."""
     path = Path(source)
     for file in trusted:
         trust(file)

@@ -37,7 +37,7 @@ def write_tables(run: SelectedRun, folder: Path) -> list[Path]:
 
 def curves(outcome: Any, responses: Sequence[Any] = ()) -> dict[str, np.ndarray]:
     """Collect the curves of a run as columns (T) by heading with unit: time, responses, positions
-    (m) and velocities (m/s) of the points along x, y and z, openings of hinges (rad; m of slides),
+    (m) and velocities (m/s) of named points, joint coordinates ("opening of", rad; m of slides),
     energies (J). outcome: an `fpm.Outcome`; responses: `Response` objects, evaluated on it."""
     columns = {"time (s)": outcome.time}
     columns |= {f"{r.name} ({r.unit})": r.evaluate(outcome) for r in responses}

@@ -34,7 +34,7 @@ _FACTS: ContextVar[Mapping[str, str]] = ContextVar("facts of the results", defau
 @contextmanager
 def results_of(facts: Mapping[str, str]) -> Iterator[None]:
     """Context manager in which files that `result_file` writes get `facts` into their seals
-    (checksum and origin): texts by name, such as `plan`, the digest of their runs."""
+    (checksum and origin): texts by name, such as `plan`, the digest of their plan."""
     token = _FACTS.set({**_FACTS.get(), **facts})
     try:
         yield
@@ -77,8 +77,8 @@ HISTORY: deque[Path] = deque(maxlen=9)
 
 
 def unforeseen(error: Exception) -> CampaignError | None:
-    """Turn an unexpected error into the one that the user sees, which blames the results that this
-    process opened last; None where it opened none, or with `python -X dev`."""
+    """Turn an error that was not foreseen into a CampaignError for the user, which names the
+    results that this process opened last; None where it opened none, or with `python -X dev`."""
     if not HISTORY or sys.flags.dev_mode:
         return None
     words, paths = " ".join(str(error).split())[:200], ", ".join(dict.fromkeys(map(str, HISTORY)))
@@ -100,7 +100,7 @@ def read_json(path: str | Path) -> dict:
 
 def check_results(folder: Folder, names: Iterable[str]) -> None:
     """Check that files of a campaign's results are as written, and all of one campaign; else raises
-    DamagedError. folder: of the results; names: of the files, such as `bounds.nc`."""
+    DamagedError. folder: of the results; names: of the files in it, such as `bounds.nc`."""
     first: tuple[Path, Experiment] | None = None
     for path in (folder / name for name in names):
         if path.suffix == ".json":

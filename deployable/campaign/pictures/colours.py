@@ -37,8 +37,8 @@ def rgb(colour: str) -> tuple[float, float, float]:
 
 def stress_colours(motion: xarray.Dataset) -> tuple[np.ndarray, float]:
     """Colour a motion's m elements by equivalent stress: colours (T, m, 3), 0 to 1, at T frames,
-    and the stress (Pa) at which the scale ends, which 0.5 % of the values exceed. Rigid bodies are
-    grey. motion: a run's whole motion, a dataset (`fpm.motions`)."""
+    and the stress (Pa) at which the scale, from 0, ends, which 0.5 % of the values exceed. Rigid
+    bodies are grey. motion: a run's whole motion, a dataset (`fpm.motions`)."""
     from matplotlib import colormaps
 
     nodes, stress = motion["element_particle"].values, motion["stress"].values
@@ -50,7 +50,7 @@ def stress_colours(motion: xarray.Dataset) -> tuple[np.ndarray, float]:
 
 
 def draw_scale(figure: Any, top: float) -> None:
-    """Draw the colour scale of stresses, 0 to `top` (Pa), at a matplotlib figure's upper right."""
+    """Draw a legend of stress colours, 0 to `top` (Pa), at a matplotlib figure's upper right."""
     from matplotlib.ticker import EngFormatter
 
     ax = figure.add_axes((0.58, 0.94, 0.32, 0.018))

@@ -40,8 +40,7 @@ def draw_moments(motion: Any, count: int = 5, width: float = 7.5, view: View | N
     width
         Width of the figure, in inches.
     view
-        Direction from the structure to the eye; None: `View()`.
-    """
+        Direction from the structure to the eye; None: `View()`."""
     from matplotlib.figure import Figure
 
     view = view or View()

@@ -35,7 +35,7 @@ def write_moving(
 ) -> Path:
     """Write all frames of a motion as a moving picture of five seconds to `path` (.gif or .webp),
     and return it. motion: a run's whole motion, a dataset (`fpm.motions`); view: direction to the
-    eye, None: that of `View()`; width: of the picture (hundreds of pixels); by_stress: colour
+    eye, None: that of `View()`; width: of the picture, in units of 100 pixels; by_stress: colour
     elements by their equivalent stress, not by bar."""
     from PIL import Image
 
@@ -66,7 +66,7 @@ def frames(
 ) -> Iterator[np.ndarray]:
     """Draw the frames of a motion one after the other, as images (height, width, 3) of bytes.
     motion: a run's whole motion, a dataset (`fpm.motions`); view: direction to the eye; width: of
-    the image (hundreds of pixels); by_stress: colour elements by equivalent stress, not by bar."""
+    the image, 1 for 100 pixels; by_stress: colour elements by equivalent stress, not by bar."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

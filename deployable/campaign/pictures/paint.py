@@ -33,9 +33,8 @@ def paint_solid(
 
 
 def paint_cables(ax: Any, solid: Solid, moment: int, view: View) -> Any:
-    """Paint a structure's cables into matplotlib axes (`ax`), dashed where slack, and return their
-    LineCollection. solid: the structure at some moments; moment: index of one; view: direction to
-    the eye."""
+    """Paint a structure's cables into matplotlib axes (`ax`), dashed where slack; returns their
+    LineCollection. solid: the structure at some moments; moment: index of one; view: to the eye."""
     from matplotlib.collections import LineCollection
 
     cables = solid.cables
@@ -70,7 +69,7 @@ def visible_faces(
 
 
 def paint_points(ax: Any, places: Mapping[str, np.ndarray], view: View, size: float) -> None:
-    """Draw points of a structure into matplotlib axes (`ax`) with names, set off from the middle of
+    """Draw points of a structure into matplotlib axes (`ax`) with names, set off from the mean of
     all. places: positions (3) by name (m); view: direction to the eye; size: of the picture (m)."""
     flat = {name: view.page @ place for name, place in places.items()}
     if not flat:
@@ -86,9 +85,9 @@ def paint_points(ax: Any, places: Mapping[str, np.ndarray], view: View, size: fl
 
 
 def frame_picture(ax: Any, limits: np.ndarray, view: View, signs: bool = True) -> None:
-    """Set the limits of matplotlib axes (`ax`) to a structure's, and draw the directions x, y, z
-    and a length scale below it. limits (2, 2): lowest and highest corner in the plane of the
-    picture (m); view: direction to the eye; signs: False leaves directions and scale out."""
+    """Set the limits of matplotlib axes (`ax`) to a structure's, with a strip below in which the
+    directions x, y, z and a length scale are drawn. limits (2, 2): lowest and highest corner in the
+    plane of the picture (m); view: direction to the eye; signs: False leaves the strip empty."""
     low, high = limits
     width, height = high - low
     size = max(width, height)

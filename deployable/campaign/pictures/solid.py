@@ -63,8 +63,8 @@ class Solid:
 
     @cached_property
     def places(self) -> np.ndarray:
-        """Positions (T, k, 3) (m) that a picture must hold: corners and cables' points, or all
-        particles where there are no elements."""
+        """Positions (T, k, 3) (m) that a picture must hold at each moment: the k corners of all
+        elements and points of cables; without elements those of the particles."""
         count = len(self.position)
         points = [self.corners.reshape(count, -1, 3), self.cable_points]
         return np.concatenate(points, axis=1) if len(self.nodes) else self.position
@@ -95,8 +95,8 @@ class Solid:
 
     @cached_property
     def visible(self) -> np.ndarray:
-        """Mask (m, 6) of the elements' faces that can be seen, four sides, then two ends (the order
-        of FACES); False for ends that the next element of the bar covers."""
+        """Mask (m, 6) of the elements' faces that can be seen from outside, four sides, then two
+        ends (the order of FACES); False for ends that the next element of the bar covers."""
         stretches = np.array([name.rsplit("[", 1)[0] for name in self.elements])
         is_joined = stretches[1:] == stretches[:-1]
         is_joined &= self.nodes[1:, 0] == self.nodes[:-1, 1]

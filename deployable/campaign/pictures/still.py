@@ -35,8 +35,7 @@ def draw_structure(scene: Any, view: View | None = None, width: float = 6.0) -> 
     view
         Direction from the structure to the eye; None: `View()`.
     width
-        Width of the figure, in inches; the height follows from the structure.
-    """
+        Width of the figure, in inches; the height follows from the structure."""
     from matplotlib.figure import Figure
 
     view = view or View()

@@ -10,8 +10,8 @@ import numpy as np
 
 @dataclass(frozen=True)
 class View:
-    """A direction from the structure to the eye, in degrees: `azimuth`, from x about z, and
-    `elevation` above the plane x, y; pictures are parallel projections along it."""
+    """A direction from the structure to the eye: `azimuth`, degrees from x about z, and
+    `elevation`, degrees above the plane x, y. Pictures are parallel projections along it."""
 
     azimuth: float = -60.0
     elevation: float = 22.0

@@ -36,10 +36,9 @@ _CHECKED = 8  # places at which a check makes runs, of the responses
 
 
 def first_plan(experiment: Experiment) -> Plan:
-    """Make the plan of round 0 towards the errors that the config's `accuracy` allows: eight runs
-    for each interval that has a width: the nominal one, the corners of the box, where they are at
-    most half, and points of a Sobol sequence. It asks to estimate the errors by the mesh, or by the
-    step if no parameter sets the mesh."""
+    """Make the plan of round 0 of an `accuracy` (config): eight runs for each interval that has a
+    width: the nominal one, the corners of the box, if they are at most half of them, and points of
+    a Sobol sequence. It has errors estimated by mesh, or by step if no parameter sets the mesh."""
     box = experiment.box
     count = max(LANES * int(box.free.sum()) - 1, 1)
     points = intervals.make_design("sobol", box, samples=count).points

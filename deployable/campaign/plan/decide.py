@@ -63,8 +63,8 @@ class Resources:
     reserved: int = 0
 
     def need_of(self, action: str) -> tuple[int, float]:
-        """Return the runs and the seconds of one core that an action ("check", "runs", "step" or
-        "mesh") takes, with its own check and a last one of step and mesh."""
+        """Return the runs and the seconds of one core that an action takes: "check", or "runs",
+        "step" or "mesh" with the checks of step and mesh during it and at the end."""
         checked, time = self.checked, self.run_seconds
         if action == "check":
             return 2 * checked, 6 * checked * time
@@ -160,8 +160,8 @@ class Standing:
 
     @cached_property
     def needs(self) -> dict[str, Need]:
-        """For each response or quantity beyond its tolerance, by name: the action that would bring
-        it within, and why that cannot be done, if so."""
+        """What each response or quantity beyond its tolerance needs, by name: the action that would
+        bring it within, and why that cannot be done, if so."""
         return {error.name: self._need(error) for error in self.unmet}
 
     @property
@@ -183,8 +183,7 @@ class Standing:
         4. Else add `cost.next_runs` runs, and check in the same round if these are expected to
            suffice and the check takes little time.
         5. If the budget does not allow these runs, stop, after a check as in 1; the reason names
-           what is beyond its tolerance, and what it would take.
-        """
+           what is beyond its tolerance, and what it would take."""
         if not self.unmet:
             if "step" in self.state.check:
                 closest = max(self._all, key=lambda error: error.whole / error.aim)
@@ -210,8 +209,8 @@ class Standing:
 
     def growth(self) -> float:
         """Return the factor (1.25 to 2) by which to increase the number of runs that surrogates are
-        fitted to, so that the surrogate errors in `reducible` fall to three quarters of their
-        allowance, at the rate at which they fell last."""
+        fitted to, so that the surrogate's errors, where a tolerance is missed but can be met, fall
+        to three quarters of their allowance, at the rate at which they fell last."""
         factors = [
             (error.parts["surrogate"] / (_SPARE * error.allowance)) ** (1 / self._rate(error))
             for error in self.reducible

@@ -20,8 +20,7 @@ def margins_of(experiment: Experiment, values: np.ndarray) -> np.ndarray:
     A margin is in the unit of the response that decides. For the nth crossing of a level it is the
     least distance beyond the level that the response reaches, on each side of it in turn; for
     settling, the distance of the response, at the last instant, to the edge of its band. It is
-    continuous where a quantity comes and goes in the box, and so locates that border.
-    """
+    continuous where a quantity comes and goes in the box, and so locates that border."""
     names = list(experiment.responses)
     margins = np.full((len(values), len(experiment.quantities)), np.nan)
     for q, quantity in enumerate(experiment.numbers):

@@ -39,9 +39,9 @@ def runs_in_job(campaign: Campaign) -> int:
 
 
 def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> int:
-    """Return the minutes of wall-clock time to ask a queue for, for a job of `runs` runs: those to
-    start the program and twice the estimate, which `jobs.processes` (config) share; with an
-    `accuracy` the estimate is its whole budget. time: step of the plan; None: chosen here."""
+    """Return the minutes of wall-clock time to ask a queue for, for a job of `runs` runs: 5 to
+    start the program, and twice the estimated core minutes over `jobs.processes` (config); with an
+    `accuracy` its whole budget is the estimate. time: step of the plan; None: chosen here."""
     if campaign.experiment.is_sought:
         minutes = campaign.experiment.accuracy.max_core_minutes
     else:
@@ -50,8 +50,8 @@ def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> 
 
 
 def job_megabytes(campaign: Campaign) -> int:
-    """Return the megabytes of memory to ask a queue for, for one job: the program, and for each
-    process two groups of runs, one being written and one being simulated."""
+    """Return the megabytes of memory to ask a queue for, for one job: for the program, and for each
+    process its own and two groups of `jobs.group` runs, one being written, one simulated."""
     experiment, jobs = campaign.experiment, campaign.jobs
     run = 8 * experiment.solver.instants * (count_curves(experiment) + len(experiment.responses))
     return math.ceil(PROGRAM + jobs.processes * (PROCESS + 2.0 * jobs.group * run / 1e6))
@@ -73,10 +73,10 @@ CORES = "DEPLOYABLE_INTERVALS_CORES"
 
 
 def batch_count(campaign: Campaign, runs: int) -> int:
-    """Return into how many batches, one for each job of a workflow, a number `runs` of runs is
-    divided: of as many runs as fit `jobs.minutes` of the config, else of `jobs.runs_per_job`. If
-    that is `auto`, there is one for each 512 runs, but at most the largest of 8, the number of
-    cores, and one for each 4,096 runs up to 64; above the cores, rounded down to a multiple."""
+    """Return how many batches, one for each job of a workflow, `runs` runs are divided into: each
+    of as many as fit `jobs.minutes` of the config, else of `jobs.runs_per_job`. If that is `auto`,
+    there is one for each 512 runs, but at most the largest of 8, the number of cores, and one for
+    each 4,096 runs up to 64; above the cores, rounded down to a multiple of them."""
     if campaign.jobs.minutes:
         return -(-runs // runs_in_job(campaign))
     if campaign.jobs.runs_per_job != "auto":

@@ -51,9 +51,8 @@ MOST_LISTED = 10_000
 class TimeStep:
     """Time step of all runs of a plan: `step` (s); `steps_per_instant`, steps between recorded
     instants; `step_limit` (s), the largest stable step, set by the element `limiting_element`, or
-    the time between instants where nothing limits it;
-    `assembly_energy`, largest strain energy (J) of a run's start, where parts that do not fit are
-    forced together."""
+    the time between instants where nothing limits it; `assembly_energy`, largest strain energy (J)
+    of a run at its start, where parts that do not fit are forced together, else 0."""
 
     step: float
     steps_per_instant: int
@@ -108,7 +107,7 @@ class Plan:
 
     @property
     def is_finished(self) -> bool:
-        """Whether this is the plan after the last round of an `accuracy`; False without one."""
+        """Whether no rounds of an `accuracy` follow on this plan's; False without an `accuracy`."""
         return self.adaptive is not None and self.adaptive.met is not None
 
     @cached_property
@@ -122,7 +121,7 @@ class Plan:
 
     @cached_property
     def digest(self) -> str:
-        """Digest of experiment, time step and runs, by which results are known to be of it."""
+        """Digest of experiment, time step and runs, by which results show of what plan they are."""
         return digest([self.config_hash, self.mechanics, self.time.step, self.runs.digest])
 
     def unique_runs(self) -> Runs:

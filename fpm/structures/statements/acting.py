@@ -65,8 +65,8 @@ def torsion_spring(build, args):
     """Turns a joint towards an opening.
 
     Adds a TorsionSpring to the scene. build: Builder of the sample, with its scene; args: values of
-    an entry: joint (index of a hinge), stiffness (N m/rad; N/m on a slide), rest (opening without
-    moment, rad; m), preload (moment at the start, N m; N) or None."""
+    an entry: joint (index of a hinge), stiffness (N m/rad; N/m on a slide), rest (joint coordinate
+    without moment, rad; m), preload (moment at the start, N m; N) or None."""
     rest = args.rest
     if args.preload is not None:
         if rest != 0.0:
@@ -101,8 +101,7 @@ def friction(build, args):
 
     Adds a Friction to the scene, or a RigidFriction if it sticks "exactly". build: Builder of the
     sample, with its scene; args: values of an entry: joint (index of a hinge), sticks ("bristle" or
-    "exactly"), bristle_deflection (rad; m on a slide) or None, moment and others: the fields of
-    Friction."""
+    "exactly"), bristle_deflection (rad; m on a slide) or None, and the other fields of Friction."""
     slides = build.scene.hinges[args.joint].slides
     if args.sticks == "exactly":
         if args.bristle_deflection is not None or args.damping is not None:
@@ -141,8 +140,7 @@ def bearing(build, args):
 
     Adds a Friction to the scene or, where load is None, to `scene.bearings`. build: Builder of the
     sample, with its scene; args: values of an entry: joint (index of a hinge), mu (coefficient of
-    friction), radius (m; None on a slide), load (N), bristle_deflection (rad; m on a slide) or
-    None."""
+    friction), radius (m), load (N) and bristle_deflection (rad; m on a slide), each or None."""
     scene, lever = build.scene, args.mu * (1.0 if args.radius is None else args.radius)
     if scene.hinges[args.joint].slides == (args.radius is not None):
         build.refuse("radius", args.radius, "a length on a hinge, and none on a slide")
@@ -168,8 +166,8 @@ def stop(build, args):
     """Keeps the opening of a joint from going further; never pulls.
 
     Adds a Stop to the scene for each limit. build: Builder of the sample, with its scene; args:
-    values of an entry: joint (index of a hinge), lower and upper (limits of the opening, rad; m on
-    a slide; None: no limit), stiffness and others: the fields of Stop."""
+    values of an entry: joint (index of a hinge), lower and upper (limits of its coordinate, rad; m
+    on a slide; None: no limit), stiffness and others: the fields of Stop."""
     if args.lower is None and args.upper is None:
         build.refuse("lower", None, "`lower`, `upper`, or both")
     if args.lower is not None and args.upper is not None and args.lower >= args.upper:
@@ -192,8 +190,9 @@ def latch(build, args):
     """Catches a joint at an opening and holds it from then on.
 
     Adds a Latch to the scene, or a RigidLatch where stiffness is None. build: Builder of the
-    sample, with its scene; args: values of an entry: joint (index of a hinge), angle (opening, rad;
-    m on a slide), holds ("both ways", "one way"), stiffness and others: the fields of Latch."""
+    sample, with its scene; args: values of an entry: joint (index of a hinge), angle (joint
+    coordinate, rad; m on a slide), holds ("both ways", "one way": only against going back),
+    stiffness and others: the fields of Latch."""
     one_sided = args.holds == "one way"
     rigid = _rigid(build, args, damping=args.damping > 0, holds=one_sided)
     build.scene.add(element(RigidLatch if rigid else Latch, args, one_sided=one_sided))
@@ -224,8 +223,8 @@ def tabulated_spring(build, args):
 
     Adds a TableSpring of the mean of moments and back, and a Friction for their difference. build:
     Builder of the sample, with its scene; args: values of an entry: joint (index of a hinge),
-    angles (openings, rad; m on a slide), moments and back (at them, N m; N; back may be None),
-    bristle_deflection (rad; m) or None."""
+    angles (joint coordinates, rad; m on a slide), moments and back (at them on the way there and
+    back, N m; N; back may be None), bristle_deflection (rad; m) or None."""
     scene, loading = build.scene, np.array(args.moments)
     unloading = loading if args.back is None else np.array(args.back)
     if len(unloading) != len(loading) or np.any(unloading < loading):
@@ -249,8 +248,8 @@ def loop(build, args):
     """A closed cable over pulleys on two joints, which so open in the ratio of the radii.
 
     Adds a SyncLoop to the scene. build: Builder of the sample, with its scene; args: values of an
-    entry: joints (indices of two hinges), rest (their openings without moment, rad, or None: as at
-    the start), and the fields of SyncLoop."""
+    entry: joints (indices of two hinges), rest (joint coordinates without moment, rad, or None:
+    those at the start), and the fields of SyncLoop."""
     rest = [_at_start(build, hinge) for hinge in args.joints] if args.rest is None else args.rest
     build.scene.add(element(SyncLoop, args, hinges=args.joints, rest=rest))
 
@@ -268,9 +267,9 @@ def motor(build, args):
     """Prescribes the opening of a joint, exactly or through an elastic drive train.
 
     Adds a Motor to the scene, or a RigidMotor where stiffness is None. build: Builder of the
-    sample, with its scene; args: values of an entry: joint (index of a hinge), start (opening, rad;
-    m on a slide), turn (change of opening, rad; m) or rate (rad/s; m/s), which the curve (index)
-    scales, stiffness, damping."""
+    sample, with its scene; args: values of an entry: joint (index of a hinge), start (joint
+    coordinate, rad; m on a slide; None: that at the start), turn (change of it, rad; m) or rate
+    (rad/s; m/s), which the curve (index) scales, stiffness, damping."""
     start = _at_start(build, args.joint) if args.start is None else args.start
     if (args.turn is None) == (args.rate is None):
         build.refuse("turn", args.turn, "by how much it moves, or a `rate`, not both")
@@ -295,8 +294,8 @@ def release(build, args):
 
     Adds a Release to the scene, or a RigidRelease where stiffness is None. build: Builder of the
     sample, with its scene; args: values of an entry: joint (index of a hinge), stiffness, damping
-    (0: none) and, each or None, hold (opening, rad; m on a slide; None: that at the start), time
-    (s), watch (index of another hinge) and level (its opening, passed either way, that frees the
+    (0: none) and, each or None, hold (joint coordinate, rad; m on a slide; None: as at the start),
+    time (s), watch (index of another hinge) and level (its coordinate; passing it frees the
     joint)."""
     if args.time is None and args.watch is None:
         build.refuse("time", None, "a time, or a joint to `watch`")

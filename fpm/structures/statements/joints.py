@@ -93,8 +93,8 @@ def revolute(build, args):
 
     Adds hinges of the first part with each other one; returns the index of that with the second.
     build: Builder of the sample, with its scene; args: values of an entry: parts (Bodies), at
-    (Point, or Points by part), axis ((3,), or by part), opening (rad), references ((3,) by part, or
-    None), held (axes, as "xz")."""
+    (Point, or Points by part), axis ((3,), or by part), opening (joint coordinate at the start,
+    rad), references ((3,) by part, or None), held (axes along which the point is held, as "xz")."""
     particles, points = _meet(build, args)
     axes, refs, scene = _axes(build, args), args.references, build.scene
     if refs is not None:
@@ -160,8 +160,8 @@ def universal(build, args):
 
     Adds its two hinges to the scene; returns the index of the first (about axis; the next is about
     other). build: Builder of the sample, with its scene; args: values of an entry: parts (Bodies),
-    at (Point, or Points by part), axis and other ((3,), on the first and second part), openings
-    (two, rad, or None: 0)."""
+    at (Point, or Points by part), axis and other ((3,), global at the start, on the first and
+    second part), openings (joint coordinates of the two, rad, or None: 0)."""
     if abs(args.axis @ args.other) > 1e-6:
         build.refuse("other", args.other.tolist(), f"a direction normal to {args.axis.tolist()}")
     axis2 = unit(args.other - (args.axis @ args.other) * args.axis, "other")

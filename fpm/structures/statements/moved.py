@@ -37,8 +37,8 @@ def curve(build, args):
     """A curve of time, straight between the values given and constant outside them.
 
     Adds it to the scene; returns its index. build: Builder of the sample, with its scene; args:
-    values of an entry: times (s), increasing, and values at them; or file (CurvesFile) and the name
-    of its column, each else None."""
+    values of an entry: either times (s), increasing, and values (one for each), or file
+    (CurvesFile) and column (name of one in it); the other two are None."""
     keys = [key for key in CURVE_KEYS if getattr(args, key) is not None]
     if keys not in (CURVE_KEYS[:2], CURVE_KEYS[2:]):
         allowed = "`times` and `values`, or `file` and `column`"
@@ -91,8 +91,8 @@ def cable(build, args):
 
     Adds a Cable to the scene; returns its index. build: Builder of the sample, with its scene;
     args: values of an entry: through (list of (Body, Point)), EA (stiffness, N), rest (length
-    without tension, m) or preload (N), reel (m taken in, times curve), curve (index or None),
-    friction (coefficient or None)."""
+    without tension, m) or preload (N), the other None, reel (m taken in, times curve), curve (index
+    or None), friction (coefficient or None)."""
     points = [(part.particle(point.name), point.position) for part, point in args.through]
     for particle, _ in points:
         build.joints_of.setdefault(particle, [])

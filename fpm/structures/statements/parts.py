@@ -111,7 +111,8 @@ def bar(build, args):
     particles of its points). build: Builder of the sample, with its scene; args: values of an
     entry: through (Points), section (Section), material (Material), elements (number in each
     stretch), up ((3,), of the section's height, or None), carries (by name of a point off the axis,
-    the Point that holds it), inertia_scale, strain, curvature (1/m)."""
+    the Point that holds it), inertia_scale (factor on the section's rotational inertia), and strain
+    and curvature (1/m, or None) of the bar when it is free of stress."""
     for key in ("strain", "curvature"):
         if getattr(args, key) and build.hold is None:
             build.refuse(key, getattr(args, key), "0, or `assemble: true`")
@@ -176,8 +177,7 @@ def _straight(scene, args, points, directions, normal) -> list[int]:
 def _stretches(scene, args, points, directions, normal) -> list[int]:
     """A bar through more points, stretch by stretch; the particles at the points.
 
-    Each stretch is lumped by itself (lumping.py); where two meet, masses and inertias add.
-    """
+    Each stretch is lumped by itself (lumping.py); where two meet, masses and inertias add."""
     axes = [triad(direction, normal) for direction in directions]
     shape = args.elements, args.section, args.material, args.inertia_scale
     lumped = [lump(np.linalg.norm(end - start), *shape) for start, end in pairwise(points)]

@@ -91,9 +91,9 @@ def make_design(
     Parameters
     ----------
     method
-        ``tensor_roots`` (the paper: (n+1)^k roots), ``tensor_lobatto`` (extreme points; nested when
-        the order doubles, corners included), ``smolyak`` (sparse grid of nested Lobatto rules),
-        ``sobol`` (corners and a Sobol sequence).
+        ``tensor_roots`` (full grid of (n + 1)^k Chebyshev roots), ``tensor_lobatto`` (full grid of
+        extreme points; nested when the order doubles, corners included), ``smolyak`` (sparse grid
+        of nested Lobatto rules), ``sobol`` (corners and a Sobol sequence).
     box
         A Box, or a number of directions that all have a width.
     order

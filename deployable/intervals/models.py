@@ -60,8 +60,9 @@ class Model:
 
 
 class PolynomialModel(Model):
-    """Chebyshev polynomials through the runs at a design's points, with an enclosed range; all
-    other runs test them. tolerance: allowed gap of enclosure and attained range, over the width."""
+    """Chebyshev polynomials fitted to the runs of `samples` at the points of `design`, with an
+    enclosed range; all other runs test them. tolerance: gap of enclosure and attained range at
+    which to stop, as a fraction of the latter's width."""
 
     kind = "enclosed range of the polynomial"
 

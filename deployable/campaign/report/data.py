@@ -155,7 +155,7 @@ class PageData:
 
     @property
     def unfitted(self) -> tuple[int, ...]:
-        """Indices in `runs` of those that no surrogate was fitted to, perhaps the nominal."""
+        """Indices in `runs` of those that no surrogate was fitted to: held out, or the nominal."""
         fitted_ids = {run.id for run in self.runs if run.role in ("node", FURTHER)}
         return tuple(i for i, run in enumerate(self.runs) if run.id not in fitted_ids)
 

@@ -79,7 +79,8 @@ def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
 
 def combine_met(verdicts: Iterable[str]) -> str:
     """Return what several cases make of a requirement: `all` only where each meets it, `none` where
-    each fails in the whole box, `some` where any fails, else `undecided`."""
+    each fails in the whole box, `some` where any fails, else `undecided`. verdicts: one of these
+    words for each case."""
     verdicts = set(verdicts)
     if len(verdicts) == 1:
         return verdicts.pop()
@@ -149,8 +150,7 @@ def _severity(limit: Mapping) -> tuple:
 
 
 def _is_close(limit: Mapping, worst: Mapping) -> bool:
-    """Whether a limit is as bad as the worst by no more than the errors of both; of an error that
-    is not known nobody can tell."""
+    """Whether a limit is as bad as the worst within both errors; not where one is unknown."""
     if GROUPS[limit["met"]] != GROUPS[worst["met"]]:
         return False
     margins = [{"margin": _margin(row), "error": row["error"]} for row in (limit, worst)]

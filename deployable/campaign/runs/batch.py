@@ -208,8 +208,7 @@ class Simulation:
 
     def results(self, runs: Runs, columns: Iterable[Column] = ()) -> Iterator[Result]:
         """Simulate runs and yield the `Result` of each that succeeds, in order. columns: (variable,
-        label) pairs to record besides what responses need, the label naming the part of the
-        structure."""
+        part of the structure) pairs to record besides what responses need."""
         for results in self.run_lots([(runs, columns)]):
             yield from results
 

@@ -143,7 +143,7 @@ class ScalarSurrogate:
 
     @property
     def trend(self) -> ScalarSurrogate:
-        """Copy without the kriging correction, which takes a polynomial through single runs, to
+        """Copy without the kriging correction, which makes a polynomial pass through every run, to
         compare parts of the box with each other; splines, and surrogates without a fit, stay."""
         return self if self.fit is None else replace(self, fit=self.fit.trend)
 

@@ -39,7 +39,8 @@ GROUPS = {"none": 0, "some": 0, "undecided": 1, "all": 2}
 
 def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
     """Collect what all cases answer as plain data for JSON, the content of `cases.json`; folder: of
-    the campaign's results, with those of each case below it; cases: section of the config."""
+    the campaign's results, with those of each case below it; cases: section of the config, by name
+    of a case what it changes."""
     folders = {name: Folder(folder / folder_name(name)) for name in cases}
     summaries = {name: read_json(child / "summary.json") for name, child in folders.items()}
     requirements = _requirements(summaries)

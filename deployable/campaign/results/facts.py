@@ -225,8 +225,8 @@ def _run_counts(facts: dict) -> dict[str, int]:
 
 
 def known_error(kind: str, error: float) -> float | None:
-    """Return the estimated error of bounds unchanged, or None where it is 0 because nothing is
-    known: bounds of a scan (least and largest sample) that the second half of its runs did not
+    """Return the estimated error of bounds, or None (unknown) where it is 0 only because the bounds
+    are those of a scan (least and largest sample), which the second half of its runs did not
     change. kind: attribute `bounds_kind` of `bounds.nc`; error: in the response's unit."""
     return None if kind.startswith("least") and not error else error
 
@@ -434,7 +434,7 @@ def _number(value: Any) -> float | None:
 
 def decisive(row: Mapping) -> str | None:
     """Name the parameter that contributes most to the width of a quantity's interval; None if none
-    does or there is one alone. row: the quantity's dict (`quantity_rows`)."""
+    does, or the campaign has one alone. row: the quantity's dict (`quantity_rows`)."""
     shares = {name: influence["share"] or 0.0 for name, influence in row["influence"].items()}
     most = max(shares, key=shares.__getitem__)
     return most if shares[most] > 0 and len(shares) > 1 else None
@@ -480,8 +480,8 @@ def closures(samples: Any, run: int) -> list[dict[str, Any]]:
 
 
 def moments(rows: Iterable[Mapping]) -> dict[str, list[str]]:
-    """Group contacts that close by their time as text, such as `0.3100 s`: lists of their names,
-    each once. rows: dicts of time and contact (`closures`)."""
+    """Group closures of contacts by time, written as `0.3100 s`: lists of the contacts' names, each
+    once. rows: dicts of time (s) and contact (`closures`)."""
     contacts: dict[str, list[str]] = {}
     for row in rows:
         names = contacts.setdefault(f"{row['time']:.4f} s", [])

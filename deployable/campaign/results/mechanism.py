@@ -66,7 +66,7 @@ def margin_of(
     experiment: Any, scenes: Sequence[Any], response: Any, row: Mapping[str, Any], sweep: Callable
 ) -> dict[str, Any]:
     """Collect the facts of a torque margin (driving over required torque, less 1) for its review
-    sheet: standard, factors, travel, and the budget of torques at the position where it is least.
+    sheet: a dict of standard, factors, travel, and the budget of torques where the margin is least.
     experiment: of the campaign's plan; scenes: the nominal structure, then those at corners of the
     box of parameters; response: the margin, as a `Response`; row: dict of its least value in the
     facts (`quantity_rows`); sweep: function of parameter values (k) and the margin that returns

@@ -134,7 +134,7 @@ class ScanChunk:
 
 
 class ScanExtremes(common.Store):
-    """Store of runs for `jobs.keep: extremes`: a netCDF file for each chunk (part of a scan)."""
+    """Store of a scan for `jobs.keep: extremes`: least and largest values, a file for each part."""
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
         """Divide the runs of a scan, in order, into 4 to 128 chunks, a file each; size: unused."""

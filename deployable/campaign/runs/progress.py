@@ -63,7 +63,7 @@ class Progress:
         self.reported = -math.inf
 
     def report(self, last: bool = True) -> None:
-        """Tell how many runs are done and the time left; without `last` at most once a second."""
+        """Tell how many runs are done and the time left; at most once a second unless `last`."""
         time_now = time.monotonic()
         if not last and time_now < self.reported + 1.0:
             return

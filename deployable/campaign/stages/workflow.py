@@ -150,7 +150,7 @@ class Workflow:
         )
 
     def last_words(self) -> str:
-        """Return the last message of the last stage, which file to open; empty without a log."""
+        """Return the log of the last stage, which ends with the file to open; "" without a log."""
         log = self.folder / f"logs/{stages_of(self.campaign)[-1].name}.log"
         return log.read_text(encoding="utf-8").strip() if log.exists() else ""
 

@@ -207,8 +207,8 @@ def _matern(unit: np.ndarray, points: np.ndarray) -> np.ndarray:
 class FittedOccurrence(Occurrence):
     """In which part of the box of parameters an event occurs, by a fitted function: where `fit`, of
     an event margin, is not below 0, or, with `latest` (end of the runs, s), where `fit`, of the
-    event's time, is not above that. error: that of the fit, in its unit. An event margin, or the
-    time left before the runs end, locates the border better than occurrence."""
+    event's time, is not above that. error: that of the fit, in its unit; points, happens: as in
+    `Occurrence`. A margin or time locates the border better than whether the event occurs."""
 
     fit: Fit
     error: float

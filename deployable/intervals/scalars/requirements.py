@@ -245,12 +245,12 @@ class Choice:
 
     @property
     def is_allowed(self) -> bool:
-        """Whether the whole box about the choice satisfies every limit."""
+        """Whether the whole box that the choice leaves satisfies all limits."""
         return self.slack >= 0
 
     @property
     def is_safe(self) -> bool:
-        """Whether the whole box about the choice satisfies every limit by its error or more."""
+        """Whether the box that the choice leaves satisfies all limits by their errors or more."""
         return self.is_allowed and self.safety >= 1
 
 

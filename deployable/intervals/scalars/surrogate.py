@@ -150,7 +150,7 @@ class ScalarSurrogate:
     @property
     def is_censored(self) -> bool:
         """Whether the quantity is a time that in a part of the box comes after the runs have ended,
-        so that the largest value they can have is the end of the runs, `latest`."""
+        so that its largest value there is not known, only `latest`, the end of the runs."""
         return isinstance(self.occurrence, FittedOccurrence) and self.occurrence.latest is not None
 
     def predict(self, unit: np.ndarray) -> np.ndarray:

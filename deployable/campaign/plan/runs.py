@@ -120,7 +120,8 @@ def namer(
 
 def run_id(experiment: Experiment, parameters: Mapping, step: float, mechanics: str) -> str:
     """Compute the id of a run (16 hex digits) from all that its motion depends on. parameters:
-    values of structure parameters by name; step: time step (s); mechanics: digest of the code."""
+    values of structure parameters by name; step: time step (s); mechanics: digest of the structure
+    and of the code that computes runs."""
     return digest(
         {
             "scene": experiment.scene.name,

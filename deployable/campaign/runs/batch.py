@@ -209,7 +209,7 @@ class Simulation:
 
     def results(self, runs: Runs, columns: Iterable[Column] = ()) -> Iterator[Result]:
         """Simulate runs and yield the `Result` of each that succeeds, in order. columns: (variable,
-        part of the structure) pairs to record besides what responses need."""
+        label of a part of the structure) pairs to record besides what responses need."""
         for results in self.run_lots([(runs, columns)]):
             yield from results
 

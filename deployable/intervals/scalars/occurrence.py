@@ -50,7 +50,8 @@ class Occurrence:
         return bool(self.happens.any() and not self.happens.all())
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Mask (P) of the points `unit` (P, k), -1 to 1, where the event occurs (`certainty`)."""
+        """Mask (P) of the points `unit` (P, k) in [-1, 1]^k at which the event occurs, as the
+        decision function (`certainty`) has it."""
         return self.certainty(unit) >= 0
 
     def certainty(self, unit: np.ndarray) -> np.ndarray:

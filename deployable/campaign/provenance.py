@@ -72,7 +72,7 @@ def program() -> dict[str, str]:
 
 
 def as_attribute() -> str:
-    """The texts of `program` as JSON on one line, for the attribute `provenance` of files."""
+    """`program` as one line of JSON, for the attribute `provenance` of netCDF files."""
     return json.dumps(program())
 
 

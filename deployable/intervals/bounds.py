@@ -155,8 +155,7 @@ def _least(samples: Samples) -> np.ndarray:
 def _numbers(
     samples: Samples, bounds: Range, error: np.ndarray, lack: np.ndarray, test_rows: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """The summary numbers (n,) of the responses, from their range, its estimated error (n, T) and
-    by how much (n, T) the model falls below what is possible."""
+    """Numbers (n,) of responses by name; error, lack (n, T): of bounds, below what is possible."""
     time, width = samples.time, bounds.upper - bounds.lower
     area = np.trapezoid(width, time)
     numbers = _largest("largest_width", width, time)

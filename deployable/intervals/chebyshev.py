@@ -106,8 +106,8 @@ def _within_budget(order: Sequence[int], costs: Callable[[int], dict[int, int]])
 
 
 def product_basis(points: np.ndarray, indices: np.ndarray) -> np.ndarray:
-    """Values (N, M) of M Chebyshev products at `points` (N, k) in [-1, 1]^k; indices (M, k): their
-    degrees."""
+    """Values (N, M) of M Chebyshev products, of degrees `indices` (M, k), at points (N, k) in [-1,
+    1]^k."""
     values = np.ones((len(points), len(indices)))
     for j in range(indices.shape[1]):
         highest = int(indices[:, j].max(initial=0))
@@ -165,9 +165,9 @@ class Surrogate:
 
 
 def least_squares(basis: np.ndarray, values: np.ndarray, least: float = 1e-10) -> tuple | None:
-    """Fit values (N, T) by the columns of `basis` (N, M), with a QR factorisation: returns
-    coefficients (M, T), and the leverage (N) of each row (diagonal of the hat matrix), or None
-    where the smallest pivot is below `least` times the largest (undetermined)."""
+    """Fit values (N, T), or (N), by the columns of `basis` (N, M), with a QR factorisation: returns
+    coefficients (M, T), or (M), and the leverage (N) of each row (diagonal of the hat matrix), or
+    None where the smallest pivot is below `least` times the largest (undetermined)."""
     q, r = np.linalg.qr(basis)
     size = np.abs(np.diag(r))
     if size.min() < least * size.max():

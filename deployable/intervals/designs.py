@@ -57,13 +57,13 @@ class Method:
     """A type of design of experiments, an entry of `METHODS`: how it is made, and what a user must
     give.
 
-    make: ``make(orders, free, limit, **options)`` returns a `Design` for orders (k), 0 in
-    directions without a width, and `free` (k), the mask of those with one; orders is None where a
-    user gave none. It calls ``limit(runs)``, which may raise, with the number of its points as soon
-    as that is known; its keyword-only arguments are the options that a user has. needs_order:
-    whether a user must give an order. symmetric: whether directions in another order have the same
-    points, in that order. Directions of a sequence are not alike; such a design is always made in
-    one order of the parameters, a campaign's in the structure's.
+    make: ``make(orders, free, limit, **options)`` returns a `Design`. orders (k): polynomial
+    orders, 0 in directions without a width, None where a user gave none; free (k): mask of the
+    directions with a width; limit: function that it calls with the number of its points as soon as
+    that is known, and that raises if there are too many; options: its keyword-only arguments, for
+    users. needs_order: whether a user must give an order. symmetric: whether directions in another
+    order have the same points, in that order; those of a sequence have not, so that such a design
+    is always made in one order of the parameters, a campaign's in the structure's.
     """
 
     make: Callable[..., Design]
@@ -91,9 +91,9 @@ def make_design(
     Parameters
     ----------
     method
-        ``tensor_roots`` (the paper: (n+1)^k roots), ``tensor_lobatto`` (extreme points; nested when
-        the order doubles, corners included), ``smolyak`` (sparse grid of nested Lobatto rules),
-        ``sobol`` (corners and a Sobol sequence).
+        ``tensor_roots`` (full grid of (n + 1)^k Chebyshev roots), ``tensor_lobatto`` (full grid of
+        extreme points; nested when the order doubles, corners included), ``smolyak`` (sparse grid
+        of nested Lobatto rules), ``sobol`` (corners and a Sobol sequence).
     box
         A Box, or a number of directions that all have a width.
     order

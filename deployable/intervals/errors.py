@@ -32,8 +32,7 @@ def check_choice(key: str, value: Any, choices: Iterable[str]) -> Any:
 
 def check_integer(key: str, value: Any, low: int, high: int) -> int:
     """Return `value` as int if it is a whole number from `low` to `high`, both included, else raise
-    IntervalError. Integer types only (`__index__`): 3.0 and True are refused. key: the input's name
-    for the message."""
+    IntervalError. Integer types only (`__index__`): 3.0 and True are refused. key: its name."""
     whole = isinstance(value, (int,)) or (hasattr(value, "__index__"))
     if isinstance(value, bool) or not whole or not low <= int(value) <= high:
         raise IntervalError(key, value, f"a whole number from {low} to {high}")

@@ -39,12 +39,12 @@ _INDEPENDENT = 1e-3  # least singular value, beside the largest, of what held-ou
 
 
 def share_outside(runs: int, confidence: float | None = None) -> float:
-    """Volume fraction of the box of parameters on which the model leaves the range of a number
-    `runs` of runs, at one instant, if these were drawn at random: its mean (confidence None), or
-    its upper limit at a confidence (0 to 1); 1 for fewer than two runs. By order statistics,
-    whatever the model (Wilks 1941): the share between the extremes of N draws has the density N (N
-    - 1) s^(N - 2) (1 - s), so that the share outside has the beta distribution of 2 and N - 1, with
-    the mean 2 / (N + 1)."""
+    """Fraction of the volume of the box of parameters where the model, at one instant, is outside
+    the range of `runs` runs (their least to largest value), if these were drawn at random: its mean
+    (confidence None), or its upper limit at a confidence (0 to 1); 1 for fewer than two runs. By
+    order statistics, whatever the model (Wilks 1941): the share between the extremes of N draws has
+    the density N (N - 1) s^(N - 2) (1 - s), so that the share outside has the beta distribution of
+    2 and N - 1, with the mean 2 / (N + 1)."""
     if runs < 2:
         return 1.0
     if confidence is None:
@@ -87,7 +87,7 @@ def error_estimate(
 ) -> ErrorEstimate:
     """Combine error estimates (..., T) of a surrogate at instants `time` (T, s): `held_out`, by
     runs that were not fitted, and `decay`, by coefficients. The result's `total` is the larger one,
-    of it the largest within `window` (half width, s; None: 0.5 % of the duration) of an instant."""
+    at each instant its largest within `window` (half width, s; None: 0.5 % of the duration)."""
     return ErrorEstimate(widen(time, np.maximum(held_out, decay), window), held_out, decay)
 
 

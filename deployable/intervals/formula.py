@@ -31,8 +31,7 @@ class Formula:
     root_scale: float = 1.0
 
     def shortfall(self, level: float) -> Formula:
-        """Return the formula of `level` minus this function: above 0 where the function is below
-        the level."""
+        """Return the formula of `level` minus this function: above 0 where it is below that."""
         constant = np.zeros((1, self.indices.shape[1]), dtype=int)
         return replace(
             self,

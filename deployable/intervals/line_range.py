@@ -109,8 +109,7 @@ def _classify(g, g1, g2, third, radius, target):
 
 
 def _waves(c, column, t, terms=2):
-    """g and its derivatives 1 ... terms at the angles t (P) of the sums `column` (P). By Horner's
-    rule on the unit circle: the m-th derivative of cos(k t) is Re (i k)^m exp(i k t)."""
+    """g and its derivatives 1 ... terms at angles t (P) of sums `column` (P), by Horner's rule."""
     z = np.exp(1j * t)
     sums = [np.zeros(len(t), dtype=complex) for _ in range(terms + 1)]
     for k in range(len(c), 0, -1):

@@ -60,8 +60,9 @@ class Model:
 
 
 class PolynomialModel(Model):
-    """Chebyshev polynomials through the runs at a design's points, with an enclosed range; all
-    other runs test them. tolerance: allowed gap of enclosure and attained range, over the width."""
+    """Chebyshev polynomials fitted to the runs of `samples` at the points of `design`, with an
+    enclosed range; all other runs test them. tolerance: gap of enclosure and attained range at
+    which to stop, as a fraction of the latter's width."""
 
     kind = "enclosed range of the polynomial"
 
@@ -168,8 +169,7 @@ class SplineModel(Model):
       (there the spline need not extrapolate), and in several directions over the runs next to where
       each bound is attained, one more than there are directions;
     - of runs that were sought where the bounds are decided (`design.method` "adaptive"), in up to
-      three directions, instead the mean over all of them, of a power as high as there are
-      directions: any of them may be next to a bound.
+      three directions, instead a power mean over all of them (`estimates.usual`).
 
     Added is the largest difference between a run and the spline through all.
     """

@@ -38,8 +38,8 @@ _RUNNING = ("lower", "upper", "lower_run", "upper_run")
 @dataclass(frozen=True)
 class Running:
     """Least and largest values of a stream of runs, merged batch by batch: `low`, `high` (...), for
-    each response and instant, and `low_run`, `high_run` (...), the numbers of the runs that have
-    them; of equal values the least number, so that neither order nor grouping of runs matters."""
+    each response and instant, and `low_run`, `high_run` (...), the indices of the runs that have
+    them; of equal values the least index, so that neither order nor grouping of runs matters."""
 
     low: np.ndarray
     high: np.ndarray
@@ -49,7 +49,7 @@ class Running:
     @classmethod
     def of_runs(cls, values: np.ndarray, runs: np.ndarray) -> Running:
         """Make the least and largest values of R runs from their finite values (R, ...); runs (R):
-        numbers of the runs, increasing."""
+        indices of the runs, increasing."""
         low, high = values.argmin(axis=0)[None], values.argmax(axis=0)[None]
         numbers = np.asarray(runs)
         return cls(
@@ -60,7 +60,8 @@ class Running:
         )
 
     def merge(self, rival: Running | None) -> Running:
-        """Return the least and largest values of these runs and `rival`; None: these alone."""
+        """Return the least and largest values of these runs and those of `rival`, with the runs
+        that have them; None: these alone."""
         if rival is None:
             return self
         lower = _comes_first(rival.low, self.low, rival.low_run, self.low_run)

@@ -22,8 +22,9 @@ MIN_SPACING, MIN_SPACING_ON_LINE = 1e-4, 1e-6
 
 def distinct(points: np.ndarray, factor: float = 1.0) -> np.ndarray:
     """Choose the runs that a fit takes, without near repeats: returns increasing indices. points
-    (N, k): of the runs, in [-1, 1]^k; factor: least distance (Euclidean) of two chosen ones, times
-    1e-4, or times 1e-6 where all lie on a line along one direction; first ones stay."""
+    (N, k): of the runs, in [-1, 1]^k; factor: chosen ones are farther apart (Euclidean) than this
+    times 1e-4, or times 1e-6 where all lie on a line along one direction; of nearer ones the first
+    stays."""
     on_line = (np.ptp(points, axis=0) > 0).sum() <= 1
     # equal runs in bulk first: a tree would list all their pairs
     _, first = np.unique(np.round(points, 9) + 0.0, axis=0, return_index=True)

@@ -124,11 +124,10 @@ def _best_of(spline, flat, trial, count) -> np.ndarray:
 
 
 def _climb(spline, flat, spread, start) -> tuple[np.ndarray, np.ndarray]:
-    """Maxima (T) by at most `_STEPS` steps of Newton's method from points (T, k), and where. A step
-    is one of the quadratic model of value, slopes and curvatures, downward curvatures taken as
-    upward ones, in the directions in which the box leaves the point free; it is no longer than a
-    radius in unit coordinates, which halves twice where a step gains nothing and doubles else. They
-    end where the next one gains no more than rounding, by the `spread` (T) of the runs' values."""
+    """Maxima (T) and their points (T, k) by at most `_STEPS` steps of Newton's method, downward
+    curvatures taken as upward ones, inside the box; a step is no longer than a radius, which is
+    quartered where it gains nothing and doubled else. They end where the next one gains no more
+    than rounding, by the `spread` (T) of the runs' values."""
     free = np.flatnonzero(spline.scales > 0)
     half = spline.scales[free]
     x, columns = start.copy(), np.arange(len(start))
@@ -174,8 +173,7 @@ def _step_in_box(y, step, slope, half, radius) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _derivatives(spline, flat, x) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Values (T), slopes (T, f) and curvatures (T, f, f) of column t at the point x[t] (T, k), by
-    the scaled coordinates of the f directions that are not without effect."""
+    """Values (T), slopes (T, f), curvatures (T, f, f) of columns at points (T, k), scaled."""
     free = np.flatnonzero(spline.scales > 0)
     points, y = (spline.points * spline.scales)[:, free], (x * spline.scales)[:, free]
     n, f = points.shape

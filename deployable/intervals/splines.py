@@ -59,14 +59,12 @@ class Spline:
 
     @property
     def on_line(self) -> bool:
-        """Whether the runs differ in one parameter only; `weights` are then values and second
-        derivatives."""
+        """Whether runs differ in one parameter only; `weights` are of another form then."""
         return len(self.points) > 1 and int((self.scales > 0).sum()) == 1
 
     def line_rows(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """For a spline whose runs differ in one parameter only, the weights that its values at
-        points `unit` (P, k) in [-1, 1]^k depend on: indices (P, 4) into `weights`, and their
-        factors (P, 4)."""
+        """Weights on which a spline whose runs differ in one parameter only depends at points
+        `unit` (P, k) in [-1, 1]^k: indices (P, 4) into `weights`, and their factors (P, 4)."""
         j = int(np.argmax(self.scales > 0))
         return line_rows(np.asarray(unit, dtype=float)[:, j], self.points[:, j])
 
@@ -110,8 +108,8 @@ class Spline:
 
 def check_spline_runs(points: np.ndarray) -> None:
     """Raise `IntervalError` unless runs at points (N, k) in [-1, 1]^k suffice for a spline and for
-    its leave-one-out errors: at most 4000 (`MAX_RUNS`), and not all but one in one plane. One run
-    will do for a box without width."""
+    its leave-one-out errors: at most 4000 (`MAX_RUNS`), and two more than directions in which they
+    differ, not all but one in one plane. One run will do for a box without width."""
     points = np.asarray(points, dtype=float)
     if len(points) > MAX_RUNS:
         raise IntervalError("runs", len(points), f"at most {MAX_RUNS} runs for a spline")
@@ -134,8 +132,8 @@ def fit_spline(points: np.ndarray, values: np.ndarray, scales: np.ndarray | None
     nearly the same count once, the first of them; where rounding keeps the spline from going
     through the others, runs that are ten or a hundred times as far apart do, too, and the result's
     `misfit` says what that leaves. scales (k): factors of the coordinates before distances are
-    taken; None: those of least leave-one-out errors (`choose_scales`). IntervalError unless there
-    is one run more than directions in which the runs differ, not all in one plane."""
+    taken; None: those of least leave-one-out errors (`choose_scales`). IntervalError for runs too
+    close, in one plane, or not one more of them than directions in which they differ."""
     runs = np.asarray(points, dtype=float)
     for factor in _SPACINGS:
         rows = distinct(runs, factor)

@@ -125,7 +125,7 @@ class Plan:
         return digest([self.config_hash, self.mechanics, self.time.step, self.runs.digest])
 
     def unique_runs(self) -> Runs:
-        """Return the runs in order, without those that repeat an earlier one's parameter values."""
+        """Return the plan's runs in order, without repeats of an earlier one's parameter values."""
         return self._unique
 
     @cached_property
@@ -133,7 +133,7 @@ class Plan:
         return self.runs.unique()
 
     def named(self, run: PlannedRun) -> dict[str, float]:
-        """Return the values of the interval parameters in a run of this plan, by name."""
+        """Return the values of the interval parameters in a run, in their units, by name."""
         return dict(zip(self.experiment.intervals, run.values, strict=True))
 
 
@@ -158,9 +158,9 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
 
 def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
     """Choose one time step for all runs of an experiment: the solver's safety factor times the
-    largest stable step, or the config's step, shortened to divide the time between instants.
-    corners: whether stability is computed at every corner of the box too, or only at its centre.
-    Raises `CampaignError` for a run of more steps than `MOST_STEPS`."""
+    largest stable step, or the config's step, shortened to divide the time between recorded
+    instants. corners: whether stability is computed at every corner of the box too, or only at its
+    centre. Raises `CampaignError` for a run of more steps than `MOST_STEPS`."""
     solver, box = experiment.solver, experiment.box
     limit, element, energy = math.inf, "", 0.0
     for unit in [np.zeros(box.dimension), *(box.corners() if corners else ())]:

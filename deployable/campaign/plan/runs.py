@@ -74,7 +74,7 @@ class Runs(Sequence[PlannedRun]):
     @property
     def digest(self) -> str:
         """Digest (16 hex digits) of the roles, normalized points and parameter values of all runs,
-        to the last bit, the same for equal sequences; the runs' results are no part of it."""
+        to the last bit: equal for equal sequences. What the runs resulted in does not change it."""
         sha = hashlib.sha256(self.role.tobytes())
         sha.update(self.normalized.tobytes())
         sha.update(self.values.tobytes())
@@ -120,7 +120,8 @@ def namer(
 
 def run_id(experiment: Experiment, parameters: Mapping, step: float, mechanics: str) -> str:
     """Compute the id of a run (16 hex digits) from all that its motion depends on. parameters:
-    values of structure parameters by name; step: time step (s); mechanics: digest of its code."""
+    values of structure parameters by name; step: time step (s); mechanics: digest of the structure
+    and of the code that computes runs."""
     return digest(
         {
             "scene": experiment.scene.name,

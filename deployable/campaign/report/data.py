@@ -90,8 +90,9 @@ class OmittedRun:
 
 @dataclass(frozen=True)
 class RunVerdicts:
-    """Whether R runs meet all requirements, `met` (R), with their parameter `values` (R, k), and
-    their quantities, `numbers` (R, q), NaN for one that does not occur."""
+    """For R runs of a campaign whether each meets all requirements, `met` (R, bool), with its k
+    parameter `values` (R, k) and its q quantities, `numbers` (R, q), in their units, NaN for one
+    that does not occur."""
 
     values: np.ndarray
     met: np.ndarray
@@ -155,7 +156,7 @@ class PageData:
 
     @property
     def unfitted(self) -> tuple[int, ...]:
-        """Indices in `runs` of those that no surrogate was fitted to, perhaps the nominal."""
+        """Indices in `runs` of those that no surrogate was fitted to: held out, or the nominal."""
         fitted_ids = {run.id for run in self.runs if run.role in ("node", FURTHER)}
         return tuple(i for i, run in enumerate(self.runs) if run.id not in fitted_ids)
 

@@ -21,11 +21,12 @@ MOST_MARKS = 400
 @dataclass(frozen=True)
 class Panel:
     """A scatter plot of runs over one or two parameters, marked by whether they meet all
-    requirements; coordinates are from 0 to 1, lower to upper bound of a parameter. x_axis, y_axis:
-    dict of a parameter (name, units, lower, upper), y None for one parameter alone; marks: tuples
-    of x, y, whether the run meets all requirements, whether its other parameters lie within the
-    feasible part; feasible: (x, x), (y, y) of the part of the box of parameters without failures,
-    None if there is none; runs: index of each mark's run in `PageData.verdicts`."""
+    requirements, or of trials over goals (`prices`); coordinates are from 0 to 1, lower to upper
+    bound of an axis. x_axis, y_axis: dict of a parameter (name, units, lower, upper), y None for
+    one parameter alone; marks: tuples of x, y, whether the run meets all requirements, whether its
+    other parameters lie within the feasible part; feasible: (lower, upper) of x, then of y, of the
+    largest box about the nominal point without failures, None if there is none; runs: index of each
+    mark's run in `PageData.verdicts`."""
 
     x_axis: Mapping[str, Any]
     y_axis: Mapping[str, Any] | None
@@ -36,8 +37,9 @@ class Panel:
 
 def meets(limits: Iterable[Mapping], names: Sequence[str], numbers: np.ndarray) -> np.ndarray:
     """Mask (R) of the runs that meet all limits of the requirements. limits: dicts in
-    `summary.json` with quantity, kind and level; names: of the q quantities; numbers (R, q): their
-    values in the runs, NaN if absent, which breaks any limit but `happens: false`."""
+    `summary.json` with quantity, kind ("at_most", "at_least", "happens") and level; names: of the q
+    quantities; numbers (R, q): their values in the runs, NaN if absent, which breaks any limit but
+    `happens: false` (level 0)."""
     from deployable.intervals.scalars import Limit
 
     met = np.ones(len(numbers), dtype=bool)
@@ -53,8 +55,9 @@ def _tells_apart(data: PageData) -> bool:
 
 
 def panels(data: PageData) -> list[Panel]:
-    """Make plots of failing and feasible runs, one for each pair of the (at most three) parameters
-    whose mean values in both differ most; empty where all fail, or none. data: the page's."""
+    """Make scatter plots of failing and other runs, one for each pair of the (at most three)
+    parameters whose mean differs most between these two groups, or one plot if one parameter alone
+    varies; empty where all runs fail, or none does. data: all that the page shows."""
     if not _tells_apart(data):
         return []
     unit = [_unit(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)]
@@ -92,9 +95,9 @@ def _panel(data: PageData, unit: list, runs: np.ndarray, i: int, j: int | None) 
 
 def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
     """Make the lines of a plot in parallel coordinates, one for each of at most 400 (`MOST_MARKS`)
-    runs: its index in `PageData.verdicts`, whether it meets all requirements, its parameters scaled
-    to 0 to 1; failing runs come last, drawn above. Empty where the panels show all parameters, or
-    all runs fail, or none does. data: all that the page shows."""
+    runs: its index in `PageData.verdicts`, whether it meets all requirements, and its parameters,
+    scaled to 0 to 1; failing runs come last, drawn above. Empty where `panels` show all parameters
+    (at most 3), or all runs fail, or none does. data: all that the page shows."""
     if len(data.parameters) <= MOST_PARAMETERS or not _tells_apart(data):
         return []
     unit = np.array([_unit(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)])
@@ -115,10 +118,12 @@ def _drawn_runs(met: np.ndarray) -> np.ndarray:
 
 
 def prices(facts: Mapping[str, Any]) -> Panel | None:
-    """Make the plot of the parameter values that were tried for the best choice: over its two
-    goals, or over its first parameter and the one goal; None without a choice, or if fewer than two
-    remain or one has no value. Left out are those whose goal, the latest time of an event, is
-    within 5 % of the end of the runs. facts: the campaign's results as plain data (`facts_of`)."""
+    """Make the plot of the trials of the best choice of parameters: over its two goals
+    (objectives), or over its first parameter and the one goal. A mark's first flag is whether its
+    limits are met, None for the choice itself, which comes last. Returns None without a choice, or
+    if fewer than two trials remain or a goal of one is unknown. Left out are trials whose goal, the
+    latest time of an event, is within 5 % of the end of the runs. facts: the campaign's results as
+    plain data (`facts_of`)."""
     choice = facts.get("choice")
     if choice is None:
         return None

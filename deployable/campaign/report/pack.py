@@ -89,8 +89,9 @@ def thinned(curves: Sequence[np.ndarray], most: int = MOST_INSTANTS) -> np.ndarr
 
 
 def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[str, Any]:
-    """Make the page's data as a dict for JSON, each array a dict that says where in `arrays`
-    (bytes, which this call extends) it stands. frames: kept of each motion; None: all."""
+    """Make the page's data as a dict for JSON, in which a dict of kind, offset (`at`, bytes) and
+    count stands for each array; the arrays themselves are appended to the bytes of `arrays`.
+    frames: number kept of each motion; None: all."""
     bounds = [c for r in data.responses for c in (r.lower, r.upper, r.upper - r.lower)]
     keep = thinned(bounds)
 

@@ -40,8 +40,7 @@ def write_page(data: PageData, path: str | Path) -> None:
 
 
 def render(data: PageData) -> str:
-    """Render the campaign's page as the text of one HTML file. data: all that it shows
-    (`report.read.from_results`)."""
+    """Render the campaign's page as the text of one HTML file; data: `report.read.from_results`."""
     units = {pretty(response.units) for response in data.responses}
     units |= {pretty(parameter["units"]) for parameter in data.parameters}
     return (

@@ -26,11 +26,10 @@ def analyse(
 ) -> None:
     """Fit the runs of a campaign, and write `surrogate.nc`, `bounds.nc` and `sensitivities.nc` into
     `folder`, that of its results with `samples.nc`, the responses of all runs. choice: section
-    `bounds` of the config, with the model (polynomial or spline) whose bounds
-    `bounds.nc` has; the other two files are of the polynomial;
-    with_errors: function of the dataset of bounds that returns it with further estimates of their
-    errors; None: it is written as it is. A scan's samples are read in pieces, so they may be larger
-    than memory."""
+    `bounds` of the config, with the model (polynomial or spline) whose bounds `bounds.nc` has; the
+    other two files are of the polynomial; with_errors: function of the dataset of bounds that
+    returns it with further estimates of their errors; None: it is written as it is. A scan's
+    samples are read in pieces, so they may be larger than memory."""
     import xarray as xr
 
     from deployable import intervals
@@ -55,8 +54,7 @@ def analyse(
 
 
 def _scanned(samples: Any) -> Any:
-    """The design of a plain scan: to make it again would take longer than its bounds, since
-    sequences are slow to import."""
+    """The design of a plain scan: to make it again takes longer than its bounds."""
     from deployable import intervals
 
     nodes = slice(1, None) if keeps_extremes(samples) else samples["role"].values == "node"

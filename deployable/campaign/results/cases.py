@@ -40,7 +40,8 @@ GROUPS = {"none": 0, "some": 0, "undecided": 1, "all": 2}
 
 def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
     """Collect what all cases answer as plain data for JSON, the content of `cases.json`; folder: of
-    the campaign's results, with those of each case below it; cases: section of the config."""
+    the campaign's results, with those of each case below it; cases: section of the config, by name
+    of a case what it changes."""
     folders = {name: Folder(folder / folder_name(name)) for name in cases}
     summaries = {name: read_json(child / "summary.json") for name, child in folders.items()}
     requirements = _requirements(summaries)
@@ -89,7 +90,8 @@ def _next_tests(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
 
 def combine_met(verdicts: Iterable[str]) -> str:
     """Return what several cases make of a requirement: `all` only where each meets it, `none` where
-    each fails in the whole box, `some` where any fails, else `undecided`."""
+    each fails in the whole box, `some` where any fails, else `undecided`. verdicts: one of these
+    words for each case."""
     verdicts = set(verdicts)
     if len(verdicts) == 1:
         return verdicts.pop()
@@ -159,8 +161,7 @@ def _severity(limit: Mapping) -> tuple:
 
 
 def _is_close(limit: Mapping, worst: Mapping) -> bool:
-    """Whether a limit is as bad as the worst by no more than the errors of both; of an error that
-    is not known nobody can tell."""
+    """Whether a limit is as bad as the worst within both errors; not where one is unknown."""
     if GROUPS[limit["met"]] != GROUPS[worst["met"]]:
         return False
     margins = [{"margin": _margin(row), "error": row["error"]} for row in (limit, worst)]

@@ -56,8 +56,7 @@ def facts_of(
     keys `summary.schema.json` describes. Other functions call it the facts. folder: the campaign's
     files, which are read; published: largest difference of the bounds in the literature, by name of
     response; requirements, choice, measured: whether the campaign has requirements, a choice of
-    parameters or measured curves, so that `requirements.json`, `choice.json` or `measured.json` is
-    read."""
+    parameters or measured curves, to read `requirements.json`, `choice.json` or `measured.json`."""
     plan = read_plan(folder.plan)
     experiment = plan.experiment
     with open_netcdf(folder.bounds) as bounds, open_netcdf(folder.samples) as samples:
@@ -226,8 +225,8 @@ def _run_counts(facts: dict) -> dict[str, int]:
 
 
 def known_error(kind: str, error: float) -> float | None:
-    """Return the estimated error of bounds unchanged, or None where it is 0 because nothing is
-    known: bounds of a scan (least and largest sample) that the second half of its runs did not
+    """Return the estimated error of bounds, or None (unknown) where it is 0 only because the bounds
+    are those of a scan (least and largest sample), which the second half of its runs did not
     change. kind: attribute `bounds_kind` of `bounds.nc`; error: in the response's unit."""
     return None if kind.startswith("least") and not error else error
 
@@ -295,8 +294,7 @@ def grade(error: float | None, width: float) -> str:
 
 
 def _extrapolated_error(bounds: Any, i: int, instant: int) -> dict[str, float]:
-    """By how much the fit of response `i` misses runs at an instant, and how many, where the
-    error is extrapolated from its coefficients and is far beyond that; else nothing."""
+    """By how much the fit of response `i` misses runs, and how many, if its error is far beyond."""
     if "polynomial" not in bounds.bounds_kind:
         return {}
     decay, residual = (float(bounds[f"error_{name}"][i][instant]) for name in ("decay", "held_out"))
@@ -370,8 +368,8 @@ def _is_met(errors: Mapping[str, float | None]) -> bool:
 def quantity_rows(data: Any, duration: float = np.inf) -> list[dict[str, Any]]:
     """Make one dict for each quantity, as in `summary.json`: its interval, errors, numbers of runs
     with and without it, parameter values at both bounds, and the influence of each parameter. data:
-    the open `quantities.nc`, whose NaN become None; duration: of the runs (s), which is `beyond`
-    (else None) of a time that some runs lack and whose upper bound reaches their end."""
+    the open `quantities.nc`, whose NaN become None; duration: of the runs (s), noted as `beyond` of
+    a time that some runs lack and whose upper bound reaches the end of the runs (else None)."""
     parameters = data["parameter"][:].tolist()
     rows = []
     for i, name in enumerate(data["quantity"][:]):
@@ -436,16 +434,17 @@ def _number(value: Any) -> float | None:
 
 def decisive(row: Mapping) -> str | None:
     """Name the parameter that contributes most to the width of a quantity's interval; None if none
-    does or there is one alone. row: the quantity's dict (`quantity_rows`)."""
+    does, or the campaign has one alone. row: the quantity's dict (`quantity_rows`)."""
     shares = {name: influence["share"] or 0.0 for name, influence in row["influence"].items()}
     most = max(shares, key=shares.__getitem__)
     return most if shares[most] > 0 and len(shares) > 1 else None
 
 
 def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
-    """Name a quantity whose occurrence alone decides a requirement that part of the box meets, as
-    its bounds, where it occurs, keep all limits by their error; None if there is none. row: the
-    requirement's dict in the results as plain data (`facts_of`); quantities: dicts of all there."""
+    """Name the quantity of a requirement that fails in part of the box only because the quantity
+    (an event's time, say) does not occur there: where it occurs, its bounds keep all limits by
+    their error. None for any other requirement. row: the requirement's dict in the results as plain
+    data (`facts_of`); quantities: dicts of all quantities there."""
     named = {quantity["name"]: quantity for quantity in quantities}
     limits = [limit for limit in row["limits"] if limit["kind"] != "happens"]
     names = {limit["quantity"] for limit in limits}
@@ -467,8 +466,8 @@ def _keeps(quantity: Mapping, limit: Mapping) -> bool:
 
 
 def closures(samples: Any, run: int) -> list[dict[str, Any]]:
-    """List the contacts that close in one run, in order of time: dicts of `time` (s) and `contact`
-    (name). samples: the open `samples.nc`; run: index of the run in it."""
+    """List the contacts, stops and latches that close in one run, in order of time: dicts of `time`
+    (s) and `contact` (name). samples: the open `samples.nc`; run: index of the run in it."""
     names = list(samples["contact"][:])
     keys = ("event_time", "event_closing", "event_contact")
     rows = zip(*(samples[key][run] for key in keys), strict=True)
@@ -481,8 +480,8 @@ def closures(samples: Any, run: int) -> list[dict[str, Any]]:
 
 
 def moments(rows: Iterable[Mapping]) -> dict[str, list[str]]:
-    """Group contacts that close by their time as text, such as `0.3100 s`: lists of their names,
-    each once. rows: dicts of time and contact (`closures`)."""
+    """Group closures of contacts by time, written as `0.3100 s`: lists of the contacts' names, each
+    once. rows: dicts of time (s) and contact (`closures`)."""
     contacts: dict[str, list[str]] = {}
     for row in rows:
         names = contacts.setdefault(f"{row['time']:.4f} s", [])

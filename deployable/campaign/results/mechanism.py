@@ -47,9 +47,9 @@ def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dic
 
 
 def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
-    """Energies (J) of a campaign's nominal run: `exchanged`, the largest change of any one kind
-    over the run, `largest`, the largest value, and `off`, the largest error of their balance; None
-    where its trajectory was not stored. folder: of the campaign's results; plan: its plan."""
+    """Energies (J) of a campaign's nominal run: `exchanged`, the largest change over the run of any
+    one kind of energy, `largest`, the largest size of one, and `off`, the largest error of their
+    balance; None where its trajectory was not stored. folder: of the results; plan: of its runs."""
     path = folder.runs("trajectories") / f"{plan.runs[0].id}.nc"
     if not path.exists():
         return None
@@ -66,7 +66,7 @@ def margin_of(
     experiment: Any, scenes: Sequence[Any], response: Any, row: Mapping[str, Any], sweep: Callable
 ) -> dict[str, Any]:
     """Collect the facts of a torque margin (driving over required torque, less 1) for its review
-    sheet: standard, factors, travel, and the budget of torques at the position where it is least.
+    sheet: a dict of standard, factors, travel, and the budget of torques where the margin is least.
     experiment: of the campaign's plan; scenes: the nominal structure, then those at corners of the
     box of parameters; response: the margin, as a `Response`; row: dict of its least value in the
     facts (`quantity_rows`); sweep: function of parameter values (k) and the margin that returns
@@ -140,18 +140,19 @@ def _travel_sweep(experiment: Any) -> Callable:
 
 
 def standard_of(margin: Any) -> str:
-    """Key in `STANDARDS` of the standard by which a torque margin (its `Response`) is taken."""
+    """Key in `STANDARDS` of a torque margin's standard: `aiaa-s-114`, say; margin: `Response`."""
     return next(word for word in margin.subjects if word in STANDARDS)
 
 
 def evidence_of(margin: Any) -> str:
-    """What uncertainty factors of a torque margin (`Response`) rest on: a word of its standard."""
+    """What the uncertainty factors of a torque margin (its `Response`) rest on, such as `theory` or
+    `measurement`: a key of `resists` in its standard."""
     return margin.subjects[margin.subjects.index(standard_of(margin)) + 1]
 
 
 def failed_components(margin: Any) -> list[str]:
-    """List the components, such as a spring that failed, without which a torque margin is taken.
-    margin: its `Response`."""
+    """List the names of the components, such as a spring that failed, without which a torque margin
+    is taken. margin: its `Response`."""
     return list(margin.subjects[margin.subjects.index(standard_of(margin)) + 2 :])
 
 
@@ -188,8 +189,8 @@ def travel_of(
 
 def own_settings(scene: Any, definition: Mapping[str, Any], response: Any) -> list[str]:
     """List the factors and classes in a margin's config that differ from those of the standard or
-    the structure, a text each, such as `motor 1.5 for 3`. scene: `fpm.Scene`; definition: the
-    margin's part of the config; response: the margin, as a `Response`."""
+    the structure, a text each, own before other: `HM 2 for 3` (class of motors). scene:
+    `fpm.Scene`; definition: the margin's part of the config; response: the margin (`Response`)."""
     standard = STANDARDS[standard_of(response)]
     resists, parts = standard.resists[evidence_of(response)], parts_of(scene)
     return [

@@ -65,8 +65,8 @@ class FittedRuns(NamedTuple):
     margins: np.ndarray
 
     def surrogate(self, data: Any, q: int) -> Any:
-        """Fit the surrogate of quantity `q` (index) to these runs as the results' was: returns a
-        `ScalarSurrogate`. data: the open `quantities.nc`, whose settings are read."""
+        """Fit the surrogate of quantity `q` (index) to these runs again, as for the results:
+        returns a `ScalarSurrogate`. data: the open `quantities.nc`, whose settings are read."""
         from deployable.intervals.scalars import fit_scalar
 
         end = json.loads(data.config)["solver"]["duration"]

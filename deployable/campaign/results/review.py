@@ -147,8 +147,8 @@ BUDGET_HEADS = ("part", "class", "acts", "moment", "factor", "weighted")
 
 def budgets_of(facts: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Make a table for each torque margin of what drives and what resists at the position where it
-    is least: dicts of `title`, `heads`, `rows` and `sum`, all texts. facts: the campaign's results
-    as plain data (`facts_of`), with `mechanism` (`mechanism_of`)."""
+    is least: dicts of `title`, `heads` and `rows` (six texts each) and `sum`, a sentence. facts:
+    the campaign's results as plain data (`facts_of`), with `mechanism` (`mechanism_of`)."""
     budgets = []
     for name, margin in facts["mechanism"]["margins"].items():
         budget = margin["budget"]
@@ -336,8 +336,7 @@ class _Sheet:
     # -- verdicts ----------------------------------------------------------------------------------
 
     def _judge(self, row: Mapping[str, Any], limit: Mapping[str, Any]) -> Verdict:
-        """Whether a limit of a requirement is kept, as `answers.requirements` and the printed
-        interval show it."""
+        """Whether a requirement's limit is kept, as assessed and by the printed interval."""
         if limit["met"] == "none":
             return Verdict(UNMET, "not met anywhere in the box")
         if limit["met"] == "some":

@@ -71,8 +71,8 @@ def _escaped(facts: Any, code: str = "") -> Any:
 
 def met_text(row: Mapping[str, Any]) -> str:
     """Write in which part of the box of parameters a requirement is met: `All`, `None`, a
-    percentage, or that the runs showed no failure. row: dict of a requirement, or of one of its
-    limits, in the results as plain data (`facts_of`)."""
+    percentage, or, where no share is known, that no run or every run fails. row: dict of a
+    requirement, or of one of its limits, in the results as plain data (`facts_of`)."""
     if row["met"] == "undecided":
         return f"No failure found in {row['runs']} run{'s' * (row['runs'] != 1)}"
     if row["met"] == "some" and not row["share"] and row["share_uncertainty"] >= 1:

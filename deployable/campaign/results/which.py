@@ -18,7 +18,7 @@ from deployable.campaign.plan.runs import namer
 class Counts:
     """How many different runs a campaign has: `runs`, all; `nodes`, those that were fitted;
     `held_out`, those kept back to test the fit (and no nodes). nominal_among_them: whether the run
-    at nominal parameters is among the latter two, and so not counted beside them."""
+    at nominal parameters is a node or held out, so that it is not counted once more in `runs`."""
 
     runs: int
     nodes: int
@@ -48,9 +48,9 @@ _FITTED = 4_000  # of more runs
 
 def fitted_rows(numbers: np.ndarray) -> np.ndarray:
     """Choose the runs that surrogates of quantities are fitted to: increasing indices. numbers (R,
-    q): quantities of all runs, NaN for one that does not occur. Up to 10,000 runs (`MOST_FITTED`)
-    it is all; of more the first 4000, which fill the box of parameters, and for each quantity the
-    runs with its least and largest value and the first without it."""
+    q): quantities of all runs, NaN for one that does not occur. Of up to 10,000 runs
+    (`MOST_FITTED`) all are chosen; of more the first 4000, which fill the box of parameters, and
+    for each quantity the runs with its least and largest value and the first without it."""
     if len(numbers) <= MOST_FITTED:
         return np.arange(len(numbers))
     rows = set(range(_FITTED))

@@ -172,9 +172,10 @@ def notify_reruns(store: Any, notify: Notify) -> None:
 
 
 def make_again(plan: Plan, store: Any, group: Runs, size: int, notify: Notify) -> None:
-    """Simulate the runs of a group that a store lacks, and write them into it. size: how many runs
-    are integrated together; notify: called with each message. Raises `CampaignError` with the runs
-    that failed, or if structure or code changed since the plan was made."""
+    """Simulate the runs of a group that a store lacks, and write them into it. group: runs of the
+    plan that the store keeps together; size: how many runs are integrated together; notify: called
+    with each message. Raises `CampaignError` with the runs that failed, or if structure or code
+    changed since the plan was made."""
     missing = store.missing(group)
     notify_reruns(store, notify)
     if not len(missing):
@@ -208,8 +209,7 @@ class Simulation:
 
     def results(self, runs: Runs, columns: Iterable[Column] = ()) -> Iterator[Result]:
         """Simulate runs and yield the `Result` of each that succeeds, in order. columns: (variable,
-        label) pairs to record besides what responses need, the label naming the part of the
-        structure."""
+        label of a part of the structure) pairs to record besides what responses need."""
         for results in self.run_lots([(runs, columns)]):
             yield from results
 

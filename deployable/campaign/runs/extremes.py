@@ -51,9 +51,11 @@ EVENTS = {"event_time": ("f4", np.nan), "event_contact": ("i2", -1), "event_clos
 
 
 class ScanChunk:
-    """What is kept of `count` runs, a chunk of a scan: extremes of the responses over the runs at
-    each instant, and quantities and impacts of each run. `mask` (count): which runs are included
-    yet. responses, quantities: those of the experiment, which evaluate a run."""
+    """What is kept of `count` runs, a chunk of a scan. `mask` (count): which runs are included yet;
+    `running`: extremes of the responses over these at each instant (`Running`); `numbers` (count,
+    q): quantities; `events`: tables (count, events) of contacts that close or open, by name;
+    `first` (n, T): responses of the first run; `time` (T): s; `overlap`: largest of contacts (rad).
+    responses, quantities: those of the experiment, by which results are evaluated."""
 
     def __init__(self, count: int, responses: Sequence[Any], quantities: Sequence[Any]):
         self.responses, self.quantities = responses, quantities
@@ -114,7 +116,7 @@ class ScanChunk:
     @classmethod
     def read(cls, path: Path, responses: Sequence[Any], quantities: Sequence[Any]) -> ScanChunk:
         """Read a chunk from the netCDF file `path`. responses, quantities: those of the experiment,
-        which the chunk goes on with. Raises `DamagedError` for malformed content."""
+        by which further results are evaluated. Raises `DamagedError` for malformed content."""
         import netCDF4
 
         with reading(path), netCDF4.Dataset(path) as file:
@@ -132,10 +134,10 @@ class ScanChunk:
 
 
 class ScanExtremes(common.Store):
-    """Store of runs for `jobs.keep: extremes`: a netCDF file for each chunk (part of a scan)."""
+    """Store of a scan for `jobs.keep: extremes`: least and largest values, a file for each part."""
 
     def groups(self, runs: Runs, size: int) -> list[Runs]:
-        """Divide the runs of a scan into chunks (4 to 128), a file each; size: not used."""
+        """Divide the runs of a scan, in order, into 4 to 128 chunks, a file each; size: unused."""
         count = FEWEST
         while count < MOST and len(runs) > count * LARGE:
             count *= 2

@@ -35,7 +35,8 @@ class MessagePrinter:
         self.is_open = False
 
     def move(self, text: str, last: bool = False) -> None:
-        """Replace the text of the line that is rewritten in place; last: whether to end it then."""
+        """Replace the line that the last call wrote by `text`, on terminals; other files get each
+        new text as a line of its own. last: whether to end the line."""
         end = "\n" if last else ""
         for file in self.files:
             if file.isatty():
@@ -62,7 +63,7 @@ class Progress:
         self.reported = -math.inf
 
     def report(self, last: bool = True) -> None:
-        """Tell how many runs are done and the time left; without `last` at most once a second."""
+        """Tell how many runs are done and the time left; at most once a second unless `last`."""
         time_now = time.monotonic()
         if not last and time_now < self.reported + 1.0:
             return

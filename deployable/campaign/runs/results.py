@@ -40,7 +40,7 @@ class Result:
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """Attributes of the run's netCDF file, by name."""
+        """Attributes of the run's netCDF file: `run_id`, those of all runs, `parameter_<name>`."""
         values = {f"parameter_{name}": v for name, v in self.parameters.items() if v is not None}
         return {"run_id": self.id, **self.common, **values}
 
@@ -139,8 +139,8 @@ def groups_of(runs: Runs, size: int) -> list[Runs]:
 
 
 def values_of(responses: Sequence[Any], outcomes: Sequence[Any]) -> np.ndarray:
-    """Evaluate n responses of r runs at T instants as an array (r, n, T); outcomes: `fpm.Outcome`
-    of each run. Raises ValueError if a value is not finite."""
+    """Evaluate n responses (`Response`) of r runs at T instants as an array (r, n, T); outcomes:
+    `fpm.Outcome` of each run. Raises ValueError if a value is not finite."""
     values = np.array([[r.evaluate(outcome) for r in responses] for outcome in outcomes])
     for i, response in enumerate(responses):
         if not np.isfinite(values[:, i]).all():
@@ -171,8 +171,8 @@ def padded(events: Sequence[np.ndarray], least: int = 0) -> np.ndarray:
 
 def largest_overlap(openings: Mapping[str, np.ndarray], contacts: Sequence[str]) -> float:
     """Return the largest overlap (rad) of the faces of hinge contacts, below 0 where all stay
-    apart, 0 without contacts. openings: curves (T) (rad) of the gap by name; contacts: names, of
-    which those without an opening are skipped."""
+    apart, 0 without contacts. openings: curves (T) of the gap (rad) by name of contact; contacts:
+    names, of which those without a curve are skipped."""
     return max((float(-openings[name].min()) for name in contacts if name in openings), default=0.0)
 
 
@@ -188,9 +188,9 @@ def write_dimension(file: Any, dimension: str, names: Iterable[str], long_name: 
 
 
 def write_netcdf(path: Path, names: Mapping[str, Sequence[str]], variables: Mapping) -> None:
-    """Write dimensions that have names, and variables, to the netCDF file `path`. names: coordinate
-    names by dimension; variables: by name a tuple of type, dimensions, values and options of
-    netCDF4's `createVariable`."""
+    """Write dimensions that have names, and variables, to a new netCDF file `path`. names:
+    coordinate names by dimension; variables: by name a tuple of netCDF type, dimensions, values,
+    and options of netCDF4's `createVariable`."""
     import netCDF4
 
     with netCDF4.Dataset(path, "w", format="NETCDF4") as file:

@@ -38,7 +38,7 @@ from fpm.reading.variables import VARIABLES
 
 class Trajectories(Store):
     """Store of runs for `jobs.keep: trajectories`: one netCDF file for each run, with all that it
-    recorded. Changed responses are read from stored files, unless they need other variables."""
+    recorded. Changed responses are evaluated from it, unless they need other variables."""
 
     def __init__(self, folder: Path, experiment: Experiment):
         super().__init__(folder, experiment)
@@ -157,7 +157,8 @@ class Responses(Store):
             common.write_netcdf(temporary, names, variables)
 
     def read(self, group: Runs) -> dict[str, RunRecord]:
-        """Read the runs of a group that are stored: returns a `RunRecord` by run id."""
+        """Read the runs of a group from its file: returns a `RunRecord` by run id, none unless the
+        file is undamaged and holds all of them."""
         import netCDF4
 
         if self.missing(group):

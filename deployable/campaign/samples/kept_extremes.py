@@ -47,9 +47,10 @@ def gather(
     plan: Plan, jobs: Jobs, folder: str | Path, path: str | Path, notify: Notify = lambda text: None
 ) -> None:
     """Write `samples.nc` to `path` from the stored chunks (parts) of a scan with `jobs.keep:
-    extremes`: least and largest responses over quarters of its runs. plan: the runs; jobs: section
-    of the config; folder: of the store; notify: called with each message. One chunk at a time is in
-    memory. Missing or damaged ones are simulated again; raises `CampaignError` if runs fail."""
+    extremes`: least and largest responses over quarters of its runs, and quantities of each run.
+    plan: the runs; jobs: section of the config; folder: of the store; notify: called with each
+    message. One chunk at a time is in memory. Missing or damaged ones are simulated again; raises
+    `CampaignError` if runs fail."""
     import netCDF4
 
     store, runs = open_store("extremes", folder, plan.experiment), plan.unique_runs()

@@ -106,8 +106,9 @@ def _write_runs(file: Any, plan: Plan) -> None:
 
 
 def write_places(file: Any, runs: Runs, **packing: Any) -> None:
-    """Write the points of runs in the box, as variables `normalized` (-1 to 1) and `value`
-    (parameter values), into an open `netCDF4.Dataset`. packing: options of `createVariable`."""
+    """Write the points of runs in the box, as variables `normalized` (-1 to 1) and `value` (in the
+    parameters' units), each (run, parameter), into an open `netCDF4.Dataset`, whose dimensions
+    exist. packing: options of `createVariable`."""
     dims = ("run", "parameter")
     text = "coordinates in the box, -1 to 1"
     _numbers(file, "normalized", dims, runs.normalized, text, packing, units="1")
@@ -174,8 +175,9 @@ def write_time(file: Any, instants: np.ndarray, contacts: Sequence[str]) -> None
 
 
 def write_names(file: Any, dimension: str, items: Sequence[Any]) -> None:
-    """Write names, units and long names of responses or quantities into an open `netCDF4.Dataset`.
-    dimension: "response" or "quantity"; items: `Response` or `Quantity` objects."""
+    """Write names, units and long names of responses or quantities into an open `netCDF4.Dataset`;
+    of responses their axes and physical lower bounds, too. dimension: "response" or "quantity";
+    items: `Response` or `Quantity` objects."""
     write_dimension(file, dimension, [item.name for item in items], f"name of the {dimension}")
     for key, values in (
         ("units", [item.unit for item in items]),

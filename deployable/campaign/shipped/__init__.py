@@ -16,10 +16,10 @@ RULES = str(WORKFLOW / "rules" / "campaign.smk")
 
 
 def campaigns() -> dict[str, Path]:
-    """The paths of the shipped campaigns' configs, by name."""
+    """The paths of the shipped campaigns' configs (YAML), by file name without suffix."""
     return {path.stem: path for path in sorted(CONFIG.glob("*.yaml"))}
 
 
 def structures() -> dict[str, Path]:
-    """The paths of the shipped structures' files, by name."""
+    """The paths of the shipped structures' files (YAML), by file name without suffix."""
     return {path.stem: path for path in sorted(CONFIG.glob("structures/*.yaml"))}

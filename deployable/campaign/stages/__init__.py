@@ -205,8 +205,8 @@ STAGES = {
 
 
 def stages_of(campaign: Campaign) -> list[Stage]:
-    """Return the stages that a campaign consists of, in the order in which they run; of one with
-    cases, that which follows those of its cases."""
+    """Return the stages of a campaign in the order in which they run; of one with cases only
+    `cases`, which compares them: each case is a campaign with stages of its own."""
     if campaign.cases:
         return [STAGES["cases"]]
     kinds = (None, campaign.experiment.is_sought)

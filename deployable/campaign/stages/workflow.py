@@ -27,8 +27,8 @@ from fpm.files.sealed import DamagedError, check, unsealed
 
 
 class Workflow:
-    """What the Snakefile asks of a campaign: its files, batches and resources. results: folder of
-    all campaigns' results. Cheap to import and make, since every call of Snakemake does it."""
+    """What the Snakefile asks of a campaign (its checked config): files, batches and resources.
+    results: folder of all campaigns' results. Cheap to make, as every call of Snakemake does it."""
 
     def __init__(self, campaign: Campaign, results: str | Path = "results"):
         self.campaign, self.name = campaign, campaign.name
@@ -46,9 +46,9 @@ class Workflow:
 
     @classmethod
     def from_module(cls, config: Mapping) -> Workflow:
-        """Make the workflow of the `config` that a Snakemake workflow passes which uses this one as
-        a module; paths in it are relative to the working folder. Of a case that is its `workflow`.
-        Raises `ConfigError`."""
+        """Make the workflow of the `config` that another Snakemake workflow passes to this one, its
+        module; paths in it are relative to the working folder. A `Workflow` in
+        `config["workflow"]`, as of a case, is returned itself. Raises `ConfigError`."""
         if isinstance(config.get("workflow"), cls):
             return config["workflow"]
         return cls(load_config([], retyped(config), "the config of the module"))
@@ -150,7 +150,7 @@ class Workflow:
         )
 
     def last_words(self) -> str:
-        """Return the last message of the last stage, which file to open; empty without a log."""
+        """Return the log of the last stage, which ends with the file to open; "" without a log."""
         log = self.folder / f"logs/{stages_of(self.campaign)[-1].name}.log"
         return log.read_text(encoding="utf-8").strip() if log.exists() else ""
 

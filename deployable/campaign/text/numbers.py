@@ -138,8 +138,8 @@ def place(values: Mapping[str, float | None], parameters: Iterable[Mapping[str, 
 
 def spread(parameter: Mapping[str, Any]) -> str:
     """Write the interval of a parameter: `± 1 %` of its nominal value (of angles `± 2°`) if that is
-    the middle, else both bounds. parameter: dict with lower, nominal, upper and units, as in
-    `summary.json` (`facts_of`)."""
+    the middle, else both bounds, `1 to 2 m`. parameter: dict with lower, nominal, upper and units,
+    as in `summary.json` (`facts_of`)."""
     nominal, units = parameter["nominal"], parameter["units"]
     minus, plus = nominal - parameter["lower"], parameter["upper"] - nominal
     if abs(plus - minus) < 1e-6 * abs(nominal):
@@ -178,8 +178,8 @@ def coded(text: str, units: Iterable[str] = ()) -> Any:
 
 
 def position(row: Mapping[str, Any], time: float) -> str:
-    """Write a time (s) with its unit, or for a response over another axis, as a hinge's opening,
-    its value then. row: the response's dict in `summary.json` (`facts_of`)."""
+    """Write a time (s) with its unit, or for a response over another axis, such as a hinge's
+    opening, the value on that axis. row: the response's dict in `summary.json` (`facts_of`)."""
     if axis := row.get("along"):
         length = axis["last"] - axis["first"]
         return quantity(axis["first"] + length * time / axis["duration"], axis["unit"], 4)

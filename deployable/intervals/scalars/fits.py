@@ -29,9 +29,8 @@ _LEVERAGE = 1 - 1e-8  # above it a run alone decides a coefficient, and nothing 
 @dataclass(frozen=True)
 class Kriging:
     """A polynomial `trend` plus a correction through the runs at points (N, k) in [-1, 1]^k:
-    kriging of the residuals with the covariance exp(-distance / length), whose extreme values are
-    at runs, so that noise does not swing beyond them. weights (N, 1): of the runs; length: in
-    normalized coordinates."""
+    kriging of the residuals with covariance exp(-distance / length), whose extreme values are at
+    runs, so that noise does not swing beyond. weights (N, 1): of the runs; length: normalized."""
 
     trend: Surrogate
     points: np.ndarray
@@ -43,7 +42,7 @@ class Kriging:
         return self.trend.evaluate(unit) + _fading(unit, self.points, self.length) @ self.weights
 
     def formula(self) -> Formula:
-        """Write the function as a table that other programs can evaluate."""
+        """Write the corrected polynomial as a table that other programs can evaluate."""
         scales = np.full(self.points.shape[1], 1 / self.length)
         fading = {"points": self.points, "scales": scales, "weights": self.weights[:, 0]}
         return replace(polynomial(self.trend), kernel="fading", **fading)
@@ -51,28 +50,30 @@ class Kriging:
 
 @dataclass(frozen=True)
 class RootFunction:
-    """A function of k normalized parameters and of the root of an event margin, which is above 0
-    where an event occurs and 0 on the border of that part of the box: the event's time ends there
-    like a root. function: of k + 1 coordinates, the last one 2 sqrt(margin / scale) - 1; margin:
-    fit that gives the event margin (P) at points (P, k); scale: largest event margin."""
+    """A time (or another value) of an event as a function of the k normalized parameters and of the
+    root of the event margin, which is above 0 where the event occurs and 0 on the border of that
+    part of the box: near the border the time goes like a root. function: of k + 1 coordinates, the
+    last one 2 sqrt(margin / scale) - 1; margin: fit that gives the event margin (P) at points (P,
+    k); scale: largest event margin of a run."""
 
     function: Surrogate | Spline | Kriging
     margin: Fit
     scale: float
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P, 1) at points `unit` (P, k) in [-1, 1]^k; margins below 0 count as 0."""
+        """Values (P, 1) of the function at points `unit` (P, k) in [-1, 1]^k, with its own event
+        margins; margins below 0 count as 0."""
         roots = root_coordinates(self.margin.evaluate(unit), self.scale)
         return self.function.evaluate(np.column_stack([unit, roots]))
 
     @property
     def trend(self) -> RootFunction:
-        """Copy without the kriging correction, which takes a polynomial through single runs, to
+        """Copy without the kriging correction, which makes a polynomial pass through every run, to
         compare parts of the box with each other; an equal copy where there is none."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
     def formula(self) -> Formula:
-        """Write the function as a table that other programs can evaluate."""
+        """Write the function of parameters alone as a table that other programs can evaluate."""
         return replace(_formula(self.function), root=self.margin.formula(), root_scale=self.scale)
 
 
@@ -86,8 +87,9 @@ def root_fit(
     points: np.ndarray, values: np.ndarray, margin: Fit, margins: np.ndarray
 ) -> Fit | None:
     """Fit values (N) of runs at `points` (N, k) in [-1, 1]^k as a function of the points and of the
-    roots of event margins (N), above 0 where an event occurs; None where no margin is positive, or
-    for at most 4 runs. margin: fit that gives the event margin at other points."""
+    roots of event margins (N), above 0 where an event occurs: a `Fit` of a `RootFunction`; None
+    where no margin is positive, or for at most 4 runs. margin: fit that gives the event margin at
+    any points; margins (N): those of the runs."""
     scale = float(margins.max(initial=0.0))
     if not scale > 0 or len(values) <= _LEAST_RUNS:
         return None
@@ -104,9 +106,8 @@ def _fading(unit: np.ndarray, points: np.ndarray, length: float) -> np.ndarray:
 @dataclass(frozen=True)
 class Fit:
     """A function fitted to the values (N) of runs at `points` (N, k) in [-1, 1]^k. left_out (N):
-    leave-one-out errors, the value of each run less that of the function fitted to all the others,
-    infinite for a run that no others predict; kind: type of function, in words; function: returns
-    values (P, 1)."""
+    leave-one-out errors, the value of each run less that of the function fitted to all others,
+    infinite for a run that no others predict; kind: its type in words; function: returns (P, 1)."""
 
     points: np.ndarray
     values: np.ndarray
@@ -127,7 +128,7 @@ class Fit:
 
     @property
     def trend(self) -> Fit:
-        """Copy without the kriging correction, which takes a polynomial through single runs, to
+        """Copy without the kriging correction, which makes a polynomial pass through every run, to
         compare parts of the box with each other; an equal copy where there is none."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 

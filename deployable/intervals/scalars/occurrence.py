@@ -50,8 +50,8 @@ class Occurrence:
         return bool(self.happens.any() and not self.happens.all())
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Mask (P) of the points `unit` (P, k) in [-1, 1]^k at which the event occurs, by the
-        decision function (`certainty`)."""
+        """Mask (P) of the points `unit` (P, k) in [-1, 1]^k at which the event occurs, as the
+        decision function (`certainty`) has it."""
         return self.certainty(unit) >= 0
 
     def certainty(self, unit: np.ndarray) -> np.ndarray:
@@ -79,8 +79,8 @@ class Occurrence:
 
     def run_certainty(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
         """Decision function (R) at R runs by their own results, to compare runs of two meshes: here
-        NaN, as only whether the event occurs is known. numbers (R): values of the quantity; margins
-        (R): event margins, above 0 where it occurs."""
+        NaN (R), as only whether the event occurs is known. numbers (R): values of the quantity;
+        margins (R): event margins, above 0 where it occurs."""
         return np.full(len(numbers), np.nan)
 
     @cached_property
@@ -149,8 +149,8 @@ class Occurrence:
         return _matern(unit, points) @ weights
 
     def formula(self) -> Formula:
-        """Write the decision function as a table that other programs can evaluate; takes runs that
-        do not all agree (`is_mixed`)."""
+        """Write the decision function (`certainty`) as a table that other programs can evaluate;
+        only for an event that occurs in some runs and not in all (`is_mixed`)."""
         points, weights = self._support_vectors
         k = points.shape[1]
         constant, scales = np.zeros((1, k), dtype=int), np.full(k, np.sqrt(5) / _LENGTH)
@@ -208,16 +208,16 @@ def _matern(unit: np.ndarray, points: np.ndarray) -> np.ndarray:
 class FittedOccurrence(Occurrence):
     """In which part of the box of parameters an event occurs, by a fitted function: where `fit`, of
     an event margin, is not below 0, or, with `latest` (end of the runs, s), where `fit`, of the
-    event's time, is not above that. error: that of the fit, in its unit. An event margin, or the
-    time left before the runs end, locates the border better than occurrence."""
+    event's time, is not above that. error: that of the fit, in its unit; points, happens: as in
+    `Occurrence`. A margin or time locates the border better than whether the event occurs."""
 
     fit: Fit
     error: float
     latest: float | None = None
 
     def agrees(self, slack: float = 0.0) -> bool:
-        """Whether the decision function has the right sign in every run: in runs with the event at
-        least minus `error`, in those without below `slack` (in its unit)."""
+        """Whether the decision function agrees with every run: it is at least minus `error` in runs
+        with the event, and below `slack` (in its unit) in those without."""
         certainty = self.certainty(self.points)
         agreement = certainty[self.happens] >= -self.error
         return bool(agreement.all() and (certainty[~self.happens] < slack).all())
@@ -229,7 +229,7 @@ class FittedOccurrence(Occurrence):
         return values if self.latest is None else self.latest - values
 
     def formula(self) -> Formula:
-        """Write the decision function as a table that other programs can evaluate."""
+        """Write the decision function (`certainty`) as a table that other programs can evaluate."""
         formula = self.fit.formula()
         return formula if self.latest is None else formula.shortfall(self.latest)
 
@@ -239,7 +239,8 @@ class FittedOccurrence(Occurrence):
         return margins if self.latest is None else self.latest - numbers
 
     def doubt(self, unit: np.ndarray) -> np.ndarray:
-        """Half-width (P) of the undecided band at points `unit` (P, k): the error of the fit."""
+        """Half-width (P) of the undecided band at points `unit` (P, k) in [-1, 1]^k, to which the
+        size of `certainty` is compared: everywhere `error`, that of the fit."""
         return np.full(len(unit), self.error)
 
     @property

@@ -50,7 +50,8 @@ class Limit:
 
     @property
     def error(self) -> float:
-        """Estimated error of the quantity's values, in its unit: its surrogate's plus the runs'."""
+        """Estimated error of the quantity's values, in its unit: its surrogate's, NaN without a
+        fit, plus that of the runs."""
         return self.surrogate.error + self.run_error
 
     def slack_of(self, values: np.ndarray) -> np.ndarray:
@@ -137,8 +138,7 @@ def share_of_box(
 
 
 def _parts_met(conditions: Sequence[tuple[np.ndarray, np.ndarray]], sign: float) -> np.ndarray:
-    """Parts (L, S - 1) of the stretches between points on lines, on which values (L, S), with so
-    many times their errors (L, S) added, are not below 0."""
+    """Parts (L, S - 1) of stretches of lines on which values plus `sign` errors (L, S) are >= 0."""
     start, end = np.zeros((1, 1)), np.ones((1, 1))
     for values, error in conditions:
         if sign:
@@ -245,12 +245,12 @@ class Choice:
 
     @property
     def is_allowed(self) -> bool:
-        """Whether the whole box about the choice satisfies every limit."""
+        """Whether the whole box that the choice leaves satisfies all limits."""
         return self.slack >= 0
 
     @property
     def is_safe(self) -> bool:
-        """Whether the whole box about the choice satisfies every limit by its error or more."""
+        """Whether the box that the choice leaves satisfies all limits by their errors or more."""
         return self.is_allowed and self.safety >= 1
 
 

@@ -68,9 +68,9 @@ def estimate_bounds(
 
 
 def local_errors(fit: Fit, unit: np.ndarray) -> np.ndarray:
-    """Errors (P) of a fit at points `unit` (P, k) in [-1, 1]^k, by the leave-one-out errors of the
-    nearest runs: that of a run holds at the distance of its next run, and falls linearly towards
-    the run."""
+    """Errors (P) of a fit at points `unit` (P, k) in [-1, 1]^k, by leave-one-out errors: the
+    largest over the nearest runs of such an error times the distance from the nearest run, over the
+    distance of the run from its own next one; 0 at a run, at most the largest error of all."""
     points, width = fit.points, float(np.ptp(fit.values))
     errors = np.minimum(np.abs(fit.left_out), width)
     if len(points) == 1:
@@ -92,9 +92,8 @@ def _estimate(
     misprediction: float = 0.0,
 ) -> BoundEstimate:
     """The upper (sign 1) or lower (sign -1) bound of a quantity that has a fit. surrogate_range:
-    the surrogate's over the box; attained: the extreme value of all runs, and its unit point (k).
-    Gains below `tolerance` are not sought. misprediction: by how much the last run at a bound of
-    the surrogate differed from it; infinite where it had no number."""
+    the surrogate's over the box; attained: extreme value of all runs, its unit point (k). Gains
+    below `tolerance` are not sought. misprediction: as in `estimate_bounds`, of this bound."""
     value, argument = attained
     end, peak = surrogate_range.low, surrogate_range.argmin
     if sign > 0:
@@ -134,8 +133,7 @@ def _gains(
 
 
 def _candidates(surrogate: ScalarSurrogate, argument: np.ndarray) -> np.ndarray:
-    """Unit points (P, k): spread over the box, in clouds about the extreme run, and on the
-    limit-state surface of the event."""
+    """Unit points (P, k): spread over the box, by the extreme run, on the limit-state surface."""
     points = surrogate.occurrence.points
     free = np.ptp(points, axis=0) > 0
     spread = spread_points(free, _CANDIDATES)
@@ -157,8 +155,7 @@ def _spaced(runs: np.ndarray, candidates: np.ndarray) -> list[np.ndarray]:
 
 
 def _sections(occurrence: Occurrence, argument: np.ndarray) -> np.ndarray:
-    """Unit points (P, k) that divide the way from a run that has the quantity, at a unit point (k),
-    to the nearest run without it; none where all runs have it."""
+    """Unit points (P, k) that divide the way from the run at a point (k) to the nearest without."""
     misses = occurrence.points[~occurrence.happens]
     if not len(misses):
         return misses

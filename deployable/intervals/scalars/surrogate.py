@@ -143,14 +143,14 @@ class ScalarSurrogate:
 
     @property
     def trend(self) -> ScalarSurrogate:
-        """Copy without the kriging correction, which takes a polynomial through single runs, to
+        """Copy without the kriging correction, which makes a polynomial pass through every run, to
         compare parts of the box with each other; splines, and surrogates without a fit, stay."""
         return self if self.fit is None else replace(self, fit=self.fit.trend)
 
     @property
     def is_censored(self) -> bool:
         """Whether the quantity is a time that in a part of the box comes after the runs have ended,
-        so that the largest value they can have is the end of the runs, `latest`."""
+        so that its largest value there is not known, only `latest`, the end of the runs."""
         return isinstance(self.occurrence, FittedOccurrence) and self.occurrence.latest is not None
 
     def predict(self, unit: np.ndarray) -> np.ndarray:

@@ -30,7 +30,7 @@ class Viscous(NamedTuple):
 def forces(part, world, timing):
     """Add the tensions (N) of all beam elements' dampers, damping times rate of the length, to the
     forces on their end particles, and what they lose in the step that ends now (J) to
-    World.accounts. part: their arrays (Viscous); world: solver state, changed; timing: step times
+    World.accounts. part: their arrays (Viscous); world: solver state, changed; timing: StepTime
     (s). The rate is extrapolated from the last two steps; losses are by the trapezium rule."""
     state, history = world.state, part.history
     loss = load(world.accounts, 0, part.account)

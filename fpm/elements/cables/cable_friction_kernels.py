@@ -90,7 +90,7 @@ def exponential(x):
 @kernel
 def turn_angle(part, j):
     """Angle (rad, 0 to pi) between the stretches of a cable before and after its point j. part:
-    arrays of all cables, after `lay`."""
+    arrays of all cables (RubbingCables), after `lay`."""
     first, second = get3(part.stretches, j - 1, DIRECTION), get3(part.stretches, j, DIRECTION)
     normal = cross(first, second)
     return arctan2(sqrt(dot(normal, normal)), dot(first, second))
@@ -98,8 +98,8 @@ def turn_angle(part, j):
 
 @kernel
 def length_at(part, j, soft, fraction):
-    """Length (m) of stretch j at a `fraction` (0 to 1) of the step that ends now, as if it
-    changed evenly in it. part: arrays of all cables; soft: 1/EA (1/N)."""
+    """Length (m) of stretch j at a `fraction` (0 to 1) of the step that ends now, as if it changed
+    evenly in it. part: arrays of all cables (RubbingCables); soft: 1/EA (1/N)."""
     length = load(part.rubbed, j, MATERIAL) * (1.0 + soft * load(part.rubbed, j, TENSION))
     return length + fraction * (load(part.stretches, j, LENGTH) - length)
 
@@ -108,8 +108,8 @@ def length_at(part, j, soft, fraction):
 def slip(part, c, rest, excess, turn):
     """Let cable c slip over its points by the law of friction: stores in part.rubbed FREE_STRAIN of
     every stretch, its strain if nothing slipped over the point at its end. part: arrays of all
-    cables; rest: unstrained length now (m); excess: length less unstrained length a step ago (m);
-    turn: fraction of the step after which the cable turns tight, if it was slack."""
+    cables (RubbingCables); rest: unstrained length now (m); excess: length less unstrained length a
+    step ago (m); turn: fraction of the step after which the cable turns tight, if it was slack."""
     first, last = part.start[c], part.start[c + 1] - 1
     soft, rest_sum = 1.0 / load(part.cables, c, EA), 0.0 * rest
     for j in range(first + 1, last):
@@ -127,9 +127,9 @@ def slip(part, c, rest, excess, turn):
 @kernel
 def pull_on(part, c, excess, turn, slack):
     """Store in part.rubbed and part.stretches tension (N), slipped length (m), unstrained length
-    (m) and pull on its points (N) of every stretch of cable c. part: arrays of all cables; excess:
-    length less unstrained length now (m); turn: fraction of the step after which the cable turns
-    slack, if it is now; slack: fraction of the step in which it is slack."""
+    (m) and pull on its points (N) of every stretch of cable c. part: arrays of all cables
+    (RubbingCables); excess: length less unstrained length now (m); turn: fraction of the step after
+    which the cable turns slack, if it is now; slack: fraction of the step in which it is slack."""
     first, last = part.start[c], part.start[c + 1] - 1
     stiffness = load(part.cables, c, EA)
     soft, strain, inflow = 1.0 / stiffness, load(part.rubbed, last - 1, FREE_STRAIN), 0.0 * excess
@@ -150,8 +150,8 @@ def pull_on(part, c, excess, turn, slack):
 @kernel
 def find_tensions(part, world, timing, c):
     """Find and store in part.rubbed the tension (N) of every stretch of cable c, which has
-    friction: measures its lengths, and lets it slip. part: arrays of all cables; world: solver
-    state; timing: times of this step (s)."""
+    friction: measures its lengths, and lets it slip. part: arrays of all cables (RubbingCables);
+    world (World): solver state; timing (StepTime): times of the step (s)."""
     length, rest = lay(part, world.state, c), unstrained_now(part, world, timing, c)
     last, excess = load(part.state, c, LONGER), length - rest
     reeled = rest - load(part.state, c, UNSTRAINED)
@@ -169,8 +169,8 @@ def find_tensions(part, world, timing, c):
 
 @hook(RubbingCables)
 def forces(part, world, timing):
-    """Add the forces (N) and moments (N m) of all cables to the particles they run over. part:
-    arrays of all cables; world: state of the solver, changed; timing: times of this step (s)."""
+    """Add the forces (N) and moments (N m) of all cables to the particles they run over. part: all
+    cables (RubbingCables); world (World): solver state, changed; timing (StepTime): times (s)."""
     for c in range(part.curve.shape[0]):
         if part.rubs[c]:
             find_tensions(part, world, timing, c)
@@ -190,8 +190,8 @@ def gain(part, j, soft):
 @hook(RubbingCables)
 def work_before(part, world, timing):
     """Add the winches' work (J) over the step that ends now to part.account in world.accounts, and
-    that lost by friction to part.loss. part: arrays of all cables; world: solver state; timing:
-    unused."""
+    that lost by friction to part.loss. part: arrays of all cables (RubbingCables); world (World):
+    solver state; timing: unused."""
     work, loss = load(world.accounts, 0, part.account), load(world.accounts, 0, part.loss)
     for c in range(part.curve.shape[0]):
         if not part.rubs[c]:
@@ -224,8 +224,8 @@ def energy_of(part, world, c):
 @hook(RubbingCables)
 def record(part, world, row):
     """Store each cable's tension (N), of its first stretch, and strained length (m) in part.track;
-    those without friction raise part.peaks (`record_cable`). part: arrays of all cables; world:
-    not used; row: index of the recorded instant."""
+    those without friction raise part.peaks (`record_cable`). part: arrays of all cables
+    (RubbingCables); world: not used; row: index of the recorded instant."""
     count = part.curve.shape[0]
     for c in range(count):
         if not part.rubs[c]:

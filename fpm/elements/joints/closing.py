@@ -91,8 +91,8 @@ def count_turns(turns, part, condition):
 @kernel
 def keep(b, r, state, i, axes):
     """Save the position (m) and the axes 2 and 3 of particle i in row r of `b`, the working memory
-    of bodies (body_scratch), at the start of a step. state: of the particles; axes: the particle's
-    three unit vectors, global."""
+    of bodies (body_scratch), at the start of a step. state: of the particles (World.state); axes:
+    the particle's three unit vectors, global."""
     put3(b, r, OLD_X, get3(state, i, X))
     put3(b, r, OLD_D2, axes[1])
     put3(b, r, OLD_D3, axes[2])
@@ -109,7 +109,7 @@ def restore(b, r, state, i):
 
 @kernel
 def turn_little(state, i, turn):
-    """Rotate the axes of particle i (index or a pair) in `state`, of the particles, by a rotation
+    """Rotate the axes of particle i (index or a pair) in `state` (World.state), by a rotation
     vector `turn` (rad, 3, global) so small that its square does not show."""
     for k in (D2, D3):
         axis = get3(state, i, k)

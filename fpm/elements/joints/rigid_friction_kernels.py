@@ -55,8 +55,8 @@ class RigidFrictions(NamedTuple):
 @hook(RigidFrictions)
 def forces(part, world, timing):
     """Add the friction moment (N m) of each element that slips to the particles of its hinge. part:
-    arrays of all rigid frictions; world: state of the solver, changed; timing: times of this step
-    (s). The time of an impact, part.turns.blow, is then counted from this step's start."""
+    arrays of all rigid frictions (RigidFrictions); world (World): solver state, changed; timing:
+    StepTime (s). The time of an impact, part.turns.blow, is then counted from this step's start."""
     blow = load(part.turns.blow, 0, 0)
     store(part.turns.blow, 0, 0, where_negative(-1.0 * blow, blow - 1.0, 0.0))
     for i in range(part.hinge.shape[0]):
@@ -81,7 +81,7 @@ def turning(part, i, timing):
     """Fraction of the kick until the opening of element i comes to rest, and angle (rad) that it
     turns until then, where its rate would fall below 0 in this kick: by the parabola of its motion
     if its rate fell before, else as braked from the middle of the kick on. part: arrays of all
-    rigid frictions; timing: times of this step (s)."""
+    rigid frictions (RigidFrictions); timing (StepTime): times of the step (s)."""
     sign = load(part.state, i, SIGN)
     last = sign * load(part.rates, i, LAST)
     last = where_negative(last, 0.0, last)
@@ -100,10 +100,10 @@ def turning(part, i, timing):
 def decide(part, world, timing):
     """Let elements slip that would need more than their friction moment to stick, and reverse or
     stick those that come to rest; where any changes, sets world.undecided, and the joints are
-    solved again. part: arrays of all rigid frictions; world: solver state; timing: times of this
-    step (s). One that would reverse is braked until it rests and pushed the other way from then on;
-    if it would not move back, it sticks. Each changes at most CHANGES times in a step, the last
-    time to slip: no impulse that it holds is above its friction."""
+    solved again. part: arrays of all rigid frictions (RigidFrictions); world (World): solver state;
+    timing (StepTime): times (s). One that would reverse is braked until it rests and pushed the
+    other way from then on; if it would not move back, it sticks. Each changes at most CHANGES times
+    in a step, the last time to slip: no impulse that it holds is above its friction."""
     for i in range(part.hinge.shape[0]):
         t, changes = part.turn[i], load(part.state, i, CHANGES_LEFT)
         hold, sign = load(part.turns.state, t, HOLDS), load(part.state, i, SIGN)
@@ -120,7 +120,7 @@ def decide(part, world, timing):
 @kernel
 def needed_by(part, i, timing):
     """Moment (N m) that holds element i in this step, as the joints were last solved; 0 where it
-    slips. part: arrays of all rigid frictions; timing: times of this step (s)."""
+    slips. part: arrays of all rigid frictions (RigidFrictions); timing (StepTime): times (s)."""
     return (1.0 / timing.kick) * load(part.turns.state, part.turn[i], SOLVED_IMPULSE)
 
 
@@ -129,7 +129,7 @@ def slipping(part, i, full, timing):
     """Moment (N m) of element i in the step in which it starts to slip: a mean of what held it and
     of the `full` friction moment (N m, with its sign), which agree to first order for a load that
     grows; after an impact it makes up for what the kicks before and after lack. part: arrays of all
-    rigid frictions; timing: times of this step (s)."""
+    rigid frictions (RigidFrictions); timing (StepTime): times of the step (s)."""
     if timing.time == 0.0:
         return full
     delay = load(part.turns.blow, 0, 0)
@@ -141,8 +141,8 @@ def slipping(part, i, full, timing):
 @kernel
 def change(part, world, timing, i, slips, turns, sticks):
     """Let element i slip, reverse or stick in the lanes (samples) where `slips`, `turns` or
-    `sticks` (lanes) is below 0, and set world.undecided to have the joints solved again. part:
-    arrays of all rigid frictions; world: solver state; timing: times of this step (s)."""
+    `sticks` (lanes) is below 0, and set world.undecided to have the joints solved again. part: all
+    rigid frictions (RigidFrictions); world (World): solver state; timing (StepTime): times (s)."""
     t, h, most = part.turn[i], part.hinge[i], load(part.numbers, i, 0)
     old, last = load(part.state, i, SIGN), load(part.state, i, BRAKE)
     sign = where_negative(needed_by(part, i, timing), -1.0, 1.0)
@@ -167,8 +167,8 @@ def change(part, world, timing, i, slips, turns, sticks):
 @hook(RigidFrictions)
 def work_after(part, world, timing):
     """Add the friction loss (J) of the half step that ends now, by the moments of the step that
-    begins, to part.account in world.accounts. part: arrays of all rigid frictions; world: state of
-    the solver; timing: times of this step (s)."""
+    begins, to part.account in world.accounts. part: arrays of all rigid frictions (RigidFrictions);
+    world (World): solver state; timing (StepTime): times of the step (s)."""
     for i in range(part.hinge.shape[0]):
         moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], timing)
         late_moment = moment - load(part.state, i, LAST_BRAKE)

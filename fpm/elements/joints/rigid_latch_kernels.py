@@ -72,7 +72,7 @@ account(RigidLatches, WORKS, -1.0)
 def prepare(part, world, timing):
     """Store in part.rates the mean rates (rad/s; m/s on slides) of the latches' openings in the
     step that ended, before the next is solved; nothing at the start of a run. part: arrays of all
-    rigid latches; world: not used; timing: times of this step (s)."""
+    rigid latches (RigidLatches); world: not used; timing (StepTime): times of the step (s)."""
     if timing.time > 0.0:
         for i in range(part.hinge.shape[0]):
             store(part.rates, i, LAST, half_rate(part.openings, part.hinge[i], timing))
@@ -81,7 +81,7 @@ def prepare(part, world, timing):
 @kernel
 def predict(part, i, timing):
     """Opening (rad; m on slides) of latch i at the end of this step, by its rate as the joints were
-    last solved. part: arrays of all rigid latches; timing: times of this step (s)."""
+    last solved. part: arrays of all rigid latches (RigidLatches); timing (StepTime): times (s)."""
     rate = load(part.turns.state, part.turn[i], RATE)
     return load(part.openings.angles, part.hinge[i], NEW) + timing.step * rate
 
@@ -89,9 +89,9 @@ def predict(part, i, timing):
 @hook(RigidLatches)
 def decide(part, world, timing):
     """Catch the openings that would enter their capture range in this step; where any does, sets
-    world.undecided, and the joints are solved again. part: arrays of all rigid latches; world:
-    solver state; timing: times of this step (s). The search begins at the opening predicted in the
-    step before, since the real one, which differs in its last digits, might slip through."""
+    world.undecided, and the joints are solved again. part: all rigid latches (RigidLatches); world
+    (World): solver state; timing (StepTime): times (s). The search begins at the opening predicted
+    in the step before, since the real one, which differs in its last digits, might slip through."""
     for i in range(part.hinge.shape[0]):
         t = part.turn[i]
         start, prediction = load(part.state, i, SEARCHED), predict(part, i, timing)
@@ -119,7 +119,7 @@ def work_after(part, world, timing):
     """Add the losses (J) of the half step that ends now, by the impulses of the step that begins,
     to part.account, and sum the impulses (N m s). The impulse of catching is that of the two steps
     that share it, less what the moment of the third gives in the time since. part: arrays of all
-    rigid latches; world: solver state; timing: times of this step (s)."""
+    rigid latches (RigidLatches); world (World): solver state; timing (StepTime): times (s)."""
     end_work(part, world, timing, WORKS, -1.0)
     for i in range(part.hinge.shape[0]):
         moment = moment_of(part.turns, part.turn[i], timing)
@@ -138,8 +138,8 @@ def work_after(part, world, timing):
 @hook(RigidLatches)
 def record_step(part, world, row, timing):
     """Record of each latch its moment (N m), its impulse from the start to this instant (N m s),
-    rate (rad/s) and impulse (N m s) of the catch in part.track. part: arrays of all rigid latches;
-    world: not used; row: index of the recorded instant; timing: times of this step (s)."""
+    rate (rad/s) and impulse (N m s) of the catch in part.track. part: arrays of all rigid latches
+    (RigidLatches); world: not used; row: index of the recorded instant; timing: StepTime (s)."""
     count = part.hinge.shape[0]
     for i in range(count):
         index, moment = row * count + i, load(part.state, i, MOMENT)

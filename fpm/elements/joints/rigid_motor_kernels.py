@@ -44,7 +44,7 @@ def prepare(part, world, timing):
     """Store the opening (rad; m on slides) that each motor prescribes for the end of the step, as
     TARGET of its condition in part.turns.state; where its curve (not by rate) bends within the
     step, the bend's time is stored in part.turns.blow as a share of the step: the rate jumps there.
-    part: arrays of all rigid motors; world: solver state, with the curves; timing: times (s)."""
+    part: arrays of all rigid motors; world: solver state, with the curves; timing: StepTime (s)."""
     for i in range(part.hinge.shape[0]):
         if not part.by_rate[i]:
             bend = bend_after(world, part.curve[i], timing.time)
@@ -61,14 +61,14 @@ account(RigidMotors, WORKS, 1.0)
 @hook(RigidMotors)
 def work_after(part, world, timing):
     """Add the work (J) of half of the motors' moments of this step, over the step that ends now, to
-    part.account. part: arrays of all rigid motors; world: solver state; timing: times (s)."""
+    part.account. part: arrays of all rigid motors; world: solver state; timing: StepTime (s)."""
     end_work(part, world, timing, WORKS, 1.0)
 
 
 @hook(RigidMotors)
 def record_step(part, world, row, timing):
-    """Record the moment (N m) of each motor in part.track. part: arrays of all rigid motors; world,
-    timing: not used; row: index of the recorded instant."""
+    """Record the moment (N m) of each motor in part.track. part: arrays of all rigid motors
+    (RigidMotors); world, timing: not used; row: index of the recorded instant."""
     count = part.hinge.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, WORKS + HOLD_MOMENT))

@@ -43,8 +43,8 @@ class RigidReleases(NamedTuple):
 @hook(RigidReleases)
 def forces(part, world, timing):
     """Free the openings whose release is due, and add to their particles the rest of the moment (N
-    m) that held them, for the part of the step before it. part: arrays of all rigid releases;
-    world: state of the solver, changed; timing: times of this step (s)."""
+    m) that held them, for the part of the step before it. part: arrays of all rigid releases
+    (RigidReleases); world (World): solver state, changed; timing (StepTime): times (s)."""
     for i in range(part.hinge.shape[0]):
         t = part.turn[i]
         hold = load(part.turns.state, t, HOLDS)
@@ -70,7 +70,7 @@ account(RigidReleases, WORKS, -1.0)
 def work_after(part, world, timing):
     """Add half of the loss (J) of the moments found in this step to account part.account of World:
     minus their work over the step before it, halved; `work_before` adds the other half, over this
-    step. part: arrays of all rigid releases; world: solver state; timing: times (s)."""
+    step. part: arrays of all rigid releases; world (World): solver state; timing: StepTime (s)."""
     end_work(part, world, timing, WORKS, -1.0)
     for i in range(part.hinge.shape[0]):
         total = load(part.state, i, WORKS + HOLD_MOMENT) + load(part.state, i, REST_MOMENT)

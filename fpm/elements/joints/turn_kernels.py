@@ -80,7 +80,7 @@ def give(world, account, work):
 def moment_of(turns, t, timing):
     """Return the moment (N m, lanes), on the hinge's second particle, that held opening t in this
     step: its impulse over timing.kick (s). turns: openings held exactly (Turns); t: index among
-    these; timing: times of this step (s)."""
+    these; timing (StepTime): times of the step (s)."""
     return (1.0 / timing.kick) * load(turns.state, t, TURN_IMPULSE)
 
 
@@ -146,7 +146,7 @@ def end_work_of(part, world, i, moment, first, sign):
 def prepare(part, world, timing):
     """Update the momenta of the bodies of all joints by the forces, summed before, over the time
     timing.kick, and set world.undecided: the joints' impulses are found by `solve`. part: arrays of
-    all joints; world: solver state, changed; timing: times of this step (s)."""
+    all joints (TurnedJoints); world (World): solver state, changed; timing: StepTime (s)."""
     clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
     world.undecided[0] = 1
@@ -158,7 +158,7 @@ def prepare(part, world, timing):
 def solve(part, world, timing):
     """Find the impulses of all joints, with the openings that are held now, and store the rates
     they would give (`tell_rates`); called again where `decide` of an element then holds or frees
-    one. part: arrays of all joints (TurnedJoints); world: solver state; timing: times (s)."""
+    one. part: all joints (TurnedJoints); world (World): solver state; timing: StepTime (s)."""
     find_rows(part, world.state)
     build(part)
     factorise(part)
@@ -175,7 +175,7 @@ def solve(part, world, timing):
 def tell_rates(part, state):
     """Store in part.turns.state the rates (rad/s, m/s) that openings will have after the impulses
     (RATE), and the impulses (N m s, N s) that hold them (SOLVED_IMPULSE). part: arrays of all
-    joints; state: of the particles."""
+    joints (TurnedJoints); state: of the particles (World.state)."""
     b = part.body_scratch
     for s in range(part.particle.shape[0]):
         if not part.is_driven[s]:
@@ -198,7 +198,7 @@ def tell_rates(part, state):
 @kernel
 def velocity(part, state, s, point):
     """Velocity (m/s, 3), after the impulses, of a `point` (m, 3, global) that moves with body s
-    (index). part: arrays of all joints; state: of the particles."""
+    (index). part: arrays of all joints (TurnedJoints); state: of the particles (World.state)."""
     b, i = part.body_scratch, part.particle[s]
     v = get3(state, i, V)
     if not part.is_driven[s]:
@@ -209,7 +209,7 @@ def velocity(part, state, s, point):
 @hook(TurnedJoints)
 def move(part, world, timing):
     """Apply the impulses to the bodies, move them by a step, and close the joints at its end. part:
-    arrays of all joints; world: state of the solver, changed; timing: times of this step (s)."""
+    all joints (TurnedJoints); world (World): solver state, changed; timing: StepTime (s)."""
     push_all(part, world.state)
     joint_kernels.move(part, world, timing)
 
@@ -218,7 +218,7 @@ def move(part, world, timing):
 def look_back(part, world, timing):
     """Close the joints also one step before the start, in the first step only, by the momenta in
     world.start_state; there, held openings are where their motion, at its rate at the start, began.
-    part: arrays of all joints; world: solver state; timing: times of the first step (s)."""
+    part: arrays of all joints (TurnedJoints); world (World): solver state; timing: StepTime (s)."""
     state, start, b = world.state, world.start_state, part.body_scratch
     for s in range(part.particle.shape[0]):
         i = part.particle[s]

@@ -29,7 +29,7 @@ class Dampers(NamedTuple):
 def forces(part, world, timing):
     """Add the moments (N m) of dampers, -damping times the rate of the opening, to the forces on
     particles, and the energy that they lose in the step (J) to World.accounts. part: arrays of all
-    dampers (Dampers); world: solver state, changed; timing: times of this step (s)."""
+    dampers (Dampers); world (World): solver state, changed; timing (StepTime): times (s)."""
     for i in range(part.hinge.shape[0]):
         h = part.hinge[i]
         rate = follow_rate(part.openings, part.rates, i, h, timing)

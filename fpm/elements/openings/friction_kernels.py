@@ -70,10 +70,10 @@ def bend_at(points, start, i, most, psi):
 def bend_by_force(bearing, state, i, timing):
     """Return two bristle deflections (rad) at which element i slips by the force of its joint: now
     and a step ago. bearing: forces of joints (JointForce); state (f, 8, lanes): Frictions.state, in
-    which MOST, OLD_MOST and FORCE_BEND are updated; timing: step times (s). Where friction
-    relieves its own joint by more than itself (beyond the angle of self-locking), taking the force
-    of the step before would grow from step to step; the secant of the last two steps finds the
-    force that agrees with its own friction."""
+    which MOST, OLD_MOST and FORCE_BEND are updated; timing (StepTime): times of the step (s). Where
+    friction relieves its own joint by more than itself (beyond the angle of self-locking), taking
+    the force of the step before would grow from step to step; the secant of the last two steps
+    finds the force that agrees with its own friction."""
     last = load(state, i, MOST)
     most = last
     if timing.time > 0.0:
@@ -94,7 +94,7 @@ def bend_by_force(bearing, state, i, timing):
 def bends_now(bearing, part, i, psi, psi_before, timing):
     """Return the bristle deflections (rad) at which element i slips, by table and joint force: at
     opening psi (rad) now, and at psi_before a step ago. bearing: forces of joints (JointForce),
-    None where none counts; part: all friction elements (Frictions); timing: step times (s)."""
+    None where none counts; part: all friction elements (Frictions); timing: StepTime (s)."""
     first = load(part.numbers, i, BEND)
     most = bend_at(part.points, part.start, i, first, psi)
     last = bend_at(part.points, part.start, i, first, psi_before)
@@ -128,9 +128,9 @@ def watch_lock(part, i, bend, most, slips):
 def forces(part, world, timing):
     """Add the moments (N m) of friction, bristles and dampers, to the forces on particles, and what
     slip and dampers lose in the step (J) to World.accounts; update part.state. part: arrays of all
-    friction elements (Frictions); world: solver state, changed; timing: times of this step (s).
-    Where slip begins within a step, the mean of the moments at both ends is not that over the way
-    between; `edge` corrects it as for a spring that begins at the point of slip."""
+    friction elements (Frictions); world (World): solver state, changed; timing (StepTime): times of
+    the step (s). Where slip begins within a step, the mean of the moments at both ends is not that
+    over the way between; `edge` corrects it as for a spring that begins at the point of slip."""
     for i in range(part.hinge.shape[0]):
         h, last = part.hinge[i], load(part.state, i, BENDING)
         stiffness, foot = load(part.numbers, i, STIFFNESS), load(part.state, i, FOOT)
@@ -168,7 +168,7 @@ def forces(part, world, timing):
 @hook(Frictions)
 def energy_of(part, world, i):
     """Return the strain energy (J, lanes) of the bristle of friction element i. part: arrays of all
-    friction elements (Frictions); world: solver state, not used."""
+    friction elements (Frictions); world (World): solver state, not used."""
     bend = load(part.state, i, BENDING)
     return 0.5 * load(part.numbers, i, STIFFNESS) * bend * bend
 

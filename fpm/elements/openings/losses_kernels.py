@@ -37,7 +37,7 @@ class JointForce(NamedTuple):
 @kernel
 def half_rate(openings, h, timing):
     """Return the mean rate (rad/s, on slides m/s) of the opening of hinge h (index) over the step
-    that ends now. openings: arrays of all openings (Openings); timing: times of this step (s)."""
+    that ends now. openings: arrays of all openings (Openings); timing (StepTime): times (s)."""
     angles = openings.angles
     return (load(angles, h, NEW) - load(angles, h, OLD)) * (1.0 / timing.step)
 
@@ -48,7 +48,7 @@ def follow_rate(openings, history, i, h, timing):
     order from the mean rates of the last two steps (Adams and Bashforth). Call it once a step: it
     stores the mean rate. openings: arrays of all openings (Openings); history (elements, 2, lanes):
     `rates` of the element's type, whose field RATE is written; i: index of the element; h: of its
-    hinge; timing: times of this step (s)."""
+    hinge; timing (StepTime): times of the step (s)."""
     last = load(history, i, RATE)
     rate = last
     if timing.time > 0.0:
@@ -61,11 +61,11 @@ def follow_rate(openings, history, i, h, timing):
 @kernel
 def lose(world, account, openings, history, i, h, moment):
     """Add to World.accounts the energy (J) that a moment of element i on hinge h takes out in the
-    step that ends now, and store the moment for the next step. world: solver state; account: index
-    in World.accounts; openings: arrays of all openings (Openings); history (elements, 2, lanes):
-    `rates` of the element's type, with the moment a step ago, changed; moment: on the second
-    particle, now (N m). The energy is the mean of both moments times the change of the opening,
-    just what kinetic energy of the half steps changes by (record.py)."""
+    step that ends now, and store the moment for the next step. world (World): solver state;
+    account: index in World.accounts; openings: arrays of all openings (Openings); history
+    (elements, 2, lanes): `rates` of the element's type, with the moment a step ago, changed;
+    moment: on the second particle, now (N m). The energy is the mean of both moments times the
+    change of the opening, just what kinetic energy of the half steps changes by (record.py)."""
     angles = openings.angles
     angle = load(angles, h, NEW) - load(angles, h, OLD)
     loss = -0.5 * (moment + load(history, i, LOSS)) * angle
@@ -76,7 +76,7 @@ def lose(world, account, openings, history, i, h, moment):
 @kernel
 def force_of(bearing, i, timing):
     """Return the size (N, lanes) of the force in the joint of friction element i, as a mean over
-    the last step. bearing: impulses of joints (JointForce); timing: times of this step (s)."""
+    the last step. bearing: impulses of joints (JointForce); timing (StepTime): times (s)."""
     zero = 0.0 * load(bearing.share, i, 0)
     impulse = vector(zero, zero, zero)
     if bearing.lone[i] >= 0:

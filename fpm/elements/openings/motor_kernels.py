@@ -51,7 +51,7 @@ class Motors(NamedTuple):
 def forces(part, world, timing):
     """Add the moments (N m) of the motors' drive trains, towards the prescribed openings, to the
     forces on particles; keep moments and targets in part.state. part: arrays of all motors
-    (Motors); world: solver state, whose forces change; timing: times of this step (s)."""
+    (Motors); world (World): solver state, whose forces change; timing (StepTime): times (s)."""
     for i in range(part.hinge.shape[0]):
         h = part.hinge[i]
         for k in (MOMENT, VISCOUS):
@@ -80,7 +80,7 @@ def work_before(part, world, timing):
     """Add to World.accounts the work (J) of the motors, and the losses (J) of their drive trains,
     in the step that ends at timing.time: means of the moments at both ends times the way, which is
     what the moments do on the hinges, so that the balance has no error of it. part: arrays of all
-    motors (Motors); world: solver state (World); timing: times of this step (s)."""
+    motors (Motors); world (World): solver state; timing (StepTime): times of the step (s)."""
     work = load(world.accounts, 0, part.work_account)
     loss = load(world.accounts, 0, part.loss_account)
     for i in range(part.hinge.shape[0]):
@@ -105,7 +105,7 @@ def energy_of(part, world, i):
 @hook(Motors)
 def record(part, world, row):
     """Record the moment (N m) of each motor on its hinge in part.track. part: arrays of all motors
-    (Motors or TorqueMotors); world: not used; row: index of the recorded instant."""
+    (Motors) (Motors or TorqueMotors); world: not used; row: index of the recorded instant."""
     count = part.hinge.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, MOMENT))

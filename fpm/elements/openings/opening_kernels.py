@@ -62,8 +62,8 @@ def is_slide(slides, h):
 def forces(part, world, timing):
     """Compute all openings, into part.angles, and axes, if other element types read them in every
     step (part.is_needed); where moments are recorded by component (springs, dampers, ...), make
-    each that of a step ago and set it to 0. part: arrays of all openings (Openings); world: solver
-    state, whose positions and axes are read; timing: not used."""
+    each that of a step ago and set it to 0. part: arrays of all openings (Openings); world (World):
+    solver state, whose positions and axes are read; timing: not used."""
     if part.is_needed:
         update(part, world.state)
     begin_parts(part.moments)

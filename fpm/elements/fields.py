@@ -45,8 +45,7 @@ class Number(FieldSpec):
     zero: bool = True
 
     def allows(self, value: float) -> bool:
-        """Return whether a number `value` is within the bounds of this field, and finite if it must
-        be."""
+        """Return whether a number is within the bounds of this field, and finite if it must be."""
         low = self.least is not None and not value >= self.least
         low = low or (self.above is not None and not value > self.above)
         return not low and not math.isnan(value) and (math.isfinite(value) or not self.finite)
@@ -71,8 +70,8 @@ class Word(FieldSpec):
 @dataclass(frozen=True)
 class Index(FieldSpec):
     """Spec of a field that holds an index into a list of the scene. group: name of the list, as
-    "hinges"; least: -1 where that is allowed and means none, else 0; types: allowed types of the
-    hinge ("revolute", ...), empty: all."""
+    "hinges"; least: -1 where that is allowed and means none, else 0; types: if the list is of
+    hinges, which of them the field may refer to ("revolute", ...), empty: all."""
 
     group: str = ""
     least: int = 0
@@ -96,8 +95,8 @@ def number(
 
 def stiffness(unit: str = "N m/rad", words: str = "{noun} stiffness", **keys) -> Any:
     """Declare a dataclass field of an element that holds a stiffness, at least 0. unit: as "N/m";
-    words: its name in messages, in which {noun} stands for the type's word; keys: further
-    arguments of `number`."""
+    words: its name in messages, {noun} being the type's word; keys: further arguments of
+    `number`."""
     return number(unit, 0.0, words=words, **keys)
 
 
@@ -136,8 +135,8 @@ def specs(kind: type) -> dict[str, FieldSpec]:
 
 
 def numbers_in(value: Any) -> Sequence[float]:
-    """Return the numbers (k,) of a field's value, as kernels take them: one number as a tuple of
-    it, an array or nested tuple flattened."""
+    """Return the numbers (k,) of a field's value, as kernels and checks take them: one number as a
+    tuple of it, an array or nested tuple flattened."""
     return (value,) if isinstance(value, float | int) else np.ravel(value)
 
 

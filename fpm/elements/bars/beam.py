@@ -163,8 +163,8 @@ class Beams(ElementType):
         return axes
 
     def stiffness(self) -> np.ndarray:
-        """Return a table (m, 5) with a row for each element: undeformed length l0 (m), EA/l0 (N/m),
-        2 EIz/l0, 2 EIy/l0 and GJ/l0 (N m)."""
+        """Return a table (m, 5) with a row for each element, by which its stiffness matrix is
+        built: undeformed length l0 (m), EA/l0 (N/m), 2 EIz/l0, 2 EIy/l0 and GJ/l0 (N m)."""
         s, m, n = self.section, self.material, len(self.length)
         table = np.empty((n, 5))
         table[:, 0] = self.length
@@ -186,8 +186,8 @@ class Beams(ElementType):
 
     @classmethod
     def deformations(cls, scene):
-        """Return the independent deformations of all beam elements of a scene, with their
-        stiffness, from which the stable time step follows: six of each element, as in `modes`."""
+        """Return the independent deformations (Deformations) of all beam elements of a scene, with
+        their stiffness, for the stable time step: six springs of each element, as in `modes`."""
         frame = scene.frame if scene.unstrained is None else scene.unstrained
         modes, count = [], 0
         for beams in cls.find(scene):

@@ -57,15 +57,15 @@ class FramedElements(NamedTuple):
 @kernel
 def angle(s):
     """Return 6 th and 2 dth/ds of the angle th (rad) with the sine s (number or lanes), by th = s +
-    s³/6, whose error is of the fifth order."""
+    s³/6, whose error is of the fifth order: of the ends' deflections, for their moments."""
     slope = s * s + 2.0
     return s * (slope + 4.0), slope
 
 
 @kernel
 def twist_of(a2, a3, b2, b3):
-    """Twice the sine of an element's twist, b2 . a3 - b3 . a2, by its unit axes 2 and 3 at the ends
-    a and b (global components), normal to each other at either end."""
+    """Return twice the sine of an element's twist, b2 . a3 - b3 . a2, by its unit axes 2 and 3 at
+    the ends a and b (vectors in global components), normal to each other at either end."""
     return dot(b2 - a2, a3 + b3)
 
 

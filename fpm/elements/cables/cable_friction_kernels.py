@@ -78,8 +78,8 @@ class RubbingCables(NamedTuple):
 
 @kernel
 def exponential(x):
-    """exp(x) with a relative error of 1e-11 for 0 <= x <= 10, and exp(30) above 30, at which no
-    cable slips: the series at x/256, squared eight times."""
+    """Return exp(x) to a relative error of 1e-11 for 0 <= x <= 10, and exp(30) above 30, where no
+    cable slips, for ratios of tensions at points: the series at x/256, squared eight times."""
     y = (1.0 / 256.0) * where_negative(x - 30.0, x, 30.0)
     result = 1.0 + y * (1.0 + y * (0.5 + y * (1 / 6 + y * (1 / 24 + y * (1 / 120 + y / 720)))))
     for _ in range(8):
@@ -89,8 +89,8 @@ def exponential(x):
 
 @kernel
 def turn_angle(part, j):
-    """Angle (rad, 0 to pi) between the stretches of a cable before and after its point j. part:
-    arrays of all cables (RubbingCables), after `lay`."""
+    """Return the angle (rad, 0 to pi) by which a cable turns at its point j, between its ends
+    (index among all cables' points). part: arrays of all cables (RubbingCables), after `lay`."""
     first, second = get3(part.stretches, j - 1, DIRECTION), get3(part.stretches, j, DIRECTION)
     normal = cross(first, second)
     return arctan2(sqrt(dot(normal, normal)), dot(first, second))
@@ -98,8 +98,8 @@ def turn_angle(part, j):
 
 @kernel
 def length_at(part, j, soft, fraction):
-    """Length (m) of stretch j at a `fraction` (0 to 1) of the step that ends now, as if it changed
-    evenly in it. part: arrays of all cables (RubbingCables); soft: 1/EA (1/N)."""
+    """Return the length (m) of stretch j at a `fraction` (0 to 1) of the step that ends now, as if
+    it changed evenly in it. part: arrays of all cables (RubbingCables); soft: 1/EA (1/N)."""
     length = load(part.rubbed, j, MATERIAL) * (1.0 + soft * load(part.rubbed, j, TENSION))
     return length + fraction * (load(part.stretches, j, LENGTH) - length)
 
@@ -189,9 +189,9 @@ def gain(part, j, soft):
 
 @hook(RubbingCables)
 def work_before(part, world, timing):
-    """Add the winches' work (J) over the step that ends now to part.account in world.accounts, and
-    that lost by friction to part.loss. part: arrays of all cables (RubbingCables); world (World):
-    solver state; timing: unused."""
+    """Add the winches' work (J) over the step that ends now to column part.account of
+    world.accounts, and what friction took to part.loss. part: all cables (RubbingCables); world:
+    World; timing: unused."""
     work, loss = load(world.accounts, 0, part.account), load(world.accounts, 0, part.loss)
     for c in range(part.curve.shape[0]):
         if not part.rubs[c]:

@@ -96,8 +96,8 @@ def unstrained_now(part, world, timing, c):
 
 @kernel
 def find_pull(part, world, timing, c):
-    """Store the elongation (m) of cable c, without friction, in part.state, and its tension (N) in
-    part.stretches. part: all cables (Cables); world (World): solver state; timing: StepTime (s)."""
+    """Store elongation, unstrained length (m) and winch force (N) of cable c, without friction, in
+    part.state, tension (N) in part.stretches. part: Cables; world: World; timing: StepTime (s)."""
     length = lay(part, world.state, c)
     store(part.state, c, LONGER_BEFORE, load(part.state, c, LONGER))
     store(part.state, c, UNSTRAINED_BEFORE, load(part.state, c, UNSTRAINED))
@@ -150,8 +150,8 @@ def note_events(part, world, timing):
 
 @kernel
 def work_of_winch(part, c):
-    """Work (J) of the winch of cable c over the step that ends now, above 0 where it takes tight
-    cable in. part: arrays of all cables (Cables)."""
+    """Return the work (J) of the winch of cable c over the step that ends now, above 0 where it
+    takes tight cable in. part: arrays of all cables (Cables or RubbingCables)."""
     reeled = load(part.state, c, UNSTRAINED_BEFORE) - load(part.state, c, UNSTRAINED)
     return 0.5 * reeled * (load(part.state, c, WINCH) + load(part.state, c, WINCH_BEFORE))
 

@@ -40,7 +40,7 @@ def positive(x):
 @kernel
 def find_flow(part, first, j, strain):
     """Return the unstrained length (m) that slips from the stretches `first` to j over the point at
-    j's end, if j has this `strain`, and its derivative (m). part: all cables (RubbingCables)."""
+    j's end if j has this `strain`, and its derivative by it (m). part: RubbingCables."""
     flow, follows = 0.0 * strain, 0.0 * strain + 1.0
     slope, linked = flow, follows
     for k in range(j, first - 1, -1):
@@ -63,9 +63,9 @@ def find_flow(part, first, j, strain):
 def strain_alone(part, first, j, tight, slope, close):
     """Return the strain of stretch j > first if nothing could slip over the point at its end, 0 if
     slack, and the derivative of `find_flow` (m) there. At this strain `find_flow` is 0: found by
-    Newton's method between bounds, from the solution to first order. part: arrays of all cables
-    (RubbingCables); first: the cable's first point; tight: length less unstrained length (m) of the
-    stretches up to j; slope: derivative (m) for the stretches before j; close: allowed rest (m)."""
+    Newton's method between bounds, from the solution to first order. part: RubbingCables; first:
+    the cable's first point; tight: length less unstrained length (m) of the stretches up to j;
+    slope: derivative (m) for the stretches before j; close: flow (m) that is near enough to 0."""
     start, length = load(part.rubbed, j, START), load(part.stretches, j, LENGTH)
     free_strain, stuck = load(part.rubbed, j - 1, FREE_STRAIN), positive((length - start) / start)
     ratio, inverse = load(part.rubbed, j, RATIO), load(part.rubbed, j, INVERSE)

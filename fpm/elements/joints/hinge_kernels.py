@@ -155,9 +155,9 @@ def move_bodies(state, particles, pair, step):
 
 @kernel
 def nudge(state, i, r, b, step):
-    """Change the velocities and angular momenta of particles i in `state` by rows r of `b`, the
-    bodies' working memory: DV (m/s) and DP (N m s) (`push`); and shift and turn them by what these
-    give over a step (s), to close small gaps. i, r: indices, or pairs of them."""
+    """Change the velocities and angular momenta of particles i in `state` (World.state) by rows r
+    of `b`, the bodies' working memory: DV (m/s) and DP (N m s) (`push`); and shift and turn them by
+    what these give over a step (s), to close small gaps. i, r: indices, or pairs of them."""
     push(state, i, r, b)
     put3(state, i, X, step * get3(b, r, DV) + get3(state, i, X))
     turn_little(state, i, step * symmetric(get6(b, r, INVERSE), get3(b, r, DP)))
@@ -165,9 +165,10 @@ def nudge(state, i, r, b, step):
 
 @kernel
 def ask(part, state, h, rate):
-    """Store in GOAL of hinge h (index) the rates that its impulses must produce to close its gaps
-    in the time 1/rate: -rate (1/s) times the gap (m), the sines of both tilts, and the distance of
-    its point from where it is held (m). part: all hinges (Hinges); state: of the particles."""
+    """Store in GOAL of hinge h, in part.hinge_scratch, the rates that its impulses must produce to
+    close it in the time 1/rate: -rate (1/s) times the gap (m), the sines of both tilts, and the
+    distance of its point from where it is held (m). part: all hinges (Hinges); state:
+    World.state."""
     w = part.hinge_scratch
     point, gap, ep, eq = gaps(part, state, h)
     put3(w, h, GOAL, -rate * gap)
@@ -245,9 +246,9 @@ def look_back(part, world, timing):
 
 @kernel
 def gap_squares(part, state, h):
-    """Square of the gap of hinge h (m²), the distance between its points on both bodies, or of its
-    point from where it is held if larger, and squared sine of the angle between its axes on both.
-    part: arrays of all hinges (Hinges); state: of the particles (World.state)."""
+    """Return the squared gap of hinge h (m²), the distance between its points on both bodies, or of
+    its point from where it is held if larger, and the squared sine of the angle between its axes on
+    both. part: arrays of all hinges (Hinges); state: of the particles (World.state)."""
     point, gap, ep, eq = gaps(part, state, h)
     gap2 = dot(gap, gap)
     if part.supported:
@@ -258,10 +259,10 @@ def gap_squares(part, state, h):
 
 @kernel
 def distance(w, h, step, size):
-    """Return how far (lanes) hinge h is from needing another round, by its GOAL (rates that
-    impulses must produce): 1 where it is closed, above 0 where a last small correction (`nudge`)
-    suffices, below 0 in samples that need one. w: working memory of the hinges (hinge_scratch);
-    step: time step (s); size: characteristic length of the scene (m)."""
+    """Return how far (lanes) hinge h is from needing another round of closing, by its GOAL (rates
+    that impulses must produce): 1 where it is closed, above 0 where a last small correction
+    (`nudge`) suffices, below 0 in samples that need one. w: working memory of the hinges
+    (hinge_scratch); step: time step (s); size: characteristic length of the scene (m)."""
     most = coarse(step, size)
     gap, gap2 = get3(w, h, GOAL), get3(w, h, GOAL + 5)
     ep, eq = load(w, h, GOAL + 3), load(w, h, GOAL + 4)
@@ -284,8 +285,8 @@ def record_step(part, world, row, timing):
 @kernel
 def record_sums(sums, forces, row, timing):
     """Store the impulses of a step, `sums` (Hinges.sums; None: nothing is done), divided by the
-    length of the kick, as forces (N) and moments (N m) in `forces` (Hinges.forces). row: index of
-    the recorded instant; timing (StepTime): times of the step (s)."""
+    time timing.kick, as forces (N) and moments (N m) in `forces` (Hinges.forces). row: index of the
+    recorded instant; timing (StepTime): times of the step (s)."""
     if sums is not None:
         count = sums.shape[0]
         for h in range(count):

@@ -71,7 +71,7 @@ def solve(w, h, g, ep, eq):
 
 @kernel
 def is_held(part, h):
-    """Whether the point of hinge h is held along any global axis. part: all hinges (Hinges)."""
+    """Return whether the point of hinge h is held along any axis. part: all hinges (Hinges)."""
     axes = part.fixed_axes
     return axes[h, 0] + axes[h, 1] + axes[h, 2] > 0
 
@@ -156,8 +156,8 @@ def hold_point(part, h):
 
 @kernel
 def world_inverse(axes, j):
-    """Inverse inertia of a body in global components (xx, yy, zz, xy, xz, yz), 1/(kg m²). axes: its
-    three principal axes, global; j: inverse inertias about them (3)."""
+    """Return the inverse inertia of a body in global components (xx, yy, zz, xy, xz, yz), 1/(kg
+    m²). axes: its three principal axes, global; j: inverse inertias about them (3)."""
     a, b, _ = axes
     # The dyads of the three axes add up to the unit matrix, which spares the third.
     ja, jb = (j.x - j.z) * a, (j.y - j.z) * b
@@ -236,8 +236,8 @@ def prepare_bodies(world, part, kick):
 
 @kernel
 def pair_sum(b, h, field):
-    """Sum over both bodies of hinge h of the symmetric matrix (6) that starts at index `field` in
-    their rows of `b`, the working memory of bodies."""
+    """Return the sum over both bodies of hinge h of the symmetric matrix (6 numbers) that starts at
+    index `field` in their rows of `b`, the working memory of bodies (body_scratch)."""
     first, second = get6(b, 2 * h, field), get6(b, 2 * h + 1, field)
     return (
         first[0] + second[0],

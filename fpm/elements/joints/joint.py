@@ -43,8 +43,9 @@ chains, pairs, and platforms on 2 to 30 cranks."""
 
 
 class JointType(NamedTuple):
-    """Type of joint. number: the kernels' constant for it (joint_arrays.py); conditions: how many
-    scalar constraint equations it has; None: it varies, or users cannot state the type."""
+    """Type of joint, as "revolute". number: the kernels' constant for it (joint_arrays.py);
+    conditions: number of scalar constraint equations; None: it varies, or users cannot state the
+    type."""
 
     number: int
     conditions: int | None = None
@@ -177,8 +178,8 @@ class Joint(JointBase):
 
     @property
     def holds_opening(self) -> bool:
-        """Whether the joint only holds the opening of a hinge or slide at a value, for a motor,
-        release, latch or friction; it does not itself keep two particles together."""
+        """Whether the joint only holds the joint coordinate of a hinge or slide at a value, for a
+        motor, release, latch or friction; it does not itself keep two particles together."""
         return self.type in ("opening", "slid")
 
     def topology(self):

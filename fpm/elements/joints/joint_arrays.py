@@ -58,14 +58,15 @@ GAP, TILT = 0, 1  # watched, and recorded: the same places as of hinges, which s
 
 
 class Pattern(NamedTuple):
-    """Which blocks of the joints' matrix are not zero, and where, in the order in which joints are
-    eliminated; block (j, k) stands row by row from an `offset` in the matrix. All integers.
+    """Which blocks of the coupled joints' matrix are not zero, and where, in the order in which
+    joints are eliminated; block (j, k) stands row by row from an `offset` in the matrix. All
+    integers.
 
-    first, count (j,): first row (constraint equation) of each joint, and how many; diagonal (j,):
-    offsets of blocks (j, j); meets (m, 5): joint, other joint, side of each that shares a body, and
-    offset of the block to which that adds; below_start (j + 1,): where each joint's rows begin in
-    followers (b, 2): later joint coupled to it, offset of that block; update_start (j + 1,): the
-    same in updates (u, 5): joint, other, offsets of both factors and of the block they change."""
+    first, count (j,): first constraint equation of each joint, and how many; diagonal (j,): offsets
+    of blocks (j, j); meets (m, 5): two joints, side of each at which they share a body, offset of
+    the block to which that adds; below_start (j + 1,): where each joint's rows begin in followers
+    (b, 2): later joint coupled to it, offset of that block; update_start (j + 1,): the same in
+    updates (u, 5): joint, other, offsets of both factors and of the block they change."""
 
     first: np.ndarray  # (j,) first row of each joint
     count: np.ndarray  # (j,) and how many it has
@@ -78,10 +79,10 @@ class Pattern(NamedTuple):
 
 
 class Turns(NamedTuple):
-    """Openings held exactly, t of them: shared by the joints' solver and the elements that hold.
-    state (t, 5, lanes): -1 held or 1 free, target (rad; m), rate (rad/s; m/s), impulse of the step,
-    that of the last solution (N m s; N s); blow (1, 1, lanes): time of an impact in steps from the
-    start of this one, below 0 in the step after it; 0: none."""
+    """Openings (joint coordinates) held exactly, t of them: shared by the joints' solver and the
+    elements that hold. state (t, 5, lanes): -1 held or 1 free, target (rad; m), rate (rad/s; m/s),
+    impulse of the step, that of the last solution (N m s; N s); blow (1, 1, lanes): time of an
+    impact as a share of this step, below 0 if it came in the step before; 0: none."""
 
     state: np.ndarray  # (t, TURN, lanes)
     blow: np.ndarray  # (1, 1, lanes) when a blow comes, in steps from the start of this one

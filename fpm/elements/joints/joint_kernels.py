@@ -121,8 +121,8 @@ def find_spin(part, state, s):
 def find_rates(part, state):
     """Store in RESIDUAL of part.rows, for every constraint equation, the rate (m/s, rad/s) that
     impulses have to cancel: that of its gap, plus MISS, the sum over all steps before of the gap
-    left when the bodies had moved, over the step. part: arrays of all joints (Joints); state: of
-    the particles (World.state)."""
+    that was left after the motion, over the time step. part: all joints (Joints); state:
+    World.state."""
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
     for s in range(part.particle.shape[0]):
         put3(b, s, SPIN, find_spin(part, state, s))
@@ -205,8 +205,8 @@ def push_where_far(part, state, s, condition):
 
 @kernel
 def move_bodies(part, state, repeat, step):
-    """Move all bodies that no drive moves by a `step` (s) at their momenta. part: arrays of all
-    joints (Joints); state: of the particles, changed; repeat: whether from the step's start."""
+    """Move all bodies that no drive moves by a `step` (s) at their momenta. part: all joints
+    (Joints); state: World.state, changed; repeat: whether to begin at the step's start again."""
     b = part.body_scratch
     for s in range(part.particle.shape[0]):
         i = part.particle[s]
@@ -274,8 +274,8 @@ def look_back(part, world, timing):
     The impulses of the first kick also close gaps of the third order in the step. As those of other
     steps do so before and after an instant alike, momenta change over an instant by what acts there
     alone. Reflected, those before the first lack it: the impulses that close the joints a step
-    before the start as well, mu, belong to them, and the impulses of both kicks are twice those of
-    the first less mu."""
+    before the start as well, mu, belong to them; those of both kicks are twice the first less
+    mu."""
     move_back(part, world.start_state, timing.step)
     for j in range(part.types.shape[0]):
         find_gaps(part, world.start_state, j)

@@ -66,9 +66,9 @@ def put_turn(part, state, slot, r, k, turn):
 
 @kernel
 def place(part, state, j, side):
-    """Where joint j stands on one `side` (0: first, 1: second): position of the particle (m, 3),
-    its axes (three unit vectors), and the joint's point on it (m, 3), all global. part: arrays of
-    all joints (Joints); state: of the particles (World.state)."""
+    """Return where joint j stands on one `side` (0: first, 1: second): position of the particle (m,
+    3), its axes (three unit vectors), and the joint's point on it (m, 3), all global. part: arrays
+    of all joints (Joints); state: of the particles (World.state)."""
     i = part.particle[part.slots[2 * j + side]]
     axes = frame(state, i)
     x = get3(state, i, X)
@@ -215,8 +215,8 @@ def put_gap(rows, r, gap):
 
 @kernel
 def is_opening(turns, part, j):
-    """Whether joint j only holds an opening (angle or length) exactly. turns: Joints.turns, None if
-    no joint in the scene does; part: arrays of all joints (Joints)."""
+    """Return whether joint j only holds a joint coordinate (angle or length) exactly. turns:
+    Joints.turns, None if no joint in the scene does; part: arrays of all joints (Joints)."""
     if turns is None:
         return False
     return part.turn_of[j] >= 0
@@ -233,8 +233,8 @@ def put_opening_row(turns, part, state, j):
 
 @kernel
 def opening_gap(turns, part, state, j):
-    """Opening (rad; m on slides) of joint j less the value at which it is held; 0 in lanes where it
-    is free. turns: Joints.turns, None: 0; part: all joints (Joints); state: of the particles."""
+    """Joint coordinate (rad; m of slides) that joint j holds less its target; 0 in lanes where it
+    is free. turns: Joints.turns, None: 0; part: all joints (Joints); state: World.state."""
     if turns is None:
         return 0.0 * load(state, 0, X)
     return held_gap(part, state, j)
@@ -242,8 +242,8 @@ def opening_gap(turns, part, state, j):
 
 @kernel
 def put_held_row(part, state, j):
-    """Store the constraint equation of joint j if it holds an opening, all zero in samples where
-    that is free; returns whether it does. part: all joints (Joints); state: of the particles."""
+    """Store the constraint equation of joint j if it holds a joint coordinate, all zero in samples
+    where that is free; returns whether it does. part: all joints (Joints); state: World.state."""
     t = part.turn_of[j]
     if t < 0:
         return False
@@ -263,8 +263,8 @@ def put_held_row(part, state, j):
 
 @kernel
 def held_gap(part, state, j):
-    """Opening (rad; m on slides) that joint j holds less the value at which it is held; 0 in lanes
-    where it is free. part: all joints (Joints) (TurnedJoints); state: of the particles."""
+    """Return the joint coordinate (rad; m of slides) that joint j holds less its target; 0 in lanes
+    where it is free. part: arrays of all joints (TurnedJoints); state: World.state."""
     t = part.turn_of[j]
     _, first, point = place(part, state, j, 0)
     _, second, end = place(part, state, j, 1)

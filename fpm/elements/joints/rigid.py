@@ -69,9 +69,9 @@ class Rigid(HoldsHinge):
 
 @dataclass(frozen=True)
 class RigidMotor(AnyMotor, Rigid):
-    """A motor that prescribes the opening of a hinge exactly: start + turn times the curve (rad; m
-    on a slide). hinge, curve: indices in the scene (curve -1: constant 1); by_rate: whether turn
-    (rad/s) times the curve is the opening's rate instead."""
+    """A motor that prescribes the joint coordinate (opening) of a hinge exactly: start + turn times
+    a curve of time (rad; m on a slide). hinge, curve: indices in the scene (curve -1: constant 1);
+    by_rate: whether turn (rad/s) times the curve is the rate instead, from `start` on."""
 
     hinge: int = on_hinge()
     start: float = number("rad", words="opening of {title}", is_shown=False)
@@ -80,8 +80,7 @@ class RigidMotor(AnyMotor, Rigid):
     by_rate: bool = topology(False)
 
     def target(self, scene, time: float) -> float:
-        """Return the opening (rad; m on a slide) prescribed at a `time` (s). scene: has the
-        curve."""
+        """Return the opening (rad; m on a slide) prescribed at `time` (s). scene: has the curve."""
         times, values = scene.curves[self.curve] if self.curve >= 0 else CONSTANT
         if not self.by_rate:
             return float(self.start + self.turn * np.interp(time, times, values))
@@ -118,9 +117,9 @@ class RigidMotor(AnyMotor, Rigid):
 
 @dataclass(frozen=True)
 class RigidRelease(AnyRelease, Rigid):
-    """A release that holds a hinge exactly at the opening it has at the start, and lets go at
-    `time` (s) or when the opening of hinge `watch` passes `level` (rad; m on a slide). hinge,
-    watch: indices in the scene (watch -1: none)."""
+    """A release that holds a hinge exactly at the opening (joint coordinate) it has at the start,
+    and lets go at `time` (s) or when the opening of hinge `watch` passes `level` (rad; m on a
+    slide). hinge, watch: indices in the scene (watch -1: none)."""
 
     hinge: int = on_hinge()
     time: float = number("s", above=0.0, finite=False, default=np.inf)
@@ -136,10 +135,10 @@ class RigidRelease(AnyRelease, Rigid):
 
 @dataclass(frozen=True)
 class RigidLatch(AnyLatch, Rigid):
-    """A latch that stops the opening of a hinge (index) and holds it exactly where it caught it. It
-    catches within capture_range (rad) of `angle` (rad), coming from `side` ("below", "above" or
-    "either"), at no more than max_capture_rate (rad/s); on a slide in m. name: its own in results,
-    "": the hinge's."""
+    """A latch that stops the opening (joint coordinate) of a hinge, an index, and holds it exactly
+    where it caught it: within capture_range (rad) of `angle` (rad), coming from `side` ("below",
+    "above" or "either"), at no more than max_capture_rate (rad/s); on a slide in m. name: in
+    results, "": the hinge's."""
 
     hinge: int = on_hinge()
     angle: float = number("rad")
@@ -153,8 +152,8 @@ class RigidLatch(AnyLatch, Rigid):
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field `name` of the kernels' tuple RigidLatches, as
-        HoldsHinge.array; in "state", latches have searched (SEARCHED) up to the opening at the
-        start. batch: the scenes simulated side by side."""
+        HoldsHinge.array; in "state", the field SEARCHED, opening up to which a latch has looked, is
+        that at the start (rad; m). batch: the scenes simulated side by side."""
         array = super().array(name, batch)
         if name == "state":
             array[:, cls.kernels().SEARCHED] = start_angles(batch, cls)

@@ -22,8 +22,8 @@ from fpm.elements.openings.opening import OnHinge, Opening
 
 @dataclass(frozen=True)
 class Turn(ElementType):
-    """Condition by which an opening (angle of a hinge, length of a slide) is held exactly; there is
-    one for every element that does so (HoldsHinge), and none is stated by itself."""
+    """Condition by which a joint coordinate (angle of a hinge, length of a slide) is held exactly;
+    there is one for every element that does so (HoldsHinge), and none is stated by itself."""
 
     cost = 200.0
 

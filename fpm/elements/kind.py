@@ -23,8 +23,8 @@ AXES = "xyz"
 
 
 class Energy(NamedTuple):
-    """An energy in the balance of a run (J). name: by which the program finds it; variable: its
-    name in a trajectory file (netCDF); long_name: what it is, in words."""
+    """An energy in the balance of a run (J). name: key by which types and outcome find it;
+    variable: its name in a trajectory file (netCDF); long_name: what it is, in words."""
 
     name: str
     variable: str
@@ -72,7 +72,7 @@ class Series(NamedTuple):
 
 class Eventful(NamedTuple):
     """An element that has events. name: the element's; events: names of its events, at the index by
-    which kernels note each (0, 1, ...); joint: name of the joint that it is on, "": none."""
+    which kernels note each; joint: name of the joint on which it is, "": none."""
 
     name: str
     events: tuple[str, ...]
@@ -107,10 +107,10 @@ class ElementType:
     neutral default. stores, gives, takes: energies that its elements store, give as work, take out
     (Energy; None: none; types with the same share an account); events: names of its events;
     watches: failure criteria (Watch); reads: types whose arrays its kernels need in every step;
-    acts_as: component of the moments on openings, in recordings, that is its own; joins: whether
+    acts_as: component ("spring", ...) to which its moments on joints are recorded; joins: whether
     each element joins its `particles`; moves_free: whether it moves all particles that no other
-    type moves; resists_as: class of its part in what resists a slow motion (fpm/travel), "": none;
-    noun: its word in messages; cost: core time of an element in a step (ns)."""
+    type moves; resists_as: class of resistance ("FR", "S", ...: ECSS) in slow motions (fpm/travel),
+    "": none; noun: its word in messages; cost: core time of an element in a step (ns)."""
 
     stores: ClassVar[Energy | None] = None  # the energy it stores (hook `stored`)
     gives: ClassVar[Energy | None] = None  # the work it gives; kinds with the same share an account
@@ -183,8 +183,8 @@ class ElementType:
         )
 
     def acts_on(self) -> tuple[int, ...]:
-        """Return the indices of the hinges of the scene on whose openings (angles, or lengths of
-        slides) the element acts; by default none."""
+        """Return the indices of the hinges of the scene on whose joint coordinates (angles, or
+        lengths of slides) the element acts; by default none."""
         return ()
 
     # -- of all elements of the kind in a scene -------------------------------------------------
@@ -216,7 +216,7 @@ class ElementType:
     @classmethod
     def eventful(cls, scene: SceneData) -> list[Eventful]:
         """Return the type's elements in a scene that have events, each with the names of these
-        (Eventful); empty if the type has none."""
+        (Eventful), in the order by which kernels note them; empty if the type has none."""
         return [Eventful(name, cls.events) for name in cls.names(scene) if cls.events]
 
     @classmethod

@@ -35,12 +35,12 @@ CHANGES = 5
 
 
 class RigidFrictions(NamedTuple):
-    """Arrays of f frictions that stick exactly. hinge (f,): index of the hinge; turn (f,): row of
+    """Arrays of f frictions that stick exactly. hinge (f,): index of the hinge; turn (f,): index of
     its condition in turns.state; numbers (f, 1, lanes): friction moment (N m); openings, turns:
-    arrays of all openings, and of those held exactly; rates (f, 2, lanes): rates (rad/s) of the
-    last two steps; state (f, 6, lanes): moment held (N m), its work due (J), sign of the slip's
-    rate, brake moment now and before the joints were solved (N m), changes left in this step;
-    account: index of the loss in World.accounts."""
+    arrays of all joint coordinates, and of those held exactly; rates (f, 2, lanes): rates (rad/s)
+    of the last two steps, the last first; state (f, 6, lanes): moment held (N m), its work due (J),
+    sign of the slip's rate, brake moment now and before the joints were solved (N m), changes left
+    in this step; account: index of the loss in World.accounts."""
 
     hinge: np.ndarray
     turn: np.ndarray
@@ -78,10 +78,10 @@ account(RigidFrictions, WORKS, -1.0)
 
 @kernel
 def turning(part, i, timing):
-    """Fraction of the kick until the opening of element i comes to rest, and angle (rad) that it
-    turns until then, where its rate would fall below 0 in this kick: by the parabola of its motion
-    if its rate fell before, else as braked from the middle of the kick on. part: arrays of all
-    rigid frictions (RigidFrictions); timing (StepTime): times of the step (s)."""
+    """Return, for each lane where the rate of element i would reverse in this kick, the fraction of
+    the kick until it comes to rest, and the angle (rad, at least 0) that it turns until then: by
+    the parabola of its motion if its rate fell before, else as braked from the middle of the kick
+    on. part: all rigid frictions (RigidFrictions); timing (StepTime): times of the step (s)."""
     sign = load(part.state, i, SIGN)
     last = sign * load(part.rates, i, LAST)
     last = where_negative(last, 0.0, last)
@@ -119,16 +119,16 @@ def decide(part, world, timing):
 
 @kernel
 def needed_by(part, i, timing):
-    """Moment (N m) that holds element i in this step, as the joints were last solved; 0 where it
-    slips. part: arrays of all rigid frictions (RigidFrictions); timing (StepTime): times (s)."""
+    """Return the moment (N m) that holds element i in this step, as the joints were last solved; 0
+    where it slips. part: all rigid frictions (RigidFrictions); timing: StepTime (s)."""
     return (1.0 / timing.kick) * load(part.turns.state, part.turn[i], SOLVED_IMPULSE)
 
 
 @kernel
 def slipping(part, i, full, timing):
-    """Moment (N m) of element i in the step in which it starts to slip: a mean of what held it and
-    of the `full` friction moment (N m, with its sign), which agree to first order for a load that
-    grows; after an impact it makes up for what the kicks before and after lack. part: arrays of all
+    """Return the moment (N m) of element i in the step in which it starts to slip: a mean of what
+    held it and of the `full` friction moment (N m, with its sign), which agree to first order for a
+    load that grows; after an impact it makes up for what the kicks before and after lack. part: all
     rigid frictions (RigidFrictions); timing (StepTime): times of the step (s)."""
     if timing.time == 0.0:
         return full

@@ -80,18 +80,18 @@ def prepare(part, world, timing):
 
 @kernel
 def predict(part, i, timing):
-    """Opening (rad; m on slides) of latch i at the end of this step, by its rate as the joints were
-    last solved. part: arrays of all rigid latches (RigidLatches); timing (StepTime): times (s)."""
+    """Return the opening (rad; m on slides) of latch i at the end of this step, by its rate as the
+    joints were last solved. part: all rigid latches (RigidLatches); timing: StepTime (s)."""
     rate = load(part.turns.state, part.turn[i], RATE)
     return load(part.openings.angles, part.hinge[i], NEW) + timing.step * rate
 
 
 @hook(RigidLatches)
 def decide(part, world, timing):
-    """Catch the openings that would enter their capture range in this step; where any does, sets
-    world.undecided, and the joints are solved again. part: all rigid latches (RigidLatches); world
-    (World): solver state; timing (StepTime): times (s). The search begins at the opening predicted
-    in the step before, since the real one, which differs in its last digits, might slip through."""
+    """Catch the joint coordinates that would enter their capture range in this step; where any
+    does, sets world.undecided, and the joints are solved again. part: RigidLatches; world (World):
+    solver state; timing: StepTime (s). The search begins at the coordinate predicted in the step
+    before, since the real one, which differs in its last digits, might slip through."""
     for i in range(part.hinge.shape[0]):
         t = part.turn[i]
         start, prediction = load(part.state, i, SEARCHED), predict(part, i, timing)

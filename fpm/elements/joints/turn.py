@@ -29,8 +29,8 @@ class Turn(ElementType):
 
     @classmethod
     def find(cls, scene):
-        """The elements (HoldsHinge) of a scene, of all types, that hold an opening exactly, a list;
-        the index of an element in it is also that of its row in Turns.state."""
+        """Return the elements (HoldsHinge) of a scene, of all types, that hold a joint coordinate
+        exactly; the index of an element in this list is that of its condition in Turns.state."""
         holding = [kind for kind in scene.kinds if issubclass(kind, HoldsHinge)]
         return [element for kind in holding for element in scene.kinds[kind]]
 
@@ -41,8 +41,8 @@ class Turn(ElementType):
 
     @classmethod
     def places(cls, scene, kind: type[ElementType]) -> list[int]:
-        """Indices, in Turn.find(scene), of the elements of one type, `kind`, that hold an opening
-        exactly (as rigid latches do): rows of their conditions in Turns.state."""
+        """Return the indices, in Turn.find(scene), of the elements of one type, `kind`, that hold a
+        joint coordinate exactly (as RigidLatch does): of their conditions in Turns.state."""
         return [i for i, holder in enumerate(cls.find(scene)) if type(holder) is kind]
 
     @classmethod
@@ -61,15 +61,15 @@ class Turn(ElementType):
 
 
 class HoldsHinge(OnHinge):
-    """Base class of motors, releases, latches and friction that hold an opening (angle of a hinge,
-    length of a slide) exactly, without a spring; each has the field `hinge`, an index."""
+    """Base class of motors, releases, latches and friction that hold a joint coordinate (angle of a
+    hinge, length of a slide) exactly, without a spring; each has the field `hinge`, an index."""
 
     reads: ClassVar = (Opening, Turn)
     resists_as: ClassVar = ""
 
     def held_at_start(self, scene) -> float | None:
-        """Return the opening (rad; m on a slide) at which the element holds its hinge from the
-        start of a scene's run on; None, the default: the hinge is free then."""
+        """Return the joint coordinate (rad; m on a slide) at which the element holds its hinge from
+        the start of a scene's run on; None, the default: the hinge is free then."""
         return None
 
     def rate_at_start(self, scene) -> float | None:

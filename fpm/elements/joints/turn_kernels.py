@@ -65,14 +65,14 @@ HOLD_FIELDS = 2
 
 @kernel
 def work_on(openings, h, moment):
-    """Work (J) of half of a `moment` (N m) on opening h (index) over the step that ends now.
-    openings: arrays of all openings (Openings), with the opening now and a step ago."""
+    """Return the work (J) of half of a `moment` (N m) on the opening of hinge h over the step that
+    ends now. openings: arrays of all joint coordinates (Openings), now and a step ago."""
     return 0.5 * moment * (load(openings.angles, h, NEW) - load(openings.angles, h, OLD))
 
 
 @kernel
 def give(world, account, work):
-    """Add `work` (lanes, J) to the energy account of index `account` in world.accounts."""
+    """Add `work` (lanes, J) to the energy account (column) of index `account` in world.accounts."""
     store(world.accounts, 0, account, load(world.accounts, 0, account) + work)
 
 
@@ -197,8 +197,8 @@ def tell_rates(part, state):
 
 @kernel
 def velocity(part, state, s, point):
-    """Velocity (m/s, 3), after the impulses, of a `point` (m, 3, global) that moves with body s
-    (index). part: arrays of all joints (TurnedJoints); state: of the particles (World.state)."""
+    """Return the velocity (m/s, 3) that a `point` (m, 3, global) moving with body s has after the
+    impulses, which are not yet applied. part: all joints (TurnedJoints); state: World.state."""
     b, i = part.body_scratch, part.particle[s]
     v = get3(state, i, V)
     if not part.is_driven[s]:

@@ -33,12 +33,13 @@ step later, before the next one is found by the secant of both."""
 class Frictions(NamedTuple):
     """Arrays of all f friction elements. hinge (f,): index of its hinge; numbers (f, 4, lanes):
     bristle stiffness (N m/rad), deflection at slip (rad), damping (N m s/rad), 1/deflection where
-    the joint's force counts, else 0; openings: of all hinges; rates (f, 2, lanes): rate and
-    damper's moment of the last step; state (f, 8, lanes): foot (opening, rad, with straight
-    bristle), deflection (rad), then what joint forces and self-locking need; account: index in
-    World.accounts of the loss; rows (f, 1, lanes): energy or self-locking of each; peaks: largest
-    self-locking so far; start (f + 1,): first point of its table; points (p, 2, lanes): angle (rad)
-    and change of slope of all tables' points; bearing: forces of joints. None: unused."""
+    the joint's force counts, else 0; openings: joint coordinates; rates (f, 2, lanes): their rate
+    and damper's moment of the last step; state (f, 8, lanes): foot (coordinate, rad, of the
+    straight bristle), deflection (rad), then what joint forces and self-locking need; account:
+    index in World.accounts of the loss; rows (f, 1, lanes): energy or self-locking of each; peaks:
+    largest self-locking so far; start (f + 1,): first point of its table; points (p, 2, lanes):
+    angle (rad) and change of slope of all tables' points; bearing: forces of joints. None:
+    unused."""
 
     hinge: np.ndarray
     numbers: np.ndarray

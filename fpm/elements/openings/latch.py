@@ -38,7 +38,7 @@ slides names and units are others (opening.by_unit)."""
 
 
 class AnyLatch(OnHinge):
-    """Base class of latches, rigid ones too: their names, events and recorded series."""
+    """Base class of latches, rigid ones too: their field `name`, events and recorded series."""
 
     takes = JOINT_LOSS
     events = ("latches", "misses")
@@ -58,9 +58,9 @@ class AnyLatch(OnHinge):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the recorded series of one sample's latches, by variable name, all (t, latches):
-        moment (N m), impulse so far (N m s), rate at the catch (rad/s), of rigid latches also its
-        impulse (N m s). part: the latches' arrays; scene: the sample's; lane: its index."""
+        """Return the recorded series of one sample's latches after a run, by variable name, all (t,
+        latches): moment (N m), impulse so far (N m s), rate at the catch (rad/s), of rigid latches
+        its impulse (N m s). part: the latches' arrays; scene: the sample's; lane: its index."""
         latches = cls.find(scene)
         columns = part.track[:, :, lane].T.reshape(part.track.shape[1], -1, len(latches))
         pairs = zip(SERIES.items(), columns, strict=False)

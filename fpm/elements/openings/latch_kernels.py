@@ -184,8 +184,8 @@ def energy_of(part, world, i):
 
 @hook(Latches)
 def record(part, world, row):
-    """Record the moment (N m), impulse so far (N m s) and rate at the catch (rad/s) of each latch
-    in part.track. part: arrays of all latches (Latches); world: not used; row: of the instant."""
+    """Record moment (N m), impulse so far (N m s) and rate at the catch (rad/s) of each latch in
+    part.track. part: Latches; world: not used; row: index of the recorded instant."""
     count = part.hinge.shape[0]
     for i in range(count):
         for k, field in enumerate((MOMENT, IMPULSE, RATE_THERE)):

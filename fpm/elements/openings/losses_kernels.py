@@ -36,8 +36,8 @@ class JointForce(NamedTuple):
 
 @kernel
 def half_rate(openings, h, timing):
-    """Return the mean rate (rad/s, on slides m/s) of the opening of hinge h (index) over the step
-    that ends now. openings: arrays of all openings (Openings); timing (StepTime): times (s)."""
+    """Return the mean rate (rad/s, on slides m/s) of the joint coordinate of hinge h over the step
+    that ends now. openings: all joint coordinates (Openings); timing: StepTime (s)."""
     angles = openings.angles
     return (load(angles, h, NEW) - load(angles, h, OLD)) * (1.0 / timing.step)
 

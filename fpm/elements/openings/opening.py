@@ -46,8 +46,8 @@ TURNING = ("revolute", "universal", "cross")
 
 @dataclass(frozen=True)
 class Opening(ElementType):
-    """The opening of a hinge (its angle, rad) or slide (its length, m), as an element type. Every
-    hinge of a scene has one, of the hinge's index; `find` returns the scene's hinges."""
+    """The opening (joint coordinate) of a hinge (angle, rad) or slide (length, m), as an element
+    type. Every hinge of a scene has one, of its index; `find` returns the scene's hinges."""
 
     resists_as = ""
     cost = 30.0
@@ -102,7 +102,7 @@ class Opening(ElementType):
 
 
 class OnHinges(ElementType):
-    """Base class of element types that act on openings of hinges."""
+    """Base class of element types that act on openings (joint coordinates) of several hinges."""
 
     reads = (Opening,)
 
@@ -132,7 +132,7 @@ class OnHinges(ElementType):
 
 
 class OnHinge(OnHinges):
-    """Base class of element types that act on the opening of one hinge, of index `hinge`."""
+    """Base class of element types that act on the opening (joint coordinate) of one `hinge`."""
 
     def acts_on(self):
         return (self.hinge,)
@@ -192,8 +192,8 @@ class OnHinge(OnHinges):
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field of the named tuple that the type's kernels take. name: of
-        the field: "rates": rates at the start (pack_past);
-        others as in OnHinges.array. batch: the scenes that are simulated side by side."""
+        the field: "rates": rates of joint coordinates at the start (pack_past); others as in
+        OnHinges.array. batch: the scenes that are simulated side by side."""
         if name == "rates":
             return pack_past(batch, cls)
         return super().array(name, batch)
@@ -286,8 +286,9 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
 
 
 def softness(scene, hinge: int) -> float:
-    """Return the acceleration of a hinge's opening by a unit moment (slides: force), its particles
-    alone: 1/(kg m²), slides 1/kg; 0 where both are held. scene: has the hinge; hinge: its index."""
+    """Return the acceleration of a hinge's joint coordinate by a unit moment (slides: force), its
+    two particles alone: 1/(kg m²), slides 1/kg; 0 where both are held. hinge: index in the
+    scene."""
     joint, no_turn = scene.hinges[hinge], turns_of(scene).no_turn
     if joint.slides:
         rows = relative_turn(scene, [hinge], [1.0])
@@ -334,8 +335,8 @@ def rate_at(places, hinge, motion) -> float:
 
 def pack_past(batch, kind) -> np.ndarray:
     """Return the array (elements, 2, lanes) that kernels of a type which loses energy keep from
-    step to step, at its start: rate of each element's opening at t = 0 (rad/s, m/s), and 0 for its
-    moment. batch: the scenes that are simulated side by side; kind: the element type."""
+    step to step, at its start: rate of each element's joint coordinate at t = 0 (rad/s, m/s), and 0
+    for its moment. batch: the scenes that are simulated side by side; kind: the element type."""
     from fpm.elements.openings.losses_kernels import HISTORY
 
     count = len(kind.find(batch.scene))
@@ -348,8 +349,8 @@ def pack_past(batch, kind) -> np.ndarray:
 
 
 def start_angles(batch, kind) -> np.ndarray:
-    """Return the openings (n, lanes; rad, of slides m) at t = 0 of the hinges of all n elements of
-    a type. batch: the scenes that are simulated side by side; kind: the element type."""
+    """Return the joint coordinates (n, lanes; rad, of slides m) at t = 0 of the hinges of all n
+    elements of a type, `kind`. batch: the scenes that are simulated side by side."""
 
     def openings(scene):
         return [[scene.hinges[element.hinge].opening] for element in kind.find(scene)]
@@ -358,8 +359,8 @@ def start_angles(batch, kind) -> np.ndarray:
 
 
 def opening_at(scene, hinge) -> float:
-    """Return the opening (rad, of a slide m) of a hinge (Hinge) at the scene's present positions
-    and frames; of angles that differ by full turns the one closest to hinge.opening."""
+    """Return the joint coordinate (rad, of a slide m) of a hinge (Hinge) at the scene's present
+    positions and frames; of angles that differ by full turns the one closest to hinge.opening."""
     axis, *ends = (
         scene.frame[p] @ vectors[k]
         for p, vectors, k in (

@@ -38,8 +38,8 @@ class SceneData(Protocol):
     position (n, 3) m; frame (n, 3, 3): axes of each as columns; unstrained: frames without strain,
     None: `frame`; velocity (n, 3) m/s; spin (n, 3) rad/s; mass (n,) kg; inertia (n, 3) kg m²; fixed
     (n, 6): whether held along and about global axes; kinds: elements by type; hinges: all of them;
-    curves: (times, values) of time; points: named points (VirtualBeam); bearings: for each hinge
-    index, moment of friction for each N of the joint's force."""
+    curves: (times in s, values), piecewise linear; points: VirtualBeam by name; bearings: for each
+    hinge index, moment of friction for each N of the joint's force."""
 
     position: np.ndarray
     frame: np.ndarray

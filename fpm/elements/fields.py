@@ -95,8 +95,7 @@ def number(
 
 def stiffness(unit: str = "N m/rad", words: str = "{noun} stiffness", **keys) -> Any:
     """Declare a dataclass field of an element that holds a stiffness, at least 0. unit: as "N/m";
-    words: its name in messages, {noun} being the type's word; keys: further arguments of
-    `number`."""
+    words: name in messages, {noun} being the type's word; keys: further arguments of `number`."""
     return number(unit, 0.0, words=words, **keys)
 
 

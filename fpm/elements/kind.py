@@ -297,8 +297,8 @@ class ElementType:
 
     @classmethod
     def cost_in(cls, scene: SceneData) -> float:
-        """Core time (ns) of all elements of the type in a time step of eight runs of the scene side
-        by side (scenes/effort.py): `cost` for each."""
+        """Return the core time (ns) of all elements of the type in a time step of eight runs of the
+        scene side by side, to estimate run times (scenes/effort.py): `cost` for each."""
         return cls.cost * len(cls.names(scene))
 
     @classmethod

@@ -89,7 +89,7 @@ class Section:
 
     @staticmethod
     def square(side: float) -> "Section":
-        """Return the section of a solid square; side: its length (m), above 0."""
+        """Return the section of a solid square; side: its length (m), above 0, else SceneError."""
         return Section.rectangle(side, side)
 
     @staticmethod

@@ -32,10 +32,10 @@ BEND, STRAIN = 0, 1  # watched
 
 
 class StraightElements(NamedTuple):
-    """Arrays of m beam elements whose local axes are their particles' axes, as on straight bars.
-    nodes (m, 2): indices of the particles at ends a, b; beams (m, 5, lanes): constants, undeformed
-    length l0 (m), EA/l0 (N/m), EIz/(6 l0), EIy/(6 l0), GJ/(4 l0) (N m); peaks (1, 2, lanes):
-    largest bend (sine) and strain so far; rows (m, 1, lanes): energy of each (J)."""
+    """Arrays of m beam elements (lanes: samples) whose local axes are their particles' axes, as on
+    straight bars. nodes (m, 2): indices of the particles at ends a, b; beams (m, 5, lanes):
+    undeformed length l0 (m), EA/l0 (N/m), EIz/(6 l0), EIy/(6 l0), GJ/(4 l0) (N m); peaks (1, 2,
+    lanes): largest bend (sine) and strain so far; rows (m, 1, lanes): energy of each (J)."""
 
     nodes: np.ndarray  # (m, 2) particles
     beams: np.ndarray  # (m, BEAM, lanes)
@@ -44,8 +44,9 @@ class StraightElements(NamedTuple):
 
 
 class FramedElements(NamedTuple):
-    """Arrays of m beam elements with own axes. nodes, beams, peaks, rows: as of StraightElements;
-    axes (m, 12, lanes): local axes 2 and 3 at ends a and b, in the particles' axes."""
+    """Arrays of m beam elements with axes of their own. nodes, beams, peaks, rows: as
+    StraightElements; axes (m, 12, lanes): local axes 2, 3 at end a, then at b, in particles'
+    frames."""
 
     nodes: np.ndarray
     beams: np.ndarray

@@ -16,9 +16,9 @@ HISTORY = 3
 
 
 class Viscous(NamedTuple):
-    """Arrays of m beam elements' dampers. nodes (m, 2): particle indices of both ends; damping (m,
-    1, lanes): N s/m; history (m, 3, lanes): rate of the length (m/s) in the middle of the last
-    step, tension (N) and length (m) at its end; account: index of the loss in World.accounts."""
+    """Arrays of m beam elements' dampers (lanes: samples). nodes (m, 2): particle indices of both
+    ends; damping (m, 1, lanes): N s/m; history (m, 3, lanes): rate of the length (m/s) in the last
+    step's middle, tension (N), length (m) at its end; account: index of the loss in accounts."""
 
     nodes: np.ndarray
     damping: np.ndarray

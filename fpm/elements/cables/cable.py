@@ -130,9 +130,8 @@ class Cable(ElementType):
         return np.linalg.norm(np.diff(places, axis=0), axis=1)
 
     def pieces(self, scene) -> Iterator[Piece]:
-        """Yield the parts of the cable that have one tension each, as pairs (virtual beams,
-        stiffness in N/m at the least unstrained length): the whole, or with friction each
-        stretch."""
+        """Yield the parts of the cable that have one tension each, as pairs (virtual beams, N/m of
+        stiffness at the least unstrained length): the whole, or with friction each stretch."""
         shortest = self.shortest(scene)
         if not self.rubs:
             yield self.beams, self.stiffness / shortest
@@ -157,8 +156,8 @@ class Cable(ElementType):
 
     @classmethod
     def cost_in(cls, scene):
-        """Core time (ns) of all cables of a scene in a time step: `cost` for each stretch between
-        two points, RUBBING with friction."""
+        """Return the core time (ns) of all cables of a scene in a time step, to estimate run times:
+        `cost` for each stretch between two points, RUBBING with friction."""
         costs = [cls.cost if cable.friction is None else RUBBING for cable in cls.find(scene)]
         counts = [len(cable.beams) - 1 for cable in cls.find(scene)]
         return float(np.dot(costs, counts))

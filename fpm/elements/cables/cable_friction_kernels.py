@@ -50,13 +50,13 @@ from fpm.kernels.world import Log
 
 
 class RubbingCables(NamedTuple):
-    """Arrays of all c cables, with p points, where some have friction. start, particle, curve,
-    arms, cables, stretches, state, account, peaks, rows, log, track: as in Cables; rubs (c,): 1
-    where a cable has friction; friction (c, 1, lanes): its coefficient; rubbed (p, 8, lanes): of
-    each point and the stretch that begins there, unstrained length (m) before slipping in this
-    step, strain if nothing slipped over the point at its end, largest ratio of tensions, its
-    inverse, unstrained length (m), tension (N), tension a step ago (N), unstrained length slipped
-    over the point (m); loss: index of friction's loss in World.accounts."""
+    """Arrays of all c cables, with p points, where some have friction (lanes: samples). start,
+    particle, curve, arms, cables, stretches, state, account, peaks, rows, log, track: as in Cables;
+    rubs (c,): 1 where a cable has friction; friction (c, 1, lanes): its coefficient; rubbed (p, 8,
+    lanes): of each point and the stretch that begins there, unstrained length (m) before slipping
+    in this step, strain if nothing slipped over the point at its end, largest ratio of tensions,
+    its inverse, unstrained length (m), tension (N), tension a step ago (N), unstrained length
+    slipped over the point (m); loss: index of friction's loss in World.accounts."""
 
     start: np.ndarray
     particle: np.ndarray

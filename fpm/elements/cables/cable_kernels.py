@@ -40,15 +40,15 @@ TINY = 1e-30
 
 
 class Cables(NamedTuple):
-    """Arrays of all c cables, one after the other, with p points; a stretch runs from a point to
-    the next. start (c + 1,): first point of each cable; particle (p,): particle of each point;
-    curve (c,): index of the winch's curve, -1: none; arms (p, 3, lanes): from particles to points,
-    in the particles' frames (m); cables (c, 3, lanes): EA (N), unstrained length (m), reel (m);
-    stretches (p, 8, lanes): direction (3), length (m), arm of the point (3, m), pull (N); state (c,
-    6, lanes): elongation, unstrained length (m), winch force (N), each now and a step ago; account:
-    index of the winches' work in World.accounts; peaks (1, 1, lanes): largest `crowding` of all so
-    far; rows (c, 1, lanes): that of each; log: of events; track ((instants + 1) c, 2, lanes):
-    recorded tension (N) and length (m)."""
+    """Arrays of all c cables (lanes: samples), one after the other, with p points; a stretch runs
+    from a point to the next. start (c + 1,): first point of each cable; particle (p,): particle of
+    each point; curve (c,): index of the winch's curve, -1: none; arms (p, 3, lanes): from particles
+    to points, in the particles' frames (m); cables (c, 3, lanes): EA (N), unstrained length, length
+    that the winch takes in where its curve is 1 (m); stretches (p, 8, lanes): direction (3), length
+    (m), arm of the point (3, m), pull (N); state (c, 6, lanes): elongation, unstrained length (m),
+    winch force (N), each now and a step ago; account: index of the winches' work in World.accounts;
+    peaks (1, 1, lanes): largest `crowding` of all so far; rows (c, 1, lanes): that of each; log: of
+    events; track ((instants + 1) c, 2, lanes): recorded tension (N) and length (m)."""
 
     start: np.ndarray  # (c + 1,) first point of each
     particle: np.ndarray  # (p,) particles

@@ -50,7 +50,7 @@ def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Wat
 class JointBase(ElementType):
     """Base class of hinges and joints. Each has a `name`, a `type` (as "revolute"), and `beams`:
     one or two rigid arms (VirtualBeam) from particles to the joint, whose free ends are kept
-    together, or, of one, held in place. gaps: long names of the recorded gap and tilt, by variable
+    together, or, of one, held in place. gaps: long names of recorded gap and tilt, by variable
     name."""
 
     joins = True
@@ -106,15 +106,17 @@ class JointBase(ElementType):
 
 @dataclass(frozen=True)
 class Hinge(JointBase):
-    """A hinge, or other opening of a joint, between the free ends of two rigid arms from particles.
+    """A hinge, or other joint coordinate (opening) of a joint, between the ends of two arms from
+    particles.
 
-    name: no other's; axes (2, 3): the axis in each particle's own frame; references (2, 3):
-    directions normal to the axis, one in each frame, that coincide at opening 0; opening (rad): at
-    the start, with full turns; it grows when the second particle turns by the right-hand rule about
-    the axis against the first; support: global axes along which the hinge point is held, as "xz".
-    type: "revolute"; "prismatic": a slide, whose opening (m) is the distance along the axis from
-    the first beam's end to the second's, plus `offset` (m); "universal" and "cross": the first and
-    the second angle of a universal joint; the axis of each is fixed in its first particle."""
+    name: no other's; beams: the rigid arms; axes (2, 3): the axis in each particle's frame;
+    references (2, 3): directions normal to the axis, one in each frame, that coincide at opening 0;
+    opening (rad): at the start, with full turns; it grows when the second particle turns by the
+    right-hand rule about the axis against the first; support: global axes along which the hinge
+    point is held, as "xz". type: "revolute"; "prismatic": a slide, whose opening (m) is the
+    distance along the axis from the first arm's end to the second's, plus `offset` (m); "universal"
+    and "cross": the first and the second angle of a universal joint; the axis of each is fixed in
+    its first particle."""
 
     name: str
     beams: tuple[VirtualBeam, VirtualBeam]

@@ -180,9 +180,9 @@ def ask(part, state, h, rate):
 
 @hook(Hinges)
 def move(part, world, timing):
-    """Move the particles of all hinges by a step, in up to ROUNDS rounds, and close the hinges at
-    its end by impulses. part: arrays of all hinges (Hinges); world (World): solver state, changed;
-    timing (StepTime): times of the step (s). Gaps that the last round leaves raise part.peaks."""
+    """Move the particles of all hinges by a step and close the hinges at its end by impulses, in up
+    to ROUNDS (4) rounds. part: all hinges (Hinges); world (World): solver state, changed; timing
+    (StepTime): times of the step (s). Gaps that the last round leaves raise part.peaks."""
     state, ends, open_ = world.state, part.ends, part.open
     b, w = part.body_scratch, part.hinge_scratch
     open_[:] = True

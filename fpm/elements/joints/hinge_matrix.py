@@ -173,8 +173,8 @@ def world_inverse(axes, j):
 
 @kernel
 def spins(j, r):
-    """Angular velocities J^-1 (r x e) of a body, three vectors, by unit impulses along the global
-    axes e at a point; r (m, 3): arm to it from the centre; j: inverse inertia J^-1 (6, global)."""
+    """Return J^-1 (r x e), a body's angular velocities (three vectors, rad/s) by unit impulses
+    along global axes e at a point. r (m, 3): arm to it; j: J^-1 (xx, yy, zz, xy, xz, yz)."""
     xx, yy, zz, xy, xz, yz = j
     return (
         vector(xy * r.z - xz * r.y, yy * r.z - yz * r.y, yz * r.z - zz * r.y),

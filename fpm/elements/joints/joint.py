@@ -44,8 +44,7 @@ chains, pairs, and platforms on 2 to 30 cranks."""
 
 class JointType(NamedTuple):
     """Type of joint, as "revolute". number: the kernels' constant for it (joint_arrays.py);
-    conditions: number of scalar constraint equations; None: it varies, or users cannot state the
-    type."""
+    conditions: how many scalar constraint equations; None: it varies, or users cannot state it."""
 
     number: int
     conditions: int | None = None

@@ -109,8 +109,8 @@ def kick_bodies(part, state, kick):
 
 @kernel
 def find_spin(part, state, s):
-    """Angular velocity (rad/s, 3, global) of body s, about axes about which it may turn; if a drive
-    moves it, of the last step. part: all joints (Joints); state: of the particles (World.state)."""
+    """Return the angular velocity (rad/s, 3, global) of body s, about axes about which it may turn;
+    if a drive moves it, of the last step. part: all joints (Joints); state: World.state."""
     b, turns = part.body_scratch, get3(part.bodies, s, TURNS)
     if part.is_driven[s]:
         return get3(b, s, LAST_SPIN)
@@ -121,8 +121,7 @@ def find_spin(part, state, s):
 def find_rates(part, state):
     """Store in RESIDUAL of part.rows, for every constraint equation, the rate (m/s, rad/s) that
     impulses have to cancel: that of its gap, plus MISS, the sum over all steps before of the gap
-    that was left after the motion, over the time step. part: all joints (Joints); state:
-    World.state."""
+    that was left after the motion, over the time step. part: Joints; state: World.state."""
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
     for s in range(part.particle.shape[0]):
         put3(b, s, SPIN, find_spin(part, state, s))
@@ -234,9 +233,9 @@ def nudge(part, state, s, step):
 
 @hook(Joints)
 def move(part, world, timing):
-    """Move the bodies of all joints by a step, in up to ROUNDS rounds, and close the joints at its
-    end by impulses. part: arrays of all joints (Joints); world (World): solver state (positions,
-    momenta), changed; timing: StepTime (s). Gaps that the last round leaves raise part.peaks."""
+    """Move the bodies of all joints by a step and close the joints at its end by impulses, in up to
+    ROUNDS (4) rounds. part: all joints (Joints); world (World): solver state, changed; timing
+    (StepTime): times of the step (s). Gaps that the last round leaves raise part.peaks."""
     state, rows = world.state, part.rows
     inverse_step = 1.0 / timing.step
     most = coarse(1.0, load(world.size, 0, 0))

@@ -77,8 +77,8 @@ def place(part, state, j, side):
 
 @kernel
 def directions(part, j, first):
-    """Axis of joint j, its reference direction (normal to it), and the direction normal to both:
-    unit vectors on its first side. part: arrays of all joints (Joints); first: axes there."""
+    """Return the axis of joint j, its reference direction (normal to it), and the direction normal
+    to both: global unit vectors on its first side. part: Joints; first: axes of that particle."""
     axis = to_global(first, get3(part.sides, 2 * j, AXIS))
     p = to_global(first, get3(part.sides, 2 * j, REFERENCE))
     return axis, p, cross(axis, p)

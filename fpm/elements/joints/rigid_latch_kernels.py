@@ -41,14 +41,14 @@ TRACK = 4  # recorded: as of all latches, and the impulse with which it caught
 
 
 class RigidLatches(NamedTuple):
-    """Arrays of l rigid latches. hinge (l,): index of the hinge; turn (l,): row of its condition in
-    turns.state; numbers (l, 4, lanes): angle, capture range (rad), sign of the rate at which it
-    catches (0: both), largest rate (rad/s); openings, turns: arrays of all openings, and of those
-    held exactly; rates (l, 2, lanes): rate (rad/s) in the last step; state (l, 14, lanes): that of
-    all latches (Latches.state), then moment held (N m) and its work due (J), steps held, impulse of
-    the catch (N m s), opening foreseen at the step's end, opening searched so far (rad); account:
-    index of the loss in World.accounts; log: of events; track ((instants + 1) l, 4, lanes):
-    recorded moment (N m), impulse so far (N m s), rate (rad/s) and impulse (N m s) of the catch."""
+    """Arrays of l rigid latches (lanes: samples). hinge (l,): index of the hinge; turn (l,): index
+    of its condition in turns.state; numbers (l, 4, lanes): angle, capture range (rad), sign of the
+    rate at which it catches (0: both), largest rate (rad/s); openings, turns: arrays of all
+    openings, and of those held exactly; rates (l, 2, lanes): rate (rad/s) in the last step; state
+    (l, 14, lanes): as Latches.state, then moment held (N m), its work due (J), steps held, impulse
+    of the catch (N m s), opening foreseen at the step's end, opening searched so far (rad);
+    account: index of the loss in World.accounts; log: of events; track ((instants + 1) l, 4,
+    lanes): recorded moment (N m), impulse (N m s) so far, rate (rad/s) and impulse of the catch."""
 
     hinge: np.ndarray
     turn: np.ndarray

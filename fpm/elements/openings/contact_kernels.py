@@ -19,9 +19,9 @@ linkage at rest at closure has no events. Faces that meet at 1 rad/s reach it wi
 
 
 class Contacts(NamedTuple):
-    """Arrays of all c face contacts. hinge (c,): index of each one's hinge; numbers (c, 1, lanes):
-    stiffness (N m/rad); openings: arrays of all openings; rows (c, 1, lanes): energy of each (J),
-    to name the worst one in a message; log: where their events are noted (Log)."""
+    """Arrays of all c face contacts (lanes: samples). hinge (c,): index of its hinge; numbers (c,
+    1, lanes): stiffness (N m/rad); openings: all joint coordinates; rows (c, 1, lanes): energy of
+    each (J), to name the worst in a message; log: where their events are noted (Log)."""
 
     hinge: np.ndarray
     numbers: np.ndarray

@@ -14,10 +14,9 @@ DAMPING = 0
 
 
 class Dampers(NamedTuple):
-    """Arrays of all d dampers. hinge (d,): index of each one's hinge; numbers (d, 1, lanes):
-    damping (N m s/rad); openings: all joint coordinates; rates (d, 2, lanes): rate of the
-    coordinate (rad/s) and moment (N m) of the last step; account: index in World.accounts of the
-    loss."""
+    """Arrays of all d dampers (lanes: samples). hinge (d,): index of each one's hinge; numbers (d,
+    1, lanes): damping (N m s/rad); openings: all joint coordinates; rates (d, 2, lanes): rate
+    (rad/s) and moment (N m) of the last step; account: index in World.accounts of the loss."""
 
     hinge: np.ndarray
     numbers: np.ndarray

@@ -38,8 +38,7 @@ class Frictions(NamedTuple):
     straight bristle), deflection (rad), then what joint forces and self-locking need; account:
     index in World.accounts of the loss; rows (f, 1, lanes): energy or self-locking of each; peaks:
     largest self-locking so far; start (f + 1,): first point of its table; points (p, 2, lanes):
-    angle (rad) and change of slope of all tables' points; bearing: forces of joints. None:
-    unused."""
+    angle (rad) and change of slope of all tables' points; bearing: joint forces. None: unused."""
 
     hinge: np.ndarray
     numbers: np.ndarray

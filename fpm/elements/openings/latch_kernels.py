@@ -34,12 +34,12 @@ ANGLE_TOL = 1e-6
 
 
 class Latches(NamedTuple):
-    """Arrays of all l latches, for their kernels. hinge (l,): index of each one's hinge; numbers
-    (l, 7, lanes): angle, capture range (rad), sign of the rate at which it catches (0: both),
-    largest rate (rad/s), stiffness (N m/rad), damping (N m s/rad), -1 if one-sided; openings: of
-    all hinges; rates (l, 2, lanes): rate and damper's moment of the last step; state (l, 8, lanes):
-    1 once it has caught, opening (rad) and sign of the rate then, news of this step (1 caught, 2
-    missed) and their time (s), rate at the catch (rad/s), moment (N m), impulse so far (N m s);
+    """Arrays of all l latches (lanes: samples). hinge (l,): index of each one's hinge; numbers (l,
+    7, lanes): angle, capture range (rad), sign of the rate at which it catches (0: both), largest
+    rate (rad/s), stiffness (N m/rad), damping (N m s/rad), -1 if one-sided; openings: of all
+    hinges; rates (l, 2, lanes): rate and damper's moment of the last step; state (l, 8, lanes): 1
+    once it has caught, opening (rad) and sign of the rate then, news of this step (1 caught, 2
+    missed), their time (s), rate at the catch (rad/s), moment (N m), impulse so far (N m s);
     account: index in World.accounts of the loss; rows (l, 1, lanes): energy of each; log: of
     events; track ((instants + 1) l, 3, lanes): recorded moment, impulse, rate at the catch."""
 

@@ -18,12 +18,12 @@ HISTORY = 2
 
 
 class JointForce(NamedTuple):
-    """Impulses of joints in the last step, by which friction finds the force of its joint. share
-    (f, 1, lanes): deflection at slip for each N of that force (rad/N), of f friction elements, 0
-    where it is constant; lone (f,): row of each one's hinge in `hinges`, or -1; hinges (h, 12,
-    lanes): impulses (N s, N m s) of hinges that are solved alone; first, count (f,): first of its
+    """Impulses of joints in the last step (lanes: samples), by which friction finds its joint's
+    force. share (f, 1, lanes): deflection at slip for each N of that force (rad/N), of f friction
+    elements, 0 where it is constant; lone (f,): row of each one's hinge in `hinges`, or -1; hinges
+    (h, 12, lanes): impulses (N s, N m s) of hinges solved alone; first, count (f,): first of its
     joint's equations, and their number, in `rows` and `impulses`; rows (r, 19, lanes): equations of
-    joints that are solved together, with their directions; impulses (r, 1, lanes): N s, N m s."""
+    joints solved together, with their directions; impulses (r, 1, lanes): N s, N m s."""
 
     share: np.ndarray  # (f, 1, lanes) what counts of each N; 0: not this one
     lone: np.ndarray  # (f,)

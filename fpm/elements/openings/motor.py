@@ -34,8 +34,7 @@ class AnyMotor(OnHinge):
     @classmethod
     def read_records(cls, part, scene, lane):
         """Return the recorded moments (N m, on slides N) of one sample's motors after a run, Series
-        (t, motors) by variable name. part: the motors' arrays; scene: the sample's; lane: its
-        index."""
+        (t, motors) by variable name. part: the motors' arrays; scene, lane: of the sample."""
         hinges = [scene.hinges[motor.hinge] for motor in cls.find(scene)]
         values = part.track[:, 0, lane].reshape(-1, len(hinges))
         text, dimension = f"moment of the {cls.noun}s on their hinges", cls.noun
@@ -47,9 +46,8 @@ class AnyMotor(OnHinge):
 class Motor(AnyMotor):
     """Motor that prescribes the joint coordinate of a hinge through an elastic drive train: start +
     turn times a curve of time. hinge: index; stiffness (N m/rad), damping (N m s/rad): of the drive
-    train; start, turn (rad); curve: its index in Scene.curves, -1: constant 1; by_rate: whether
-    turn (rad/s) times the curve is the coordinate's rate instead. On slides m for rad, N for N
-    m."""
+    train; start, turn (rad); curve: index in Scene.curves, -1: constant 1; by_rate: whether turn
+    (rad/s) times the curve is the coordinate's rate instead; on slides m for rad, N for N m."""
 
     hinge: int = on_hinge()
     stiffness: float = stiffness(text="of its drive train")

@@ -26,13 +26,13 @@ TRACK = 1
 
 
 class Motors(NamedTuple):
-    """Arrays of all m motors. hinge (m,): index of its hinge; curve (m,): index of its curve of
-    time, -1: constant 1; by_rate (m,): 1 where the curve gives the rate; numbers (m, 4, lanes):
-    stiffness (N m/rad), damping (N m s/rad), start, turn (rad); rates (m, 2, lanes): rate of the
-    last step; state (m, 7, lanes): moment, a step ago, moment of damping, a step ago (N m), target
-    less opening, change of the target, target (rad); openings: of all hinges; work_account,
-    loss_account: indices in World.accounts of work and loss; rows (m, 1, lanes): energy of each;
-    track ((instants + 1) m, 1, lanes): recorded moment (N m)."""
+    """Arrays of all m motors (lanes: samples). hinge (m,): index of its hinge; curve (m,): index of
+    its curve of time, -1: constant 1; by_rate (m,): 1 where the curve gives the rate; numbers (m,
+    4, lanes): stiffness (N m/rad), damping (N m s/rad), start, turn (rad); rates (m, 2, lanes):
+    first, rate of the last step; state (m, 7, lanes): moment, a step ago, moment of damping, a step
+    ago (N m), target less opening, change of the target, target (rad); openings: joint coordinates
+    of all hinges; work_account, loss_account: indices in World.accounts of work and loss; rows (m,
+    1, lanes): energy of each; track ((instants + 1) m, 1, lanes): recorded moment (N m)."""
 
     hinge: np.ndarray
     curve: np.ndarray

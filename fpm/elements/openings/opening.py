@@ -287,8 +287,7 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
 
 def softness(scene, hinge: int) -> float:
     """Return the acceleration of a hinge's joint coordinate by a unit moment (slides: force), its
-    two particles alone: 1/(kg m²), slides 1/kg; 0 where both are held. hinge: index in the
-    scene."""
+    two particles alone: 1/(kg m²), slides 1/kg; 0 where both are held. hinge: its index."""
     joint, no_turn = scene.hinges[hinge], turns_of(scene).no_turn
     if joint.slides:
         rows = relative_turn(scene, [hinge], [1.0])

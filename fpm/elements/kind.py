@@ -196,8 +196,8 @@ class ElementType:
 
     @classmethod
     def sweep_elements(cls, scene: SceneData) -> list["ElementType"]:
-        """Return the elements that replace this type's where an opening is moved slowly through
-        static equilibria, to find what resists it (fpm/travel); by default the scene's own."""
+        """Return the elements that replace this type's where a joint coordinate is moved slowly
+        through static equilibria, to find what resists it (fpm/travel); by default its own."""
         return cls.find(scene)
 
     @classmethod
@@ -284,15 +284,15 @@ class ElementType:
     @classmethod
     def held_up(cls, scene: SceneData) -> float:
         """Return the sum (N), over this type's elements in a scene, of the forces that joints may
-        have to bear at rest because of them; by default 0. With it the program estimates how much
-        work rounding errors do, and so how exactly the energy can balance."""
+        have to bear at rest because of them; by default 0. By it the program estimates the work of
+        rounding errors, and so how exactly the energy can balance."""
         return 0.0
 
     @classmethod
     def held_round(cls, scene: SceneData) -> float:
         """Return the sum (N m), over this type's elements in a scene, of the moments that exactly
-        held openings may have to bear at rest because of them; by default 0. With it the program
-        estimates how much work rounding errors do, and so how exactly the energy can balance."""
+        held joint coordinates may have to bear at rest because of them; by default 0. By it the
+        program estimates the work of rounding errors, and so how exactly the energy can balance."""
         return 0.0
 
     @classmethod

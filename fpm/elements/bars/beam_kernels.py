@@ -44,8 +44,8 @@ class StraightElements(NamedTuple):
 
 
 class FramedElements(NamedTuple):
-    """Arrays of m beam elements with axes of their own. nodes, beams, peaks, rows: as
-    StraightElements; axes (m, 12, lanes): local axes 2, 3 at end a, then at b, in particles'
+    """Arrays of m beam elements with axes of their own. nodes, beams, peaks, rows:
+    StraightElements'; axes (m, 12, lanes): local axes 2, 3 at end a, then b, in particles'
     frames."""
 
     nodes: np.ndarray
@@ -153,9 +153,9 @@ def forces(part, world, timing):
 
 @kernel
 def shape_of(part, state, e):
-    """Return the deformation of element e, a tuple: axial force (N); sines of the angles between
-    the chord and the axes 2, 3 at end a and 2, 3 at end b (0 where straight), a tuple of four;
-    twice the sine of its twist. part: StraightElements or FramedElements; state: World.state."""
+    """Return the deformation of element e, a tuple: axial force (N); sines of the angles by which
+    the axes 2, 3 at end a and 2, 3 at end b are off the normal to the chord, a tuple of four; twice
+    the sine of its twist. part: StraightElements or FramedElements; state: World.state."""
     a2, a3, b2, b3 = end_axes(part, state, e)
     n, _, force = chord_of(part, state, e)
     return force, (dot(n, a2), dot(n, a3), dot(n, b2), dot(n, b3)), twist_of(a2, a3, b2, b3)

@@ -164,8 +164,8 @@ class Cable(ElementType):
 
     @classmethod
     def sweep_elements(cls, scene):
-        """Return copies of a scene's cables without friction, for moving an opening slowly through
-        static equilibria (fpm/travel), which counts friction by itself."""
+        """Return copies of a scene's cables without friction, for moving a joint coordinate slowly
+        through static equilibria (fpm/travel), which counts friction by itself."""
         return [replace(cable, friction=None) for cable in cls.find(scene)]
 
     @classmethod
@@ -198,9 +198,9 @@ class Cable(ElementType):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return tension (N) and strained length (m) of all cables of one sample after a run, two
-        Series (t, cables) by variable name. part: kernel arrays (Cables); scene: the sample's;
-        lane: index of the sample among those simulated side by side."""
+        """Return tension (N) and strained length (m) of all cables of one sample after a run,
+        Series (t, cables) named "cable_tension", "cable_length". part: kernel arrays (Cables);
+        scene: the sample's; lane: index of the sample among those simulated side by side."""
         names = cls.names_of(scene)
         tension, length = part.track[:, :, lane].T.reshape(2, -1, len(names))
         return {

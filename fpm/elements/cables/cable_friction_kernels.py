@@ -127,9 +127,9 @@ def slip(part, c, rest, excess, turn):
 @kernel
 def pull_on(part, c, excess, turn, slack):
     """Store in part.rubbed and part.stretches tension (N), slipped length (m), unstrained length
-    (m) and pull on its points (N) of every stretch of cable c. part: arrays of all cables
-    (RubbingCables); excess: length less unstrained length now (m); turn: fraction of the step after
-    which the cable turns slack, if it is now; slack: fraction of the step in which it is slack."""
+    (m) and pull on its points (N) of every stretch of cable c. part: all cables (RubbingCables);
+    excess: length less unstrained length now (m); turn: fraction of the step after which the cable
+    turns slack, if it is now; slack: fraction of the step in which it is slack."""
     first, last = part.start[c], part.start[c + 1] - 1
     stiffness = load(part.cables, c, EA)
     soft, strain, inflow = 1.0 / stiffness, load(part.rubbed, last - 1, FREE_STRAIN), 0.0 * excess

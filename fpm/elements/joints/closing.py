@@ -65,8 +65,8 @@ def count_joints(part, condition):
 @kernel
 def count_conditions(sums, part, condition):
     """Add the impulses (N s, N m s) last found for all constraint equations to `sums` (Joints.sums,
-    over a step; None: nothing is done), where `condition` (lanes) < 0: slack of the gaps, < 0 where
-    one is too large and bodies are pushed again, or ALL. part: arrays of all joints."""
+    over a step; None: nothing is done), in samples where `condition` (lanes) is below 0: slack of
+    the gaps, below 0 where bodies are pushed again, or ALL (-1). part: all joints (Joints)."""
     if sums is not None:
         for r in range(sums.shape[0]):
             total = load(sums, r, 0)

@@ -50,8 +50,8 @@ def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Wat
 class JointBase(ElementType):
     """Base class of hinges and joints. Each has a `name`, a `type` (as "revolute"), and `beams`:
     one or two rigid arms (VirtualBeam) from particles to the joint, whose free ends are kept
-    together, or, of one, held in place. gaps: long names of recorded gap and tilt, by variable
-    name."""
+    together, or, of one, held in place. gaps: words for recorded gap and tilt, by name of the
+    variable."""
 
     joins = True
     gaps: ClassVar[dict[str, str]]  # recorded: the largest of points and of directions, in words
@@ -63,7 +63,7 @@ class JointBase(ElementType):
 
     @property
     def slides(self) -> bool:
-        """Whether the joint is a slide, so that its opening is a length (m)."""
+        """Whether the joint is a slide, so that its joint coordinate is a length (m)."""
         return self.type == "prismatic"
 
     @property
@@ -189,8 +189,8 @@ class Hinge(JointBase):
 
     @classmethod
     def find(cls, scene):
-        """Return those hinges of a scene that are solved each by itself (`are_alone`); all others
-        are solved as coupled joints (Joint.find)."""
+        """Return those hinges of a scene whose constraints are solved for each by itself
+        (`are_alone`); all others are solved as coupled joints (Joint.find)."""
         return [hinge for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True) if lone]
 
     def topology(self):

@@ -167,8 +167,7 @@ def nudge(state, i, r, b, step):
 def ask(part, state, h, rate):
     """Store in GOAL of hinge h, in part.hinge_scratch, the rates that its impulses must produce to
     close it in the time 1/rate: -rate (1/s) times the gap (m), the sines of both tilts, and the
-    distance of its point from where it is held (m). part: all hinges (Hinges); state:
-    World.state."""
+    distance of its point from where it is held (m). part: Hinges; state: World.state."""
     w = part.hinge_scratch
     point, gap, ep, eq = gaps(part, state, h)
     put3(w, h, GOAL, -rate * gap)

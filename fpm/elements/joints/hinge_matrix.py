@@ -78,14 +78,14 @@ def is_held(part, h):
 
 @kernel
 def entry(i, k):
-    """Index of element i, k (0 to 2) of a symmetric matrix kept as (xx, yy, zz, xy, xz, yz)."""
+    """Return the index of element i, k (0 to 2) of a symmetric matrix (xx, yy, zz, xy, xz, yz)."""
     return i if i == k else 2 + i + k
 
 
 @kernel
 def response(b, h, axis):
-    """Velocity (3, m/s per N s) of the point of hinge h on body 1 by a unit impulse there along the
-    global `axis` (0, 1, 2: x, y, z). b: working memory of the bodies (body_scratch)."""
+    """Return the velocity (3, m/s per N s) of the point of hinge h on body 1 by a unit impulse
+    there along the global `axis` (0, 1, 2: x, y, z). b: working memory of bodies (body_scratch)."""
     x, y, z = entry(axis, 0), entry(axis, 1), entry(axis, 2)
     row, k = 2 * h, RESPONSE
     return vector(load(b, row, k + x), load(b, row, k + y), load(b, row, k + z))
@@ -93,11 +93,11 @@ def response(b, h, axis):
 
 @kernel
 def speed_of(part, h, axis, force, mp, mq):
-    """Velocity (m/s) along a global axis (0, 1, 2: x, y, z) that impulses at hinge h give its point
-    on body 1, which a support may hold. force (3): impulse (N s) on body 1; mp, mq: moment impulses
-    (N m s) on body 2, against body 1, about p and q, both normal to the hinge's axis; part: arrays
-    of all hinges (Hinges). By symmetry, what a unit of mp or mq gives is also the rate of the tilt
-    about p or q (1/s per N s) by a unit impulse of a support there along that axis."""
+    """Return the velocity (m/s) along a global axis (0, 1, 2: x, y, z) that impulses at hinge h
+    give its point on body 1, which a support may hold. force (3): impulse (N s) on body 1; mp, mq:
+    moment impulses (N m s) on body 2, against body 1, about p and q, both normal to the hinge's
+    axis; part: all hinges (Hinges). By symmetry, what a unit of mp or mq gives is also the rate of
+    the tilt about p or q (1/s per N s) by a unit impulse of a support there along that axis."""
     w = part.hinge_scratch
     p, q = load(w, h, TILTS + 2 * axis), load(w, h, TILTS + 2 * axis + 1)
     return dot(response(part.body_scratch, h, axis), force) + (p * mp + q * mq)
@@ -185,8 +185,8 @@ def spins(j, r):
 
 @kernel
 def point_response(inverse_mass, spins, r):
-    """Velocity of a body's point by unit impulses there (1/kg), a symmetric matrix (xx, yy, zz, xy,
-    xz, yz). inverse_mass: along global axes (3); spins: from `spins`; r (m, 3): arm."""
+    """Return the velocity of a body's point by unit impulses there (1/kg), a symmetric matrix (xx,
+    yy, zz, xy, xz, yz). inverse_mass: along global axes (3); spins: from `spins`; r (m, 3): arm."""
     ux, uy, uz = spins
     return (
         inverse_mass.x + (r.z * ux.y - r.y * ux.z),

@@ -89,8 +89,9 @@ class Turns(NamedTuple):
 
 
 class Joints(NamedTuple):
-    """Arrays of all joints solved together: j joints in order of elimination, with two sides each
-    (2j and 2j + 1), b bodies (particles), r constraint equations ("rows"), t held openings.
+    """Arrays of all joints solved together (lanes: samples): j joints in order of elimination, with
+    two sides each (2j and 2j + 1), b bodies (particles), r constraint equations ("rows"), t joint
+    coordinates that are held.
 
     types (j,): constants REVOLUTE to SLIDE; names (j,): the joint's index in the scene; slots
     (2j,): body of each side, -1 for none; sides: arm, axis, reference; places (j, 3, lanes), m, and
@@ -100,7 +101,7 @@ class Joints(NamedTuple):
     of the drives' work in World.accounts; peaks: largest gap (m) and tilt (sine) so far; excess (j,
     1, lanes): gap and tilt squared over those allowed, summed, once a run has failed; gaps: those
     recorded; sums, forces: impulses of this step (N s, N m s) and recorded forces (N, N m), None if
-    nothing reads them; turns (Turns), turn_of (j,), turn_at (t,): held openings, their index by
+    nothing reads them; turns (Turns), turn_of (j,), turn_at (t,): held coordinates, their index by
     joint (-1: none), their joints."""
 
     types: np.ndarray  # (j,)
@@ -129,5 +130,5 @@ class Joints(NamedTuple):
 
 
 class TurnedJoints(Joints):
-    """Joints of which some hold openings exactly, so that `turns`, turn_of and turn_at are not
-    None; a type of its own, for which other kernels run (turn_kernels.py)."""
+    """Joints of which some hold joint coordinates exactly, so that `turns`, turn_of and turn_at are
+    not None; a type of its own, for which other kernels run (turn_kernels.py)."""

@@ -272,9 +272,8 @@ def look_back(part, world, timing):
 
     The impulses of the first kick also close gaps of the third order in the step. As those of other
     steps do so before and after an instant alike, momenta change over an instant by what acts there
-    alone. Reflected, those before the first lack it: the impulses that close the joints a step
-    before the start as well, mu, belong to them; those of both kicks are twice the first less
-    mu."""
+    alone. Reflected, those before the first lack it: the impulses mu that close the joints a step
+    before the start as well belong to them; those of both kicks are twice the first less mu."""
     move_back(part, world.start_state, timing.step)
     for j in range(part.types.shape[0]):
         find_gaps(part, world.start_state, j)

@@ -86,8 +86,8 @@ def directions(part, j, first):
 
 @kernel
 def unit_vectors(number):
-    """The unit vectors along global x, y, z, each with the same value in all lanes (samples).
-    number: one in lanes, whose type the components get; its value is not used."""
+    """Return the unit vectors along global x, y, z, each with the same value in all samples
+    (lanes). number: lanes, whose number type the components get; its value is not used."""
     zero = 0.0 * number
     unity = zero + 1.0
     return vector(unity, zero, zero), vector(zero, unity, zero), vector(zero, zero, unity)
@@ -224,8 +224,8 @@ def is_opening(turns, part, j):
 
 @kernel
 def put_opening_row(turns, part, state, j):
-    """Store the constraint equation of joint j if it holds an opening; returns whether it does.
-    turns: Joints.turns, None: none does; part: all joints (Joints); state: of the particles."""
+    """Store the constraint equation of joint j if it holds a joint coordinate; returns whether it
+    does. turns: Joints.turns, None: none does; part: all joints (Joints); state: World.state."""
     if turns is None:
         return False
     return put_held_row(part, state, j)

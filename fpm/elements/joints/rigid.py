@@ -59,8 +59,8 @@ others leaves a tenth (AGREES in solver/start.py)."""
 
 
 class Rigid(HoldsHinge):
-    """Base class of motors, releases, latches and friction that hold an opening exactly, without a
-    spring. `noun`: the type's word, as "latch"; its kernels are in rigid_<noun>_kernels."""
+    """Base class of motors, releases, latches and friction that hold a joint coordinate exactly,
+    without a spring. `noun`: the type's word, as "latch"; kernels: in rigid_<noun>_kernels."""
 
     @classmethod
     def kernels(cls):
@@ -101,8 +101,8 @@ class RigidMotor(AnyMotor, Rigid):
         return float(self.turn * (values[k] - values[k - 1]) / (times[k] - times[k - 1]))
 
     def check(self, scene):
-        """Check the fields, and that the opening prescribed at time 0 is the hinge's opening in the
-        scene, within AT_START (rad, m); raises SceneError if not."""
+        """Check the fields, and that the joint coordinate prescribed at time 0 is the hinge's joint
+        coordinate in the scene, within AT_START (rad, m); raises SceneError if not."""
         super().check(scene)
         hinge = scene.hinges[self.hinge]
         if abs(self.target(scene, 0.0) - hinge.opening) > AT_START:
@@ -152,8 +152,8 @@ class RigidLatch(AnyLatch, Rigid):
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field `name` of the kernels' tuple RigidLatches, as
-        HoldsHinge.array; in "state", the field SEARCHED, opening up to which a latch has looked, is
-        that at the start (rad; m). batch: the scenes simulated side by side."""
+        HoldsHinge.array; in "state", the field SEARCHED, joint coordinate up to which a latch has
+        looked, is that at the start (rad; m). batch: the scenes simulated side by side."""
         array = super().array(name, batch)
         if name == "state":
             array[:, cls.kernels().SEARCHED] = start_angles(batch, cls)
@@ -163,7 +163,7 @@ class RigidLatch(AnyLatch, Rigid):
 @dataclass(frozen=True)
 class RigidFriction(Rigid):
     """Coulomb friction in a hinge (index), without a bristle (a stiff spring that gives while it
-    sticks): it holds the opening exactly up to `moment` (N m), and slips against that above."""
+    sticks): it holds the joint coordinate up to `moment` (N m), and slips against that above."""
 
     hinge: int = on_hinge(types=TURNING)
     moment: float = number("N m", 0.0)
@@ -176,7 +176,7 @@ class RigidFriction(Rigid):
     @classmethod
     def sweep_elements(cls, scene):
         """Return Friction elements that slip at once (bristles of no size) in place of a scene's
-        rigid ones, for moving an opening slowly through static equilibria (fpm/travel)."""
+        rigid ones, for moving a joint coordinate slowly through static equilibria (fpm/travel)."""
         return [Friction(f.hinge, f.moment, SWEEP_DEFLECTION, 0.0) for f in cls.find(scene)]
 
     def held_at_start(self, scene):

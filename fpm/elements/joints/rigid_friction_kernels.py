@@ -166,9 +166,9 @@ def change(part, world, timing, i, slips, turns, sticks):
 
 @hook(RigidFrictions)
 def work_after(part, world, timing):
-    """Add the friction loss (J) of the half step that ends now, by the moments of the step that
-    begins, to part.account in world.accounts. part: arrays of all rigid frictions (RigidFrictions);
-    world (World): solver state; timing (StepTime): times of the step (s)."""
+    """Add half of the friction loss (J) of the moments found in this step, over the step that ends
+    now, to part.account in world.accounts (`work_before` adds the rest). part: all rigid frictions
+    (RigidFrictions); world (World): solver state; timing: StepTime (s)."""
     for i in range(part.hinge.shape[0]):
         moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], timing)
         late_moment = moment - load(part.state, i, LAST_BRAKE)

@@ -43,10 +43,10 @@ TRACK = 4  # recorded: as of all latches, and the impulse with which it caught
 class RigidLatches(NamedTuple):
     """Arrays of l rigid latches (lanes: samples). hinge (l,): index of the hinge; turn (l,): index
     of its condition in turns.state; numbers (l, 4, lanes): angle, capture range (rad), sign of the
-    rate at which it catches (0: both), largest rate (rad/s); openings, turns: arrays of all
-    openings, and of those held exactly; rates (l, 2, lanes): rate (rad/s) in the last step; state
+    rate at which it catches (0: both), largest rate (rad/s); openings, turns: all joint
+    coordinates, and those held exactly; rates (l, 2, lanes): rate (rad/s) in the last step; state
     (l, 14, lanes): as Latches.state, then moment held (N m), its work due (J), steps held, impulse
-    of the catch (N m s), opening foreseen at the step's end, opening searched so far (rad);
+    of the catch (N m s), coordinate foreseen at the step's end, coordinate searched so far (rad);
     account: index of the loss in World.accounts; log: of events; track ((instants + 1) l, 4,
     lanes): recorded moment (N m), impulse (N m s) so far, rate (rad/s) and impulse of the catch."""
 
@@ -70,8 +70,8 @@ account(RigidLatches, WORKS, -1.0)
 
 @hook(RigidLatches)
 def prepare(part, world, timing):
-    """Store in part.rates the mean rates (rad/s; m/s on slides) of the latches' openings in the
-    step that ended, before the next is solved; nothing at the start of a run. part: arrays of all
+    """Store in part.rates the mean rates (rad/s; m/s on slides) of the latches' joint coordinates
+    in the step that ended, before the next is solved; nothing at the start of a run. part: all
     rigid latches (RigidLatches); world: not used; timing (StepTime): times of the step (s)."""
     if timing.time > 0.0:
         for i in range(part.hinge.shape[0]):
@@ -80,8 +80,8 @@ def prepare(part, world, timing):
 
 @kernel
 def predict(part, i, timing):
-    """Return the opening (rad; m on slides) of latch i at the end of this step, by its rate as the
-    joints were last solved. part: all rigid latches (RigidLatches); timing: StepTime (s)."""
+    """Return the joint coordinate (rad; m on slides) of latch i at the end of this step, by its
+    rate as the joints were last solved. part: all latches (RigidLatches); timing: StepTime (s)."""
     rate = load(part.turns.state, part.turn[i], RATE)
     return load(part.openings.angles, part.hinge[i], NEW) + timing.step * rate
 
@@ -116,10 +116,10 @@ def decide(part, world, timing):
 
 @hook(RigidLatches)
 def work_after(part, world, timing):
-    """Add the losses (J) of the half step that ends now, by the impulses of the step that begins,
-    to part.account, and sum the impulses (N m s). The impulse of catching is that of the two steps
-    that share it, less what the moment of the third gives in the time since. part: arrays of all
-    rigid latches (RigidLatches); world (World): solver state; timing (StepTime): times (s)."""
+    """Add half of the losses (J) of the moments found in this step, over the step that ends now, to
+    part.account, and sum the impulses (N m s). The impulse of catching is that of the two steps
+    that share it, less what the moment of the third gives in the time since. part: all rigid
+    latches (RigidLatches); world (World): solver state; timing (StepTime): times (s)."""
     end_work(part, world, timing, WORKS, -1.0)
     for i in range(part.hinge.shape[0]):
         moment = moment_of(part.turns, part.turn[i], timing)

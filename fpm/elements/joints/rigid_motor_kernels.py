@@ -41,10 +41,10 @@ class RigidMotors(NamedTuple):
 
 @hook(RigidMotors)
 def prepare(part, world, timing):
-    """Store the opening (rad; m on slides) that each motor prescribes for the end of the step, as
-    TARGET of its condition in part.turns.state; where its curve (not by rate) bends within the
-    step, the bend's time is stored in part.turns.blow as a share of the step: the rate jumps there.
-    part: arrays of all rigid motors; world: solver state, with the curves; timing: StepTime (s)."""
+    """Store the joint coordinate (rad; m on slides) that each motor prescribes for the end of the
+    step, as TARGET of its condition in part.turns.state; where its curve (not by rate) bends within
+    the step, the bend's time is stored in part.turns.blow as a share of the step: the rate jumps
+    there. part: RigidMotors; world: solver state, with the curves; timing: StepTime (s)."""
     for i in range(part.hinge.shape[0]):
         if not part.by_rate[i]:
             bend = bend_after(world, part.curve[i], timing.time)
@@ -60,8 +60,8 @@ account(RigidMotors, WORKS, 1.0)
 
 @hook(RigidMotors)
 def work_after(part, world, timing):
-    """Add the work (J) of half of the motors' moments of this step, over the step that ends now, to
-    part.account. part: arrays of all rigid motors; world: solver state; timing: StepTime (s)."""
+    """Add half of the work (J) of the motors' moments of this step, over the step that ends now, to
+    part.account (`work_before` adds the rest). part: RigidMotors; world: World; timing: times."""
     end_work(part, world, timing, WORKS, 1.0)
 
 

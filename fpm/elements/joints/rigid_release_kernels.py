@@ -42,9 +42,9 @@ class RigidReleases(NamedTuple):
 
 @hook(RigidReleases)
 def forces(part, world, timing):
-    """Free the openings whose release is due, and add to their particles the rest of the moment (N
-    m) that held them, for the part of the step before it. part: arrays of all rigid releases
-    (RigidReleases); world (World): solver state, changed; timing (StepTime): times (s)."""
+    """Free the joint coordinates whose release is due, and add to their particles the rest of the
+    moment (N m) that held them, for the part of the step before it. part: arrays of all rigid
+    releases (RigidReleases); world (World): solver state, changed; timing (StepTime): times (s)."""
     for i in range(part.hinge.shape[0]):
         t = part.turn[i]
         hold = load(part.turns.state, t, HOLDS)

@@ -36,7 +36,7 @@ class Turn(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return what scenes run side by side must share: type and hinge of each element."""
+        """Return what scenes run side by side must share: type and hinge index of each element."""
         return tuple((type(holder), holder.hinge) for holder in cls.find(scene))
 
     @classmethod
@@ -73,14 +73,14 @@ class HoldsHinge(OnHinge):
         return None
 
     def rate_at_start(self, scene) -> float | None:
-        """Return the rate (rad/s; m/s on a slide) that the element imposes on the opening at the
-        start of a scene's run; None, the default: it imposes none."""
+        """Return the rate (rad/s; m/s on a slide) that the element imposes on the joint coordinate
+        at the start of a scene's run; None, the default: it imposes none."""
         return None
 
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field `name` of the named tuple of the type's kernels: "turns":
-        state of all conditions that hold openings (Turns); "turn": index of each element's
+        state of all conditions that hold joint coordinates (Turns); "turn": index of each element's
         condition among them; others as OnHinge.array. batch: the scenes simulated side by side."""
         match name:
             case "turns":

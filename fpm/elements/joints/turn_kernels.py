@@ -78,17 +78,17 @@ def give(world, account, work):
 
 @kernel
 def moment_of(turns, t, timing):
-    """Return the moment (N m, lanes), on the hinge's second particle, that held opening t in this
-    step: its impulse over timing.kick (s). turns: openings held exactly (Turns); t: index among
-    these; timing (StepTime): times of the step (s)."""
+    """Return the moment (N m, lanes), on the hinge's second particle, that held joint coordinate t
+    in this step: its impulse over timing.kick (s). turns: joint coordinates held exactly (Turns);
+    t: index among these; timing (StepTime): times of the step (s)."""
     return (1.0 / timing.kick) * load(turns.state, t, TURN_IMPULSE)
 
 
 @kernel
 def add_late_moment(moments, openings, h, moment):
     """Add a `moment` (N m) that is known only after its step, and its work (J), to what is recorded
-    of opening h (index) as the part of one element type. moments: Openings.moments, None: nothing
-    is done; openings: arrays of all openings, as the type takes them."""
+    of joint coordinate h (index) as the part of one element type. moments: Openings.moments, None:
+    nothing is done; openings: arrays of all joint coordinates, as the type takes them."""
     if moments is not None:
         row = h * openings.parts + openings.part
         store(moments, row, ACTING, load(moments, row, ACTING) + moment)
@@ -97,9 +97,9 @@ def add_late_moment(moments, openings, h, moment):
 
 def account(arrays, first, sign):
     """Register the hooks `work_before` and `work_due`, which add up the work of an element type
-    that holds openings exactly; called once, where its kernels are defined. arrays: its named
-    tuple; first: index of the field HOLD_MOMENT in part.state; sign: 1 if its account counts work
-    given, -1 for losses. The type's own hook `work_after` calls `end_work` besides."""
+    that holds joint coordinates exactly; called once, where its kernels are defined. arrays: its
+    named tuple; first: index of the field HOLD_MOMENT in part.state; sign: 1 if its account counts
+    work given, -1 for losses. The type's own hook `work_after` calls `end_work` besides."""
 
     @hook(arrays)
     def work_before(part, world, timing):
@@ -122,9 +122,9 @@ def account(arrays, first, sign):
 
 @kernel
 def end_work(part, world, timing, first, sign):
-    """Add the work (J) of the moments of the step that begins, over half the step before, of all
-    elements to account part.account of World. part: arrays of the elements; world: solver state;
-    timing: times (s); first: index of HOLD_MOMENT in part.state; sign: 1 for work, -1 for loss."""
+    """Add half of the work (J) of the moments found in this step, over the step that ends now, of
+    all elements to account part.account of World. part: arrays of elements; world: World; timing:
+    StepTime (s); first: index of HOLD_MOMENT in part.state; sign: 1 for work, -1 for losses."""
     for i in range(part.hinge.shape[0]):
         moment = moment_of(part.turns, part.turn[i], timing)
         add_late_moment(part.openings.moments, part.openings, part.hinge[i], moment)
@@ -133,8 +133,8 @@ def end_work(part, world, timing, first, sign):
 
 @kernel
 def end_work_of(part, world, i, moment, first, sign):
-    """Add the work (J) of the `moment` (N m) of element i over half of the step before to account
-    part.account of World. part: arrays of the elements; world: solver state; first: index of
+    """Add half of the work (J) of the `moment` (N m) of element i over the step that ends now to
+    account part.account of World. part: arrays of the elements; world: World; first: index of
     HOLD_MOMENT in part.state, where the moment is kept; sign: 1 for work given, -1 for losses."""
     work = sign * work_on(part.openings, part.hinge[i], moment)
     give(world, part.account, work)
@@ -173,9 +173,9 @@ def solve(part, world, timing):
 
 @kernel
 def tell_rates(part, state):
-    """Store in part.turns.state the rates (rad/s, m/s) that openings will have after the impulses
-    (RATE), and the impulses (N m s, N s) that hold them (SOLVED_IMPULSE). part: arrays of all
-    joints (TurnedJoints); state: of the particles (World.state)."""
+    """Store in part.turns.state the rates (rad/s, m/s) that joint coordinates will have after the
+    impulses (RATE), and the impulses (N m s, N s) that hold them (SOLVED_IMPULSE). part: arrays of
+    all joints (TurnedJoints); state: of the particles (World.state)."""
     b = part.body_scratch
     for s in range(part.particle.shape[0]):
         if not part.is_driven[s]:

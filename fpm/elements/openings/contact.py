@@ -32,9 +32,9 @@ class Contact(OnHinge):
     def blocked_motions(cls, scene, inverse):
         """Return the relative motions of linked bodies that closed contacts rule out, for the
         stable time step: orthonormal columns (6n, c), a sparse matrix, in coordinates multiplied by
-        the roots of masses. Contacts count as closed at opening 0, wherever the scene starts.
-        inverse (6n,): inverse masses (1/kg) and inertias (1/kg m²) of its n particles. Columns of
-        hinges that share a particle are made orthonormal together."""
+        the roots of masses. Contacts count as closed at joint coordinate 0, wherever the scene
+        starts. inverse (6n,): inverse masses (1/kg) and inertias (1/kg m²) of its n particles.
+        Columns of hinges that share a particle are made orthonormal together."""
         from scipy.sparse import csc_matrix, identity
 
         columns, dofs = [], []

@@ -98,8 +98,7 @@ class Friction(OnHinge):
     def sweep_elements(cls, scene):
         """Return copies of the scene's friction elements for moving a joint coordinate slowly
         through static equilibria (fpm/travel), whose bristles slip at once. One with a `load`,
-        whose moment goes with the joint's force, gets the moment 0: that follows from
-        Scene.bearings."""
+        whose moment goes with the joint's force, gets moment 0: Scene.bearings gives it."""
         frictions = [
             replace(friction, bristle_deflection=SWEEP_DEFLECTION, damping=0.0)
             for friction in cls.find(scene)

@@ -71,12 +71,12 @@ class AnyLatch(OnHinge):
 
 @dataclass(frozen=True)
 class Latch(AnyLatch):
-    """Latch on a hinge or slide: it catches where the opening passes `angle`, and holds from then
-    on by a spring and a damper. hinge: index; angle: rad; stiffness (N m/rad), damping (N m s/rad):
-    it holds with; capture_range: how far from `angle` it catches as well (rad); side: from where
-    the opening comes when it is caught ("below", "above", "either"); max_capture_rate: above which
-    it does not catch (rad/s); one_sided: whether it lets the opening go on in the direction of the
-    catch, as a ratchet; name: its own, "": that of the hinge. On slides m for rad, N for N m."""
+    """Latch on a hinge or slide: it catches where the joint coordinate (opening) passes `angle`,
+    and holds from then on by a spring and a damper. hinge: index; angle: rad; stiffness (N m/rad),
+    damping (N m s/rad): it holds with; capture_range: how far from `angle` it catches as well
+    (rad); side: from where it comes when caught ("below", "above", "either"); max_capture_rate:
+    above which it does not catch (rad/s); one_sided: whether it lets the opening go on in the
+    direction of the catch, as a ratchet; name: "": the hinge's. On slides m for rad, N for N m."""
 
     hinge: int = on_hinge()
     angle: float = number("rad", text="opening at which it catches")

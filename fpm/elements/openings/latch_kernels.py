@@ -38,9 +38,9 @@ class Latches(NamedTuple):
     7, lanes): angle, capture range (rad), sign of the rate at which it catches (0: both), largest
     rate (rad/s), stiffness (N m/rad), damping (N m s/rad), -1 if one-sided; openings: of all
     hinges; rates (l, 2, lanes): rate and damper's moment of the last step; state (l, 8, lanes): 1
-    once it has caught, opening (rad) and sign of the rate then, news of this step (1 caught, 2
-    missed), their time (s), rate at the catch (rad/s), moment (N m), impulse so far (N m s);
-    account: index in World.accounts of the loss; rows (l, 1, lanes): energy of each; log: of
+    once it has caught, joint coordinate (rad) and sign of the rate then, news of this step (1
+    caught, 2 missed), their time (s), rate at the catch (rad/s), moment (N m), impulse so far (N m
+    s); account: index in World.accounts of the loss; rows (l, 1, lanes): energy of each; log: of
     events; track ((instants + 1) l, 3, lanes): recorded moment, impulse, rate at the catch."""
 
     hinge: np.ndarray
@@ -70,8 +70,8 @@ def watch(part, i, h, timing):
 
 @kernel
 def reach_of(part, i, start, end):
-    """Return by how far (rad, lanes) the openings from `start` to `end` (rad) stay clear of the
-    range in which latch i catches; below 0: they may enter it. part: all latches (Latches)."""
+    """Return by how far (rad, lanes) the joint coordinates from `start` to `end` (rad) stay clear
+    of the range in which latch i catches; below 0: they may enter it. part: Latches."""
     distance = absolute(0.5 * (end + start) - load(part.numbers, i, ANGLE))
     return distance - 0.5 * absolute(end - start) - load(part.numbers, i, CAPTURE_RANGE) - ANGLE_TOL
 
@@ -112,7 +112,7 @@ def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
 
 @kernel
 def excess(part, i, field):
-    """Return how far (rad, lanes) the opening is beyond that of the catch of latch i, positive in
+    """Return how far (rad, lanes) the joint coordinate is beyond that of the catch of latch i, in
     its direction. part: all latches (Latches); field: NEW (0: now) or OLD (1: a step ago)."""
     angle = load(part.openings.angles, part.hinge[i], field) - load(part.state, i, HOLD_ANGLE)
     return load(part.state, i, SIGN) * angle
@@ -122,7 +122,7 @@ def excess(part, i, field):
 def hold(part, i, rate):
     """Return two moments (N m), of the spring and of the damper of latch i, positive in the
     direction of its catch; 0 in lanes where it has not caught. part: arrays of all latches
-    (Latches); rate: of the opening (rad/s), in that direction."""
+    (Latches); rate: of the joint coordinate (rad/s), in that direction."""
     stiffness, damping = load(part.numbers, i, STIFFNESS), load(part.numbers, i, DAMPING)
     fresh = 0.5 - load(part.state, i, NEWS)  # < 0 in the step in which it caught
     gap, last = excess(part, i, NEW), excess(part, i, OLD)

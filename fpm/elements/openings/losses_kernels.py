@@ -44,11 +44,11 @@ def half_rate(openings, h, timing):
 
 @kernel
 def follow_rate(openings, history, i, h, timing):
-    """Return the rate (rad/s, on slides m/s) of the opening of hinge h now, extrapolated to second
-    order from the mean rates of the last two steps (Adams and Bashforth). Call it once a step: it
-    stores the mean rate. openings: arrays of all openings (Openings); history (elements, 2, lanes):
-    `rates` of the element's type, whose field RATE is written; i: index of the element; h: of its
-    hinge; timing (StepTime): times of the step (s)."""
+    """Return the rate (rad/s, on slides m/s) of the joint coordinate of hinge h now, extrapolated
+    to second order from the mean rates of the last two steps (Adams and Bashforth). Call it once a
+    step: it stores the mean rate. openings: arrays of all joint coordinates (Openings); history
+    (elements, 2, lanes): `rates` of the element's type, whose field RATE is written; i: index of
+    the element; h: of its hinge; timing (StepTime): times of the step (s)."""
     last = load(history, i, RATE)
     rate = last
     if timing.time > 0.0:

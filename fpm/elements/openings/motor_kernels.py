@@ -49,8 +49,8 @@ class Motors(NamedTuple):
 
 @hook(Motors)
 def forces(part, world, timing):
-    """Add the moments (N m) of the motors' drive trains, towards the prescribed openings, to the
-    forces on particles; keep moments and targets in part.state. part: arrays of all motors
+    """Add the moments (N m) of the motors' drive trains, towards the prescribed joint coordinates,
+    to the forces on particles; keep moments and targets in part.state. part: arrays of all motors
     (Motors); world (World): solver state, whose forces change; timing (StepTime): times (s)."""
     for i in range(part.hinge.shape[0]):
         h = part.hinge[i]
@@ -105,7 +105,7 @@ def energy_of(part, world, i):
 @hook(Motors)
 def record(part, world, row):
     """Record the moment (N m) of each motor on its hinge in part.track. part: arrays of all motors
-    (Motors) (Motors or TorqueMotors); world: not used; row: index of the recorded instant."""
+    (Motors or TorqueMotors); world: not used; row: index of the recorded instant."""
     count = part.hinge.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, MOMENT))

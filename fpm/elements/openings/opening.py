@@ -93,9 +93,9 @@ class Opening(ElementType):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the recorded openings (t, hinges) of one sample after a run, by variable name:
-        `opening` (rad) and, of slides, `slide_opening` (m). part: arrays of all openings
-        (Openings); scene: the sample's; lane: index of the sample."""
+        """Return the recorded joint coordinates (t, hinges) of one sample after a run, by variable
+        name: `opening` (rad) and, of slides, `slide_opening` (m). part: arrays of all joint
+        coordinates (Openings); scene: the sample's; lane: index of the sample."""
         values = part.track[:, 0, lane].reshape(-1, len(scene.hinges))
         series = Series(values, "rad", "opening of the hinges", "hinge", ())
         return by_unit({"opening": series}, scene.hinges, [h.name for h in scene.hinges])
@@ -174,14 +174,14 @@ class OnHinge(OnHinges):
 
     @classmethod
     def deformations(cls, scene):
-        """Return how motions of particles strain the openings on which the type's springs act, with
-        their stiffness, for the stable time step, as if all acted at once; None: no springs."""
+        """Return how motions of particles strain the joint coordinates on which the type's springs
+        act, with their stiffness, for the stable time step, as if all acted; None: no springs."""
         return cls._turns(scene, [e.stiffness_in(scene) for e in cls.find(scene)])
 
     @classmethod
     def dampings(cls, scene):
-        """Return how motions of particles move the openings on which the type's dampers act, with
-        their damping in the field `stiffness`, for the stable time step; None: no dampers."""
+        """Return how motions of particles move the joint coordinates on which the type's dampers
+        act, with their damping in the field `stiffness`, for the stable time step; None: none."""
         return cls._turns(scene, [e.damping_in(scene) for e in cls.find(scene)])
 
     @classmethod
@@ -239,8 +239,8 @@ def _sides(scene) -> np.ndarray:
 
 
 def relative_turn(scene, hinges, stiffness) -> Deformations:
-    """Return how particles' motions strain springs on hinges' openings, for the stable step. scene:
-    has the hinges; hinges: index of each spring's; stiffness: of each (N m/rad, on slides N/m)."""
+    """Return how particles' motions strain springs on hinges' joint coordinates, for the stable
+    step. hinges: index of each spring's in the scene; stiffness: of each (N m/rad, slides N/m)."""
     dofs, values, factors, element = [], [], [], []
     for number, h in enumerate(hinges):
         hinge = scene.hinges[h]
@@ -311,16 +311,16 @@ def moving_at_start(scene) -> SimpleNamespace:
 
 
 def turning_at_start(scene, hinges) -> list[float]:
-    """Return the rates (rad/s, of slides m/s) of the openings of some hinges at t = 0, where driven
-    particles move as prescribed. hinges: indices of the hinges in the scene."""
+    """Return the rates (rad/s, of slides m/s) of the joint coordinates of some hinges at t = 0,
+    where driven particles move as prescribed. hinges: indices of the hinges in the scene."""
     motion = moving_at_start(scene)
     return [rate_at(scene, scene.hinges[h], motion) for h in hinges]
 
 
 def rate_at(places, hinge, motion) -> float:
-    """Return the rate of the opening of a hinge (rad/s, of a slide m/s). places: object with
-    position (n, 3) m and frame (n, 3, 3) of all particles, as a scene; hinge: the Hinge; motion:
-    object with velocity (n, 3) m/s and spin (n, 3) rad/s of all particles."""
+    """Return the rate of the joint coordinate of a hinge (rad/s, of a slide m/s). places: object
+    with position (n, 3) m and frame (n, 3, 3) of all particles, as a scene; hinge: the Hinge;
+    motion: object with velocity (n, 3) m/s and spin (n, 3) rad/s of all particles."""
     i, j = hinge.particles
     axis = places.frame[i] @ hinge.axes[0]
     if not hinge.slides:

@@ -51,8 +51,8 @@ class Openings(NamedTuple):
 
 @kernel
 def is_slide(slides, h):
-    """Return whether the opening of hinge h is a length (m), as of a slide, not an angle (rad).
-    slides (h,): 1 for each slide, or None where the scene has none."""
+    """Return whether the joint coordinate of hinge h is a length (m), as of a slide, not an angle
+    (rad). slides (h,): 1 for each slide, or None where the scene has none."""
     if slides is None:
         return False
     return slides[h] != 0

@@ -226,9 +226,9 @@ def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
 
 
 def tilts(scene, poses: ParticlePoses, hold: Sequence[str] = ()) -> dict[str, float]:
-    """Return for each joint, by name, the largest angle (rad, 0 to π) between directions on its two
-    parts that agree where it is closed, at poses of all particles; none of spherical and universal
-    joints. hold: names of hinges of which directions at the stated joint coordinate count, too."""
+    """Return for each joint of a scene, by name, the largest angle (rad, 0 to π) between directions
+    on its two parts that agree where it is closed, at poses of all particles; none of spherical and
+    universal joints. hold: hinges, by name, of which directions at the stated opening count."""
     directions = []
     for joint in (*(j for hinge in scene.hinges for j in as_joints(hinge)), *_joints_of(scene)):
         if joint.type not in ("held", "spherical", "universal"):

@@ -34,7 +34,8 @@ class FieldSpec:
 class Number(FieldSpec):
     """Spec of a field of one or more numbers. unit: as "N m"; least, above: lower bound, itself
     allowed (least) or not (above), None: none; finite: whether infinity is refused; optional:
-    whether None is allowed; count: how many numbers; zero: whether descriptions also say a 0."""
+    whether None is allowed; count: how many numbers; zero: whether descriptions of elements say a
+    0."""
 
     unit: str = ""
     least: float | None = None
@@ -45,7 +46,7 @@ class Number(FieldSpec):
     zero: bool = True
 
     def allows(self, value: float) -> bool:
-        """Return whether a number is within the bounds of this field, and finite if it must be."""
+        """Return whether a `value` is within the field's bounds, and finite if it must be."""
         low = self.least is not None and not value >= self.least
         low = low or (self.above is not None and not value > self.above)
         return not low and not math.isnan(value) and (math.isfinite(value) or not self.finite)
@@ -61,8 +62,8 @@ class Number(FieldSpec):
 
 @dataclass(frozen=True)
 class Word(FieldSpec):
-    """Spec of a field that takes one of some words (or False, True). values: allowed values, each
-    with the number that stands for it in kernels."""
+    """Spec of a field that takes one of some words (or False, True), as "above". values: allowed
+    values, each with the number that stands for it in kernels' arrays."""
 
     values: Mapping[Any, float] | None = None
 
@@ -87,8 +88,8 @@ def number(
 ) -> Any:
     """Declare a dataclass field of an element that holds one or more numbers. unit: as "N m";
     least, above: lower bound, itself allowed (least) or not (above), None: none; default: MISSING
-    where a value must be given; is_shown: whether descriptions say a single number; keys: further
-    attributes of its spec `Number` (count, finite, zero, is_topology, words, text)."""
+    where a value must be given; is_shown: whether descriptions of elements say it (a single
+    number); keys: more of its spec `Number` (count, finite, zero, is_topology, words, text)."""
     keys |= {"is_shown": is_shown and keys.get("count", 1) == 1, "optional": default is None}
     return _field(Number(unit=unit, least=least, above=above, **keys), default)
 
@@ -128,7 +129,7 @@ def topology(default: Any = MISSING) -> Any:
 @cache
 def specs(kind: type) -> dict[str, FieldSpec]:
     """Return the specs (FieldSpec: unit, limits, words) of the fields of an element type `kind`, by
-    field name; fields declared without one are left out."""
+    field name, for checks and packing; fields declared without one are left out."""
     keyed = [f for f in fields(kind) if _KEY in f.metadata]
     return {f.name: replace(f.metadata[_KEY], name=f.name) for f in keyed}
 

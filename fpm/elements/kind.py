@@ -159,8 +159,8 @@ class ElementType:
             raise SceneError(self.subject(scene, field), value, f"{field.least} to {count - 1}")
 
     def subject(self, scene: SceneData, field: FieldSpec) -> str:
-        """Return what messages call a field of this element, as "stiffness of latch A". scene: that
-        holds the element's hinge; field: the field's spec, with its name or words."""
+        """Return what messages call a field of this element, as "stiffness of latch A". scene: has
+        the element's hinge, which may be named; field: the field's spec, with name or words."""
         words = field.words or field.name.replace("_", " ") + " of {title}"
         title = self.title(scene) if "{title}" in words else ""
         return words.format(noun=self.noun, title=title)

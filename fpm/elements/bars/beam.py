@@ -174,9 +174,9 @@ class Beams(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return what must be equal in scenes simulated side by side, a tuple: for each group the
-        particles of its elements, and one bool, whether any element has, or may have, axes other
-        than its particles' (`framed`)."""
+        """Return what must be equal in scenes simulated side by side, a tuple: for each group in
+        `scene` the particles of its elements, and one bool, whether any element has, or may have,
+        axes other than its particles' (`framed`)."""
         return tuple(tuple(b.nodes.ravel()) for b in cls.find(scene)), framed(scene)
 
     @classmethod

@@ -44,9 +44,8 @@ class StraightElements(NamedTuple):
 
 
 class FramedElements(NamedTuple):
-    """Arrays of m beam elements with axes of their own. nodes, beams, peaks, rows:
-    StraightElements'; axes (m, 12, lanes): local axes 2, 3 at end a, then b, in particles'
-    frames."""
+    """Arrays of m beam elements with own axes. nodes, beams, peaks, rows: as of StraightElements;
+    axes (m, 12, lanes): local axes 2 and 3 at end a, then at end b, in the particles' axes."""
 
     nodes: np.ndarray
     beams: np.ndarray

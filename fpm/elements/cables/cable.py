@@ -125,7 +125,7 @@ class Cable(ElementType):
         return self.friction is not None and len(self.beams) > 2
 
     def lengths(self, scene) -> np.ndarray:
-        """Return the distances (n - 1,), m, from each of the cable's n points to the next now."""
+        """Distances (n - 1,), m, from each of the cable's n points to the next, now in `scene`."""
         places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in self.beams]
         return np.linalg.norm(np.diff(places, axis=0), axis=1)
 

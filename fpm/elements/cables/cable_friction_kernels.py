@@ -182,7 +182,7 @@ def forces(part, world, timing):
 @kernel
 def gain(part, j, soft):
     """Return the energy (J/m) that unstrained cable brings into stretch j when it slips there, as a
-    mean over both ends of the step that ends now. part: arrays of all cables; soft: 1/EA (1/N)."""
+    mean over both ends of the step that ends now. part: RubbingCables; soft: 1/EA (1/N)."""
     tension, last = load(part.rubbed, j, TENSION), load(part.rubbed, j, TENSION_BEFORE)
     return 0.5 * (tension + last) + 0.25 * soft * (tension * tension + last * last)
 
@@ -210,7 +210,7 @@ def work_before(part, world, timing):
 
 @hook(RubbingCables)
 def energy_of(part, world, c):
-    """Return the strain energy (J) of cable c. part: arrays of all cables; world: not used."""
+    """Return the strain energy (J) of cable c. part: RubbingCables; world: not used."""
     total = energy_of_cable(part, c)
     if part.rubs[c]:
         total = 0.0 * total

@@ -67,7 +67,7 @@ class Cables(NamedTuple):
 @kernel
 def lay(part, state, c):
     """Measure cable c: stores directions and lengths (m) of its stretches now in part.stretches,
-    and returns its whole length (m). part: all cables (Cables); state: of the particles."""
+    and returns its whole length (m). part: Cables or RubbingCables; state: World.state."""
     first, last = part.start[c], part.start[c + 1] - 1
     total = 0.0 * load(part.cables, c, REST)
     for j in range(first, last + 1):
@@ -87,7 +87,7 @@ def lay(part, state, c):
 @kernel
 def unstrained_now(part, world, timing, c):
     """Return the unstrained length (m) of cable c at timing.time, less what its winch has taken in.
-    part: all cables (Cables); world: solver state, with the curves; timing: StepTime (s)."""
+    part: Cables or RubbingCables; world (World): has the curves; timing: StepTime (s)."""
     rest = load(part.cables, c, REST)
     if part.curve[c] >= 0:
         rest = rest - curve_value(world, part.curve[c], timing.time) * load(part.cables, c, REEL)
@@ -116,7 +116,7 @@ def find_pull(part, world, timing, c):
 @kernel
 def pull_points(part, state, c):
     """Add the tensions of cable c as forces (N) and moments (N m) to its particles, at each point
-    towards the points beside it. part: all cables (Cables); state: of the particles, changed."""
+    towards the points beside it. part: Cables or RubbingCables; state: World.state, changed."""
     first, last = part.start[c], part.start[c + 1] - 1
     for j in range(first, last + 1):
         force = 0.0 * get3(part.stretches, j, DIRECTION)
@@ -169,28 +169,28 @@ def work_before(part, world, timing):
 
 @kernel
 def strain_of(part, c):
-    """Strain of cable c at the last forces, 0 where it is slack. part: all cables (Cables)."""
+    """Return the strain of cable c at the last forces, 0 where slack. part: all cables (Cables)."""
     strain = load(part.state, c, LONGER) / load(part.state, c, UNSTRAINED)
     return where_negative(strain, 0.0, strain)
 
 
 @kernel
 def energy_of_cable(part, c):
-    """Strain energy (J) of cable c, which has no friction. part: arrays of all cables (Cables)."""
+    """Return the strain energy (J) of cable c without friction. part: all cables (Cables)."""
     strain = strain_of(part, c)
     return 0.5 * load(part.cables, c, EA) * load(part.state, c, UNSTRAINED) * strain * strain
 
 
 @hook(Cables)
 def energy_of(part, world, c):
-    """Strain energy (J) of cable c. part: arrays of all cables (Cables); world: not used."""
+    """Return the strain energy (J) of cable c. part: all cables (Cables); world: not used."""
     return energy_of_cable(part, c)
 
 
 @kernel
 def crowding(part, c):
-    """Return the elongation of cable c over the length of its shortest stretch, 0 where it is
-    slack; a run fails above 1. part: arrays of all cables (Cables)."""
+    """Return the crowding of cable c: its elongation over the length of its shortest stretch, 0
+    where it is slack; a run fails above 1. part: arrays of all cables (Cables or RubbingCables)."""
     longer = where_negative(load(part.state, c, LONGER), 0.0, load(part.state, c, LONGER))
     most = 0.0 * longer
     for j in range(part.start[c], part.start[c + 1] - 1):
@@ -201,7 +201,7 @@ def crowding(part, c):
 @kernel
 def record_cable(part, c, row):
     """Store tension (N) and strained length (m) of cable c in row `row` (instant times cables + c)
-    of part.track, and raise part.peaks to its `crowding`. part: arrays of all cables (Cables)."""
+    of part.track, and raise part.peaks to its `crowding`. part: Cables or RubbingCables."""
     store(part.track, row, 0, load(part.cables, c, EA) * strain_of(part, c))
     store(part.track, row, 1, load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED))
     store(part.peaks, 0, 0, larger(load(part.peaks, 0, 0), crowding(part, c)))

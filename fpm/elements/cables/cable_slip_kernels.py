@@ -103,9 +103,9 @@ def strain_before(part, j, strain):
 @kernel
 def find_alone(part, first, last, close):
     """Store in part.rubbed (FREE_STRAIN) the strain that each stretch of a cable would have if it
-    slipped over the points before, but nothing over that at the stretch's end. part: arrays of all
-    cables; first, last: indices of the cable's first and last point; close: error of unstrained
-    length (m) at which the iteration for each strain ends. `strain_before` needs these strains."""
+    slipped over the points before, but nothing over that at the stretch's end, for `strain_before`.
+    part: all cables (RubbingCables); first, last: indices of the cable's first and last point;
+    close: error of unstrained length (m) at which the iteration for each strain ends."""
     start, length = load(part.rubbed, first, START), load(part.stretches, first, LENGTH)
     tight = length - start
     strain, slope = positive(tight) / larger(start, 0.0 * start + TINY), length

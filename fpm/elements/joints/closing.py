@@ -101,7 +101,7 @@ def keep(b, r, state, i, axes):
 @kernel
 def restore(b, r, state, i):
     """Set particle i back to the position and axes that `keep` saved in row r of `b`, bodies'
-    working memory; i, r: indices or pairs of them. state: of the particles, changed in place."""
+    working memory. i, r: indices or pairs of them; state: World.state, changed."""
     put3(state, i, X, get3(b, r, OLD_X))
     put3(state, i, D2, get3(b, r, OLD_D2))
     put3(state, i, D3, get3(b, r, OLD_D3))
@@ -127,7 +127,7 @@ def coarse(time, size):
 @kernel
 def watch(part, gap2, tilt2):
     """Raise the largest gap and tilt so far, in part.peaks, to the roots of gap2 (m²) and tilt2
-    (squared sine of the axes' angle); returns these roots. part: arrays of all hinges or joints."""
+    (squared sine of the axes' angle); returns these roots. part: Hinges, Joints or TurnedJoints."""
     gap, tilt = sqrt(gap2), sqrt(tilt2)
     store(part.peaks, 0, GAP, larger(load(part.peaks, 0, GAP), gap))
     store(part.peaks, 0, TILT, larger(load(part.peaks, 0, TILT), tilt))

@@ -50,8 +50,7 @@ def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Wat
 class JointBase(ElementType):
     """Base class of hinges and joints. Each has a `name`, a `type` (as "revolute"), and `beams`:
     one or two rigid arms (VirtualBeam) from particles to the joint, whose free ends are kept
-    together, or, of one, held in place. gaps: words for recorded gap and tilt, by name of the
-    variable."""
+    together, or, of one, held in place. gaps: words for recorded gap and tilt, by variable."""
 
     joins = True
     gaps: ClassVar[dict[str, str]]  # recorded: the largest of points and of directions, in words

@@ -251,9 +251,9 @@ def pair_sum(b, h, field):
 
 @kernel
 def prepare_matrices(part):
-    """Build and factorise, for the step, the matrix (5 by 5) of each hinge, by which impulses there
-    change the rates of its gap and tilts; stored in part.hinge_scratch. part: arrays of all hinges
-    (Hinges), after `prepare_bodies`."""
+    """Build and factorise the matrix (5 by 5) of each hinge, by which impulses there change the
+    rates of its gap and tilts; stored in part.hinge_scratch at the start of each step. part: arrays
+    of all hinges (Hinges), after `prepare_bodies`."""
     b, w = part.body_scratch, part.hinge_scratch
     for h in range(w.shape[0]):
         row1, row2 = 2 * h, 2 * h + 1

@@ -94,15 +94,18 @@ class Joints(NamedTuple):
     coordinates that are held.
 
     types (j,): constants REVOLUTE to SLIDE; names (j,): the joint's index in the scene; slots
-    (2j,): body of each side, -1 for none; sides: arm, axis, reference; places (j, 3, lanes), m, and
-    fixed_axes (j, 3): where, and along which axes, a point is held; particle (b,): particle of each
-    body; is_driven (b,): whether a drive moves it; bodies: constants; body_scratch, rows, matrix:
-    working memory; pattern: the matrix's blocks; ease: share added to its diagonal; account: index
-    of the drives' work in World.accounts; peaks: largest gap (m) and tilt (sine) so far; excess (j,
-    1, lanes): gap and tilt squared over those allowed, summed, once a run has failed; gaps: those
-    recorded; sums, forces: impulses of this step (N s, N m s) and recorded forces (N, N m), None if
-    nothing reads them; turns (Turns), turn_of (j,), turn_at (t,): held coordinates, their index by
-    joint (-1: none), their joints."""
+    (2j,): body of each side, -1 for none; sides (2j, 9, lanes): arm (m), axis, reference, in
+    particles' axes; places (j, 3, lanes), m, and fixed_axes (j, 3): where, and along which axes, a
+    point is held; particle (b,): particle of each body; is_driven (b,): whether a drive moves it;
+    bodies (b, 12, lanes): inverse masses and inertias, their roots, axes about which it turns;
+    body_scratch (b, 37, lanes), rows (r, 19, lanes), matrix (entries, 1, lanes): working memory;
+    pattern: the matrix's blocks; ease: share added to its diagonal; account: index of the drives'
+    work in World.accounts; peaks (1, 2, lanes): largest gap (m) and tilt (sine) so far; excess (j,
+    1, lanes): gap and tilt squared over those allowed, summed, once a run has failed; gaps
+    (instants + 1, 2, lanes): largest gap and tilt at each instant; sums (r, 1, lanes): impulses of
+    this step (N s, N m s), forces ((instants + 1) j, 12, lanes): recorded (N, N m), None if nothing
+    reads them; turns (Turns), turn_of (j,), turn_at (t,): held coordinates, their index by joint
+    (-1: none), their joints."""
 
     types: np.ndarray  # (j,)
     names: np.ndarray  # (j,) number of each in the scene

@@ -88,9 +88,9 @@ def prepare(part, world, timing):
 
 @kernel
 def kick_bodies(part, state, kick):
-    """Save positions and axes of all bodies, update the momenta of those that no drive moves by
-    their forces over the time `kick` (s), and store their inverse inertias in part.body_scratch.
-    part: arrays of all joints (Joints); state: of the particles (World.state), changed."""
+    """Save positions and axes of all bodies at the start of a step, update the momenta of those
+    that no drive moves by their forces over the time `kick` (s), and store their inverse inertias
+    in part.body_scratch. part: all joints (Joints); state: World.state, changed."""
     bodies, b = part.bodies, part.body_scratch
     for s in range(part.particle.shape[0]):
         i = part.particle[s]
@@ -178,7 +178,7 @@ def find_impulses(part, factor):
 @kernel
 def push(part, state, s):
     """Add the impulses FORCE (N s) and MOMENT (N m s) of body s (index) to its momenta, unless a
-    drive moves it, and to its sums of the step. part: all joints (Joints); state: of particles."""
+    drive moves it, and to its sums of the step. part: all joints (Joints); state: World.state."""
     b, i = part.body_scratch, part.particle[s]
     force, moment = get3(b, s, FORCE), get3(b, s, MOMENT)
     if not part.is_driven[s]:
@@ -190,8 +190,8 @@ def push(part, state, s):
 
 @kernel
 def push_where_far(part, state, s, condition):
-    """Add FORCE (N s) and MOMENT (N m s) of body s to its momenta and sums (`push`), in the lanes
-    (samples) where `condition` is below 0. part: all joints (Joints); state: of the particles."""
+    """Add FORCE (N s) and MOMENT (N m s) of body s to its momenta and sums (`push`), in samples
+    where `condition` (lanes) is below 0. part: all joints (Joints); state: World.state."""
     b, i = part.body_scratch, part.particle[s]
     inverse_mass = get3(part.bodies, s, AXIS_IM)
     force, moment = get3(b, s, FORCE), get3(b, s, MOMENT)
@@ -222,7 +222,7 @@ def move_bodies(part, state, repeat, step):
 @kernel
 def nudge(part, state, s, step):
     """Add the impulses of body s to its momenta (`push`), and move it by what they change over a
-    `step` (s), to close small gaps. part: all joints (Joints); state: of the particles."""
+    `step` (s), to close small gaps. part: all joints (Joints); state: World.state, changed."""
     b, i = part.body_scratch, part.particle[s]
     push(part, state, s)
     if not part.is_driven[s]:
@@ -282,8 +282,8 @@ def look_back(part, world, timing):
 
 @kernel
 def move_back(part, start, step):
-    """Move all bodies from the start of the run to one `step` (s) before it. part: arrays of all
-    joints (Joints); start: state of the particles (World.start_state), changed."""
+    """Move all bodies from the start of the run to one `step` (s) before it, for `look_back`. part:
+    all joints (Joints); start: state of the particles (World.start_state), changed."""
     for s in range(part.particle.shape[0]):
         i = part.particle[s]
         put3(start, i, X, get3(start, i, X) - step * get3(start, i, V))
@@ -298,8 +298,8 @@ def move_back(part, start, step):
 @kernel
 def close_before(part, start, step):
     """Change the momenta before the start so that the gaps in RESIDUAL, those one `step` (s) before
-    it, close; then restore the bodies' positions at the start. part: arrays of all joints (Joints);
-    start: state of the particles (World.start_state), changed."""
+    it, close; then restore the bodies' positions at the start: the end of `look_back`. part: arrays
+    of all joints (Joints); start: state of the particles (World.start_state), changed."""
     b = part.body_scratch
     find_impulses(part, -0.5 / step)
     for s in range(part.particle.shape[0]):

@@ -96,7 +96,7 @@ def unit_vectors(number):
 @kernel
 def find_rows(part, state):
     """Store all joints' constraint equations in part.rows: how velocities and spins of bodies, as
-    placed now, change the gaps (Jacobian). part: all joints (Joints); state: of the particles."""
+    placed now, change the gaps (Jacobian). part: all joints (Joints); state: World.state."""
     for j in range(part.types.shape[0]):
         if put_opening_row(part.turns, part, state, j):
             continue

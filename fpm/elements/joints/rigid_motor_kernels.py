@@ -19,13 +19,13 @@ STATE = HOLD_FIELDS
 
 
 class RigidMotors(NamedTuple):
-    """Arrays of m rigid motors (lanes: samples), which prescribe openings exactly: start + factor
-    times a curve, or, where by_rate (m,), times its integral over time. hinge (m,): index of its
-    hinge; turn (m,): index of its condition in turns.state; curve (m,): of its curve, -1: constant
-    1; numbers (m, 2, lanes): start and factor (rad; m on slides; factor per second by rate);
-    openings, turns: arrays of all openings, and of those held exactly; state (m, 2, lanes): moment
-    (N m) at the last positions, and work (J) of the half step up to them; account: index of the
-    motors' work in World.accounts; track ((instants + 1) m, 1, lanes): recorded moments (N m)."""
+    """Arrays of m rigid motors (lanes: samples), which prescribe joint coordinates exactly: start +
+    factor times a curve, or, where by_rate (m,), times its integral over time. hinge (m,): index of
+    its hinge; turn (m,): index of its condition in turns.state; curve (m,): of its curve, -1:
+    constant 1; numbers (m, 2, lanes): start, factor (rad; m on slides; factor per second by rate);
+    openings, turns: all joint coordinates, those held exactly; state (m, 2, lanes): moment (N m) at
+    the last positions, work (J) of the half step up to them; account: index of the motors' work in
+    World.accounts; track ((instants + 1) m, 1, lanes): recorded moments (N m)."""
 
     hinge: np.ndarray
     turn: np.ndarray

@@ -36,7 +36,7 @@ class Turn(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return what scenes run side by side must share: type and hinge index of each element."""
+        """Return what `scene` must share with those beside it: type and hinge of each element."""
         return tuple((type(holder), holder.hinge) for holder in cls.find(scene))
 
     @classmethod

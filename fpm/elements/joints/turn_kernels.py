@@ -156,9 +156,9 @@ def prepare(part, world, timing):
 
 @hook(TurnedJoints)
 def solve(part, world, timing):
-    """Find the impulses of all joints, with the openings that are held now, and store the rates
-    they would give (`tell_rates`); called again where `decide` of an element then holds or frees
-    one. part: all joints (TurnedJoints); world (World): solver state; timing: StepTime (s)."""
+    """Find the impulses of all joints, with the joint coordinates that are held now, and store the
+    rates they would give (`tell_rates`); called again where `decide` of an element then holds or
+    frees one. part: all joints (TurnedJoints); world: World; timing: StepTime (s)."""
     find_rows(part, world.state)
     build(part)
     factorise(part)
@@ -217,8 +217,8 @@ def move(part, world, timing):
 @hook(TurnedJoints)
 def look_back(part, world, timing):
     """Close the joints also one step before the start, in the first step only, by the momenta in
-    world.start_state; there, held openings are where their motion, at its rate at the start, began.
-    part: arrays of all joints (TurnedJoints); world (World): solver state; timing: StepTime (s)."""
+    world.start_state; there, held coordinates are where their motion, at its rate at the start,
+    began. part: all joints (TurnedJoints); world (World): solver state; timing: StepTime (s)."""
     state, start, b = world.state, world.start_state, part.body_scratch
     for s in range(part.particle.shape[0]):
         i = part.particle[s]

@@ -31,14 +31,14 @@ step later, before the next one is found by the secant of both."""
 
 
 class Frictions(NamedTuple):
-    """Arrays of all f friction elements. hinge (f,): index of its hinge; numbers (f, 4, lanes):
-    bristle stiffness (N m/rad), deflection at slip (rad), damping (N m s/rad), 1/deflection where
-    the joint's force counts, else 0; openings: joint coordinates; rates (f, 2, lanes): their rate
-    and damper's moment of the last step; state (f, 8, lanes): foot (coordinate, rad, of the
-    straight bristle), deflection (rad), then what joint forces and self-locking need; account:
-    index in World.accounts of the loss; rows (f, 1, lanes): energy or self-locking of each; peaks:
-    largest self-locking so far; start (f + 1,): first point of its table; points (p, 2, lanes):
-    angle (rad) and change of slope of all tables' points; bearing: joint forces. None: unused."""
+    """Arrays of all f friction elements (lanes: samples). hinge (f,): index of its hinge; numbers
+    (f, 4, lanes): bristle stiffness (N m/rad), deflection at slip (rad), damping (N m s/rad),
+    1/deflection where the joint's force counts, else 0; openings: joint coordinates; rates (f, 2,
+    lanes): their rate and damper's moment of the last step; state (f, 8, lanes): foot (coordinate,
+    rad, of the straight bristle), deflection (rad), then what joint forces and self-locking need;
+    account: index of the loss in World.accounts; rows (f, 1, lanes): energy or self-locking of
+    each; peaks: largest self-locking; start (f + 1,): first point of its table; points (p, 2,
+    lanes): angle (rad) and change of slope of all points; bearing: joint forces. None: unused."""
 
     hinge: np.ndarray
     numbers: np.ndarray
@@ -55,10 +55,11 @@ class Frictions(NamedTuple):
 
 @kernel
 def bend_at(points, start, i, most, psi):
-    """Return the bristle deflection (rad, lanes) at which friction element i slips at opening psi
-    (rad, lanes), linear between the points of its table. points (p, 2, lanes): opening (rad) and
-    change of slope there, of all tables; start: index of each element's first point; both None: no
-    tables; most: deflection (rad, lanes) below the table's first opening, or without a table."""
+    """Return the bristle deflection (rad, lanes) at which friction element i slips at joint
+    coordinate psi (rad, lanes), linear between the points of its table. points (p, 2, lanes):
+    coordinate (rad) and change of slope there, of all tables; start: index of each element's first
+    point; both None: no tables; most: deflection (rad, lanes) below the table's first coordinate,
+    or without a table."""
     if points is not None:
         for j in range(start[i], start[i + 1]):
             ramp = psi - load(points, j, ANGLE)
@@ -93,8 +94,8 @@ def bend_by_force(bearing, state, i, timing):
 @kernel
 def bends_now(bearing, part, i, psi, psi_before, timing):
     """Return the bristle deflections (rad) at which element i slips, by table and joint force: at
-    opening psi (rad) now, and at psi_before a step ago. bearing: forces of joints (JointForce),
-    None where none counts; part: all friction elements (Frictions); timing: StepTime (s)."""
+    joint coordinate psi (rad) now, and at psi_before a step ago. bearing: forces of joints
+    (JointForce), None where none counts; part: all friction (Frictions); timing: StepTime (s)."""
     first = load(part.numbers, i, BEND)
     most = bend_at(part.points, part.start, i, first, psi)
     last = bend_at(part.points, part.start, i, first, psi_before)

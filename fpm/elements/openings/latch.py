@@ -48,7 +48,7 @@ class AnyLatch(OnHinge):
 
     def check(self, scene):
         """Check the latch's fields, and that its name (that of its hinge by default) is no other
-        latch's; raises SceneError if not."""
+        latch's in `scene`; raises SceneError if not."""
         super().check(scene)
         if self.label(scene) in [latch.label(scene) for latch in self.find_peers(scene)]:
             raise SceneError("latch", self.label(scene), "a name that no other latch has")
@@ -97,5 +97,5 @@ class Latch(AnyLatch):
 
     def damping_in(self, scene):
         """Return the damping (N m s/rad) by which the latch limits the stable time step: 1.5 times
-        its own, as the first impulse of a damper may be that of 1.5 steps."""
+        its own, as the first impulse of a damper may be that of 1.5 steps. scene: not used."""
         return ONSET * self.damping

@@ -79,11 +79,11 @@ def reach_of(part, i, start, end):
 @kernel
 def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
     """Decide whether latch i of one sample catches or misses in a step, and write to part.state
-    that it has caught, at which opening (rad), rate (rad/s) and time (s), or that it missed. part:
-    arrays of all latches (Latches); s: index of the sample (its lane); psi_start, psi_end: opening
-    at the start and end of the step (rad), linear between; last_rate: rate in the step before
-    (rad/s); end: time of the end of the step (s); step: its length (s). `first` and `last` in the
-    code (rad): openings at start and end, from the edge of the capture range that is met first."""
+    that it has caught, at which joint coordinate (rad), rate (rad/s) and time (s), or that it
+    missed. part: all latches (Latches); s: index of the sample (its lane); psi_start, psi_end:
+    coordinate at the start and end of the step (rad), linear between; last_rate: rate in the step
+    before (rad/s); end: time of its end (s); step: its length (s). `first` and `last` in the code
+    (rad): coordinates at start and end, from the edge of the capture range that is met first."""
     angle, reach = part.numbers[i, ANGLE, s], part.numbers[i, CAPTURE_RANGE, s]
     change = psi_end - psi_start
     if part.numbers[i, APPROACH, s] * change < 0.0:

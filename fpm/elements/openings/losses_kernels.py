@@ -62,10 +62,10 @@ def follow_rate(openings, history, i, h, timing):
 def lose(world, account, openings, history, i, h, moment):
     """Add to World.accounts the energy (J) that a moment of element i on hinge h takes out in the
     step that ends now, and store the moment for the next step. world (World): solver state;
-    account: index in World.accounts; openings: arrays of all openings (Openings); history
-    (elements, 2, lanes): `rates` of the element's type, with the moment a step ago, changed;
-    moment: on the second particle, now (N m). The energy is the mean of both moments times the
-    change of the opening, just what kinetic energy of the half steps changes by (record.py)."""
+    account: index in World.accounts; openings: all joint coordinates (Openings); history (elements,
+    2, lanes): `rates` of the element's type, with the moment a step ago, changed; moment: on the
+    second particle, now (N m). The energy is the mean of both moments times the change of the
+    coordinate, just what kinetic energy of the half steps changes by (record.py)."""
     angles = openings.angles
     angle = load(angles, h, NEW) - load(angles, h, OLD)
     loss = -0.5 * (moment + load(history, i, LOSS)) * angle
@@ -90,10 +90,10 @@ def force_of(bearing, i, timing):
 
 @kernel
 def onset(new, old):
-    """Return the factor, 0.5 to 1.5, on a force that starts (or ends) within this step, as the
-    overlap passes 0; 1 in other steps. new, old: overlap now and a step ago (rad, m). An impulse is
-    that of half a step before and after now; the force acts for half a step and s/(s + b) of one, s
-    and b being the sizes of new and old."""
+    """Return the factor, 0.5 to 1.5, on the force of a damper that starts (or ends) within this
+    step, as the overlap passes 0; 1 in other steps. new, old: overlap now and a step ago (rad, m).
+    An impulse is that of half a step before and after now; the force acts for half a step and s/(s
+    + b) of one, s and b being the sizes of new and old."""
     product = new * old
     return where_negative(product, 0.5 + absolute(new) / absolute(new - old), 1.0)
 

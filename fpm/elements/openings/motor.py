@@ -27,7 +27,7 @@ class AnyMotor(OnHinge):
     variable: ClassVar[str] = "motor_moment"  # of what is recorded, in trajectory files
 
     def check(self, scene):
-        """Check the fields, and that the hinge has no other motor; raises SceneError if not."""
+        """Check the fields, and that its hinge in `scene` has no other motor; SceneError if not."""
         super().check(scene)
         self.check_alone(scene)
 

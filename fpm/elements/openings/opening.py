@@ -58,7 +58,7 @@ class Opening(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return what scenes run side by side must share: names and particles of all hinges."""
+        """Return, of `scene`, what scenes run side by side must share: hinges' names, particles."""
         return tuple((hinge.name, hinge.particles) for hinge in scene.hinges)
 
     @classmethod
@@ -86,9 +86,9 @@ class Opening(ElementType):
 
     @classmethod
     def get_arrays(cls, kind: type[ElementType], batch):
-        """Return the arrays of all openings (Openings) for the kernels of an element type `kind`
-        that acts on them: with the field `part` set to the index, in PARTS ("spring", "damper",
-        ...), under which its moments are recorded. batch: the scenes simulated side by side."""
+        """Return the arrays of all joint coordinates (Openings) for the kernels of an element type
+        `kind` that acts on them: with the field `part` set to the index, in PARTS ("spring", ...),
+        under which its moments are recorded. batch: the scenes simulated side by side."""
         return batch.part(cls)._replace(part=PARTS.index(kind.acts_as or "other"))
 
     @classmethod
@@ -125,8 +125,8 @@ class OnHinges(ElementType):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field of the named tuple that the type's kernels take. name: of
-        the field: "openings": arrays of all openings (Openings); others as in ElementType.array
+        """Return the array for a field of the named tuple that the type's kernels take. name: the
+        field: "openings": all joint coordinates (Openings); others as in ElementType.array
         ("numbers", "state", ...). batch: the scenes that are simulated side by side."""
         return Opening.get_arrays(cls, batch) if name == "openings" else super().array(name, batch)
 
@@ -138,7 +138,7 @@ class OnHinge(OnHinges):
         return (self.hinge,)
 
     def label(self, scene) -> str:
-        """Return the name of the element in messages and files: by default its hinge's."""
+        """Return the element's name in messages and files: by default its hinge's in `scene`."""
         return scene.hinges[self.hinge].name
 
     def title(self, scene):
@@ -286,8 +286,8 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
 
 
 def softness(scene, hinge: int) -> float:
-    """Return the acceleration of a hinge's joint coordinate by a unit moment (slides: force), its
-    two particles alone: 1/(kg m²), slides 1/kg; 0 where both are held. hinge: its index."""
+    """Return the acceleration of a joint coordinate by a unit moment (slides: force), the joint's
+    two particles alone: 1/(kg m²), slides 1/kg; 0 where both are held. hinge: index in `scene`."""
     joint, no_turn = scene.hinges[hinge], turns_of(scene).no_turn
     if joint.slides:
         rows = relative_turn(scene, [hinge], [1.0])

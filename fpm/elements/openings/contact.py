@@ -14,9 +14,10 @@ from fpm.elements.openings.opening import OnHinge, on_hinge
 
 @dataclass(frozen=True)
 class Contact(OnHinge):
-    """Faces that touch where the opening (joint coordinate) of a revolute joint is below zero.
+    """Faces that touch where the opening of a revolute joint is below zero.
 
-    hinge: index; stiffness: moment that opens it for each radian below zero (N m/rad)."""
+    hinge: index; stiffness: moment that opens it for each radian of its opening (joint coordinate)
+    below zero (N m/rad)."""
 
     hinge: int = on_hinge(types=("revolute",))
     stiffness: float = stiffness(text="moment for each radian below zero")

@@ -11,7 +11,7 @@ from fpm.elements.openings.opening import JOINT_LOSS, OnHinge, on_hinge
 
 @dataclass(frozen=True)
 class Damper(OnHinge):
-    """Resists the motion of a joint, in proportion to the rate of its joint coordinate.
+    """Resists the motion of a joint, in proportion to its rate.
 
     hinge: index of a hinge or slide; damping: moment by rate (N m s/rad; N s/m on slides)."""
 

@@ -67,13 +67,14 @@ SOFT_ROUNDS, SOFT_SHARE, SOFT_NEAR = 120, 1e-13, 1e-3
 
 
 class MisfitError(SceneError):
-    """Raised for parts that cannot be forced together at their joints."""
+    """Raised by `assemble` for parts that cannot be forced together at their joints."""
 
 
 class Assembly(NamedTuple):
-    """Result of forcing parts together. energy: strain energy (J) after it; joint, gap, tilt: name
-    of the joint that was open most before, and by how much (m; angle, rad, between directions that
-    should agree); rounds: of Newton's method; openings: of hinges before (rad, m)."""
+    """Result of forcing the parts of a scene together (`assemble`). energy: strain energy after it
+    (J); joint, gap, tilt: of the joint most open before it, name, distance of its points (m) and
+    largest angle (rad) between directions that should agree; rounds: number of Newton steps;
+    openings: joint coordinates of scene.hinges before (rad; m of slides)."""
 
     energy: float
     joint: str
@@ -87,9 +88,9 @@ def assemble(scene, hold: Sequence[str] = ()) -> None:
     """Force the parts of a scene together at its joints; the scene, changed in place, is then in
     static balance and at rest.
 
-    Positions and frames become those of the assembled structure, scene.assembly the result
-    (Assembly). Beams keep lengths and axes; positions stated later refer to the scene before. hold:
-    hinges, by name, that keep their stated opening. MisfitError where no balance is found."""
+    Positions and frames become those of the assembled structure, scene.assembly the result. Beams
+    keep lengths and axes without stress; points stated later refer to the scene before. hold: names
+    of hinges whose joint coordinate stays as stated. MisfitError where no balance is found."""
     if not len(scene.position):
         return
     start = ParticlePoses(scene.position.copy(), scene.frame.copy())
@@ -164,8 +165,7 @@ class _RestSearch:
         raise MisfitError("assembly", f"{energy_here:.4g} J in an unstable position", requirement)
 
     def _differ(self, sides: Sequence[tuple], energy: float) -> bool:
-        """Whether the ends of both sides, lower first, have one energy, that of the poses between
-        them being another, in different poses."""
+        """Whether both sides, lower first, end in different poses of one energy below `energy`."""
         (low, low_poses, _), (high, high_poses, _) = sides[0], sides[-1]
         shift = np.abs(low_poses.position - high_poses.position).max()
         return high - low <= SAME_TOL * (energy - low) and shift > SAME_TOL * self._size
@@ -203,9 +203,8 @@ class _RestSearch:
         self._refuse(state, f"moving by {largest:.2g} in round {count}")
 
     def _falling(self, poses, impulses):
-        """The motion (6n,) along which the energy falls to both sides at the second order, or None.
-        Such is the image of a vector on which the inverse of a round's matrix is negative; what
-        rounding alone made negative is left out."""
+        """The motion (6n,) along which the energy falls to both sides at the second order, or None:
+        image of a vector on which the inverse of a round's matrix is negative beyond rounding."""
         solve, _ = self._system(poses, self._elastic, impulses, SOFT_SHARE)
         scales = self._scales
         steps = _negative(lambda force: solve(force / scales, self._no_gaps)[0], len(scales))
@@ -315,16 +314,18 @@ def _negative(apply, count: int) -> np.ndarray:
 def linearised(
     scene, poses, conditions, elastic, impulses, scales, free, weight, ease=None, ratio=MASS_SHARE
 ):
-    """Set up the linear equations of a Newton step; returns a function solve(forces, lacks) and the
-    gradient (6n,) of the strain energy and of conditions times impulses.
+    """Set up the linear equations of a Newton step towards static balance; returns a function
+    solve(forces, lacks) and the gradient (6n,) of the strain energy and of conditions times
+    impulses.
 
-    solve: takes forces (6n,), N and N m, and lacks (c,), what the conditions shall change by (minus
-    residuals times `weight`); returns the motion (6n,), lengths as fractions of the size, and the
-    change (c,) of the impulses, all NaN where the matrix is singular. scene: for masses; poses: of
-    all particles; conditions: c of them (Conditions); elastic: Elastic or Unstressed; impulses
-    (c,): of the conditions; scales (6n,): size (m), 1 for turns; free: indices of degrees of
-    freedom that are not held; weight (c,): factors on the conditions; ease: how much masses hold
-    motions back, times the largest (N m), None: `ratio` of the largest stiffness."""
+    solve: takes forces (6n,), N and N m, and lacks (c,), by how much the conditions, times
+    `weight`, shall change; returns the motion (6n,), shifts as fractions of the size, turns (rad),
+    and the change (c,) of impulses, NaN where the matrix is singular. scene: for masses; poses: of
+    all n particles; conditions: the c that close joints (Conditions); elastic: Elastic or
+    Unstressed; impulses (c,): Lagrange multipliers of the conditions (N m); scales (6n,): size (m)
+    for shifts, 1 for turns; free: indices of degrees of freedom not held; weight (c,): factors that
+    make conditions dimensionless; ease: stiffness (N m) by which the largest mass, others in
+    proportion, holds back motions that strain nothing; None: `ratio` of the largest stiffness."""
     from scipy.sparse import bmat, identity
     from scipy.sparse.linalg import splu
 
@@ -357,8 +358,8 @@ def linearised(
 
 
 def masses(scene, poses: ParticlePoses):
-    """Return a sparse matrix (6n, 6n) of masses (kg) and inertias (kg m²) of all particles of a
-    scene at `poses`, in global axes."""
+    """Return a sparse mass matrix (6n, 6n) of all n particles of a scene at `poses`, in global
+    axes: 3 by 3 blocks of mass (kg), then inertia (kg m²), of one particle after the other."""
     from scipy.sparse import coo_array
 
     blocks = np.zeros((len(scene.mass), 2, 3, 3))

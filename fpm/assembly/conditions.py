@@ -18,14 +18,14 @@ STEP = 1e-30
 
 
 class ParticlePoses(NamedTuple):
-    """Places of n particles. position (n, 3): m; frame (n, 3, 3): own axes as columns."""
+    """Positions and axes of n particles. position (n, 3) m; frame (n, 3, 3): axes as columns."""
 
     position: np.ndarray
     frame: np.ndarray
 
     def displace(self, step: np.ndarray) -> "ParticlePoses":
         """Return new poses: these, moved by step (6n,): of each particle a shift (m), then a
-        rotation vector (rad), both in global axes."""
+        rotation vector (rad), both in global axes. Used for each step of Newton's method."""
         from scipy.spatial.transform import Rotation
 
         shift, turn = step.reshape(-1, 2, 3).transpose(1, 0, 2)
@@ -38,8 +38,8 @@ class ParticlePoses(NamedTuple):
         return ParticlePoses(self.position[particles], self.frame[particles])
 
     def nudged(self, first: int) -> "ParticlePoses":
-        """Return complex poses (12, n, ...), for derivatives (`slopes`): copies first to first + 5
-        after an imaginary shift along, then turn about, each global axis; others as these."""
+        """Return 12 complex copies (12, n, ...) of these poses for `slopes`: copies first to first
+        + 5 shifted by i 1e-30 along, then turned about, each global axis, the others unchanged."""
         position = np.tile(self.position.astype(complex), (12, 1, 1))
         frame = np.tile(self.frame.astype(complex), (12, 1, 1, 1))
         position[first : first + 3] += 1j * STEP * np.eye(3)[:, None]
@@ -60,7 +60,7 @@ def slopes(function, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
 
 def sparse_matrix(blocks: np.ndarray, pairs: np.ndarray, count: int):
     """Return a sparse matrix (6 count, 6 count) by the motions of all particles, summed from blocks
-    (e, 12, 12), each by the motions of a pair. pairs (e, 2): particles; count: number of all."""
+    (e, 12, 12), each of a pair. pairs (e, 2): particle indices; count: of all particles."""
     from scipy.sparse import coo_array
 
     dofs = dofs_of(pairs)
@@ -69,7 +69,7 @@ def sparse_matrix(blocks: np.ndarray, pairs: np.ndarray, count: int):
 
 
 def dofs_of(pairs: np.ndarray) -> np.ndarray:
-    """Return the indices (e, 12) of the entries of pairs (e, 2) of particles in a motion (6n,)."""
+    """Return where in a motion (6n,) the entries (e, 12) of pairs of particles (e, 2) stand."""
     return (6 * pairs[:, :, None] + np.arange(6)).reshape(len(pairs), 12)
 
 
@@ -78,9 +78,9 @@ SMALLEST = 1e-9
 
 
 def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
-    """Find which of c conditions with derivatives rows (c, f) depend on others. Returns their rank,
-    and for each (c,) how large, 0 to 1, its factor is in combinations of conditions whose
-    derivatives vanish; 0: it depends on none."""
+    """Find which of c linear conditions are redundant. rows (c, f): their derivatives by f degrees
+    of freedom. Returns the rank, and of each condition (c,) how large, 0 to 1, its factor is in
+    combinations of conditions whose derivatives vanish; 0: it depends on no others."""
     if not rows.size:
         return 0, np.zeros(len(rows))
     vectors, sizes, _ = np.linalg.svd(rows)
@@ -89,8 +89,8 @@ def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
 
 
 def scaled(matrix, rows: np.ndarray, columns: np.ndarray):
-    """Return a copy of a sparse matrix (r, c), with each row times its factor in `rows` (r,), and
-    each column times that in `columns` (c,)."""
+    """Return a copy of a sparse matrix (r, c) with each row times its factor in `rows` (r,), and
+    each column times that in `columns` (c,), to make its entries dimensionless."""
     matrix = matrix.tocsc(copy=True)
     matrix.data = matrix.data * rows[matrix.indices] * np.repeat(columns, np.diff(matrix.indptr))
     return matrix
@@ -100,14 +100,14 @@ GLOBAL, BODY_FIXED, NORMAL = 0, 1, 2
 
 
 class Conditions(NamedTuple):
-    """Conditions of all joints, c of them, each on two particles: a gap of points along a
-    direction, or a product of two directions, that should be 0.
+    """Conditions that close all joints of a scene, c of them, each on two particles: a gap of
+    points along a direction, or a product of two directions, that should be 0.
 
     joint: name of each one's joint; pairs (c, 2): indices of particles; axis_types (c,): GLOBAL or
     BODY_FIXED, gap along a direction that is global or fixed to the first particle, or NORMAL, two
     directions at right angles; axis1 (c, 3): the direction; axis2 (c, 3): for NORMAL that on the
-    second; arms (c, 2, 3) m: from the particles to the points, in their frames; second (c,): 1, or
-    0 where the point is held at `place` (c, 3) m."""
+    second, in its frame; arms (c, 2, 3) m: from particles to points, in their frames; second (c,):
+    1, or 0 where the point is held at `place` (c, 3) m, global, instead."""
 
     joint: list[str]
     pairs: np.ndarray
@@ -119,7 +119,7 @@ class Conditions(NamedTuple):
     place: np.ndarray
 
     def weight(self, size: float) -> np.ndarray:
-        """Return factors (c,) that make all residuals dimensionless. size: of the structure (m)."""
+        """Return factors (c,) that make residuals dimensionless: of gaps 1/size (m), others 1."""
         return np.where(self.axis_types == NORMAL, 1.0, 1.0 / size)
 
     def gaps(self, poses: ParticlePoses) -> np.ndarray:
@@ -130,7 +130,7 @@ class Conditions(NamedTuple):
     def worst(self, gaps: np.ndarray) -> tuple[str, float, float]:
         """Return the name of the joint with the largest residual ("none" without joints), its gap
         (m), and its tilt (rad if small), roots of the summed squares of its gaps and of its
-        cosines. gaps (c,): of Conditions.gaps."""
+        cosines, to name it in messages. gaps (c,): of Conditions.gaps."""
         gap: dict[str, float] = {}
         tilt: dict[str, float] = {}
         for name, axis_type, residual in zip(self.joint, self.axis_types, gaps, strict=True):
@@ -141,8 +141,8 @@ class Conditions(NamedTuple):
         return name, gap.get(name, 0.0), tilt.get(name, 0.0)
 
     def derivatives(self, poses: ParticlePoses, impulses: np.ndarray):
-        """Return sparse derivatives (c, 6n) of all conditions by motions of the particles at poses,
-        and second derivatives (6n, 6n) of their sum with factors `impulses` (c,)."""
+        """Return sparse derivatives (c, 6n) of all conditions by motions (m, rad) of the particles
+        at poses, and the second derivatives (6n, 6n) of their sum with factors `impulses` (c,)."""
         blocks = impulses[:, None, None] * slopes(self._rows, *self._ends(poses))
         return self.jacobian(poses), sparse_matrix(blocks, self.pairs, len(poses.position))
 
@@ -198,8 +198,8 @@ class Conditions(NamedTuple):
 
 
 def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
-    """Return the conditions that close all joints of a scene. hold: names of hinges whose opening
-    is to stay as stated, a condition each, at the end. Raises SceneError for other names."""
+    """Return the conditions that close all joints of a scene. hold: names of hinges whose joint
+    coordinate stays as stated, one condition each, at the end. SceneError for other names."""
     rows: list[tuple] = []
     for joint in (*(j for hinge in scene.hinges for j in as_joints(hinge)), *_joints_of(scene)):
         rows += _rows_of(scene, joint)
@@ -226,9 +226,9 @@ def conditions_of(scene, hold: Sequence[str] = ()) -> Conditions:
 
 
 def tilts(scene, poses: ParticlePoses, hold: Sequence[str] = ()) -> dict[str, float]:
-    """Return, by name of a joint, the largest angle (rad, 0 to π) between directions of its two
-    parts that agree where it is closed, at poses of all particles of a scene. hold: names of hinges
-    whose opening is to stay as stated, whose references count, too."""
+    """Return for each joint of a scene, by name, the largest angle (rad, 0 to π) between directions
+    on its two parts that agree where it is closed, at poses of all particles; none of spherical and
+    universal joints. hold: hinges, by name, of which directions at the stated opening count."""
     directions = []
     for joint in (*(j for hinge in scene.hinges for j in as_joints(hinge)), *_joints_of(scene)):
         if joint.type not in ("held", "spherical", "universal"):

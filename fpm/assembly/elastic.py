@@ -9,9 +9,9 @@ from fpm.elements.bars.beam import Beams, elements_of, end_axes
 
 
 class Shape(NamedTuple):
-    """Deformed shape of e beam elements. chord (e, 3): unit vector from end a to end b; length
-    (e,): of it (m); axes (e, 4, 3): a₂, a₃, b₂, b₃, transverse axes of the ends; sines (e, 4): of
-    the small angles between them and the chord; twist (e,): its sine."""
+    """Deformed shape of e beam elements with ends a, b. chord (e, 3): unit vector from a to b;
+    length (e,): of it (m); axes (e, 4, 3): a₂, a₃, b₂, b₃, transverse axes of the ends; sines (e,
+    4): their products with the chord, 0 at right angles; twist (e,): its sine."""
 
     chord: np.ndarray
     length: np.ndarray
@@ -21,10 +21,10 @@ class Shape(NamedTuple):
 
 
 class Elastic(NamedTuple):
-    """The beam elements of a scene. nodes (e, 2): indices of particles; stiffness (e, 5): length at
-    rest (m), axial (N/m), bending in both planes and torsion (N m); axes (e, 4, 3): 2 and 3 of
-    either end, in its frame; half (e, 2): half width and height (m) of the rectangle with the
-    section's radii of gyration."""
+    """The beam elements of a scene. nodes (e, 2): particle indices of ends a, b; stiffness (e, 5):
+    length l at rest (m), EA/l (N/m), 2 EIz/l, 2 EIy/l, GJ/l (N m); axes (e, 4, 3): local axes 2 and
+    3 at a, then at b, in the particles' frames; half (e, 2): half width and height (m) of the
+    rectangle with the section's radii of gyration, for strains at surfaces."""
 
     nodes: np.ndarray
     stiffness: np.ndarray
@@ -63,7 +63,7 @@ class Elastic(NamedTuple):
 
     @property
     def unstressed(self) -> "Unstressed":
-        """Beam elements with a Hessian without the stress terms, and so nowhere negative."""
+        """The same elements, with a Hessian that leaves out stress: no negative eigenvalue."""
         return Unstressed(self)
 
     def _ends(self, poses: ParticlePoses) -> tuple[ParticlePoses, ParticlePoses]:
@@ -116,13 +116,13 @@ class Elastic(NamedTuple):
 
 
 class Unstressed(NamedTuple):
-    """Beam elements with the Gauss-Newton Hessian, nowhere negative. bars: the elements."""
+    """Beam elements with the Gauss-Newton Hessian: no negative eigenvalue. bars: the elements."""
 
     bars: Elastic
 
     def derivatives(self, poses: ParticlePoses):
-        """Return the gradient (6n,), N and N m, and the sparse Hessian (6n, 6n) of the strain
-        energy by motions (m, rad) of all n particles at poses, without what stress adds."""
+        """Return the gradient (6n,), N and N m, and the sparse Gauss-Newton Hessian (6n, 6n) of the
+        strain energy by motions (m, rad) of all n particles at poses: without stress terms."""
         ends = self.bars._ends(poses)
         gradient, _ = self.bars.derivatives(poses)
         rows = slopes(self.bars._modes, *ends)

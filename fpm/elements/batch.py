@@ -38,8 +38,8 @@ class SceneData(Protocol):
     position (n, 3) m; frame (n, 3, 3): axes of each as columns; unstrained: frames without strain,
     None: `frame`; velocity (n, 3) m/s; spin (n, 3) rad/s; mass (n,) kg; inertia (n, 3) kg m²; fixed
     (n, 6): whether held along and about global axes; kinds: elements by type; hinges: all of them;
-    curves: (times, values) of time; points: named points (VirtualBeam); bearings: for each hinge
-    index, moment of friction for each N of the joint's force."""
+    curves: (times in s, values), piecewise linear; points: VirtualBeam by name; bearings: for each
+    hinge index, moment of friction for each N of the joint's force."""
 
     position: np.ndarray
     frame: np.ndarray
@@ -57,8 +57,8 @@ class SceneData(Protocol):
 
 
 class Slices:
-    """Where the rows of each key lie in an array that several share, one key after the other. sizes
-    (argument): number of rows by key; slices: slice of each key; count: of all rows."""
+    """Where the rows of each key, as an element type, lie in an array that several share. sizes
+    (argument): number of rows by key, in order; slices: slice of each key; count: of all rows."""
 
     def __init__(self, sizes: dict):
         ends = np.cumsum([0, *sizes.values()])
@@ -138,7 +138,7 @@ class Batch:
     @staticmethod
     def integers(values: Iterable, columns: int | None = None) -> np.ndarray:
         """Return the whole numbers `values` as an array (n,), or (n, columns) if columns are given,
-        that is the same for all samples."""
+        for kernel arrays that are the same for all samples, as indices."""
         shape = (-1,) if columns is None else (-1, columns)
         return np.array(list(values), np.int64).reshape(shape)
 
@@ -157,17 +157,17 @@ class Batch:
         return any(kind in reader.reads for reader in self.kinds)
 
     def work_account(self, kind: type) -> int:
-        """Return the index in World.accounts of the work (J) that elements of type `kind` give."""
+        """Return the column of World.accounts for the work (J) that elements of `kind` give."""
         return self.accounts.index(kind.gives)
 
     def loss_account(self, kind: type) -> int:
-        """Return the index, in the axis of accounts of World.accounts, of the energy (J) that
-        elements of type `kind` take out."""
+        """Return the column of World.accounts (energies given and taken since the start) for the
+        energy (J) that elements of type `kind` take out."""
         return self.accounts.index(kind.takes)
 
     def peaks_of(self, kind: type) -> np.ndarray:
-        """Return a view (1, criteria, lanes) of World.peaks: largest values so far of the
-        quantities by which runs with element type `kind` may fail. Kernels write to it."""
+        """Return a view (1, criteria, lanes) of World.peaks: largest values so far of what may fail
+        runs with element type `kind`, in the order of kind.watches. Kernels write to it."""
         return self._peaks[:, self.watches.slices[kind]]
 
     def rows_of(self, kind: type) -> np.ndarray:
@@ -177,8 +177,8 @@ class Batch:
 
     def log_of(self, kind: type) -> Log:
         """Return the log into which kernels of an element type `kind` write events: the arrays that
-        all types share (time, element, number of the event), and `first`, the number of the type's
-        first element among all elements with events."""
+        all types share (time, element, number of the event), and `first`, the index of the type's
+        first element among the elements of all types with events."""
         first = self.eventful.slices[kind].start
         return Log(self.events, self.event_count, first, self.blank(2, 1))
 

@@ -34,7 +34,8 @@ class FieldSpec:
 class Number(FieldSpec):
     """Spec of a field of one or more numbers. unit: as "N m"; least, above: lower bound, itself
     allowed (least) or not (above), None: none; finite: whether infinity is refused; optional:
-    whether None is allowed; count: how many numbers; zero: whether descriptions also say a 0."""
+    whether None is allowed; count: how many numbers; zero: whether descriptions of elements say a
+    0."""
 
     unit: str = ""
     least: float | None = None
@@ -45,8 +46,7 @@ class Number(FieldSpec):
     zero: bool = True
 
     def allows(self, value: float) -> bool:
-        """Return whether a number `value` is within the bounds of this field, and finite if it must
-        be."""
+        """Return whether a `value` is within the field's bounds, and finite if it must be."""
         low = self.least is not None and not value >= self.least
         low = low or (self.above is not None and not value > self.above)
         return not low and not math.isnan(value) and (math.isfinite(value) or not self.finite)
@@ -62,8 +62,8 @@ class Number(FieldSpec):
 
 @dataclass(frozen=True)
 class Word(FieldSpec):
-    """Spec of a field that takes one of some words (or False, True). values: allowed values, each
-    with the number that stands for it in kernels."""
+    """Spec of a field that takes one of some words (or False, True), as "above". values: allowed
+    values, each with the number that stands for it in kernels' arrays."""
 
     values: Mapping[Any, float] | None = None
 
@@ -71,8 +71,8 @@ class Word(FieldSpec):
 @dataclass(frozen=True)
 class Index(FieldSpec):
     """Spec of a field that holds an index into a list of the scene. group: name of the list, as
-    "hinges"; least: -1 where that is allowed and means none, else 0; types: allowed types of the
-    hinge ("revolute", ...), empty: all."""
+    "hinges"; least: -1 where that is allowed and means none, else 0; types: if the list is of
+    hinges, which of them the field may refer to ("revolute", ...), empty: all."""
 
     group: str = ""
     least: int = 0
@@ -88,16 +88,15 @@ def number(
 ) -> Any:
     """Declare a dataclass field of an element that holds one or more numbers. unit: as "N m";
     least, above: lower bound, itself allowed (least) or not (above), None: none; default: MISSING
-    where a value must be given; is_shown: whether descriptions say a single number; keys: further
-    attributes of its spec `Number` (count, finite, zero, is_topology, words, text)."""
+    where a value must be given; is_shown: whether descriptions of elements say it (a single
+    number); keys: more of its spec `Number` (count, finite, zero, is_topology, words, text)."""
     keys |= {"is_shown": is_shown and keys.get("count", 1) == 1, "optional": default is None}
     return _field(Number(unit=unit, least=least, above=above, **keys), default)
 
 
 def stiffness(unit: str = "N m/rad", words: str = "{noun} stiffness", **keys) -> Any:
     """Declare a dataclass field of an element that holds a stiffness, at least 0. unit: as "N/m";
-    words: its name in messages, in which {noun} stands for the type's word; keys: further
-    arguments of `number`."""
+    words: name in messages, {noun} being the type's word; keys: further arguments of `number`."""
     return number(unit, 0.0, words=words, **keys)
 
 
@@ -130,14 +129,14 @@ def topology(default: Any = MISSING) -> Any:
 @cache
 def specs(kind: type) -> dict[str, FieldSpec]:
     """Return the specs (FieldSpec: unit, limits, words) of the fields of an element type `kind`, by
-    field name; fields declared without one are left out."""
+    field name, for checks and packing; fields declared without one are left out."""
     keyed = [f for f in fields(kind) if _KEY in f.metadata]
     return {f.name: replace(f.metadata[_KEY], name=f.name) for f in keyed}
 
 
 def numbers_in(value: Any) -> Sequence[float]:
-    """Return the numbers (k,) of a field's value, as kernels take them: one number as a tuple of
-    it, an array or nested tuple flattened."""
+    """Return the numbers (k,) of a field's value, as kernels and checks take them: one number as a
+    tuple of it, an array or nested tuple flattened."""
     return (value,) if isinstance(value, float | int) else np.ravel(value)
 
 

@@ -23,8 +23,8 @@ AXES = "xyz"
 
 
 class Energy(NamedTuple):
-    """An energy in the balance of a run (J). name: by which the program finds it; variable: its
-    name in a trajectory file (netCDF); long_name: what it is, in words."""
+    """An energy in the balance of a run (J). name: key by which types and outcome find it;
+    variable: its name in a trajectory file (netCDF); long_name: what it is, in words."""
 
     name: str
     variable: str
@@ -72,7 +72,7 @@ class Series(NamedTuple):
 
 class Eventful(NamedTuple):
     """An element that has events. name: the element's; events: names of its events, at the index by
-    which kernels note each (0, 1, ...); joint: name of the joint that it is on, "": none."""
+    which kernels note each; joint: name of the joint on which it is, "": none."""
 
     name: str
     events: tuple[str, ...]
@@ -107,10 +107,10 @@ class ElementType:
     neutral default. stores, gives, takes: energies that its elements store, give as work, take out
     (Energy; None: none; types with the same share an account); events: names of its events;
     watches: failure criteria (Watch); reads: types whose arrays its kernels need in every step;
-    acts_as: component of the moments on openings, in recordings, that is its own; joins: whether
+    acts_as: component ("spring", ...) to which its moments on joints are recorded; joins: whether
     each element joins its `particles`; moves_free: whether it moves all particles that no other
-    type moves; resists_as: class of its part in what resists a slow motion (fpm/travel), "": none;
-    noun: its word in messages; cost: core time of an element in a step (ns)."""
+    type moves; resists_as: class of resistance ("FR", "S", ...: ECSS) in slow motions (fpm/travel),
+    "": none; noun: its word in messages; cost: core time of an element in a step (ns)."""
 
     stores: ClassVar[Energy | None] = None  # the energy it stores (hook `stored`)
     gives: ClassVar[Energy | None] = None  # the work it gives; kinds with the same share an account
@@ -159,8 +159,8 @@ class ElementType:
             raise SceneError(self.subject(scene, field), value, f"{field.least} to {count - 1}")
 
     def subject(self, scene: SceneData, field: FieldSpec) -> str:
-        """Return what messages call a field of this element, as "stiffness of latch A". scene: that
-        holds the element's hinge; field: the field's spec, with its name or words."""
+        """Return what messages call a field of this element, as "stiffness of latch A". scene: has
+        the element's hinge, which may be named; field: the field's spec, with name or words."""
         words = field.words or field.name.replace("_", " ") + " of {title}"
         title = self.title(scene) if "{title}" in words else ""
         return words.format(noun=self.noun, title=title)
@@ -183,8 +183,8 @@ class ElementType:
         )
 
     def acts_on(self) -> tuple[int, ...]:
-        """Return the indices of the hinges of the scene on whose openings (angles, or lengths of
-        slides) the element acts; by default none."""
+        """Return the indices of the hinges of the scene on whose joint coordinates (angles, or
+        lengths of slides) the element acts; by default none."""
         return ()
 
     # -- of all elements of the kind in a scene -------------------------------------------------
@@ -196,8 +196,8 @@ class ElementType:
 
     @classmethod
     def sweep_elements(cls, scene: SceneData) -> list["ElementType"]:
-        """Return the elements that replace this type's where an opening is moved slowly through
-        static equilibria, to find what resists it (fpm/travel); by default the scene's own."""
+        """Return the elements that replace this type's where a joint coordinate is moved slowly
+        through static equilibria, to find what resists it (fpm/travel); by default its own."""
         return cls.find(scene)
 
     @classmethod
@@ -216,7 +216,7 @@ class ElementType:
     @classmethod
     def eventful(cls, scene: SceneData) -> list[Eventful]:
         """Return the type's elements in a scene that have events, each with the names of these
-        (Eventful); empty if the type has none."""
+        (Eventful), in the order by which kernels note them; empty if the type has none."""
         return [Eventful(name, cls.events) for name in cls.names(scene) if cls.events]
 
     @classmethod
@@ -284,21 +284,21 @@ class ElementType:
     @classmethod
     def held_up(cls, scene: SceneData) -> float:
         """Return the sum (N), over this type's elements in a scene, of the forces that joints may
-        have to bear at rest because of them; by default 0. With it the program estimates how much
-        work rounding errors do, and so how exactly the energy can balance."""
+        have to bear at rest because of them; by default 0. By it the program estimates the work of
+        rounding errors, and so how exactly the energy can balance."""
         return 0.0
 
     @classmethod
     def held_round(cls, scene: SceneData) -> float:
         """Return the sum (N m), over this type's elements in a scene, of the moments that exactly
-        held openings may have to bear at rest because of them; by default 0. With it the program
-        estimates how much work rounding errors do, and so how exactly the energy can balance."""
+        held joint coordinates may have to bear at rest because of them; by default 0. By it the
+        program estimates the work of rounding errors, and so how exactly the energy can balance."""
         return 0.0
 
     @classmethod
     def cost_in(cls, scene: SceneData) -> float:
-        """Core time (ns) of all elements of the type in a time step of eight runs of the scene side
-        by side (scenes/effort.py): `cost` for each."""
+        """Return the core time (ns) of all elements of the type in a time step of eight runs of the
+        scene side by side, to estimate run times (scenes/effort.py): `cost` for each."""
         return cls.cost * len(cls.names(scene))
 
     @classmethod

@@ -89,7 +89,7 @@ class Section:
 
     @staticmethod
     def square(side: float) -> "Section":
-        """Return the section of a solid square; side: its length (m), above 0."""
+        """Return the section of a solid square; side: its length (m), above 0, else SceneError."""
         return Section.rectangle(side, side)
 
     @staticmethod
@@ -155,7 +155,7 @@ class Beams(ElementType):
 
     def end_axes(self) -> np.ndarray:
         """Return the local axes 2 and 3 at both ends of these elements without stress, (2, m, 3,
-        2): end, element, global component, axis. Normal to the chord, or off by `bow`."""
+        2): end, element, global component, axis. Normal to the chord, axis 3 off by `bow`."""
         axes = np.stack([self.triad[:, :, 1:]] * 2)
         if self.bow:
             turn = np.array([self.bow, -self.bow])[:, None, None]
@@ -163,8 +163,8 @@ class Beams(ElementType):
         return axes
 
     def stiffness(self) -> np.ndarray:
-        """Return a table (m, 5) with a row for each element: undeformed length l0 (m), EA/l0 (N/m),
-        2 EIz/l0, 2 EIy/l0 and GJ/l0 (N m)."""
+        """Return a table (m, 5) with a row for each element, by which its stiffness matrix is
+        built: undeformed length l0 (m), EA/l0 (N/m), 2 EIz/l0, 2 EIy/l0 and GJ/l0 (N m)."""
         s, m, n = self.section, self.material, len(self.length)
         table = np.empty((n, 5))
         table[:, 0] = self.length
@@ -174,9 +174,9 @@ class Beams(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return what must be equal in scenes simulated side by side, a tuple: for each group the
-        particles of its elements, and one bool, whether any element has, or may have, axes other
-        than its particles' (`framed`)."""
+        """Return what must be equal in scenes simulated side by side, a tuple: for each group in
+        `scene` the particles of its elements, and one bool, whether any element has, or may have,
+        axes other than its particles' (`framed`)."""
         return tuple(tuple(b.nodes.ravel()) for b in cls.find(scene)), framed(scene)
 
     @classmethod
@@ -186,8 +186,8 @@ class Beams(ElementType):
 
     @classmethod
     def deformations(cls, scene):
-        """Return the independent deformations of all beam elements of a scene, with their
-        stiffness, from which the stable time step follows: six of each element, as in `modes`."""
+        """Return the independent deformations (Deformations) of all beam elements of a scene, with
+        their stiffness, for the stable time step: six springs of each element, as in `modes`."""
         frame = scene.frame if scene.unstrained is None else scene.unstrained
         modes, count = [], 0
         for beams in cls.find(scene):

@@ -32,10 +32,10 @@ BEND, STRAIN = 0, 1  # watched
 
 
 class StraightElements(NamedTuple):
-    """Arrays of m beam elements whose local axes are their particles' axes, as on straight bars.
-    nodes (m, 2): indices of the particles at ends a, b; beams (m, 5, lanes): constants, undeformed
-    length l0 (m), EA/l0 (N/m), EIz/(6 l0), EIy/(6 l0), GJ/(4 l0) (N m); peaks (1, 2, lanes):
-    largest bend (sine) and strain so far; rows (m, 1, lanes): energy of each (J)."""
+    """Arrays of m beam elements (lanes: samples) whose local axes are their particles' axes, as on
+    straight bars. nodes (m, 2): indices of the particles at ends a, b; beams (m, 5, lanes):
+    undeformed length l0 (m), EA/l0 (N/m), EIz/(6 l0), EIy/(6 l0), GJ/(4 l0) (N m); peaks (1, 2,
+    lanes): largest bend (sine) and strain so far; rows (m, 1, lanes): energy of each (J)."""
 
     nodes: np.ndarray  # (m, 2) particles
     beams: np.ndarray  # (m, BEAM, lanes)
@@ -45,7 +45,7 @@ class StraightElements(NamedTuple):
 
 class FramedElements(NamedTuple):
     """Arrays of m beam elements with own axes. nodes, beams, peaks, rows: as of StraightElements;
-    axes (m, 12, lanes): local axes 2 and 3 at ends a and b, in the particles' axes."""
+    axes (m, 12, lanes): local axes 2 and 3 at end a, then at end b, in the particles' axes."""
 
     nodes: np.ndarray
     beams: np.ndarray
@@ -57,15 +57,15 @@ class FramedElements(NamedTuple):
 @kernel
 def angle(s):
     """Return 6 th and 2 dth/ds of the angle th (rad) with the sine s (number or lanes), by th = s +
-    s³/6, whose error is of the fifth order."""
+    s³/6, whose error is of the fifth order: of the ends' deflections, for their moments."""
     slope = s * s + 2.0
     return s * (slope + 4.0), slope
 
 
 @kernel
 def twist_of(a2, a3, b2, b3):
-    """Twice the sine of an element's twist, b2 . a3 - b3 . a2, by its unit axes 2 and 3 at the ends
-    a and b (global components), normal to each other at either end."""
+    """Return twice the sine of an element's twist, b2 . a3 - b3 . a2, by its unit axes 2 and 3 at
+    the ends a and b (vectors in global components), normal to each other at either end."""
     return dot(b2 - a2, a3 + b3)
 
 
@@ -107,7 +107,7 @@ def _end_axes(part, state, e):
 @kernel
 def chord_of(part, state, e):
     """Return the chord of element e (unit vector from end a to b), inverse of its length (1/m), and
-    axial force (N, tension above 0). part: arrays of the elements; state: World.state."""
+    axial force (N, tension above 0). part: Straight- or FramedElements; state: World.state."""
     chord = get3(state, part.nodes[e, 1], X) - get3(state, part.nodes[e, 0], X)
     length = sqrt(dot(chord, chord))
     inverse = 1.0 / length
@@ -117,8 +117,8 @@ def chord_of(part, state, e):
 
 @kernel
 def forces(part, world, timing):
-    """Add forces (N) and moments (N m) of all beam elements to their end particles. part: arrays of
-    the elements; world: state of the solver, changed; timing: not used. The chord of the next
+    """Add forces (N) and moments (N m) of all beam elements to their end particles. part: Straight-
+    or FramedElements; world (World): solver state, changed; timing: not used. The chord of the next
     element is found beside the forces of each: its root and quotient take long."""
     state, beams = world.state, part.beams
     last = part.nodes.shape[0] - 1
@@ -152,9 +152,9 @@ def forces(part, world, timing):
 
 @kernel
 def shape_of(part, state, e):
-    """Return the deformation of element e, a tuple: axial force (N); sines of the angles between
-    the chord and the axes 2, 3 at end a and 2, 3 at end b (0 where straight), a tuple of four;
-    twice the sine of its twist. part: arrays of the elements; state: World.state."""
+    """Return the deformation of element e, a tuple: axial force (N); sines of the angles by which
+    the axes 2, 3 at end a and 2, 3 at end b are off the normal to the chord, a tuple of four; twice
+    the sine of its twist. part: StraightElements or FramedElements; state: World.state."""
     a2, a3, b2, b3 = end_axes(part, state, e)
     n, _, force = chord_of(part, state, e)
     return force, (dot(n, a2), dot(n, a3), dot(n, b2), dot(n, b3)), twist_of(a2, a3, b2, b3)
@@ -162,8 +162,8 @@ def shape_of(part, state, e):
 
 @kernel
 def strain_energy(part, e, shape):
-    """Return the strain energy (J, lanes) of element e. part: arrays of elements; shape: its
-    deformation, as `shape_of` returns it."""
+    """Return the strain energy (J, lanes) of element e. part: StraightElements or FramedElements;
+    shape: its deformation, as `shape_of` returns it."""
     force, sines, twist = shape
     ta2, ta3 = angle(sines[0])[0], angle(sines[1])[0]
     tb2, tb3 = angle(sines[2])[0], angle(sines[3])[0]
@@ -179,7 +179,7 @@ def strain_energy(part, e, shape):
 def larger_strains(part, e, shape, bend, strain):
     """Return two maxima, `bend` and `strain`, raised to the values of element e. bend: squared sine
     of the largest bend or twist; strain: the largest at the surface of the rectangle with the
-    section's radii of gyration. part: arrays of the elements; shape: of e, from `shape_of`."""
+    section's radii of gyration. part: Straight- or FramedElements; shape: of e, from `shape_of`."""
     beams = part.beams
     force, (sa2, sa3, sb2, sb3), twist = shape
     bend = larger(bend, sa2 * sa2 + sa3 * sa3)
@@ -197,7 +197,7 @@ def larger_strains(part, e, shape, bend, strain):
 @kernel
 def sum_energies(part, world):
     """Return the strain energy (J, lanes) of all beam elements together, and raise part.peaks to
-    their largest bend (sine) and strain. part: arrays of the elements; world: solver state."""
+    their largest bend (sine) and strain. part: Straight- or FramedElements; world: solver state."""
     total = 0.0 * load(world.state, 0, X)
     bend, strain = 0.0 * load(part.peaks, 0, BEND), load(part.peaks, 0, STRAIN)
     for e in range(part.nodes.shape[0]):
@@ -212,7 +212,7 @@ def sum_energies(part, world):
 @kernel
 def list_energies(part, world):
     """Store the strain energy (J) of each beam element in part.rows, once a run has failed, to name
-    the worst one. part: arrays of the elements; world: solver state."""
+    the worst one. part: StraightElements or FramedElements; world (World): solver state."""
     for e in range(part.nodes.shape[0]):
         store(part.rows, e, 0, strain_energy(part, e, shape_of(part, world.state, e)))
 

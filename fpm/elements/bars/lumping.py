@@ -51,12 +51,12 @@ def _end_weights(elements: int, order: int | None) -> tuple[float, ...]:
 
 
 def lump(length: float, elements: int, section, material, scale: float = 1.0):
-    """Return particle masses (n+1,) kg and principal inertias (n+1, 3) kg m² of a straight link.
-    length (m): of the whole link; elements: their number n; section (Section), material (Material):
-    the same all along; scale: factor f >= 1 on the section's transverse rotational inertia, above 1
-    to allow longer time steps. For n >= 2 mass, centre and inertia tensor are exactly those of a
-    uniform bar; for n = 1 mass, centre and polar inertia. SceneError if `elements` is no whole
-    number above 0, or `scale` below 1 or too large for positive end masses."""
+    """Return particle masses (n+1,) kg and principal inertias (n+1, 3) kg m² (about x, y, z) of a
+    straight uniform link. length (m): of it; elements: their number n; section (Section), material
+    (Material); scale: factor on the section's transverse rotational inertia, above 1 to allow
+    longer time steps. For n >= 2 mass, centre and inertia tensor are exactly those of a uniform
+    bar; for n = 1 mass, centre and polar inertia. SceneError if `elements` is no whole number above
+    0, or `scale` below 1 or too large for positive end masses."""
     if elements < 1 or int(elements) != elements:
         raise SceneError("elements", elements, "a whole number, at least 1")
     if not scale >= 1.0:

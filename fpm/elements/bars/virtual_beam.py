@@ -11,8 +11,8 @@ import numpy as np
 
 @dataclass(frozen=True)
 class VirtualBeam:
-    """Rigid, massless arm from a particle to a point. particle: index; arm (3,), m: vector to the
-    point, in the particle's own axes."""
+    """Rigid, massless arm from a particle to a point, as of a joint. particle: index; arm (3,), m:
+    vector to the point, in the particle's own axes."""
 
     particle: int
     arm: np.ndarray

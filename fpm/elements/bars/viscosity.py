@@ -53,8 +53,8 @@ class Viscosity(ElementType):
 
     @classmethod
     def dampings(cls, scene):
-        """Return how motions of particles stretch all beam elements of a scene, with the damping (N
-        s/m) of each in the field `stiffness`; the stable time step follows from it."""
+        """Return how motions of particles stretch all beam elements of a scene (Deformations), with
+        the damping (N s/m) of each in the field `stiffness`, for the stable time step."""
         frame = scene.frame if scene.unstrained is None else scene.unstrained
         stretches = [beams.modes(frame)[0] for beams in Beams.find(scene)]
         counts = np.cumsum([0, *(len(beams.length) for beams in Beams.find(scene))])

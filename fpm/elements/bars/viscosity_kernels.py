@@ -16,9 +16,9 @@ HISTORY = 3
 
 
 class Viscous(NamedTuple):
-    """Arrays of m beam elements' dampers. nodes (m, 2): particle indices of both ends; damping (m,
-    1, lanes): N s/m; history (m, 3, lanes): rate of the length (m/s) in the middle of the last
-    step, tension (N) and length (m) at its end; account: index of the loss in World.accounts."""
+    """Arrays of m beam elements' dampers (lanes: samples). nodes (m, 2): particle indices of both
+    ends; damping (m, 1, lanes): N s/m; history (m, 3, lanes): rate of the length (m/s) in the last
+    step's middle, tension (N), length (m) at its end; account: index of the loss in accounts."""
 
     nodes: np.ndarray
     damping: np.ndarray
@@ -30,7 +30,7 @@ class Viscous(NamedTuple):
 def forces(part, world, timing):
     """Add the tensions (N) of all beam elements' dampers, damping times rate of the length, to the
     forces on their end particles, and what they lose in the step that ends now (J) to
-    World.accounts. part: their arrays (Viscous); world: solver state, changed; timing: step times
+    World.accounts. part: their arrays (Viscous); world: solver state, changed; timing: StepTime
     (s). The rate is extrapolated from the last two steps; losses are by the trapezium rule."""
     state, history = world.state, part.history
     loss = load(world.accounts, 0, part.account)

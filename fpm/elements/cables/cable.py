@@ -45,8 +45,8 @@ def _crowded(values: dict[str, float]) -> tuple[str, str]:
 class Cable(ElementType):
     """A cable through the free ends of two or more virtual beams (rigid arms from particles). name:
     no other cable's; beams: arms to its points; stiffness: EA (N); rest: unstrained length (m);
-    reel: length (m) that a winch takes in, times the curve of index `curve` (-1: none); friction:
-    coefficient at points between its ends, None: none."""
+    reel: length (m) that a winch takes in where the curve of time of index `curve` is 1 (-1: no
+    winch); friction: coefficient at points between its ends, None: none."""
 
     name: str = topology()
     beams: tuple[VirtualBeam, ...]
@@ -69,10 +69,10 @@ class Cable(ElementType):
     @staticmethod
     def create(scene, name, points, stiffness, rest, preload, reel, curve, friction) -> "Cable":
         """Return a cable through points of a scene, as placed now; the caller adds it. name: no
-        other cable's; points: pairs of a particle's index and a position (3,) m, None: its own;
-        stiffness: EA (N); rest: unstrained length before reeling (m), or preload: tension at the
-        start (N), the other None; reel: length (m) that a winch takes in, times the curve of index
-        `curve` (-1: none); friction: coefficient or None. SceneError if they do not fit."""
+        other cable's; points: pairs of a particle's index and a global position (3,) m, None: its
+        own; stiffness: EA (N); rest: unstrained length before reeling (m), or preload: tension at
+        the start (N), the other None; reel: length (m) taken in where the curve of index `curve` is
+        1 (-1: none); friction: coefficient or None. SceneError if they do not fit."""
         count = len(scene.position)
         particles = [particle for particle, _ in points]
         if len(points) < 2 or not all(0 <= p < count for p in particles):
@@ -110,12 +110,12 @@ class Cable(ElementType):
         return f"cable {self.name}"
 
     def rest_at(self, scene, time: float) -> float:
-        """Unstrained length (m) outside the winch at a `time` (s). scene: for the winch's curve."""
+        """Unstrained length (m) outside the winch at a `time` (s). scene: has the winch's curve."""
         factor = np.interp(time, *scene.curves[self.curve]) if self.curve >= 0 else 0.0
         return float(self.rest - self.reel * factor)
 
     def shortest(self, scene) -> float:
-        """Least unstrained length (m) that the cable has at any time. scene: for its curve."""
+        """Return the least unstrained length (m) of the cable at any time. scene: has its curve."""
         factors = scene.curves[self.curve][1] if self.curve >= 0 else np.zeros(1)
         return float(self.rest - np.max(self.reel * factors))
 
@@ -125,13 +125,13 @@ class Cable(ElementType):
         return self.friction is not None and len(self.beams) > 2
 
     def lengths(self, scene) -> np.ndarray:
-        """Return the distances (n - 1,), m, from each of the cable's n points to the next now."""
+        """Distances (n - 1,), m, from each of the cable's n points to the next, now in `scene`."""
         places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in self.beams]
         return np.linalg.norm(np.diff(places, axis=0), axis=1)
 
     def pieces(self, scene) -> Iterator[Piece]:
-        """Yield the parts of the cable that have one tension each, as pairs (virtual beams to its
-        points, stiffness in N/m at the shortest): the whole one, or with friction each stretch."""
+        """Yield the parts of the cable that have one tension each, as pairs (virtual beams, N/m of
+        stiffness at the least unstrained length): the whole, or with friction each stretch."""
         shortest = self.shortest(scene)
         if not self.rubs:
             yield self.beams, self.stiffness / shortest
@@ -156,16 +156,16 @@ class Cable(ElementType):
 
     @classmethod
     def cost_in(cls, scene):
-        """Core time (ns) of all cables of a scene in a time step: `cost` for each stretch between
-        two points, RUBBING with friction."""
+        """Return the core time (ns) of all cables of a scene in a time step, to estimate run times:
+        `cost` for each stretch between two points, RUBBING with friction."""
         costs = [cls.cost if cable.friction is None else RUBBING for cable in cls.find(scene)]
         counts = [len(cable.beams) - 1 for cable in cls.find(scene)]
         return float(np.dot(costs, counts))
 
     @classmethod
     def sweep_elements(cls, scene):
-        """Return copies of a scene's cables without friction, for moving an opening slowly through
-        static equilibria (fpm/travel), which counts friction by itself."""
+        """Return copies of a scene's cables without friction, for moving a joint coordinate slowly
+        through static equilibria (fpm/travel), which counts friction by itself."""
         return [replace(cable, friction=None) for cable in cls.find(scene)]
 
     @classmethod
@@ -198,9 +198,9 @@ class Cable(ElementType):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return tension (N) and strained length (m) of all cables of one sample after a run, two
-        Series (t, cables) by variable name. part: kernel arrays (Cables); scene: the sample's;
-        lane: index of the sample among those simulated side by side."""
+        """Return tension (N) and strained length (m) of all cables of one sample after a run,
+        Series (t, cables) named "cable_tension", "cable_length". part: kernel arrays (Cables);
+        scene: the sample's; lane: index of the sample among those simulated side by side."""
         names = cls.names_of(scene)
         tension, length = part.track[:, :, lane].T.reshape(2, -1, len(names))
         return {
@@ -237,6 +237,6 @@ def _with_friction(part, batch):
 
 def length_through(scene, beams: Sequence[VirtualBeam]) -> float:
     """Return the length (m) of the open line through the free ends of virtual beams (rigid arms),
-    in their order, as placed in the scene."""
+    in their order, as placed in the scene: that of a cable through them."""
     places = [scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams]
     return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())

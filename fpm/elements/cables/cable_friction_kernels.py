@@ -50,13 +50,13 @@ from fpm.kernels.world import Log
 
 
 class RubbingCables(NamedTuple):
-    """Arrays of all c cables, with p points, where some have friction. start, particle, curve,
-    arms, cables, stretches, state, account, peaks, rows, log, track: as in Cables; rubs (c,): 1
-    where a cable has friction; friction (c, 1, lanes): its coefficient; rubbed (p, 8, lanes): of
-    each point and the stretch that begins there, unstrained length (m) before slipping in this
-    step, strain if nothing slipped over the point at its end, largest ratio of tensions, its
-    inverse, unstrained length (m), tension (N), tension a step ago (N), unstrained length slipped
-    over the point (m); loss: index of friction's loss in World.accounts."""
+    """Arrays of all c cables, with p points, where some have friction (lanes: samples). start,
+    particle, curve, arms, cables, stretches, state, account, peaks, rows, log, track: as in Cables;
+    rubs (c,): 1 where a cable has friction; friction (c, 1, lanes): its coefficient; rubbed (p, 8,
+    lanes): of each point and the stretch that begins there, unstrained length (m) before slipping
+    in this step, strain if nothing slipped over the point at its end, largest ratio of tensions,
+    its inverse, unstrained length (m), tension (N), tension a step ago (N), unstrained length
+    slipped over the point (m); loss: index of friction's loss in World.accounts."""
 
     start: np.ndarray
     particle: np.ndarray
@@ -78,8 +78,8 @@ class RubbingCables(NamedTuple):
 
 @kernel
 def exponential(x):
-    """exp(x) with a relative error of 1e-11 for 0 <= x <= 10, and exp(30) above 30, at which no
-    cable slips: the series at x/256, squared eight times."""
+    """Return exp(x) to a relative error of 1e-11 for 0 <= x <= 10, and exp(30) above 30, where no
+    cable slips, for ratios of tensions at points: the series at x/256, squared eight times."""
     y = (1.0 / 256.0) * where_negative(x - 30.0, x, 30.0)
     result = 1.0 + y * (1.0 + y * (0.5 + y * (1 / 6 + y * (1 / 24 + y * (1 / 120 + y / 720)))))
     for _ in range(8):
@@ -89,8 +89,8 @@ def exponential(x):
 
 @kernel
 def turn_angle(part, j):
-    """Angle (rad, 0 to pi) between the stretches of a cable before and after its point j. part:
-    arrays of all cables, after `lay`."""
+    """Return the angle (rad, 0 to pi) by which a cable turns at its point j, between its ends
+    (index among all cables' points). part: arrays of all cables (RubbingCables), after `lay`."""
     first, second = get3(part.stretches, j - 1, DIRECTION), get3(part.stretches, j, DIRECTION)
     normal = cross(first, second)
     return arctan2(sqrt(dot(normal, normal)), dot(first, second))
@@ -98,8 +98,8 @@ def turn_angle(part, j):
 
 @kernel
 def length_at(part, j, soft, fraction):
-    """Length (m) of stretch j at a `fraction` (0 to 1) of the step that ends now, as if it
-    changed evenly in it. part: arrays of all cables; soft: 1/EA (1/N)."""
+    """Return the length (m) of stretch j at a `fraction` (0 to 1) of the step that ends now, as if
+    it changed evenly in it. part: arrays of all cables (RubbingCables); soft: 1/EA (1/N)."""
     length = load(part.rubbed, j, MATERIAL) * (1.0 + soft * load(part.rubbed, j, TENSION))
     return length + fraction * (load(part.stretches, j, LENGTH) - length)
 
@@ -108,8 +108,8 @@ def length_at(part, j, soft, fraction):
 def slip(part, c, rest, excess, turn):
     """Let cable c slip over its points by the law of friction: stores in part.rubbed FREE_STRAIN of
     every stretch, its strain if nothing slipped over the point at its end. part: arrays of all
-    cables; rest: unstrained length now (m); excess: length less unstrained length a step ago (m);
-    turn: fraction of the step after which the cable turns tight, if it was slack."""
+    cables (RubbingCables); rest: unstrained length now (m); excess: length less unstrained length a
+    step ago (m); turn: fraction of the step after which the cable turns tight, if it was slack."""
     first, last = part.start[c], part.start[c + 1] - 1
     soft, rest_sum = 1.0 / load(part.cables, c, EA), 0.0 * rest
     for j in range(first + 1, last):
@@ -127,9 +127,9 @@ def slip(part, c, rest, excess, turn):
 @kernel
 def pull_on(part, c, excess, turn, slack):
     """Store in part.rubbed and part.stretches tension (N), slipped length (m), unstrained length
-    (m) and pull on its points (N) of every stretch of cable c. part: arrays of all cables; excess:
-    length less unstrained length now (m); turn: fraction of the step after which the cable turns
-    slack, if it is now; slack: fraction of the step in which it is slack."""
+    (m) and pull on its points (N) of every stretch of cable c. part: all cables (RubbingCables);
+    excess: length less unstrained length now (m); turn: fraction of the step after which the cable
+    turns slack, if it is now; slack: fraction of the step in which it is slack."""
     first, last = part.start[c], part.start[c + 1] - 1
     stiffness = load(part.cables, c, EA)
     soft, strain, inflow = 1.0 / stiffness, load(part.rubbed, last - 1, FREE_STRAIN), 0.0 * excess
@@ -150,8 +150,8 @@ def pull_on(part, c, excess, turn, slack):
 @kernel
 def find_tensions(part, world, timing, c):
     """Find and store in part.rubbed the tension (N) of every stretch of cable c, which has
-    friction: measures its lengths, and lets it slip. part: arrays of all cables; world: solver
-    state; timing: times of this step (s)."""
+    friction: measures its lengths, and lets it slip. part: arrays of all cables (RubbingCables);
+    world (World): solver state; timing (StepTime): times of the step (s)."""
     length, rest = lay(part, world.state, c), unstrained_now(part, world, timing, c)
     last, excess = load(part.state, c, LONGER), length - rest
     reeled = rest - load(part.state, c, UNSTRAINED)
@@ -169,8 +169,8 @@ def find_tensions(part, world, timing, c):
 
 @hook(RubbingCables)
 def forces(part, world, timing):
-    """Add the forces (N) and moments (N m) of all cables to the particles they run over. part:
-    arrays of all cables; world: state of the solver, changed; timing: times of this step (s)."""
+    """Add the forces (N) and moments (N m) of all cables to the particles they run over. part: all
+    cables (RubbingCables); world (World): solver state, changed; timing (StepTime): times (s)."""
     for c in range(part.curve.shape[0]):
         if part.rubs[c]:
             find_tensions(part, world, timing, c)
@@ -182,16 +182,16 @@ def forces(part, world, timing):
 @kernel
 def gain(part, j, soft):
     """Return the energy (J/m) that unstrained cable brings into stretch j when it slips there, as a
-    mean over both ends of the step that ends now. part: arrays of all cables; soft: 1/EA (1/N)."""
+    mean over both ends of the step that ends now. part: RubbingCables; soft: 1/EA (1/N)."""
     tension, last = load(part.rubbed, j, TENSION), load(part.rubbed, j, TENSION_BEFORE)
     return 0.5 * (tension + last) + 0.25 * soft * (tension * tension + last * last)
 
 
 @hook(RubbingCables)
 def work_before(part, world, timing):
-    """Add the winches' work (J) over the step that ends now to part.account in world.accounts, and
-    that lost by friction to part.loss. part: arrays of all cables; world: solver state; timing:
-    unused."""
+    """Add the winches' work (J) over the step that ends now to column part.account of
+    world.accounts, and what friction took to part.loss. part: all cables (RubbingCables); world:
+    World; timing: unused."""
     work, loss = load(world.accounts, 0, part.account), load(world.accounts, 0, part.loss)
     for c in range(part.curve.shape[0]):
         if not part.rubs[c]:
@@ -210,7 +210,7 @@ def work_before(part, world, timing):
 
 @hook(RubbingCables)
 def energy_of(part, world, c):
-    """Return the strain energy (J) of cable c. part: arrays of all cables; world: not used."""
+    """Return the strain energy (J) of cable c. part: RubbingCables; world: not used."""
     total = energy_of_cable(part, c)
     if part.rubs[c]:
         total = 0.0 * total
@@ -224,8 +224,8 @@ def energy_of(part, world, c):
 @hook(RubbingCables)
 def record(part, world, row):
     """Store each cable's tension (N), of its first stretch, and strained length (m) in part.track;
-    those without friction raise part.peaks (`record_cable`). part: arrays of all cables; world:
-    not used; row: index of the recorded instant."""
+    those without friction raise part.peaks (`record_cable`). part: arrays of all cables
+    (RubbingCables); world: not used; row: index of the recorded instant."""
     count = part.curve.shape[0]
     for c in range(count):
         if not part.rubs[c]:

@@ -40,15 +40,15 @@ TINY = 1e-30
 
 
 class Cables(NamedTuple):
-    """Arrays of all c cables, one after the other, with p points; a stretch runs from a point to
-    the next. start (c + 1,): first point of each cable; particle (p,): particle of each point;
-    curve (c,): index of the winch's curve, -1: none; arms (p, 3, lanes): from particles to points,
-    in the particles' frames (m); cables (c, 3, lanes): EA (N), unstrained length (m), reel (m);
-    stretches (p, 8, lanes): direction (3), length (m), arm of the point (3, m), pull (N); state (c,
-    6, lanes): elongation, unstrained length (m), winch force (N), each now and a step ago; account:
-    index of the winches' work in World.accounts; peaks (1, 1, lanes): largest `crowding` of all so
-    far; rows (c, 1, lanes): that of each; log: of events; track ((instants + 1) c, 2, lanes):
-    recorded tension (N) and length (m)."""
+    """Arrays of all c cables (lanes: samples), one after the other, with p points; a stretch runs
+    from a point to the next. start (c + 1,): first point of each cable; particle (p,): particle of
+    each point; curve (c,): index of the winch's curve, -1: none; arms (p, 3, lanes): from particles
+    to points, in the particles' frames (m); cables (c, 3, lanes): EA (N), unstrained length, length
+    that the winch takes in where its curve is 1 (m); stretches (p, 8, lanes): direction (3), length
+    (m), arm of the point (3, m), pull (N); state (c, 6, lanes): elongation, unstrained length (m),
+    winch force (N), each now and a step ago; account: index of the winches' work in World.accounts;
+    peaks (1, 1, lanes): largest `crowding` of all so far; rows (c, 1, lanes): that of each; log: of
+    events; track ((instants + 1) c, 2, lanes): recorded tension (N) and length (m)."""
 
     start: np.ndarray  # (c + 1,) first point of each
     particle: np.ndarray  # (p,) particles
@@ -67,7 +67,7 @@ class Cables(NamedTuple):
 @kernel
 def lay(part, state, c):
     """Measure cable c: stores directions and lengths (m) of its stretches now in part.stretches,
-    and returns its whole length (m). part: arrays of all cables; state: of the particles."""
+    and returns its whole length (m). part: Cables or RubbingCables; state: World.state."""
     first, last = part.start[c], part.start[c + 1] - 1
     total = 0.0 * load(part.cables, c, REST)
     for j in range(first, last + 1):
@@ -87,7 +87,7 @@ def lay(part, state, c):
 @kernel
 def unstrained_now(part, world, timing, c):
     """Return the unstrained length (m) of cable c at timing.time, less what its winch has taken in.
-    part: arrays of all cables; world: solver state, with the curves; timing: step times (s)."""
+    part: Cables or RubbingCables; world (World): has the curves; timing: StepTime (s)."""
     rest = load(part.cables, c, REST)
     if part.curve[c] >= 0:
         rest = rest - curve_value(world, part.curve[c], timing.time) * load(part.cables, c, REEL)
@@ -96,8 +96,8 @@ def unstrained_now(part, world, timing, c):
 
 @kernel
 def find_pull(part, world, timing, c):
-    """Store the elongation (m) of cable c, without friction, in part.state, and its tension (N) in
-    part.stretches. part: arrays of all cables; world: solver state; timing: step times (s)."""
+    """Store elongation, unstrained length (m) and winch force (N) of cable c, without friction, in
+    part.state, tension (N) in part.stretches. part: Cables; world: World; timing: StepTime (s)."""
     length = lay(part, world.state, c)
     store(part.state, c, LONGER_BEFORE, load(part.state, c, LONGER))
     store(part.state, c, UNSTRAINED_BEFORE, load(part.state, c, UNSTRAINED))
@@ -116,7 +116,7 @@ def find_pull(part, world, timing, c):
 @kernel
 def pull_points(part, state, c):
     """Add the tensions of cable c as forces (N) and moments (N m) to its particles, at each point
-    towards the points beside it. part: arrays of all cables; state: of the particles, changed."""
+    towards the points beside it. part: Cables or RubbingCables; state: World.state, changed."""
     first, last = part.start[c], part.start[c + 1] - 1
     for j in range(first, last + 1):
         force = 0.0 * get3(part.stretches, j, DIRECTION)
@@ -132,7 +132,7 @@ def pull_points(part, state, c):
 @hook(Cables)
 def forces(part, world, timing):
     """Add the forces (N) and moments (N m) of all cables to the particles they run over. part:
-    arrays of all cables; world: state of the solver, changed; timing: times of this step (s)."""
+    arrays of all cables (Cables); world (World): solver state, changed; timing: StepTime (s)."""
     for c in range(part.curve.shape[0]):
         find_pull(part, world, timing, c)
         pull_points(part, world.state, c)
@@ -141,7 +141,7 @@ def forces(part, world, timing):
 @hook(Cables)
 def note_events(part, world, timing):
     """Write to part.log which cables turned tight (event 0) or slack (1) in the step that ends now,
-    and when. part: arrays of all cables; world: not used; timing: step times (s)."""
+    and when. part: arrays of all cables (Cables); world: not used; timing (StepTime): times (s)."""
     for c in range(part.curve.shape[0]):
         old = load(part.state, c, LONGER_BEFORE) - TAUT * load(part.state, c, UNSTRAINED_BEFORE)
         new = load(part.state, c, LONGER) - TAUT * load(part.state, c, UNSTRAINED)
@@ -150,8 +150,8 @@ def note_events(part, world, timing):
 
 @kernel
 def work_of_winch(part, c):
-    """Work (J) of the winch of cable c over the step that ends now, above 0 where it takes tight
-    cable in. part: arrays of all cables."""
+    """Return the work (J) of the winch of cable c over the step that ends now, above 0 where it
+    takes tight cable in. part: arrays of all cables (Cables or RubbingCables)."""
     reeled = load(part.state, c, UNSTRAINED_BEFORE) - load(part.state, c, UNSTRAINED)
     return 0.5 * reeled * (load(part.state, c, WINCH) + load(part.state, c, WINCH_BEFORE))
 
@@ -159,7 +159,7 @@ def work_of_winch(part, c):
 @hook(Cables)
 def work_before(part, world, timing):
     """Add the winches' work (J) over the step that ends now to part.account in world.accounts.
-    part: arrays of all cables; world: solver state; timing: not used."""
+    part: arrays of all cables (Cables); world (World): solver state; timing: not used."""
     work = load(world.accounts, 0, part.account)
     for c in range(part.curve.shape[0]):
         if part.curve[c] >= 0:
@@ -169,28 +169,28 @@ def work_before(part, world, timing):
 
 @kernel
 def strain_of(part, c):
-    """Strain of cable c at the last forces, 0 where it is slack. part: arrays of all cables."""
+    """Return the strain of cable c at the last forces, 0 where slack. part: all cables (Cables)."""
     strain = load(part.state, c, LONGER) / load(part.state, c, UNSTRAINED)
     return where_negative(strain, 0.0, strain)
 
 
 @kernel
 def energy_of_cable(part, c):
-    """Strain energy (J) of cable c, which has no friction. part: arrays of all cables."""
+    """Return the strain energy (J) of cable c without friction. part: all cables (Cables)."""
     strain = strain_of(part, c)
     return 0.5 * load(part.cables, c, EA) * load(part.state, c, UNSTRAINED) * strain * strain
 
 
 @hook(Cables)
 def energy_of(part, world, c):
-    """Strain energy (J) of cable c. part: arrays of all cables; world: not used."""
+    """Return the strain energy (J) of cable c. part: all cables (Cables); world: not used."""
     return energy_of_cable(part, c)
 
 
 @kernel
 def crowding(part, c):
-    """Return the elongation of cable c over the length of its shortest stretch, 0 where it is
-    slack; a run fails above 1. part: arrays of all cables."""
+    """Return the crowding of cable c: its elongation over the length of its shortest stretch, 0
+    where it is slack; a run fails above 1. part: arrays of all cables (Cables or RubbingCables)."""
     longer = where_negative(load(part.state, c, LONGER), 0.0, load(part.state, c, LONGER))
     most = 0.0 * longer
     for j in range(part.start[c], part.start[c + 1] - 1):
@@ -201,7 +201,7 @@ def crowding(part, c):
 @kernel
 def record_cable(part, c, row):
     """Store tension (N) and strained length (m) of cable c in row `row` (instant times cables + c)
-    of part.track, and raise part.peaks to its `crowding`. part: arrays of all cables."""
+    of part.track, and raise part.peaks to its `crowding`. part: Cables or RubbingCables."""
     store(part.track, row, 0, load(part.cables, c, EA) * strain_of(part, c))
     store(part.track, row, 1, load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED))
     store(part.peaks, 0, 0, larger(load(part.peaks, 0, 0), crowding(part, c)))
@@ -211,7 +211,7 @@ def record_cable(part, c, row):
 def record(part, world, row):
     """Store tension (N) and strained length (m) of each cable in part.track, and raise part.peaks
     (one for all cables) to the largest `crowding`, elongation over the length of the shortest
-    stretch. part: arrays of all cables; world: not used; row: index of the recorded instant."""
+    stretch. part: all cables (Cables); world: not used; row: index of the recorded instant."""
     count = part.curve.shape[0]
     for c in range(count):
         record_cable(part, c, row * count + c)
@@ -220,6 +220,6 @@ def record(part, world, row):
 @hook(Cables)
 def list_excess(part, world):
     """Store each cable's `crowding`, elongation over the length of its shortest stretch, in
-    part.rows, to name the worst when a run failed. part: arrays of all cables; world: not used."""
+    part.rows, to name the worst when a run failed. part: all cables (Cables); world: not used."""
     for c in range(part.curve.shape[0]):
         store(part.rows, c, 0, crowding(part, c))

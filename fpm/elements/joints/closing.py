@@ -31,8 +31,8 @@ ALL = -1.0
 
 @kernel
 def clear(sums):
-    """Set impulses, which are summed over a step, to 0 at its start. sums (rows, fields, lanes):
-    those of hinges or joints; None, where nothing reads them: nothing is done."""
+    """Set impulses (N s, N m s), which are summed over a step, to 0 at its start. sums (rows,
+    fields, lanes): those of hinges or joints; None, where nothing reads them: nothing is done."""
     if sums is not None:
         for r in range(sums.shape[0]):
             for k in range(sums.shape[1]):
@@ -41,9 +41,9 @@ def clear(sums):
 
 @kernel
 def count_hinge(sums, part, h, condition):
-    """Add the impulses (N s, N m s) last found for hinge h (index), on both bodies, to row h of
-    `sums` (Hinges.sums; None: nothing is done), in samples where `condition` (lanes) is below 0.
-    part: arrays of all hinges (Hinges)."""
+    """Add the impulses (N s, N m s) last found for hinge h, an index, on both bodies to row h of
+    `sums` (Hinges.sums; None: nothing is done), in samples where `condition` (lanes) is below 0,
+    for recorded forces. part: arrays of all hinges (Hinges)."""
     if sums is not None:
         w, b = part.hinge_scratch, part.body_scratch
         lanes = condition + 0.0 * load(sums, h, 0)
@@ -56,8 +56,8 @@ def count_hinge(sums, part, h, condition):
 @kernel
 def count_joints(part, condition):
     """Add the impulses (N s, N m s) last found for all constraint equations of joints to part.sums,
-    and of those that hold openings to part.turns.state, in samples where `condition` (lanes) is
-    below 0. part: arrays of all joints (Joints)."""
+    and of those that hold joint coordinates to part.turns.state, in samples where `condition`
+    (lanes) is below 0: after each round of a step. part: arrays of all joints (Joints)."""
     count_conditions(part.sums, part, condition)
     count_turns(part.turns, part, condition)
 
@@ -65,8 +65,8 @@ def count_joints(part, condition):
 @kernel
 def count_conditions(sums, part, condition):
     """Add the impulses (N s, N m s) last found for all constraint equations to `sums` (Joints.sums,
-    over a step; None: nothing is done), where `condition` (lanes) < 0: slack of the gaps, < 0 where
-    one is too large and bodies are pushed again, or ALL. part: arrays of all joints."""
+    over a step; None: nothing is done), in samples where `condition` (lanes) is below 0: slack of
+    the gaps, below 0 where bodies are pushed again, or ALL (-1). part: all joints (Joints)."""
     if sums is not None:
         for r in range(sums.shape[0]):
             total = load(sums, r, 0)
@@ -76,9 +76,9 @@ def count_conditions(sums, part, condition):
 
 @kernel
 def count_turns(turns, part, condition):
-    """Add the impulses (N m s) last found that hold openings exactly to the field TURN_IMPULSE of
-    turns.state, in samples where `condition` (lanes) is below 0. turns: Joints.turns, None: nothing
-    is done; part: arrays of all joints."""
+    """Add the impulses (N m s; N s of slides) last found that hold joint coordinates exactly to the
+    field TURN_IMPULSE of turns.state, in samples where `condition` (lanes) is below 0. turns:
+    Joints.turns, None: nothing is done; part: arrays of all joints (TurnedJoints)."""
     if turns is not None:
         sums = turns.state
         for t in range(sums.shape[0]):
@@ -91,8 +91,8 @@ def count_turns(turns, part, condition):
 @kernel
 def keep(b, r, state, i, axes):
     """Save the position (m) and the axes 2 and 3 of particle i in row r of `b`, the working memory
-    of bodies (body_scratch), at the start of a step. state: of the particles; axes: the particle's
-    three unit vectors, global."""
+    of bodies (body_scratch), at the start of a step, for `restore`. state: of the particles
+    (World.state); axes: the particle's three unit vectors, global."""
     put3(b, r, OLD_X, get3(state, i, X))
     put3(b, r, OLD_D2, axes[1])
     put3(b, r, OLD_D3, axes[2])
@@ -101,7 +101,7 @@ def keep(b, r, state, i, axes):
 @kernel
 def restore(b, r, state, i):
     """Set particle i back to the position and axes that `keep` saved in row r of `b`, bodies'
-    working memory; i, r: indices or pairs of them. state: of the particles, changed in place."""
+    working memory. i, r: indices or pairs of them; state: World.state, changed."""
     put3(state, i, X, get3(b, r, OLD_X))
     put3(state, i, D2, get3(b, r, OLD_D2))
     put3(state, i, D3, get3(b, r, OLD_D3))
@@ -109,8 +109,8 @@ def restore(b, r, state, i):
 
 @kernel
 def turn_little(state, i, turn):
-    """Rotate the axes of particle i (index or a pair) in `state`, of the particles, by a rotation
-    vector `turn` (rad, 3, global) so small that its square does not show."""
+    """Rotate the axes of particle i (index or a pair) in `state` (World.state) by a rotation vector
+    `turn` (rad, 3, global) so small that its square does not show, to close small tilts."""
     for k in (D2, D3):
         axis = get3(state, i, k)
         put3(state, i, k, axis + cross(turn, axis))
@@ -127,7 +127,7 @@ def coarse(time, size):
 @kernel
 def watch(part, gap2, tilt2):
     """Raise the largest gap and tilt so far, in part.peaks, to the roots of gap2 (m²) and tilt2
-    (squared sine of the axes' angle); returns these roots. part: arrays of all hinges or joints."""
+    (squared sine of the axes' angle); returns these roots. part: Hinges, Joints or TurnedJoints."""
     gap, tilt = sqrt(gap2), sqrt(tilt2)
     store(part.peaks, 0, GAP, larger(load(part.peaks, 0, GAP), gap))
     store(part.peaks, 0, TILT, larger(load(part.peaks, 0, TILT), tilt))

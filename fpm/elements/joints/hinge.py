@@ -50,7 +50,7 @@ def gap_watches(noun: str, gap: str, tilt: str, remedy: str) -> tuple[Watch, Wat
 class JointBase(ElementType):
     """Base class of hinges and joints. Each has a `name`, a `type` (as "revolute"), and `beams`:
     one or two rigid arms (VirtualBeam) from particles to the joint, whose free ends are kept
-    together, or, of one, held in place. gaps: names and words of recorded gap and tilt."""
+    together, or, of one, held in place. gaps: words for recorded gap and tilt, by variable."""
 
     joins = True
     gaps: ClassVar[dict[str, str]]  # recorded: the largest of points and of directions, in words
@@ -62,13 +62,13 @@ class JointBase(ElementType):
 
     @property
     def slides(self) -> bool:
-        """Whether the joint is a slide, so that its opening is a length (m)."""
+        """Whether the joint is a slide, so that its joint coordinate is a length (m)."""
         return self.type == "prismatic"
 
     @property
     def joint(self) -> str:
-        """Name of the joint as which the element is solved: by default the element's own; that of a
-        universal joint for both of its angles."""
+        """Name of the whole joint to which the element belongs: by default its own; of both angles
+        of a universal joint that joint's."""
         return self.name
 
     @staticmethod
@@ -105,15 +105,17 @@ class JointBase(ElementType):
 
 @dataclass(frozen=True)
 class Hinge(JointBase):
-    """A hinge, or other opening of a joint, between the free ends of two rigid arms from particles.
+    """A hinge, or other joint coordinate (opening) of a joint, between the ends of two arms from
+    particles.
 
-    name: no other's; axes (2, 3): the axis in each particle's own frame; references (2, 3):
-    directions normal to the axis, one in each frame, that coincide at opening 0; opening (rad): at
-    the start, with full turns; it grows when the second particle turns by the right-hand rule about
-    the axis against the first; support: global axes along which the hinge point is held, as "xz".
-    type: "revolute"; "prismatic": a slide, whose opening (m) is the distance along the axis from
-    the first beam's end to the second's, plus `offset` (m); "universal" and "cross": the first and
-    the second angle of a universal joint; the axis of each is fixed in its first particle."""
+    name: no other's; beams: the rigid arms; axes (2, 3): the axis in each particle's frame;
+    references (2, 3): directions normal to the axis, one in each frame, that coincide at opening 0;
+    opening (rad): at the start, with full turns; it grows when the second particle turns by the
+    right-hand rule about the axis against the first; support: global axes along which the hinge
+    point is held, as "xz". type: "revolute"; "prismatic": a slide, whose opening (m) is the
+    distance along the axis from the first arm's end to the second's, plus `offset` (m); "universal"
+    and "cross": the first and the second angle of a universal joint; the axis of each is fixed in
+    its first particle."""
 
     name: str
     beams: tuple[VirtualBeam, VirtualBeam]
@@ -171,8 +173,8 @@ class Hinge(JointBase):
 
     @property
     def ends(self) -> np.ndarray:
-        """Vectors (2, 3), in the frames of the particles, between which the opening is measured:
-        the references; or the points of a slide, whose distance along the axis is the opening."""
+        """Vectors (2, 3), in the particles' frames, between which the joint coordinate is measured:
+        references; or of a slide arms (m) to points, whose distance along the axis it is."""
         if not self.slides:
             return self.references
         first, second = (beam.arm for beam in self.beams)
@@ -180,14 +182,14 @@ class Hinge(JointBase):
 
     @property
     def joint(self) -> str:
-        """Name of the whole joint: the hinge's; of universal joints without the ending (ANGLES)."""
+        """Name of the whole joint: the hinge's; of universal joints without "_axis" or "_other"."""
         suffix = {"universal": ANGLES[0], "cross": ANGLES[1]}.get(self.type, "")
         return self.name.removesuffix(suffix)
 
     @classmethod
     def find(cls, scene):
-        """Return those hinges of a scene that are solved each by itself (`are_alone`); all others
-        are solved as coupled joints (Joint.find)."""
+        """Return those hinges of a scene whose constraints are solved for each by itself
+        (`are_alone`); all others are solved as coupled joints (Joint.find)."""
         return [hinge for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True) if lone]
 
     def topology(self):
@@ -225,8 +227,8 @@ class Hinge(JointBase):
 
 
 def names_taken(scene) -> set[str]:
-    """Return the names in use by all hinges and joints of a scene, with which a new name is
-    compared; of universal joints also those of their two angles."""
+    """Return the names in use by all hinges and joints of a scene, of universal joints also of
+    their two angles: a new joint's name must differ from them."""
     names = {e.name for kind, elements in scene.kinds.items() if kind.joins for e in elements}
     return names | {name for hinge in scene.hinges for name in (hinge.name, hinge.joint)}
 
@@ -253,17 +255,17 @@ def held_axes(letters: str) -> list[bool]:
 
 def places_of(scene, joints: Sequence[JointBase]) -> np.ndarray:
     """Positions (j, 3), m, global, of the free ends of the first virtual beams (rigid arms) of
-    `joints` (j elements of a scene), as the scene is placed now."""
+    `joints` (j elements of a scene), as placed now: of the points that supports hold."""
     beams = [element.beams[0] for element in joints]
     return np.array([scene.position[b.particle] + scene.frame[b.particle] @ b.arm for b in beams])
 
 
 def are_alone(scene) -> list[bool]:
-    """Return for each hinge of a scene, in order, whether it can be solved alone, cheaper than as a
-    coupled joint. It can if it is revolute; nothing holds its opening exactly (turn.py); its
+    """Return for each hinge of a scene, in order, whether it can be solved by itself, cheaper than
+    as a coupled joint. It can if it is revolute; nothing holds its angle exactly (turn.py); its
     particles, unless held altogether, are in no other hinge or joint and have no Drive; and its own
-    matrix is regular, whatever arms and axis are and become: no axis is held for both particles,
-    nor for a particle and the hinge point, one may turn, and about all axes or none."""
+    matrix is regular, whatever arms and axis become: no axis is held for both particles, nor for a
+    particle and the hinge point, one may turn, and about all axes or none."""
     joining = [e for kind, elements in scene.kinds.items() if kind.joins for e in elements]
     uses = Counter(p for element in joining for p in element.particles)
     shared = {p for p, count in uses.items() if count > 1 and not scene.fixed[p].all()}
@@ -301,8 +303,8 @@ def of_both(vector) -> Sequence[np.ndarray]:
 
 
 def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:
-    """Whether a hinge's own constraint matrix can be inverted: every impulse at the hinge moves
-    something. fixed (n, 6): whether each particle is held along x, y, z and about x, y, z."""
+    """Return whether a hinge's constraint matrix can be inverted, so that it may be solved alone.
+    fixed (n, 6): whether each particle is held along x, y, z and about x, y, z (global)."""
     return _is_regular(hinge.support, *(fixed[p].tobytes() for p in hinge.particles))
 
 

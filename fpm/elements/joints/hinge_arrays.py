@@ -46,7 +46,8 @@ GAP, TILT = 0, 1  # watched, and recorded
 
 
 class Hinges(NamedTuple):
-    """Arrays of the h hinges solved alone, no body of which that can move is in another joint.
+    """Arrays of the h hinges solved alone, no movable body of which is in another joint (lanes:
+    samples).
 
     Hinge i has the bodies 2 i and 2 i + 1. ends (2 h,): particle of each body; bodies (2 h, 15,
     lanes): arm, axis, reference, normal to both, inverse masses; hinges (h, 6, lanes): held axes,
@@ -54,11 +55,10 @@ class Hinges(NamedTuple):
     supported: whether any is; body_scratch (2 h, 39, lanes), hinge_scratch (h, 75, lanes): working
     memory; open (h,): whether a hinge needs another round of this step; peaks (1, 2, lanes):
     largest gap (m) and tilt (sine) so far; names (h,): row of each hinge in `excess`; excess (h, 1,
-    lanes): gap and tilt squared, as shares of what is allowed, summed, by which the worst hinge is
-    named; gaps (instants + 1, 2, lanes): the largest gap (m) and tilt (sine) recorded at each
-    instant; sums (h, 12, lanes): impulses (N s, N m s) of the step on both bodies; forces
-    ((instants + 1) h, 12, lanes): their forces (N) and moments (N m), recorded. Both are None if
-    nothing reads them."""
+    lanes): gap and tilt squared, as shares of what is allowed, summed, to name the worst hinge;
+    gaps (instants + 1, 2, lanes): largest gap (m) and tilt (sine) recorded at each instant; sums
+    (h, 12, lanes): impulses (N s, N m s) of the step on both bodies; forces ((instants + 1) h, 12,
+    lanes): their forces (N) and moments (N m), recorded. Both are None if nothing reads them."""
 
     ends: np.ndarray  # (2h,) particles of the bodies
     bodies: np.ndarray  # (2h, BODY, lanes)

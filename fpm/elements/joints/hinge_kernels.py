@@ -76,7 +76,7 @@ def prepare(part, world, timing):
     """Update the momenta of the particles of all hinges by the forces, summed before, over the time
     timing.kick; then apply impulses at the hinges that would keep them closed if the rates of their
     gaps stayed as they are over the step. part: arrays of all hinges (Hinges), whose working memory
-    is filled; world: state of the solver, changed; timing: times of this step (s)."""
+    is filled; world (World): solver state, changed; timing (StepTime): times of the step (s)."""
     clear(part.sums)
     prepare_bodies(world, part, timing.kick)
     prepare_matrices(part)
@@ -88,7 +88,7 @@ def prepare(part, world, timing):
 @kernel
 def aim(part, state):
     """Apply the impulses that would keep every hinge closed over the step if the rates of its gaps
-    stayed as they are; changes momenta in `state`, of the particles. part: arrays of all hinges."""
+    stayed as they are; changes momenta in `state` (World.state). part: all hinges (Hinges)."""
     ends, b, w = part.ends, part.body_scratch, part.hinge_scratch
     part.open[:] = True
     for h in range(w.shape[0]):
@@ -155,9 +155,9 @@ def move_bodies(state, particles, pair, step):
 
 @kernel
 def nudge(state, i, r, b, step):
-    """Change the velocities and angular momenta of particles i in `state` by rows r of `b`, the
-    bodies' working memory: DV (m/s) and DP (N m s) (`push`); and shift and turn them by what these
-    give over a step (s), to close small gaps. i, r: indices, or pairs of them."""
+    """Change the velocities and angular momenta of particles i in `state` (World.state) by rows r
+    of `b`, the bodies' working memory: DV (m/s) and DP (N m s) (`push`); and shift and turn them by
+    what these give over a step (s), to close small gaps. i, r: indices, or pairs of them."""
     push(state, i, r, b)
     put3(state, i, X, step * get3(b, r, DV) + get3(state, i, X))
     turn_little(state, i, step * symmetric(get6(b, r, INVERSE), get3(b, r, DP)))
@@ -165,9 +165,9 @@ def nudge(state, i, r, b, step):
 
 @kernel
 def ask(part, state, h, rate):
-    """Store in GOAL of hinge h (index) the rates that its impulses must produce to close its gaps
-    in the time 1/rate: -rate (1/s) times the gap (m), the sines of both tilts, and the distance of
-    its point from where it is held (m). part: arrays of all hinges; state: of the particles."""
+    """Store in GOAL of hinge h, in part.hinge_scratch, the rates that its impulses must produce to
+    close it in the time 1/rate: -rate (1/s) times the gap (m), the sines of both tilts, and the
+    distance of its point from where it is held (m). part: Hinges; state: World.state."""
     w = part.hinge_scratch
     point, gap, ep, eq = gaps(part, state, h)
     put3(w, h, GOAL, -rate * gap)
@@ -179,9 +179,9 @@ def ask(part, state, h, rate):
 
 @hook(Hinges)
 def move(part, world, timing):
-    """Move the particles of all hinges by a step, in up to ROUNDS rounds, and close the hinges at
-    its end by impulses. part: arrays of all hinges; world: state of the solver, changed; timing:
-    times of this step (s). Gaps that the last round leaves raise part.peaks."""
+    """Move the particles of all hinges by a step and close the hinges at its end by impulses, in up
+    to ROUNDS (4) rounds. part: all hinges (Hinges); world (World): solver state, changed; timing
+    (StepTime): times of the step (s). Gaps that the last round leaves raise part.peaks."""
     state, ends, open_ = world.state, part.ends, part.open
     b, w = part.body_scratch, part.hinge_scratch
     open_[:] = True
@@ -224,7 +224,7 @@ def move(part, world, timing):
 def look_back(part, world, timing):
     """Close the hinges also one step before the start, in the first step only: changes the momenta
     in world.start_state, those half a step before the start (why: joint_kernels.look_back). part:
-    arrays of all hinges; world: solver state; timing: times of this step (s)."""
+    arrays of all hinges (Hinges); world (World): solver state; timing (StepTime): times (s)."""
     start, ends, b = world.start_state, part.ends, part.body_scratch
     part.open[:] = True
     for h in range(part.hinge_scratch.shape[0]):
@@ -245,9 +245,9 @@ def look_back(part, world, timing):
 
 @kernel
 def gap_squares(part, state, h):
-    """Square of the gap of hinge h (m²), the distance between its points on both bodies, or of its
-    point from where it is held if larger, and squared sine of the angle between its axes on both.
-    part: arrays of all hinges; state: of the particles."""
+    """Return the squared gap of hinge h (m²), the distance between its points on both bodies, or of
+    its point from where it is held if larger, and the squared sine of the angle between its axes on
+    both. part: arrays of all hinges (Hinges); state: of the particles (World.state)."""
     point, gap, ep, eq = gaps(part, state, h)
     gap2 = dot(gap, gap)
     if part.supported:
@@ -258,10 +258,10 @@ def gap_squares(part, state, h):
 
 @kernel
 def distance(w, h, step, size):
-    """Return how far (lanes) hinge h is from needing another round, by its GOAL (rates that
-    impulses must produce): 1 where it is closed, above 0 where a last small correction (`nudge`)
-    suffices, below 0 in samples that need one. w: working memory of the hinges (hinge_scratch);
-    step: time step (s); size: characteristic length of the scene (m)."""
+    """Return how far (lanes) hinge h is from needing another round of closing, by its GOAL (rates
+    that impulses must produce): 1 where it is closed, above 0 where a last small correction
+    (`nudge`) suffices, below 0 in samples that need one. w: working memory of the hinges
+    (hinge_scratch); step: time step (s); size: characteristic length of the scene (m)."""
     most = coarse(step, size)
     gap, gap2 = get3(w, h, GOAL), get3(w, h, GOAL + 5)
     ep, eq = load(w, h, GOAL + 3), load(w, h, GOAL + 4)
@@ -276,16 +276,16 @@ report_gaps(Hinges, gap_squares)
 @hook(Hinges)
 def record_step(part, world, row, timing):
     """Record the forces (N) and moments (N m) that hold each hinge together in this step, if
-    impulses are summed. part: arrays of all hinges; world: not used; row: index of the recorded
-    instant; timing: times of this step (s)."""
+    impulses are summed. part: arrays of all hinges (Hinges); world: not used; row: index of the
+    recorded instant; timing (StepTime): times of the step (s)."""
     record_sums(part.sums, part.forces, row, timing)
 
 
 @kernel
 def record_sums(sums, forces, row, timing):
     """Store the impulses of a step, `sums` (Hinges.sums; None: nothing is done), divided by the
-    length of the kick, as forces (N) and moments (N m) in `forces` (Hinges.forces). row: index of
-    the recorded instant; timing: times of this step (s)."""
+    time timing.kick, as forces (N) and moments (N m) in `forces` (Hinges.forces). row: index of the
+    recorded instant; timing (StepTime): times of the step (s)."""
     if sums is not None:
         count = sums.shape[0]
         for h in range(count):

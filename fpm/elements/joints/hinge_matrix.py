@@ -71,21 +71,21 @@ def solve(w, h, g, ep, eq):
 
 @kernel
 def is_held(part, h):
-    """Whether the point of hinge h is held along any global axis. part: arrays of all hinges."""
+    """Return whether the point of hinge h is held along any axis. part: all hinges (Hinges)."""
     axes = part.fixed_axes
     return axes[h, 0] + axes[h, 1] + axes[h, 2] > 0
 
 
 @kernel
 def entry(i, k):
-    """Index of element i, k (0 to 2) of a symmetric matrix kept as (xx, yy, zz, xy, xz, yz)."""
+    """Return the index of element i, k (0 to 2) of a symmetric matrix (xx, yy, zz, xy, xz, yz)."""
     return i if i == k else 2 + i + k
 
 
 @kernel
 def response(b, h, axis):
-    """Velocity (3, m/s per N s) of the point of hinge h on body 1 by a unit impulse there along the
-    global `axis` (0, 1, 2: x, y, z). b: working memory of the bodies (body_scratch)."""
+    """Return the velocity (3, m/s per N s) of the point of hinge h on body 1 by a unit impulse
+    there along the global `axis` (0, 1, 2: x, y, z). b: working memory of bodies (body_scratch)."""
     x, y, z = entry(axis, 0), entry(axis, 1), entry(axis, 2)
     row, k = 2 * h, RESPONSE
     return vector(load(b, row, k + x), load(b, row, k + y), load(b, row, k + z))
@@ -93,11 +93,11 @@ def response(b, h, axis):
 
 @kernel
 def speed_of(part, h, axis, force, mp, mq):
-    """Velocity (m/s) along a global axis (0, 1, 2: x, y, z) that impulses at hinge h give its point
-    on body 1, which a support may hold. force (3): impulse (N s) on body 1; mp, mq: moment impulses
-    (N m s) on body 2, against body 1, about p and q, both normal to the hinge's axis; part: arrays
-    of all hinges. By symmetry, what a unit of mp or mq gives is also the rate of the tilt about p
-    or q (1/s per N s) by a unit impulse of a support there along that axis."""
+    """Return the velocity (m/s) along a global axis (0, 1, 2: x, y, z) that impulses at hinge h
+    give its point on body 1, which a support may hold. force (3): impulse (N s) on body 1; mp, mq:
+    moment impulses (N m s) on body 2, against body 1, about p and q, both normal to the hinge's
+    axis; part: all hinges (Hinges). By symmetry, what a unit of mp or mq gives is also the rate of
+    the tilt about p or q (1/s per N s) by a unit impulse of a support there along that axis."""
     w = part.hinge_scratch
     p, q = load(w, h, TILTS + 2 * axis), load(w, h, TILTS + 2 * axis + 1)
     return dot(response(part.body_scratch, h, axis), force) + (p * mp + q * mq)
@@ -106,7 +106,7 @@ def speed_of(part, h, axis, force, mp, mq):
 @kernel
 def prepare_supports(part):
     """Build and invert, for the step, the matrix of the impulses that hold hinge points along
-    global axes (a Schur complement), stored in part.hinge_scratch. part: arrays of all hinges."""
+    global axes (a Schur complement), stored in part.hinge_scratch. part: all hinges (Hinges)."""
     axes, b, w = part.fixed_axes, part.body_scratch, part.hinge_scratch
     for h in range(w.shape[0]):
         if not is_held(part, h):
@@ -134,7 +134,7 @@ def prepare_supports(part):
 @kernel
 def hold_point(part, h):
     """Add the impulses that hold the point of hinge h along global axes, and correct those that
-    close it: FORCE1, FORCE2, MP and HOLD in part.hinge_scratch. part: arrays of all hinges."""
+    close it: FORCE1, FORCE2, MP and HOLD in part.hinge_scratch. part: all hinges (Hinges)."""
     axes, w = part.fixed_axes, part.hinge_scratch
     force, mp, mq = get3(w, h, FORCE1), load(w, h, MP), load(w, h, MP + 1)
     for axis in range(3):
@@ -156,8 +156,8 @@ def hold_point(part, h):
 
 @kernel
 def world_inverse(axes, j):
-    """Inverse inertia of a body in global components (xx, yy, zz, xy, xz, yz), 1/(kg m²). axes: its
-    three principal axes, global; j: inverse inertias about them (3)."""
+    """Return the inverse inertia of a body in global components (xx, yy, zz, xy, xz, yz), 1/(kg
+    m²). axes: its three principal axes, global; j: inverse inertias about them (3)."""
     a, b, _ = axes
     # The dyads of the three axes add up to the unit matrix, which spares the third.
     ja, jb = (j.x - j.z) * a, (j.y - j.z) * b
@@ -173,8 +173,8 @@ def world_inverse(axes, j):
 
 @kernel
 def spins(j, r):
-    """Angular velocities J^-1 (r x e) of a body, three vectors, by unit impulses along the global
-    axes e at a point; r (m, 3): arm to it from the centre; j: inverse inertia J^-1 (6, global)."""
+    """Return J^-1 (r x e), a body's angular velocities (three vectors, rad/s) by unit impulses
+    along global axes e at a point. r (m, 3): arm to it; j: J^-1 (xx, yy, zz, xy, xz, yz)."""
     xx, yy, zz, xy, xz, yz = j
     return (
         vector(xy * r.z - xz * r.y, yy * r.z - yz * r.y, yz * r.z - zz * r.y),
@@ -185,8 +185,8 @@ def spins(j, r):
 
 @kernel
 def point_response(inverse_mass, spins, r):
-    """Velocity of a body's point by unit impulses there (1/kg), a symmetric matrix (xx, yy, zz, xy,
-    xz, yz). inverse_mass: along global axes (3); spins: from `spins`; r (m, 3): arm."""
+    """Return the velocity of a body's point by unit impulses there (1/kg), a symmetric matrix (xx,
+    yy, zz, xy, xz, yz). inverse_mass: along global axes (3); spins: from `spins`; r (m, 3): arm."""
     ux, uy, uz = spins
     return (
         inverse_mass.x + (r.z * ux.y - r.y * ux.z),
@@ -203,7 +203,7 @@ def prepare_bodies(world, part, kick):
     """Change the momenta of all hinges' bodies by their forces over the time `kick` (s), then set
     these to 0. Stored in part.body_scratch: positions and axes before, inverse inertia, velocity of
     the hinge's point by unit impulse there (3 by 3, 1/kg); in part.hinge_scratch: two directions
-    normal to the first body's axis. world: solver state; part: arrays of all hinges."""
+    normal to the first body's axis. world (World): solver state; part: all hinges (Hinges)."""
     state, bodies, w = world.state, part.bodies, part.body_scratch
     for r in range(part.ends.shape[0]):
         i = part.ends[r]
@@ -236,8 +236,8 @@ def prepare_bodies(world, part, kick):
 
 @kernel
 def pair_sum(b, h, field):
-    """Sum over both bodies of hinge h of the symmetric matrix (6) that starts at index `field` in
-    their rows of `b`, the working memory of bodies."""
+    """Return the sum over both bodies of hinge h of the symmetric matrix (6 numbers) that starts at
+    index `field` in their rows of `b`, the working memory of bodies (body_scratch)."""
     first, second = get6(b, 2 * h, field), get6(b, 2 * h + 1, field)
     return (
         first[0] + second[0],
@@ -251,9 +251,9 @@ def pair_sum(b, h, field):
 
 @kernel
 def prepare_matrices(part):
-    """Build and factorise, for the step, the matrix (5 by 5) of each hinge, by which impulses there
-    change the rates of its gap and tilts; stored in part.hinge_scratch. part: arrays of all hinges,
-    after `prepare_bodies`."""
+    """Build and factorise the matrix (5 by 5) of each hinge, by which impulses there change the
+    rates of its gap and tilts; stored in part.hinge_scratch at the start of each step. part: arrays
+    of all hinges (Hinges), after `prepare_bodies`."""
     b, w = part.body_scratch, part.hinge_scratch
     for h in range(w.shape[0]):
         row1, row2 = 2 * h, 2 * h + 1
@@ -290,7 +290,7 @@ def prepare_matrices(part):
 def find_impulses(part):
     """Find impulses that change the gap rates of every open hinge (part.open) by its GOAL; stored
     in FORCE1, FORCE2, MP of part.hinge_scratch, and as changes DV (m/s) and DP (N m s) of its
-    bodies in part.body_scratch. part: arrays of all hinges."""
+    bodies in part.body_scratch. part: arrays of all hinges (Hinges)."""
     bodies, b, w, open_ = part.bodies, part.body_scratch, part.hinge_scratch, part.open
     for h in range(w.shape[0]):
         if open_[h]:

@@ -43,8 +43,8 @@ chains, pairs, and platforms on 2 to 30 cranks."""
 
 
 class JointType(NamedTuple):
-    """Type of joint. number: the kernels' constant for it (joint_arrays.py); conditions: how many
-    scalar constraint equations it has; None: it varies, or users cannot state the type."""
+    """Type of joint, as "revolute". number: the kernels' constant for it (joint_arrays.py);
+    conditions: how many scalar constraint equations; None: it varies, or users cannot state it."""
 
     number: int
     conditions: int | None = None
@@ -123,9 +123,9 @@ class Joint(JointBase):
 
     @staticmethod
     def slide(scene, name, particles, point, axis, opening: float) -> Hinge:
-        """A slide (prismatic joint) between two particles of a scene, as a Hinge whose opening is a
-        length; not added to the scene. name: no other's; particles: pair of indices; point (3,) m
-        and axis (3,), global: of the line of sliding; opening: its value now (m)."""
+        """Return a slide (prismatic joint) between two particles of a scene, not added to it, as a
+        Hinge whose opening (joint coordinate) is a length. name: no other's; particles: pair of
+        indices; point (3,) m, axis (3,), global: of the line of sliding; opening: now (m)."""
         joint = Joint.create(scene, name, "prismatic", particles, point, axis)
         check_number(f"opening of slide {name}", opening, Number(), "m")
         hinge = Hinge(
@@ -177,8 +177,8 @@ class Joint(JointBase):
 
     @property
     def holds_opening(self) -> bool:
-        """Whether the joint only holds the opening of a hinge or slide at a value, for a motor,
-        release, latch or friction; it does not itself keep two particles together."""
+        """Whether the joint only holds the joint coordinate of a hinge or slide at a value, for a
+        motor, release, latch or friction; it does not itself keep two particles together."""
         return self.type in ("opening", "slid")
 
     def topology(self):
@@ -187,8 +187,8 @@ class Joint(JointBase):
 
     @classmethod
     def find(cls, scene):
-        """Joints of a scene that are solved together, a list: those added as joints, those made
-        from hinges not solved alone (`are_alone`), and those that hold openings exactly."""
+        """Return the joints of a scene that are solved together: those added as joints, those made
+        of hinges not solved alone (`are_alone`), and those that hold joint coordinates."""
         joints = list(scene.kinds.get(cls, []))
         for hinge, lone in zip(scene.hinges, are_alone(scene), strict=True):
             if not lone:
@@ -217,8 +217,8 @@ class Joint(JointBase):
 
     @classmethod
     def elimination(cls, scene) -> tuple[int, float]:
-        """Size of the equations of all joints of a scene that are solved together: number of their
-        scalar constraints, and of multiply-adds to eliminate them in one time step.
+        """Return the size of the equations of all joints of a scene that are solved together:
+        number of scalar constraints, and of multiply-adds to eliminate them in one time step.
 
         A joint of c constraints takes c³/6 for its own block, c² d/2 for those below it and c d²/2
         for those of the d constraints of joints that it is coupled to when its turn comes."""
@@ -230,7 +230,7 @@ class Joint(JointBase):
 
     @classmethod
     def cost_in(cls, scene):
-        """Core time (ns) of a scene's joints in a time step, from the size of their equations."""
+        """Return the core time (ns) of a scene's joints in a step, by the size of equations."""
         conditions, operations = cls.elimination(scene)
         return CONDITION * conditions + MULTIPLY_ADD * operations
 

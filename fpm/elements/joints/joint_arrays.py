@@ -58,14 +58,15 @@ GAP, TILT = 0, 1  # watched, and recorded: the same places as of hinges, which s
 
 
 class Pattern(NamedTuple):
-    """Which blocks of the joints' matrix are not zero, and where, in the order in which joints are
-    eliminated; block (j, k) stands row by row from an `offset` in the matrix. All integers.
+    """Which blocks of the coupled joints' matrix are not zero, and where, in the order in which
+    joints are eliminated; block (j, k) stands row by row from an `offset` in the matrix. All
+    integers.
 
-    first, count (j,): first row (constraint equation) of each joint, and how many; diagonal (j,):
-    offsets of blocks (j, j); meets (m, 5): joint, other joint, side of each that shares a body, and
-    offset of the block to which that adds; below_start (j + 1,): where each joint's rows begin in
-    followers (b, 2): later joint coupled to it, offset of that block; update_start (j + 1,): the
-    same in updates (u, 5): joint, other, offsets of both factors and of the block they change."""
+    first, count (j,): first constraint equation of each joint, and how many; diagonal (j,): offsets
+    of blocks (j, j); meets (m, 5): two joints, side of each at which they share a body, offset of
+    the block to which that adds; below_start (j + 1,): where each joint's rows begin in followers
+    (b, 2): later joint coupled to it, offset of that block; update_start (j + 1,): the same in
+    updates (u, 5): joint, other, offsets of both factors and of the block they change."""
 
     first: np.ndarray  # (j,) first row of each joint
     count: np.ndarray  # (j,) and how many it has
@@ -78,29 +79,33 @@ class Pattern(NamedTuple):
 
 
 class Turns(NamedTuple):
-    """Openings held exactly, t of them: shared by the joints' solver and the elements that hold.
-    state (t, 5, lanes): -1 held or 1 free, target (rad; m), rate (rad/s; m/s), impulse of the step,
-    that of the last solution (N m s; N s); blow (1, 1, lanes): time of an impact in steps from the
-    start of this one, below 0 in the step after it; 0: none."""
+    """Openings (joint coordinates) held exactly, t of them: shared by the joints' solver and the
+    elements that hold. state (t, 5, lanes): -1 held or 1 free, target (rad; m), rate (rad/s; m/s),
+    impulse of the step, that of the last solution (N m s; N s); blow (1, 1, lanes): time of an
+    impact as a share of this step, below 0 if it came in the step before; 0: none."""
 
     state: np.ndarray  # (t, TURN, lanes)
     blow: np.ndarray  # (1, 1, lanes) when a blow comes, in steps from the start of this one
 
 
 class Joints(NamedTuple):
-    """Arrays of all joints solved together: j joints in order of elimination, with two sides each
-    (2j and 2j + 1), b bodies (particles), r constraint equations ("rows"), t held openings.
+    """Arrays of all joints solved together (lanes: samples): j joints in order of elimination, with
+    two sides each (2j and 2j + 1), b bodies (particles), r constraint equations ("rows"), t joint
+    coordinates that are held.
 
     types (j,): constants REVOLUTE to SLIDE; names (j,): the joint's index in the scene; slots
-    (2j,): body of each side, -1 for none; sides: arm, axis, reference; places (j, 3, lanes), m, and
-    fixed_axes (j, 3): where, and along which axes, a point is held; particle (b,): particle of each
-    body; is_driven (b,): whether a drive moves it; bodies: constants; body_scratch, rows, matrix:
-    working memory; pattern: the matrix's blocks; ease: share added to its diagonal; account: index
-    of the drives' work in World.accounts; peaks: largest gap (m) and tilt (sine) so far; excess (j,
-    1, lanes): gap and tilt squared over those allowed, summed, once a run has failed; gaps: those
-    recorded; sums, forces: impulses of this step (N s, N m s) and recorded forces (N, N m), None if
-    nothing reads them; turns (Turns), turn_of (j,), turn_at (t,): held openings, their index by
-    joint (-1: none), their joints."""
+    (2j,): body of each side, -1 for none; sides (2j, 9, lanes): arm (m), axis, reference, in
+    particles' axes; places (j, 3, lanes), m, and fixed_axes (j, 3): where, and along which axes, a
+    point is held; particle (b,): particle of each body; is_driven (b,): whether a drive moves it;
+    bodies (b, 12, lanes): inverse masses and inertias, their roots, axes about which it turns;
+    body_scratch (b, 37, lanes), rows (r, 19, lanes), matrix (entries, 1, lanes): working memory;
+    pattern: the matrix's blocks; ease: share added to its diagonal; account: index of the drives'
+    work in World.accounts; peaks (1, 2, lanes): largest gap (m) and tilt (sine) so far; excess (j,
+    1, lanes): gap and tilt squared over those allowed, summed, once a run has failed; gaps
+    (instants + 1, 2, lanes): largest gap and tilt at each instant; sums (r, 1, lanes): impulses of
+    this step (N s, N m s), forces ((instants + 1) j, 12, lanes): recorded (N, N m), None if nothing
+    reads them; turns (Turns), turn_of (j,), turn_at (t,): held coordinates, their index by joint
+    (-1: none), their joints."""
 
     types: np.ndarray  # (j,)
     names: np.ndarray  # (j,) number of each in the scene
@@ -128,5 +133,5 @@ class Joints(NamedTuple):
 
 
 class TurnedJoints(Joints):
-    """Joints of which some hold openings exactly, so that `turns`, turn_of and turn_at are not
-    None; a type of its own, for which other kernels run (turn_kernels.py)."""
+    """Joints of which some hold joint coordinates exactly, so that `turns`, turn_of and turn_at are
+    not None; a type of its own, for which other kernels run (turn_kernels.py)."""

@@ -75,7 +75,7 @@ from fpm.kernels.vectors import (
 def prepare(part, world, timing):
     """Update the momenta of all joints' bodies by the forces, summed before, over timing.kick, and
     apply impulses that would keep the joints closed if rates of gaps stayed as they are. part:
-    arrays of all joints; world: solver state, changed; timing: times of this step (s)."""
+    arrays of all joints (Joints); world (World): solver state, changed; timing: StepTime (s)."""
     clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
     find_rows(part, world.state)
@@ -88,9 +88,9 @@ def prepare(part, world, timing):
 
 @kernel
 def kick_bodies(part, state, kick):
-    """Save positions and axes of all bodies, update the momenta of those that no drive moves by
-    their forces over the time `kick` (s), and store their inverse inertias in part.body_scratch.
-    part: arrays of all joints; state: of the particles (World.state), changed."""
+    """Save positions and axes of all bodies at the start of a step, update the momenta of those
+    that no drive moves by their forces over the time `kick` (s), and store their inverse inertias
+    in part.body_scratch. part: all joints (Joints); state: World.state, changed."""
     bodies, b = part.bodies, part.body_scratch
     for s in range(part.particle.shape[0]):
         i = part.particle[s]
@@ -109,8 +109,8 @@ def kick_bodies(part, state, kick):
 
 @kernel
 def find_spin(part, state, s):
-    """Angular velocity (rad/s, 3, global) of body s, about axes about which it may turn; if a drive
-    moves it, of the last step. part: arrays of all joints; state: of particles."""
+    """Return the angular velocity (rad/s, 3, global) of body s, about axes about which it may turn;
+    if a drive moves it, of the last step. part: all joints (Joints); state: World.state."""
     b, turns = part.body_scratch, get3(part.bodies, s, TURNS)
     if part.is_driven[s]:
         return get3(b, s, LAST_SPIN)
@@ -121,8 +121,7 @@ def find_spin(part, state, s):
 def find_rates(part, state):
     """Store in RESIDUAL of part.rows, for every constraint equation, the rate (m/s, rad/s) that
     impulses have to cancel: that of its gap, plus MISS, the sum over all steps before of the gap
-    left when the bodies had moved, over the step. part: arrays of all joints; state: of the
-    particles."""
+    that was left after the motion, over the time step. part: Joints; state: World.state."""
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
     for s in range(part.particle.shape[0]):
         put3(b, s, SPIN, find_spin(part, state, s))
@@ -141,7 +140,7 @@ def find_rates(part, state):
 @kernel
 def push_all(part, state):
     """Apply the impulses of `find_impulses` to all bodies' momenta, and add them to the step's
-    sums. part: arrays of all joints; state: of the particles, changed."""
+    sums. part: arrays of all joints (Joints); state: of the particles (World.state), changed."""
     for s in range(part.particle.shape[0]):
         push(part, state, s)
     count_joints(part, ALL)
@@ -151,7 +150,7 @@ def push_all(part, state):
 def find_impulses(part, factor):
     """Find impulses that change the rate of every gap by `factor` times RESIDUAL. They are stored
     in IMPULSE of part.rows, and summed by body in FORCE (N s) and MOMENT (N m s) of
-    part.body_scratch. part: arrays of all joints; factor: a number, as -1 or -1/step (1/s)."""
+    part.body_scratch. part: all joints (Joints); factor: a number, as -1 or -1/step (1/s)."""
     rows, b, pattern = part.rows, part.body_scratch, part.pattern
     for r in range(rows.shape[0]):
         store(rows, r, IMPULSE, factor * load(rows, r, RESIDUAL))
@@ -179,7 +178,7 @@ def find_impulses(part, factor):
 @kernel
 def push(part, state, s):
     """Add the impulses FORCE (N s) and MOMENT (N m s) of body s (index) to its momenta, unless a
-    drive moves it, and to its sums of the step. part: arrays of all joints; state: of particles."""
+    drive moves it, and to its sums of the step. part: all joints (Joints); state: World.state."""
     b, i = part.body_scratch, part.particle[s]
     force, moment = get3(b, s, FORCE), get3(b, s, MOMENT)
     if not part.is_driven[s]:
@@ -191,8 +190,8 @@ def push(part, state, s):
 
 @kernel
 def push_where_far(part, state, s, condition):
-    """Add FORCE (N s) and MOMENT (N m s) of body s to its momenta and sums (`push`), in the lanes
-    (samples) where `condition` is below 0. part: arrays of all joints; state: of the particles."""
+    """Add FORCE (N s) and MOMENT (N m s) of body s to its momenta and sums (`push`), in samples
+    where `condition` (lanes) is below 0. part: all joints (Joints); state: World.state."""
     b, i = part.body_scratch, part.particle[s]
     inverse_mass = get3(part.bodies, s, AXIS_IM)
     force, moment = get3(b, s, FORCE), get3(b, s, MOMENT)
@@ -205,8 +204,8 @@ def push_where_far(part, state, s, condition):
 
 @kernel
 def move_bodies(part, state, repeat, step):
-    """Move all bodies that no drive moves by a `step` (s) at their momenta. part: arrays of all
-    joints; state: of the particles, changed; repeat: whether from the step's start."""
+    """Move all bodies that no drive moves by a `step` (s) at their momenta. part: all joints
+    (Joints); state: World.state, changed; repeat: whether to begin at the step's start again."""
     b = part.body_scratch
     for s in range(part.particle.shape[0]):
         i = part.particle[s]
@@ -223,7 +222,7 @@ def move_bodies(part, state, repeat, step):
 @kernel
 def nudge(part, state, s, step):
     """Add the impulses of body s to its momenta (`push`), and move it by what they change over a
-    `step` (s), to close small gaps. part: arrays of all joints; state: of the particles."""
+    `step` (s), to close small gaps. part: all joints (Joints); state: World.state, changed."""
     b, i = part.body_scratch, part.particle[s]
     push(part, state, s)
     if not part.is_driven[s]:
@@ -234,9 +233,9 @@ def nudge(part, state, s, step):
 
 @hook(Joints)
 def move(part, world, timing):
-    """Move the bodies of all joints by a step, in up to ROUNDS rounds, and close the joints at its
-    end by impulses. part: arrays of all joints; world: state of the solver (positions, momenta),
-    changed; timing: times of this step (s). Gaps that the last round leaves raise part.peaks."""
+    """Move the bodies of all joints by a step and close the joints at its end by impulses, in up to
+    ROUNDS (4) rounds. part: all joints (Joints); world (World): solver state, changed; timing
+    (StepTime): times of the step (s). Gaps that the last round leaves raise part.peaks."""
     state, rows = world.state, part.rows
     inverse_step = 1.0 / timing.step
     most = coarse(1.0, load(world.size, 0, 0))
@@ -269,13 +268,12 @@ def move(part, world, timing):
 @hook(Joints)
 def look_back(part, world, timing):
     """Close the joints also one step before the start, in the first step only: changes momenta in
-    world.start_state, half a step before it. part: arrays of all joints; timing: times (s).
+    world.start_state, half a step before it. part: all joints (Joints); timing: StepTime (s).
 
     The impulses of the first kick also close gaps of the third order in the step. As those of other
     steps do so before and after an instant alike, momenta change over an instant by what acts there
-    alone. Reflected, those before the first lack it: the impulses that close the joints a step
-    before the start as well, mu, belong to them, and the impulses of both kicks are twice those of
-    the first less mu."""
+    alone. Reflected, those before the first lack it: the impulses mu that close the joints a step
+    before the start as well belong to them; those of both kicks are twice the first less mu."""
     move_back(part, world.start_state, timing.step)
     for j in range(part.types.shape[0]):
         find_gaps(part, world.start_state, j)
@@ -284,8 +282,8 @@ def look_back(part, world, timing):
 
 @kernel
 def move_back(part, start, step):
-    """Move all bodies from the start of the run to one `step` (s) before it. part: arrays of all
-    joints; start: state of the particles (World.start_state), changed."""
+    """Move all bodies from the start of the run to one `step` (s) before it, for `look_back`. part:
+    all joints (Joints); start: state of the particles (World.start_state), changed."""
     for s in range(part.particle.shape[0]):
         i = part.particle[s]
         put3(start, i, X, get3(start, i, X) - step * get3(start, i, V))
@@ -300,8 +298,8 @@ def move_back(part, start, step):
 @kernel
 def close_before(part, start, step):
     """Change the momenta before the start so that the gaps in RESIDUAL, those one `step` (s) before
-    it, close; then restore the bodies' positions at the start. part: arrays of all joints; start:
-    state of the particles (World.start_state), changed."""
+    it, close; then restore the bodies' positions at the start: the end of `look_back`. part: arrays
+    of all joints (Joints); start: state of the particles (World.start_state), changed."""
     b = part.body_scratch
     find_impulses(part, -0.5 / step)
     for s in range(part.particle.shape[0]):
@@ -318,8 +316,8 @@ def close_before(part, start, step):
 @hook(Joints)
 def work_after(part, world, timing):
     """Add the work (J) that drives do against the joints' impulses on driven bodies, over this
-    step, to the energy account part.account in world.accounts. part: arrays of all joints; world:
-    state of the solver; timing: times of this step (s)."""
+    step, to the energy account part.account in world.accounts. part: arrays of all joints (Joints);
+    world (World): solver state; timing (StepTime): times of the step (s)."""
     state, b = world.state, part.body_scratch
     total = 0.0 * load(state, 0, X)
     for s in range(part.particle.shape[0]):
@@ -351,7 +349,7 @@ def work_after(part, world, timing):
 def work_due(part, world, energies, row):
     """Add the work (J) of drives that `work_after` counted after the instant was recorded, but that
     is due before it, to column ACCOUNTS + part.account of `energies` (instants, columns, lanes),
-    Record.energies. part: arrays of all joints; world: not used; row: index of the instant."""
+    Record.energies. part: all joints (Joints); world: not used; row: index of the instant."""
     account = ACCOUNTS + part.account
     for s in range(part.particle.shape[0]):
         if part.is_driven[s]:
@@ -365,8 +363,8 @@ report_gaps(Joints, find_gaps)
 @hook(Joints)
 def record_step(part, world, row, timing):
     """Record the forces (N) and moments (N m) that hold each joint together in this step, if
-    impulses are summed. part: arrays of all joints; world: not used; row: index of the recorded
-    instant; timing: times of this step (s)."""
+    impulses are summed. part: arrays of all joints (Joints); world: not used; row: index of the
+    recorded instant; timing (StepTime): times of the step (s)."""
     record_sums(part.sums, part, row, timing)
 
 
@@ -374,8 +372,8 @@ def record_step(part, world, row, timing):
 def record_sums(sums, part, row, timing):
     """Store the impulses of a step, divided by the length of the kick, as forces (N) and moments (N
     m) on both bodies of each joint in part.forces, in the scene's order of joints. sums: part.sums,
-    None where nothing reads them; part: arrays of all joints; row: index of the recorded instant;
-    timing: times of this step (s). Left out: moments about axes about which a body cannot turn."""
+    None where nothing reads them; part: arrays of all joints (Joints); row: index of the recorded
+    instant; timing: StepTime (s). Left out: moments about axes about which a body cannot turn."""
     if sums is not None:
         rows, pattern, count = part.rows, part.pattern, part.types.shape[0]
         for j in range(count):

@@ -17,7 +17,7 @@ from fpm.kernels.vectors import dot, get3, kernel, larger, times
 def build(part):
     """Build the matrix A of all joints (rates of gaps by unit impulses; lower blocks, diagonal
     raised by the share part.ease) in part.matrix, and store its own diagonal in PIVOT of part.rows.
-    part: arrays of all joints, after `find_rows`."""
+    part: arrays of all joints (Joints), after `find_rows`."""
     pattern, rows, matrix = part.pattern, part.rows, part.matrix
     for e in range(matrix.shape[0]):
         store(matrix, e, 0, 0.0)
@@ -47,7 +47,7 @@ def build(part):
 @kernel
 def factorise(part):
     """Replace the matrix in part.matrix, as `build` left it, by its Cholesky factor, and PIVOT of
-    part.rows by the inverse of the factor's diagonal. part: arrays of all joints."""
+    part.rows by the inverse of the factor's diagonal. part: arrays of all joints (Joints)."""
     pattern, rows, matrix = part.pattern, part.rows, part.matrix
     for j in range(pattern.count.shape[0]):
         first, size, start = pattern.first[j], pattern.count[j], pattern.diagonal[j]
@@ -95,7 +95,7 @@ def factorise(part):
 @kernel
 def substitute(part):
     """Solve for the impulses: replace the right side in IMPULSE of part.rows (changes of gap rates,
-    m/s, rad/s) by A^-1 times it (N s, N m s). part: arrays of all joints, after `factorise`."""
+    m/s, rad/s) by A^-1 times it (N s, N m s). part: all joints (Joints), after `factorise`."""
     pattern, rows, matrix = part.pattern, part.rows, part.matrix
     count = pattern.count.shape[0]
     for j in range(count):

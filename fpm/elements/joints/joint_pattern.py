@@ -13,7 +13,7 @@ from fpm.elements.joints.joint_arrays import Pattern
 
 
 def neighbours(slots: np.ndarray, movable: np.ndarray) -> list[set[int]]:
-    """For each joint the set of indices of the joints that share a movable body with it. slots (j,
+    """Return for each joint the indices of the joints that share a movable body with it. slots (j,
     2): indices of the bodies at its sides, -1 for none; movable (b,): whether a body can move."""
     by_slot: dict[int, list[int]] = {}
     for joint, sides in enumerate(slots):
@@ -29,7 +29,7 @@ def neighbours(slots: np.ndarray, movable: np.ndarray) -> list[set[int]]:
 
 
 def elimination(graph: Sequence[set[int]]) -> tuple[list[int], list[list[int]]]:
-    """Order in which to eliminate joints from their equations (a list of indices), and for each
+    """Return the order in which to eliminate joints from their equations (indices), and for each
     place in it the sorted later places that it is then coupled to. graph: from `neighbours`."""
     active = {joint: set(members) for joint, members in enumerate(graph)}
     by_degree: dict[int, set[int]] = {}
@@ -53,7 +53,7 @@ def elimination(graph: Sequence[set[int]]) -> tuple[list[int], list[list[int]]]:
 
 
 def pattern(counts, slots, movable, followers: list[list[int]]) -> tuple[Pattern, int]:
-    """Layout of the blocks of the joints' matrix (Pattern), and the matrix's number of entries.
+    """Return the layout of the blocks of the joints' matrix (Pattern), and its number of entries.
     counts (j,): scalar constraint equations of each joint; slots (j, 2): bodies at its sides, -1
     for none; both in order of elimination; movable (b,): whether each body can move; followers: for
     each joint the later ones it is coupled to, second result of `elimination`."""

@@ -45,7 +45,7 @@ FULL = 2 * math.pi
 def put_row(part, state, j, r, linear, turn1, turn2):
     """Store constraint equation r of joint j in part.rows: the unit direction `linear` (0 if none)
     and the moments turn1, turn2 (3 each, global) that its unit impulse puts on the joint's first
-    and second body. part: arrays of all joints; state: of the particles."""
+    and second body. part: arrays of all joints (Joints); state: of the particles (World.state)."""
     put3(part.rows, r, DIRECTION, linear)
     put_turn(part, state, part.slots[2 * j], r, 0, turn1)
     if part.slots[2 * j + 1] >= 0:
@@ -56,8 +56,8 @@ def put_row(part, state, j, r, linear, turn1, turn2):
 def put_turn(part, state, slot, r, k, turn):
     """Store in row r of part.rows the moment `turn` (m, 3, global) that a unit impulse puts on body
     `slot` (index), and its product with the root of the body's inverse inertia, in the body's own
-    axes, so that the matrix of these is never negative. part: arrays of all joints; state: of the
-    particles; k: 0 for the joint's first side, 3 for its second."""
+    axes, so that the matrix of these is never negative. part: arrays of all joints (Joints); state:
+    of the particles (World.state); k: 0 for the joint's first side, 3 for its second."""
     turn = times(get3(part.bodies, slot, TURNS), turn)
     local_turn = to_local(frame(state, part.particle[slot]), turn)
     put3(part.rows, r, TURN1 + k, turn)
@@ -66,9 +66,9 @@ def put_turn(part, state, slot, r, k, turn):
 
 @kernel
 def place(part, state, j, side):
-    """Where joint j stands on one `side` (0: first, 1: second): position of the particle (m, 3),
-    its axes (three unit vectors), and the joint's point on it (m, 3), all global. part: arrays of
-    all joints; state: of the particles."""
+    """Return where joint j stands on one `side` (0: first, 1: second): position of the particle (m,
+    3), its axes (three unit vectors), and the joint's point on it (m, 3), all global. part: arrays
+    of all joints (Joints); state: of the particles (World.state)."""
     i = part.particle[part.slots[2 * j + side]]
     axes = frame(state, i)
     x = get3(state, i, X)
@@ -77,8 +77,8 @@ def place(part, state, j, side):
 
 @kernel
 def directions(part, j, first):
-    """Axis of joint j, its reference direction (normal to it), and the direction normal to both:
-    unit vectors on its first side. part: arrays of all joints; first: axes there."""
+    """Return the axis of joint j, its reference direction (normal to it), and the direction normal
+    to both: global unit vectors on its first side. part: Joints; first: axes of that particle."""
     axis = to_global(first, get3(part.sides, 2 * j, AXIS))
     p = to_global(first, get3(part.sides, 2 * j, REFERENCE))
     return axis, p, cross(axis, p)
@@ -86,8 +86,8 @@ def directions(part, j, first):
 
 @kernel
 def unit_vectors(number):
-    """The unit vectors along global x, y, z, each with the same value in all lanes (samples).
-    number: one in lanes, whose type the components get; its value is not used."""
+    """Return the unit vectors along global x, y, z, each with the same value in all samples
+    (lanes). number: lanes, whose number type the components get; its value is not used."""
     zero = 0.0 * number
     unity = zero + 1.0
     return vector(unity, zero, zero), vector(zero, unity, zero), vector(zero, zero, unity)
@@ -96,7 +96,7 @@ def unit_vectors(number):
 @kernel
 def find_rows(part, state):
     """Store all joints' constraint equations in part.rows: how velocities and spins of bodies, as
-    placed now, change the gaps (Jacobian). part: arrays of all joints; state: of the particles."""
+    placed now, change the gaps (Jacobian). part: all joints (Joints); state: World.state."""
     for j in range(part.types.shape[0]):
         if put_opening_row(part.turns, part, state, j):
             continue
@@ -147,7 +147,7 @@ def find_rows(part, state):
 def find_gaps(part, state, j):
     """Store the gaps of joint j in RESIDUAL of its rows: between its points (m), and sines of how
     far its directions are off; returns the sum of squares of the former (m²) and of the latter.
-    part: arrays of all joints; state: of the particles."""
+    part: arrays of all joints (Joints); state: of the particles (World.state)."""
     if is_opening(part.turns, part, j):
         gap = opening_gap(part.turns, part, state, j)
         store(part.rows, part.pattern.first[j], RESIDUAL, gap)
@@ -215,8 +215,8 @@ def put_gap(rows, r, gap):
 
 @kernel
 def is_opening(turns, part, j):
-    """Whether joint j only holds an opening (angle or length) exactly. turns: Joints.turns, None if
-    no joint in the scene does; part: arrays of all joints."""
+    """Return whether joint j only holds a joint coordinate (angle or length) exactly. turns:
+    Joints.turns, None if no joint in the scene does; part: arrays of all joints (Joints)."""
     if turns is None:
         return False
     return part.turn_of[j] >= 0
@@ -224,8 +224,8 @@ def is_opening(turns, part, j):
 
 @kernel
 def put_opening_row(turns, part, state, j):
-    """Store the constraint equation of joint j if it holds an opening; returns whether it does.
-    turns: Joints.turns, None: none does; part: arrays of all joints; state: of the particles."""
+    """Store the constraint equation of joint j if it holds a joint coordinate; returns whether it
+    does. turns: Joints.turns, None: none does; part: all joints (Joints); state: World.state."""
     if turns is None:
         return False
     return put_held_row(part, state, j)
@@ -233,8 +233,8 @@ def put_opening_row(turns, part, state, j):
 
 @kernel
 def opening_gap(turns, part, state, j):
-    """Opening (rad; m on slides) of joint j less the value at which it is held; 0 in lanes where it
-    is free. turns: Joints.turns, None: 0; part: arrays of all joints; state: of the particles."""
+    """Joint coordinate (rad; m of slides) that joint j holds less its target; 0 in lanes where it
+    is free. turns: Joints.turns, None: 0; part: all joints (Joints); state: World.state."""
     if turns is None:
         return 0.0 * load(state, 0, X)
     return held_gap(part, state, j)
@@ -242,8 +242,8 @@ def opening_gap(turns, part, state, j):
 
 @kernel
 def put_held_row(part, state, j):
-    """Store the constraint equation of joint j if it holds an opening, all zero in samples where
-    that is free; returns whether it does. part: arrays of all joints; state: of the particles."""
+    """Store the constraint equation of joint j if it holds a joint coordinate, all zero in samples
+    where that is free; returns whether it does. part: all joints (Joints); state: World.state."""
     t = part.turn_of[j]
     if t < 0:
         return False
@@ -263,8 +263,8 @@ def put_held_row(part, state, j):
 
 @kernel
 def held_gap(part, state, j):
-    """Opening (rad; m on slides) that joint j holds less the value at which it is held; 0 in lanes
-    where it is free. part: arrays of all joints (TurnedJoints); state: of the particles."""
+    """Return the joint coordinate (rad; m of slides) that joint j holds less its target; 0 in lanes
+    where it is free. part: arrays of all joints (TurnedJoints); state: World.state."""
     t = part.turn_of[j]
     _, first, point = place(part, state, j, 0)
     _, second, end = place(part, state, j, 1)

@@ -59,8 +59,8 @@ others leaves a tenth (AGREES in solver/start.py)."""
 
 
 class Rigid(HoldsHinge):
-    """Base class of motors, releases, latches and friction that hold an opening exactly, without a
-    spring. `noun`: the type's word, as "latch"; its kernels are in rigid_<noun>_kernels."""
+    """Base class of motors, releases, latches and friction that hold a joint coordinate exactly,
+    without a spring. `noun`: the type's word, as "latch"; kernels: in rigid_<noun>_kernels."""
 
     @classmethod
     def kernels(cls):
@@ -69,9 +69,9 @@ class Rigid(HoldsHinge):
 
 @dataclass(frozen=True)
 class RigidMotor(AnyMotor, Rigid):
-    """A motor that prescribes the opening of a hinge exactly: start + turn times the curve (rad; m
-    on a slide). hinge, curve: indices in the scene (curve -1: constant 1); by_rate: whether turn
-    (rad/s) times the curve is the opening's rate instead."""
+    """A motor that prescribes the joint coordinate (opening) of a hinge exactly: start + turn times
+    a curve of time (rad; m on a slide). hinge, curve: indices in the scene (curve -1: constant 1);
+    by_rate: whether turn (rad/s) times the curve is the rate instead, from `start` on."""
 
     hinge: int = on_hinge()
     start: float = number("rad", words="opening of {title}", is_shown=False)
@@ -80,8 +80,7 @@ class RigidMotor(AnyMotor, Rigid):
     by_rate: bool = topology(False)
 
     def target(self, scene, time: float) -> float:
-        """Return the opening (rad; m on a slide) prescribed at a `time` (s). scene: has the
-        curve."""
+        """Return the opening (rad; m on a slide) prescribed at `time` (s). scene: has the curve."""
         times, values = scene.curves[self.curve] if self.curve >= 0 else CONSTANT
         if not self.by_rate:
             return float(self.start + self.turn * np.interp(time, times, values))
@@ -102,8 +101,8 @@ class RigidMotor(AnyMotor, Rigid):
         return float(self.turn * (values[k] - values[k - 1]) / (times[k] - times[k - 1]))
 
     def check(self, scene):
-        """Check the fields, and that the opening prescribed at time 0 is the hinge's opening in the
-        scene, within AT_START (rad, m); raises SceneError if not."""
+        """Check the fields, and that the joint coordinate prescribed at time 0 is the hinge's joint
+        coordinate in the scene, within AT_START (rad, m); raises SceneError if not."""
         super().check(scene)
         hinge = scene.hinges[self.hinge]
         if abs(self.target(scene, 0.0) - hinge.opening) > AT_START:
@@ -118,9 +117,9 @@ class RigidMotor(AnyMotor, Rigid):
 
 @dataclass(frozen=True)
 class RigidRelease(AnyRelease, Rigid):
-    """A release that holds a hinge exactly at the opening it has at the start, and lets go at
-    `time` (s) or when the opening of hinge `watch` passes `level` (rad; m on a slide). hinge,
-    watch: indices in the scene (watch -1: none)."""
+    """A release that holds a hinge exactly at the opening (joint coordinate) it has at the start,
+    and lets go at `time` (s) or when the opening of hinge `watch` passes `level` (rad; m on a
+    slide). hinge, watch: indices in the scene (watch -1: none)."""
 
     hinge: int = on_hinge()
     time: float = number("s", above=0.0, finite=False, default=np.inf)
@@ -136,10 +135,10 @@ class RigidRelease(AnyRelease, Rigid):
 
 @dataclass(frozen=True)
 class RigidLatch(AnyLatch, Rigid):
-    """A latch that stops the opening of a hinge (index) and holds it exactly where it caught it. It
-    catches within capture_range (rad) of `angle` (rad), coming from `side` ("below", "above" or
-    "either"), at no more than max_capture_rate (rad/s); on a slide in m. name: its own in results,
-    "": the hinge's."""
+    """A latch that stops the opening (joint coordinate) of a hinge, an index, and holds it exactly
+    where it caught it: within capture_range (rad) of `angle` (rad), coming from `side` ("below",
+    "above" or "either"), at no more than max_capture_rate (rad/s); on a slide in m. name: in
+    results, "": the hinge's."""
 
     hinge: int = on_hinge()
     angle: float = number("rad")
@@ -153,8 +152,8 @@ class RigidLatch(AnyLatch, Rigid):
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field `name` of the kernels' tuple RigidLatches, as
-        HoldsHinge.array; in "state", latches have searched (SEARCHED) up to the opening at the
-        start. batch: the scenes simulated side by side."""
+        HoldsHinge.array; in "state", the field SEARCHED, joint coordinate up to which a latch has
+        looked, is that at the start (rad; m). batch: the scenes simulated side by side."""
         array = super().array(name, batch)
         if name == "state":
             array[:, cls.kernels().SEARCHED] = start_angles(batch, cls)
@@ -164,7 +163,7 @@ class RigidLatch(AnyLatch, Rigid):
 @dataclass(frozen=True)
 class RigidFriction(Rigid):
     """Coulomb friction in a hinge (index), without a bristle (a stiff spring that gives while it
-    sticks): it holds the opening exactly up to `moment` (N m), and slips against that above."""
+    sticks): it holds the joint coordinate up to `moment` (N m), and slips against that above."""
 
     hinge: int = on_hinge(types=TURNING)
     moment: float = number("N m", 0.0)
@@ -177,7 +176,7 @@ class RigidFriction(Rigid):
     @classmethod
     def sweep_elements(cls, scene):
         """Return Friction elements that slip at once (bristles of no size) in place of a scene's
-        rigid ones, for moving an opening slowly through static equilibria (fpm/travel)."""
+        rigid ones, for moving a joint coordinate slowly through static equilibria (fpm/travel)."""
         return [Friction(f.hinge, f.moment, SWEEP_DEFLECTION, 0.0) for f in cls.find(scene)]
 
     def held_at_start(self, scene):

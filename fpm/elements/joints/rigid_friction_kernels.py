@@ -35,12 +35,12 @@ CHANGES = 5
 
 
 class RigidFrictions(NamedTuple):
-    """Arrays of f frictions that stick exactly. hinge (f,): index of the hinge; turn (f,): row of
-    its condition in turns.state; numbers (f, 1, lanes): friction moment (N m); openings, turns:
-    arrays of all openings, and of those held exactly; rates (f, 2, lanes): rates (rad/s) of the
-    last two steps; state (f, 6, lanes): moment held (N m), its work due (J), sign of the slip's
-    rate, brake moment now and before the joints were solved (N m), changes left in this step;
-    account: index of the loss in World.accounts."""
+    """Arrays of f frictions that stick exactly (lanes: samples). hinge (f,): index of the hinge;
+    turn (f,): index of its condition in turns.state; numbers (f, 1, lanes): friction moment (N m);
+    openings, turns: all joint coordinates, and those held exactly; rates (f, 2, lanes): rates
+    (rad/s) of the last two steps, the last first; state (f, 6, lanes): moment held (N m), its work
+    due (J), sign of the slip's rate, brake moment now and before the joints were solved (N m),
+    changes left in this step; account: index of the loss in World.accounts."""
 
     hinge: np.ndarray
     turn: np.ndarray
@@ -55,8 +55,8 @@ class RigidFrictions(NamedTuple):
 @hook(RigidFrictions)
 def forces(part, world, timing):
     """Add the friction moment (N m) of each element that slips to the particles of its hinge. part:
-    arrays of all rigid frictions; world: state of the solver, changed; timing: times of this step
-    (s). The time of an impact, part.turns.blow, is then counted from this step's start."""
+    arrays of all rigid frictions (RigidFrictions); world (World): solver state, changed; timing:
+    StepTime (s). The time of an impact, part.turns.blow, is then counted from this step's start."""
     blow = load(part.turns.blow, 0, 0)
     store(part.turns.blow, 0, 0, where_negative(-1.0 * blow, blow - 1.0, 0.0))
     for i in range(part.hinge.shape[0]):
@@ -78,10 +78,10 @@ account(RigidFrictions, WORKS, -1.0)
 
 @kernel
 def turning(part, i, timing):
-    """Fraction of the kick until the opening of element i comes to rest, and angle (rad) that it
-    turns until then, where its rate would fall below 0 in this kick: by the parabola of its motion
-    if its rate fell before, else as braked from the middle of the kick on. part: arrays of all
-    rigid frictions; timing: times of this step (s)."""
+    """Return, for each lane where the rate of element i would reverse in this kick, the fraction of
+    the kick until it comes to rest, and the angle (rad, at least 0) that it turns until then: by
+    the parabola of its motion if its rate fell before, else as braked from the middle of the kick
+    on. part: all rigid frictions (RigidFrictions); timing (StepTime): times of the step (s)."""
     sign = load(part.state, i, SIGN)
     last = sign * load(part.rates, i, LAST)
     last = where_negative(last, 0.0, last)
@@ -100,10 +100,10 @@ def turning(part, i, timing):
 def decide(part, world, timing):
     """Let elements slip that would need more than their friction moment to stick, and reverse or
     stick those that come to rest; where any changes, sets world.undecided, and the joints are
-    solved again. part: arrays of all rigid frictions; world: solver state; timing: times of this
-    step (s). One that would reverse is braked until it rests and pushed the other way from then on;
-    if it would not move back, it sticks. Each changes at most CHANGES times in a step, the last
-    time to slip: no impulse that it holds is above its friction."""
+    solved again. part: arrays of all rigid frictions (RigidFrictions); world (World): solver state;
+    timing (StepTime): times (s). One that would reverse is braked until it rests and pushed the
+    other way from then on; if it would not move back, it sticks. Each changes at most CHANGES times
+    in a step, the last time to slip: no impulse that it holds is above its friction."""
     for i in range(part.hinge.shape[0]):
         t, changes = part.turn[i], load(part.state, i, CHANGES_LEFT)
         hold, sign = load(part.turns.state, t, HOLDS), load(part.state, i, SIGN)
@@ -119,17 +119,17 @@ def decide(part, world, timing):
 
 @kernel
 def needed_by(part, i, timing):
-    """Moment (N m) that holds element i in this step, as the joints were last solved; 0 where it
-    slips. part: arrays of all rigid frictions; timing: times of this step (s)."""
+    """Return the moment (N m) that holds element i in this step, as the joints were last solved; 0
+    where it slips. part: all rigid frictions (RigidFrictions); timing: StepTime (s)."""
     return (1.0 / timing.kick) * load(part.turns.state, part.turn[i], SOLVED_IMPULSE)
 
 
 @kernel
 def slipping(part, i, full, timing):
-    """Moment (N m) of element i in the step in which it starts to slip: a mean of what held it and
-    of the `full` friction moment (N m, with its sign), which agree to first order for a load that
-    grows; after an impact it makes up for what the kicks before and after lack. part: arrays of all
-    rigid frictions; timing: times of this step (s)."""
+    """Return the moment (N m) of element i in the step in which it starts to slip: a mean of what
+    held it and of the `full` friction moment (N m, with its sign), which agree to first order for a
+    load that grows; after an impact it makes up for what the kicks before and after lack. part: all
+    rigid frictions (RigidFrictions); timing (StepTime): times of the step (s)."""
     if timing.time == 0.0:
         return full
     delay = load(part.turns.blow, 0, 0)
@@ -141,8 +141,8 @@ def slipping(part, i, full, timing):
 @kernel
 def change(part, world, timing, i, slips, turns, sticks):
     """Let element i slip, reverse or stick in the lanes (samples) where `slips`, `turns` or
-    `sticks` (lanes) is below 0, and set world.undecided to have the joints solved again. part:
-    arrays of all rigid frictions; world: solver state; timing: times of this step (s)."""
+    `sticks` (lanes) is below 0, and set world.undecided to have the joints solved again. part: all
+    rigid frictions (RigidFrictions); world (World): solver state; timing (StepTime): times (s)."""
     t, h, most = part.turn[i], part.hinge[i], load(part.numbers, i, 0)
     old, last = load(part.state, i, SIGN), load(part.state, i, BRAKE)
     sign = where_negative(needed_by(part, i, timing), -1.0, 1.0)
@@ -166,9 +166,9 @@ def change(part, world, timing, i, slips, turns, sticks):
 
 @hook(RigidFrictions)
 def work_after(part, world, timing):
-    """Add the friction loss (J) of the half step that ends now, by the moments of the step that
-    begins, to part.account in world.accounts. part: arrays of all rigid frictions; world: state of
-    the solver; timing: times of this step (s)."""
+    """Add half of the friction loss (J) of the moments found in this step, over the step that ends
+    now, to part.account in world.accounts (`work_before` adds the rest). part: all rigid frictions
+    (RigidFrictions); world (World): solver state; timing: StepTime (s)."""
     for i in range(part.hinge.shape[0]):
         moment = load(part.state, i, BRAKE) + moment_of(part.turns, part.turn[i], timing)
         late_moment = moment - load(part.state, i, LAST_BRAKE)

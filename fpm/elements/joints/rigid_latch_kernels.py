@@ -41,14 +41,14 @@ TRACK = 4  # recorded: as of all latches, and the impulse with which it caught
 
 
 class RigidLatches(NamedTuple):
-    """Arrays of l rigid latches. hinge (l,): index of the hinge; turn (l,): row of its condition in
-    turns.state; numbers (l, 4, lanes): angle, capture range (rad), sign of the rate at which it
-    catches (0: both), largest rate (rad/s); openings, turns: arrays of all openings, and of those
-    held exactly; rates (l, 2, lanes): rate (rad/s) in the last step; state (l, 14, lanes): that of
-    all latches (Latches.state), then moment held (N m) and its work due (J), steps held, impulse of
-    the catch (N m s), opening foreseen at the step's end, opening searched so far (rad); account:
-    index of the loss in World.accounts; log: of events; track ((instants + 1) l, 4, lanes):
-    recorded moment (N m), impulse so far (N m s), rate (rad/s) and impulse (N m s) of the catch."""
+    """Arrays of l rigid latches (lanes: samples). hinge (l,): index of the hinge; turn (l,): index
+    of its condition in turns.state; numbers (l, 4, lanes): angle, capture range (rad), sign of the
+    rate at which it catches (0: both), largest rate (rad/s); openings, turns: all joint
+    coordinates, and those held exactly; rates (l, 2, lanes): rate (rad/s) in the last step; state
+    (l, 14, lanes): as Latches.state, then moment held (N m), its work due (J), steps held, impulse
+    of the catch (N m s), coordinate foreseen at the step's end, coordinate searched so far (rad);
+    account: index of the loss in World.accounts; log: of events; track ((instants + 1) l, 4,
+    lanes): recorded moment (N m), impulse (N m s) so far, rate (rad/s) and impulse of the catch."""
 
     hinge: np.ndarray
     turn: np.ndarray
@@ -70,9 +70,9 @@ account(RigidLatches, WORKS, -1.0)
 
 @hook(RigidLatches)
 def prepare(part, world, timing):
-    """Store in part.rates the mean rates (rad/s; m/s on slides) of the latches' openings in the
-    step that ended, before the next is solved; nothing at the start of a run. part: arrays of all
-    rigid latches; world: not used; timing: times of this step (s)."""
+    """Store in part.rates the mean rates (rad/s; m/s on slides) of the latches' joint coordinates
+    in the step that ended, before the next is solved; nothing at the start of a run. part: all
+    rigid latches (RigidLatches); world: not used; timing (StepTime): times of the step (s)."""
     if timing.time > 0.0:
         for i in range(part.hinge.shape[0]):
             store(part.rates, i, LAST, half_rate(part.openings, part.hinge[i], timing))
@@ -80,18 +80,18 @@ def prepare(part, world, timing):
 
 @kernel
 def predict(part, i, timing):
-    """Opening (rad; m on slides) of latch i at the end of this step, by its rate as the joints were
-    last solved. part: arrays of all rigid latches; timing: times of this step (s)."""
+    """Return the joint coordinate (rad; m on slides) of latch i at the end of this step, by its
+    rate as the joints were last solved. part: all latches (RigidLatches); timing: StepTime (s)."""
     rate = load(part.turns.state, part.turn[i], RATE)
     return load(part.openings.angles, part.hinge[i], NEW) + timing.step * rate
 
 
 @hook(RigidLatches)
 def decide(part, world, timing):
-    """Catch the openings that would enter their capture range in this step; where any does, sets
-    world.undecided, and the joints are solved again. part: arrays of all rigid latches; world:
-    solver state; timing: times of this step (s). The search begins at the opening predicted in the
-    step before, since the real one, which differs in its last digits, might slip through."""
+    """Catch the joint coordinates that would enter their capture range in this step; where any
+    does, sets world.undecided, and the joints are solved again. part: RigidLatches; world (World):
+    solver state; timing: StepTime (s). The search begins at the coordinate predicted in the step
+    before, since the real one, which differs in its last digits, might slip through."""
     for i in range(part.hinge.shape[0]):
         t = part.turn[i]
         start, prediction = load(part.state, i, SEARCHED), predict(part, i, timing)
@@ -116,10 +116,10 @@ def decide(part, world, timing):
 
 @hook(RigidLatches)
 def work_after(part, world, timing):
-    """Add the losses (J) of the half step that ends now, by the impulses of the step that begins,
-    to part.account, and sum the impulses (N m s). The impulse of catching is that of the two steps
-    that share it, less what the moment of the third gives in the time since. part: arrays of all
-    rigid latches; world: solver state; timing: times of this step (s)."""
+    """Add half of the losses (J) of the moments found in this step, over the step that ends now, to
+    part.account, and sum the impulses (N m s). The impulse of catching is that of the two steps
+    that share it, less what the moment of the third gives in the time since. part: all rigid
+    latches (RigidLatches); world (World): solver state; timing (StepTime): times (s)."""
     end_work(part, world, timing, WORKS, -1.0)
     for i in range(part.hinge.shape[0]):
         moment = moment_of(part.turns, part.turn[i], timing)
@@ -138,8 +138,8 @@ def work_after(part, world, timing):
 @hook(RigidLatches)
 def record_step(part, world, row, timing):
     """Record of each latch its moment (N m), its impulse from the start to this instant (N m s),
-    rate (rad/s) and impulse (N m s) of the catch in part.track. part: arrays of all rigid latches;
-    world: not used; row: index of the recorded instant; timing: times of this step (s)."""
+    rate (rad/s) and impulse (N m s) of the catch in part.track. part: arrays of all rigid latches
+    (RigidLatches); world: not used; row: index of the recorded instant; timing: StepTime (s)."""
     count = part.hinge.shape[0]
     for i in range(count):
         index, moment = row * count + i, load(part.state, i, MOMENT)

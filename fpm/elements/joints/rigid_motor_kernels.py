@@ -19,13 +19,13 @@ STATE = HOLD_FIELDS
 
 
 class RigidMotors(NamedTuple):
-    """Arrays of m rigid motors, which prescribe openings exactly: start + factor times a curve, or,
-    where by_rate (m,), times the curve's integral over time. hinge (m,): index of each one's hinge;
-    turn (m,): row of its condition in turns.state; curve (m,): index of its curve, -1: constant 1;
-    numbers (m, 2, lanes): start and factor (rad; m on slides; factor per second by rate); openings,
-    turns: arrays of all openings, and of those held exactly; state (m, 2, lanes): moment (N m) at
-    the last positions, and work (J) of the half step up to them; account: index of the motors' work
-    in World.accounts; track ((instants + 1) m, 1, lanes): recorded moments (N m)."""
+    """Arrays of m rigid motors (lanes: samples), which prescribe joint coordinates exactly: start +
+    factor times a curve, or, where by_rate (m,), times its integral over time. hinge (m,): index of
+    its hinge; turn (m,): index of its condition in turns.state; curve (m,): of its curve, -1:
+    constant 1; numbers (m, 2, lanes): start, factor (rad; m on slides; factor per second by rate);
+    openings, turns: all joint coordinates, those held exactly; state (m, 2, lanes): moment (N m) at
+    the last positions, work (J) of the half step up to them; account: index of the motors' work in
+    World.accounts; track ((instants + 1) m, 1, lanes): recorded moments (N m)."""
 
     hinge: np.ndarray
     turn: np.ndarray
@@ -41,10 +41,10 @@ class RigidMotors(NamedTuple):
 
 @hook(RigidMotors)
 def prepare(part, world, timing):
-    """Store the opening (rad; m on slides) that each motor prescribes for the end of the step, as
-    TARGET of its condition in part.turns.state; where its curve (not by rate) bends within the
-    step, the bend's time is stored in part.turns.blow as a share of the step: the rate jumps there.
-    part: arrays of all rigid motors; world: solver state, with the curves; timing: times (s)."""
+    """Store the joint coordinate (rad; m on slides) that each motor prescribes for the end of the
+    step, as TARGET of its condition in part.turns.state; where its curve (not by rate) bends within
+    the step, the bend's time is stored in part.turns.blow as a share of the step: the rate jumps
+    there. part: RigidMotors; world: solver state, with the curves; timing: StepTime (s)."""
     for i in range(part.hinge.shape[0]):
         if not part.by_rate[i]:
             bend = bend_after(world, part.curve[i], timing.time)
@@ -60,15 +60,15 @@ account(RigidMotors, WORKS, 1.0)
 
 @hook(RigidMotors)
 def work_after(part, world, timing):
-    """Add the work (J) of half of the motors' moments of this step, over the step that ends now, to
-    part.account. part: arrays of all rigid motors; world: solver state; timing: times (s)."""
+    """Add half of the work (J) of the motors' moments of this step, over the step that ends now, to
+    part.account (`work_before` adds the rest). part: RigidMotors; world: World; timing: times."""
     end_work(part, world, timing, WORKS, 1.0)
 
 
 @hook(RigidMotors)
 def record_step(part, world, row, timing):
-    """Record the moment (N m) of each motor in part.track. part: arrays of all rigid motors; world,
-    timing: not used; row: index of the recorded instant."""
+    """Record the moment (N m) of each motor in part.track. part: arrays of all rigid motors
+    (RigidMotors); world, timing: not used; row: index of the recorded instant."""
     count = part.hinge.shape[0]
     for i in range(count):
         store(part.track, row * count + i, 0, load(part.state, i, WORKS + HOLD_MOMENT))

@@ -22,12 +22,12 @@ NUMBERS = "time", "level"  # which come first of all releases
 
 
 class RigidReleases(NamedTuple):
-    """Arrays of r rigid releases. hinge, watch (r,): index of the hinge held, and of that watched
-    (-1: none); turn (r,): row of its condition in turns.state; numbers (r, 2, lanes): time (s, inf:
-    none), level (rad, m); openings, turns: arrays of all openings, and of those held exactly; state
-    (r, 4, lanes): last moment (N m), loss of the half step up to it (J), share of this step (0 to
-    1) since it let go, below 0: it did not in this step, moment for the time before that (N m);
-    account: index of the loss in World.accounts; log: of events."""
+    """Arrays of r rigid releases (lanes: samples). hinge, watch (r,): index of the hinge held, and
+    of that watched (-1: none); turn (r,): index of its condition in turns.state; numbers (r, 2,
+    lanes): time (s, inf: none), level (rad, m); openings, turns: all joint coordinates, and those
+    held exactly; state (r, 4, lanes): last moment (N m), loss of the half step up to it (J), share
+    of this step (0 to 1) since it let go, below 0: it did not in this step, moment for the time
+    before that (N m); account: index of the loss in World.accounts; log: of events."""
 
     hinge: np.ndarray
     turn: np.ndarray
@@ -42,9 +42,9 @@ class RigidReleases(NamedTuple):
 
 @hook(RigidReleases)
 def forces(part, world, timing):
-    """Free the openings whose release is due, and add to their particles the rest of the moment (N
-    m) that held them, for the part of the step before it. part: arrays of all rigid releases;
-    world: state of the solver, changed; timing: times of this step (s)."""
+    """Free the joint coordinates whose release is due, and add to their particles the rest of the
+    moment (N m) that held them, for the part of the step before it. part: arrays of all rigid
+    releases (RigidReleases); world (World): solver state, changed; timing (StepTime): times (s)."""
     for i in range(part.hinge.shape[0]):
         t = part.turn[i]
         hold = load(part.turns.state, t, HOLDS)
@@ -68,9 +68,9 @@ account(RigidReleases, WORKS, -1.0)
 
 @hook(RigidReleases)
 def work_after(part, world, timing):
-    """Add half of the loss (J) of the moments found in this step to account part.account of World:
-    minus their work over the step before it, halved; `work_before` adds the other half, over this
-    step. part: arrays of all rigid releases; world: solver state; timing: times (s)."""
+    """Add half of the loss (J) of the moments found in this step, over the step that ends now, to
+    account part.account of World; `work_before` adds the rest. part: all rigid releases
+    (RigidReleases); world (World): solver state; timing: StepTime (s)."""
     end_work(part, world, timing, WORKS, -1.0)
     for i in range(part.hinge.shape[0]):
         total = load(part.state, i, WORKS + HOLD_MOMENT) + load(part.state, i, REST_MOMENT)

@@ -22,27 +22,27 @@ from fpm.elements.openings.opening import OnHinge, Opening
 
 @dataclass(frozen=True)
 class Turn(ElementType):
-    """Condition by which an opening (angle of a hinge, length of a slide) is held exactly; there is
-    one for every element that does so (HoldsHinge), and none is stated by itself."""
+    """Condition by which a joint coordinate (angle of a hinge, length of a slide) is held exactly;
+    there is one for every element that does so (HoldsHinge), and none is stated by itself."""
 
     cost = 200.0
 
     @classmethod
     def find(cls, scene):
-        """The elements (HoldsHinge) of a scene, of all types, that hold an opening exactly, a list;
-        the index of an element in it is also that of its row in Turns.state."""
+        """Return the elements (HoldsHinge) of a scene, of all types, that hold a joint coordinate
+        exactly; the index of an element in this list is that of its condition in Turns.state."""
         holding = [kind for kind in scene.kinds if issubclass(kind, HoldsHinge)]
         return [element for kind in holding for element in scene.kinds[kind]]
 
     @classmethod
     def topology_of(cls, scene):
-        """Return what scenes run side by side must share: type and hinge of each element."""
+        """Return what `scene` must share with those beside it: type and hinge of each element."""
         return tuple((type(holder), holder.hinge) for holder in cls.find(scene))
 
     @classmethod
     def places(cls, scene, kind: type[ElementType]) -> list[int]:
-        """Indices, in Turn.find(scene), of the elements of one type, `kind`, that hold an opening
-        exactly (as rigid latches do): rows of their conditions in Turns.state."""
+        """Return the indices, in Turn.find(scene), of the elements of one type, `kind`, that hold a
+        joint coordinate exactly (as RigidLatch does): of their conditions in Turns.state."""
         return [i for i, holder in enumerate(cls.find(scene)) if type(holder) is kind]
 
     @classmethod
@@ -61,26 +61,26 @@ class Turn(ElementType):
 
 
 class HoldsHinge(OnHinge):
-    """Base class of motors, releases, latches and friction that hold an opening (angle of a hinge,
-    length of a slide) exactly, without a spring; each has the field `hinge`, an index."""
+    """Base class of motors, releases, latches and friction that hold a joint coordinate (angle of a
+    hinge, length of a slide) exactly, without a spring; each has the field `hinge`, an index."""
 
     reads: ClassVar = (Opening, Turn)
     resists_as: ClassVar = ""
 
     def held_at_start(self, scene) -> float | None:
-        """Return the opening (rad; m on a slide) at which the element holds its hinge from the
-        start of a scene's run on; None, the default: the hinge is free then."""
+        """Return the joint coordinate (rad; m on a slide) at which the element holds its hinge from
+        the start of a scene's run on; None, the default: the hinge is free then."""
         return None
 
     def rate_at_start(self, scene) -> float | None:
-        """Return the rate (rad/s; m/s on a slide) that the element imposes on the opening at the
-        start of a scene's run; None, the default: it imposes none."""
+        """Return the rate (rad/s; m/s on a slide) that the element imposes on the joint coordinate
+        at the start of a scene's run; None, the default: it imposes none."""
         return None
 
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field `name` of the named tuple of the type's kernels: "turns":
-        state of all conditions that hold openings (Turns); "turn": index of each element's
+        state of all conditions that hold joint coordinates (Turns); "turn": index of each element's
         condition among them; others as OnHinge.array. batch: the scenes simulated side by side."""
         match name:
             case "turns":

@@ -65,30 +65,30 @@ HOLD_FIELDS = 2
 
 @kernel
 def work_on(openings, h, moment):
-    """Work (J) of half of a `moment` (N m) on opening h (index) over the step that ends now.
-    openings: arrays of all openings (Openings), with the opening now and a step ago."""
+    """Return the work (J) of half of a `moment` (N m) on the opening of hinge h over the step that
+    ends now. openings: arrays of all joint coordinates (Openings), now and a step ago."""
     return 0.5 * moment * (load(openings.angles, h, NEW) - load(openings.angles, h, OLD))
 
 
 @kernel
 def give(world, account, work):
-    """Add `work` (lanes, J) to the energy account of index `account` in world.accounts."""
+    """Add `work` (lanes, J) to the energy account (column) of index `account` in world.accounts."""
     store(world.accounts, 0, account, load(world.accounts, 0, account) + work)
 
 
 @kernel
 def moment_of(turns, t, timing):
-    """Return the moment (N m, lanes), on the hinge's second particle, that held opening t in this
-    step: its impulse over timing.kick (s). turns: openings held exactly (Turns); t: index among
-    these; timing: times of this step (s)."""
+    """Return the moment (N m, lanes), on the hinge's second particle, that held joint coordinate t
+    in this step: its impulse over timing.kick (s). turns: joint coordinates held exactly (Turns);
+    t: index among these; timing (StepTime): times of the step (s)."""
     return (1.0 / timing.kick) * load(turns.state, t, TURN_IMPULSE)
 
 
 @kernel
 def add_late_moment(moments, openings, h, moment):
     """Add a `moment` (N m) that is known only after its step, and its work (J), to what is recorded
-    of opening h (index) as the part of one element type. moments: Openings.moments, None: nothing
-    is done; openings: arrays of all openings, as the type takes them."""
+    of joint coordinate h (index) as the part of one element type. moments: Openings.moments, None:
+    nothing is done; openings: arrays of all joint coordinates, as the type takes them."""
     if moments is not None:
         row = h * openings.parts + openings.part
         store(moments, row, ACTING, load(moments, row, ACTING) + moment)
@@ -97,9 +97,9 @@ def add_late_moment(moments, openings, h, moment):
 
 def account(arrays, first, sign):
     """Register the hooks `work_before` and `work_due`, which add up the work of an element type
-    that holds openings exactly; called once, where its kernels are defined. arrays: its named
-    tuple; first: index of the field HOLD_MOMENT in part.state; sign: 1 if its account counts work
-    given, -1 for losses. The type's own hook `work_after` calls `end_work` besides."""
+    that holds joint coordinates exactly; called once, where its kernels are defined. arrays: its
+    named tuple; first: index of the field HOLD_MOMENT in part.state; sign: 1 if its account counts
+    work given, -1 for losses. The type's own hook `work_after` calls `end_work` besides."""
 
     @hook(arrays)
     def work_before(part, world, timing):
@@ -122,9 +122,9 @@ def account(arrays, first, sign):
 
 @kernel
 def end_work(part, world, timing, first, sign):
-    """Add the work (J) of the moments of the step that begins, over half the step before, of all
-    elements to account part.account of World. part: arrays of the elements; world: solver state;
-    timing: times (s); first: index of HOLD_MOMENT in part.state; sign: 1 for work, -1 for loss."""
+    """Add half of the work (J) of the moments found in this step, over the step that ends now, of
+    all elements to account part.account of World. part: arrays of elements; world: World; timing:
+    StepTime (s); first: index of HOLD_MOMENT in part.state; sign: 1 for work, -1 for losses."""
     for i in range(part.hinge.shape[0]):
         moment = moment_of(part.turns, part.turn[i], timing)
         add_late_moment(part.openings.moments, part.openings, part.hinge[i], moment)
@@ -133,8 +133,8 @@ def end_work(part, world, timing, first, sign):
 
 @kernel
 def end_work_of(part, world, i, moment, first, sign):
-    """Add the work (J) of the `moment` (N m) of element i over half of the step before to account
-    part.account of World. part: arrays of the elements; world: solver state; first: index of
+    """Add half of the work (J) of the `moment` (N m) of element i over the step that ends now to
+    account part.account of World. part: arrays of the elements; world: World; first: index of
     HOLD_MOMENT in part.state, where the moment is kept; sign: 1 for work given, -1 for losses."""
     work = sign * work_on(part.openings, part.hinge[i], moment)
     give(world, part.account, work)
@@ -146,7 +146,7 @@ def end_work_of(part, world, i, moment, first, sign):
 def prepare(part, world, timing):
     """Update the momenta of the bodies of all joints by the forces, summed before, over the time
     timing.kick, and set world.undecided: the joints' impulses are found by `solve`. part: arrays of
-    all joints; world: solver state, changed; timing: times of this step (s)."""
+    all joints (TurnedJoints); world (World): solver state, changed; timing: StepTime (s)."""
     clear(part.sums)
     kick_bodies(part, world.state, timing.kick)
     world.undecided[0] = 1
@@ -156,9 +156,9 @@ def prepare(part, world, timing):
 
 @hook(TurnedJoints)
 def solve(part, world, timing):
-    """Find the impulses of all joints, with the openings that are held now, and store the rates
-    they would give (`tell_rates`); called again where `decide` of an element then holds or frees
-    one. part: arrays of all joints (TurnedJoints); world: solver state; timing: times (s)."""
+    """Find the impulses of all joints, with the joint coordinates that are held now, and store the
+    rates they would give (`tell_rates`); called again where `decide` of an element then holds or
+    frees one. part: all joints (TurnedJoints); world: World; timing: StepTime (s)."""
     find_rows(part, world.state)
     build(part)
     factorise(part)
@@ -173,9 +173,9 @@ def solve(part, world, timing):
 
 @kernel
 def tell_rates(part, state):
-    """Store in part.turns.state the rates (rad/s, m/s) that openings will have after the impulses
-    (RATE), and the impulses (N m s, N s) that hold them (SOLVED_IMPULSE). part: arrays of all
-    joints; state: of the particles."""
+    """Store in part.turns.state the rates (rad/s, m/s) that joint coordinates will have after the
+    impulses (RATE), and the impulses (N m s, N s) that hold them (SOLVED_IMPULSE). part: arrays of
+    all joints (TurnedJoints); state: of the particles (World.state)."""
     b = part.body_scratch
     for s in range(part.particle.shape[0]):
         if not part.is_driven[s]:
@@ -197,8 +197,8 @@ def tell_rates(part, state):
 
 @kernel
 def velocity(part, state, s, point):
-    """Velocity (m/s, 3), after the impulses, of a `point` (m, 3, global) that moves with body s
-    (index). part: arrays of all joints; state: of the particles."""
+    """Return the velocity (m/s, 3) that a `point` (m, 3, global) moving with body s has after the
+    impulses, which are not yet applied. part: all joints (TurnedJoints); state: World.state."""
     b, i = part.body_scratch, part.particle[s]
     v = get3(state, i, V)
     if not part.is_driven[s]:
@@ -209,7 +209,7 @@ def velocity(part, state, s, point):
 @hook(TurnedJoints)
 def move(part, world, timing):
     """Apply the impulses to the bodies, move them by a step, and close the joints at its end. part:
-    arrays of all joints; world: state of the solver, changed; timing: times of this step (s)."""
+    all joints (TurnedJoints); world (World): solver state, changed; timing: StepTime (s)."""
     push_all(part, world.state)
     joint_kernels.move(part, world, timing)
 
@@ -217,8 +217,8 @@ def move(part, world, timing):
 @hook(TurnedJoints)
 def look_back(part, world, timing):
     """Close the joints also one step before the start, in the first step only, by the momenta in
-    world.start_state; there, held openings are where their motion, at its rate at the start, began.
-    part: arrays of all joints; world: solver state; timing: times of the first step (s)."""
+    world.start_state; there, held coordinates are where their motion, at its rate at the start,
+    began. part: all joints (TurnedJoints); world (World): solver state; timing: StepTime (s)."""
     state, start, b = world.state, world.start_state, part.body_scratch
     for s in range(part.particle.shape[0]):
         i = part.particle[s]

@@ -16,7 +16,8 @@ from fpm.elements.openings.opening import OnHinge, on_hinge
 class Contact(OnHinge):
     """Faces that touch where the opening of a revolute joint is below zero.
 
-    hinge: index; stiffness: moment that opens it for each radian below zero (N m/rad)."""
+    hinge: index; stiffness: moment that opens it for each radian of its opening (joint coordinate)
+    below zero (N m/rad)."""
 
     hinge: int = on_hinge(types=("revolute",))
     stiffness: float = stiffness(text="moment for each radian below zero")
@@ -32,9 +33,9 @@ class Contact(OnHinge):
     def blocked_motions(cls, scene, inverse):
         """Return the relative motions of linked bodies that closed contacts rule out, for the
         stable time step: orthonormal columns (6n, c), a sparse matrix, in coordinates multiplied by
-        the roots of masses. Contacts count as closed at opening 0, wherever the scene starts.
-        inverse (6n,): inverse masses (1/kg) and inertias (1/kg m²) of its n particles. Columns of
-        hinges that share a particle are made orthonormal together."""
+        the roots of masses. Contacts count as closed at joint coordinate 0, wherever the scene
+        starts. inverse (6n,): inverse masses (1/kg) and inertias (1/kg m²) of its n particles.
+        Columns of hinges that share a particle are made orthonormal together."""
         from scipy.sparse import csc_matrix, identity
 
         columns, dofs = [], []

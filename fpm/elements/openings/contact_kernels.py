@@ -19,9 +19,9 @@ linkage at rest at closure has no events. Faces that meet at 1 rad/s reach it wi
 
 
 class Contacts(NamedTuple):
-    """Arrays of all c face contacts. hinge (c,): index of each one's hinge; numbers (c, 1, lanes):
-    stiffness (N m/rad); openings: arrays of all openings; rows (c, 1, lanes): energy of each (J),
-    to name the worst one in a message; log: where their events are noted (Log)."""
+    """Arrays of all c face contacts (lanes: samples). hinge (c,): index of its hinge; numbers (c,
+    1, lanes): stiffness (N m/rad); openings: all joint coordinates; rows (c, 1, lanes): energy of
+    each (J), to name the worst in a message; log: where their events are noted (Log)."""
 
     hinge: np.ndarray
     numbers: np.ndarray
@@ -33,8 +33,8 @@ class Contacts(NamedTuple):
 @hook(Contacts)
 def forces(part, world, timing):
     """Add the moments (N m) of contacts whose faces overlap, stiffness times overlap, which open
-    their hinges, to the forces on particles. part: arrays of all contacts (Contacts); world: solver
-    state, whose forces change; timing: not used."""
+    their hinges, to the forces on particles. part: arrays of all contacts (Contacts); world
+    (World): solver state, whose forces change; timing: not used."""
     for i in range(part.hinge.shape[0]):
         h = part.hinge[i]
         psi = load(part.openings.angles, h, NEW)
@@ -45,7 +45,7 @@ def forces(part, world, timing):
 @hook(Contacts)
 def note_events(part, world, timing):
     """Write to part.log which contacts closed (event 1) or opened (0) in the step that ends now,
-    with the time. part: arrays of all contacts; world: not used; timing: step times (s)."""
+    with the time. part: all contacts (Contacts); world: not used; timing (StepTime): times (s)."""
     angles = part.openings.angles
     for i in range(part.hinge.shape[0]):
         old, new = load(angles, part.hinge[i], OLD), load(angles, part.hinge[i], NEW)
@@ -54,8 +54,8 @@ def note_events(part, world, timing):
 
 @hook(Contacts)
 def energy_of(part, world, i):
-    """Return the strain energy (J, lanes) of contact i, 0 where its faces do not overlap. part:
-    arrays of all contacts (Contacts); world: solver state, not used; i: index of the contact."""
+    """Return the strain energy (J, lanes) of contact i, 0 where its faces do not overlap. part: all
+    contacts (Contacts); world (World): solver state, not used; i: index of the contact."""
     psi = load(part.openings.angles, part.hinge[i], NEW)
     overlap = where_negative(psi, psi, 0.0 * psi)
     return 0.5 * load(part.numbers, i, STIFFNESS) * overlap * overlap

@@ -13,8 +13,7 @@ from fpm.elements.openings.opening import JOINT_LOSS, OnHinge, on_hinge
 class Damper(OnHinge):
     """Resists the motion of a joint, in proportion to its rate.
 
-    hinge: index of a hinge or slide; damping: moment for each rad/s (N m s/rad; N s/m on
-    slides)."""
+    hinge: index of a hinge or slide; damping: moment by rate (N m s/rad; N s/m on slides)."""
 
     hinge: int = on_hinge()
     damping: float = damping(text="moment for each radian a second")

@@ -14,8 +14,8 @@ DAMPING = 0
 
 
 class Dampers(NamedTuple):
-    """Arrays of all d dampers. hinge (d,): index of each one's hinge; numbers (d, 1, lanes):
-    damping (N m s/rad); openings: arrays of all openings; rates (d, 2, lanes): rate of the opening
+    """Arrays of all d dampers (lanes: samples). hinge (d,): index of each one's hinge; numbers (d,
+    1, lanes): damping (N m s/rad); openings: all joint coordinates; rates (d, 2, lanes): rate
     (rad/s) and moment (N m) of the last step; account: index in World.accounts of the loss."""
 
     hinge: np.ndarray
@@ -27,9 +27,9 @@ class Dampers(NamedTuple):
 
 @hook(Dampers)
 def forces(part, world, timing):
-    """Add the moments (N m) of dampers, -damping times the rate of the opening, to the forces on
-    particles, and the energy that they lose in the step (J) to World.accounts. part: arrays of all
-    dampers (Dampers); world: solver state, changed; timing: times of this step (s)."""
+    """Add the moments (N m) of dampers, -damping times the rate of the joint coordinate, to the
+    forces on particles, and the energy lost in the step (J) to World.accounts. part: all dampers
+    (Dampers); world (World): solver state, changed; timing (StepTime): times of the step (s)."""
     for i in range(part.hinge.shape[0]):
         h = part.hinge[i]
         rate = follow_rate(part.openings, part.rates, i, h, timing)

@@ -65,13 +65,13 @@ def _unbalanced(element: str) -> str:
 
 @dataclass(frozen=True)
 class Friction(OnHinge):
-    """Friction in a hinge by a bristle: a spring that slips at a moment.
+    """Friction in a hinge by a bristle: a spring that sticks, and slips at a moment.
 
     hinge: index; moment: at which it slips (N m, on slides N); bristle_deflection: how far the
     spring is bent then (rad, m); damping: while it sticks (N m s/rad, on slides N s/m), None: 0.3
-    of critical. angles, shares: openings (rad, m), increasing, and factors of the moment there,
-    linear between, constant beyond; (): 1 everywhere. load: size (N) of the whole force in the
-    joint at which it slips at `moment`, which is proportional to it; None: constant."""
+    of critical. angles, shares: joint coordinates (rad, m), increasing, and factors of the moment
+    there, linear between, constant beyond; (): 1 everywhere. load: size (N) of the whole force in
+    the joint at which it slips at `moment`, which is proportional to it; None: constant."""
 
     hinge: int = on_hinge()
     moment: float = number("N m", 0.0, text="at which it slips; below, it sticks for ever")
@@ -96,9 +96,9 @@ class Friction(OnHinge):
 
     @classmethod
     def sweep_elements(cls, scene):
-        """Return copies of the scene's friction elements for moving an opening slowly through
-        static equilibria (fpm/travel), whose bristles slip at once. One with a `load`, whose moment
-        depends on the joint's force, gets the moment 0: that follows from Scene.bearings."""
+        """Return copies of the scene's friction elements for moving a joint coordinate slowly
+        through static equilibria (fpm/travel), whose bristles slip at once. One with a `load`,
+        whose moment goes with the joint's force, gets moment 0: Scene.bearings gives it."""
         frictions = [
             replace(friction, bristle_deflection=SWEEP_DEFLECTION, damping=0.0)
             for friction in cls.find(scene)

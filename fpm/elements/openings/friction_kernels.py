@@ -31,14 +31,14 @@ step later, before the next one is found by the secant of both."""
 
 
 class Frictions(NamedTuple):
-    """Arrays of all f friction elements. hinge (f,): index of its hinge; numbers (f, 4, lanes):
-    bristle stiffness (N m/rad), deflection at slip (rad), damping (N m s/rad), 1/deflection where
-    the joint's force counts, else 0; openings: of all hinges; rates (f, 2, lanes): rate and
-    damper's moment of the last step; state (f, 8, lanes): foot (opening, rad, with straight
-    bristle), deflection (rad), then what joint forces and self-locking need; account: index in
-    World.accounts of the loss; rows (f, 1, lanes): energy or self-locking of each; peaks: largest
-    self-locking so far; start (f + 1,): first point of its table; points (p, 2, lanes): angle (rad)
-    and change of slope of all tables' points; bearing: forces of joints. None: unused."""
+    """Arrays of all f friction elements (lanes: samples). hinge (f,): index of its hinge; numbers
+    (f, 4, lanes): bristle stiffness (N m/rad), deflection at slip (rad), damping (N m s/rad),
+    1/deflection where the joint's force counts, else 0; openings: joint coordinates; rates (f, 2,
+    lanes): their rate and damper's moment of the last step; state (f, 8, lanes): foot (coordinate,
+    rad, of the straight bristle), deflection (rad), then what joint forces and self-locking need;
+    account: index of the loss in World.accounts; rows (f, 1, lanes): energy or self-locking of
+    each; peaks: largest self-locking; start (f + 1,): first point of its table; points (p, 2,
+    lanes): angle (rad) and change of slope of all points; bearing: joint forces. None: unused."""
 
     hinge: np.ndarray
     numbers: np.ndarray
@@ -55,10 +55,11 @@ class Frictions(NamedTuple):
 
 @kernel
 def bend_at(points, start, i, most, psi):
-    """Return the bristle deflection (rad, lanes) at which friction element i slips at opening psi
-    (rad, lanes), linear between the points of its table. points (p, 2, lanes): opening (rad) and
-    change of slope there, of all tables; start: index of each element's first point; both None: no
-    tables; most: deflection (rad, lanes) below the table's first opening, or without a table."""
+    """Return the bristle deflection (rad, lanes) at which friction element i slips at joint
+    coordinate psi (rad, lanes), linear between the points of its table. points (p, 2, lanes):
+    coordinate (rad) and change of slope there, of all tables; start: index of each element's first
+    point; both None: no tables; most: deflection (rad, lanes) below the table's first coordinate,
+    or without a table."""
     if points is not None:
         for j in range(start[i], start[i + 1]):
             ramp = psi - load(points, j, ANGLE)
@@ -70,10 +71,10 @@ def bend_at(points, start, i, most, psi):
 def bend_by_force(bearing, state, i, timing):
     """Return two bristle deflections (rad) at which element i slips by the force of its joint: now
     and a step ago. bearing: forces of joints (JointForce); state (f, 8, lanes): Frictions.state, in
-    which MOST, OLD_MOST and FORCE_BEND are updated; timing: step times (s). Where friction
-    relieves its own joint by more than itself (beyond the angle of self-locking), taking the force
-    of the step before would grow from step to step; the secant of the last two steps finds the
-    force that agrees with its own friction."""
+    which MOST, OLD_MOST and FORCE_BEND are updated; timing (StepTime): times of the step (s). Where
+    friction relieves its own joint by more than itself (beyond the angle of self-locking), taking
+    the force of the step before would grow from step to step; the secant of the last two steps
+    finds the force that agrees with its own friction."""
     last = load(state, i, MOST)
     most = last
     if timing.time > 0.0:
@@ -93,8 +94,8 @@ def bend_by_force(bearing, state, i, timing):
 @kernel
 def bends_now(bearing, part, i, psi, psi_before, timing):
     """Return the bristle deflections (rad) at which element i slips, by table and joint force: at
-    opening psi (rad) now, and at psi_before a step ago. bearing: forces of joints (JointForce),
-    None where none counts; part: all friction elements (Frictions); timing: step times (s)."""
+    joint coordinate psi (rad) now, and at psi_before a step ago. bearing: forces of joints
+    (JointForce), None where none counts; part: all friction (Frictions); timing: StepTime (s)."""
     first = load(part.numbers, i, BEND)
     most = bend_at(part.points, part.start, i, first, psi)
     last = bend_at(part.points, part.start, i, first, psi_before)
@@ -128,9 +129,9 @@ def watch_lock(part, i, bend, most, slips):
 def forces(part, world, timing):
     """Add the moments (N m) of friction, bristles and dampers, to the forces on particles, and what
     slip and dampers lose in the step (J) to World.accounts; update part.state. part: arrays of all
-    friction elements (Frictions); world: solver state, changed; timing: times of this step (s).
-    Where slip begins within a step, the mean of the moments at both ends is not that over the way
-    between; `edge` corrects it as for a spring that begins at the point of slip."""
+    friction elements (Frictions); world (World): solver state, changed; timing (StepTime): times of
+    the step (s). Where slip begins within a step, the mean of the moments at both ends is not that
+    over the way between; `edge` corrects it as for a spring that begins at the point of slip."""
     for i in range(part.hinge.shape[0]):
         h, last = part.hinge[i], load(part.state, i, BENDING)
         stiffness, foot = load(part.numbers, i, STIFFNESS), load(part.state, i, FOOT)
@@ -168,7 +169,7 @@ def forces(part, world, timing):
 @hook(Frictions)
 def energy_of(part, world, i):
     """Return the strain energy (J, lanes) of the bristle of friction element i. part: arrays of all
-    friction elements (Frictions); world: solver state, not used."""
+    friction elements (Frictions); world (World): solver state, not used."""
     bend = load(part.state, i, BENDING)
     return 0.5 * load(part.numbers, i, STIFFNESS) * bend * bend
 

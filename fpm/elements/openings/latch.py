@@ -38,7 +38,7 @@ slides names and units are others (opening.by_unit)."""
 
 
 class AnyLatch(OnHinge):
-    """Base class of latches, rigid ones too: their names, events and recorded series."""
+    """Base class of latches, rigid ones too: their field `name`, events and recorded series."""
 
     takes = JOINT_LOSS
     events = ("latches", "misses")
@@ -48,7 +48,7 @@ class AnyLatch(OnHinge):
 
     def check(self, scene):
         """Check the latch's fields, and that its name (that of its hinge by default) is no other
-        latch's; raises SceneError if not."""
+        latch's in `scene`; raises SceneError if not."""
         super().check(scene)
         if self.label(scene) in [latch.label(scene) for latch in self.find_peers(scene)]:
             raise SceneError("latch", self.label(scene), "a name that no other latch has")
@@ -58,9 +58,9 @@ class AnyLatch(OnHinge):
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the recorded series of one sample's latches, by variable name, all (t, latches):
-        moment (N m), impulse so far (N m s), rate at the catch (rad/s), of rigid latches also its
-        impulse (N m s). part: the latches' arrays; scene: the sample's; lane: its index."""
+        """Return the recorded series of one sample's latches after a run, by variable name, all (t,
+        latches): moment (N m), impulse so far (N m s), rate at the catch (rad/s), of rigid latches
+        its impulse (N m s). part: the latches' arrays; scene: the sample's; lane: its index."""
         latches = cls.find(scene)
         columns = part.track[:, :, lane].T.reshape(part.track.shape[1], -1, len(latches))
         pairs = zip(SERIES.items(), columns, strict=False)
@@ -71,12 +71,12 @@ class AnyLatch(OnHinge):
 
 @dataclass(frozen=True)
 class Latch(AnyLatch):
-    """Latch on a hinge or slide: it catches where the opening passes `angle`, and holds from then
-    on by a spring and a damper. hinge: index; angle: rad; stiffness (N m/rad), damping (N m s/rad):
-    it holds with; capture_range: how far from `angle` it catches as well (rad); side: from where
-    the opening comes when it is caught ("below", "above", "either"); max_capture_rate: above which
-    it does not catch (rad/s); one_sided: whether it lets the opening go on in the direction of the
-    catch, as a ratchet; name: its own, "": that of the hinge. On slides m for rad, N for N m."""
+    """Latch on a hinge or slide: it catches where the joint coordinate (opening) passes `angle`,
+    and holds from then on by a spring and a damper. hinge: index; angle: rad; stiffness (N m/rad),
+    damping (N m s/rad): it holds with; capture_range: how far from `angle` it catches as well
+    (rad); side: from where it comes when caught ("below", "above", "either"); max_capture_rate:
+    above which it does not catch (rad/s); one_sided: whether it lets the opening go on in the
+    direction of the catch, as a ratchet; name: "": the hinge's. On slides m for rad, N for N m."""
 
     hinge: int = on_hinge()
     angle: float = number("rad", text="opening at which it catches")
@@ -97,5 +97,5 @@ class Latch(AnyLatch):
 
     def damping_in(self, scene):
         """Return the damping (N m s/rad) by which the latch limits the stable time step: 1.5 times
-        its own, as the first impulse of a damper may be that of 1.5 steps."""
+        its own, as the first impulse of a damper may be that of 1.5 steps. scene: not used."""
         return ONSET * self.damping

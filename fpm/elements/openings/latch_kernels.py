@@ -34,13 +34,13 @@ ANGLE_TOL = 1e-6
 
 
 class Latches(NamedTuple):
-    """Arrays of all l latches, for their kernels. hinge (l,): index of each one's hinge; numbers
-    (l, 7, lanes): angle, capture range (rad), sign of the rate at which it catches (0: both),
-    largest rate (rad/s), stiffness (N m/rad), damping (N m s/rad), -1 if one-sided; openings: of
-    all hinges; rates (l, 2, lanes): rate and damper's moment of the last step; state (l, 8, lanes):
-    1 once it has caught, opening (rad) and sign of the rate then, news of this step (1 caught, 2
-    missed) and their time (s), rate at the catch (rad/s), moment (N m), impulse so far (N m s);
-    account: index in World.accounts of the loss; rows (l, 1, lanes): energy of each; log: of
+    """Arrays of all l latches (lanes: samples). hinge (l,): index of each one's hinge; numbers (l,
+    7, lanes): angle, capture range (rad), sign of the rate at which it catches (0: both), largest
+    rate (rad/s), stiffness (N m/rad), damping (N m s/rad), -1 if one-sided; openings: of all
+    hinges; rates (l, 2, lanes): rate and damper's moment of the last step; state (l, 8, lanes): 1
+    once it has caught, joint coordinate (rad) and sign of the rate then, news of this step (1
+    caught, 2 missed), their time (s), rate at the catch (rad/s), moment (N m), impulse so far (N m
+    s); account: index in World.accounts of the loss; rows (l, 1, lanes): energy of each; log: of
     events; track ((instants + 1) l, 3, lanes): recorded moment, impulse, rate at the catch."""
 
     hinge: np.ndarray
@@ -58,7 +58,7 @@ class Latches(NamedTuple):
 def watch(part, i, h, timing):
     """Find out whether latch i on hinge h (indices) catches or misses in the step that ends now, in
     samples where it has not caught yet, and write that to part.state. part: arrays of all latches
-    (Latches); timing: times of this step (s)."""
+    (Latches); timing (StepTime): times of the step (s)."""
     angles = part.openings.angles
     reach = reach_of(part, i, load(angles, h, OLD), load(angles, h, NEW))
     if any_negative(where_negative(0.5 - load(part.state, i, IS_CAUGHT), 1.0, reach)):
@@ -70,8 +70,8 @@ def watch(part, i, h, timing):
 
 @kernel
 def reach_of(part, i, start, end):
-    """Return by how far (rad, lanes) the openings from `start` to `end` (rad) stay clear of the
-    range in which latch i catches; below 0: they may enter it. part: arrays of all latches."""
+    """Return by how far (rad, lanes) the joint coordinates from `start` to `end` (rad) stay clear
+    of the range in which latch i catches; below 0: they may enter it. part: Latches."""
     distance = absolute(0.5 * (end + start) - load(part.numbers, i, ANGLE))
     return distance - 0.5 * absolute(end - start) - load(part.numbers, i, CAPTURE_RANGE) - ANGLE_TOL
 
@@ -79,11 +79,11 @@ def reach_of(part, i, start, end):
 @kernel
 def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
     """Decide whether latch i of one sample catches or misses in a step, and write to part.state
-    that it has caught, at which opening (rad), rate (rad/s) and time (s), or that it missed. part:
-    arrays of all latches; s: index of the sample (its lane); psi_start, psi_end: opening at the
-    start and end of the step (rad), linear between; last_rate: rate in the step before (rad/s);
-    end: time of the end of the step (s); step: its length (s). `first` and `last` in the code
-    (rad): openings at start and end, from the edge of the capture range that is met first."""
+    that it has caught, at which joint coordinate (rad), rate (rad/s) and time (s), or that it
+    missed. part: all latches (Latches); s: index of the sample (its lane); psi_start, psi_end:
+    coordinate at the start and end of the step (rad), linear between; last_rate: rate in the step
+    before (rad/s); end: time of its end (s); step: its length (s). `first` and `last` in the code
+    (rad): coordinates at start and end, from the edge of the capture range that is met first."""
     angle, reach = part.numbers[i, ANGLE, s], part.numbers[i, CAPTURE_RANGE, s]
     change = psi_end - psi_start
     if part.numbers[i, APPROACH, s] * change < 0.0:
@@ -112,8 +112,8 @@ def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
 
 @kernel
 def excess(part, i, field):
-    """Return how far (rad, lanes) the opening is beyond that of the catch of latch i, positive in
-    its direction. part: arrays of all latches; field: NEW (0: now) or OLD (1: a step ago)."""
+    """Return how far (rad, lanes) the joint coordinate is beyond that of the catch of latch i, in
+    its direction. part: all latches (Latches); field: NEW (0: now) or OLD (1: a step ago)."""
     angle = load(part.openings.angles, part.hinge[i], field) - load(part.state, i, HOLD_ANGLE)
     return load(part.state, i, SIGN) * angle
 
@@ -122,7 +122,7 @@ def excess(part, i, field):
 def hold(part, i, rate):
     """Return two moments (N m), of the spring and of the damper of latch i, positive in the
     direction of its catch; 0 in lanes where it has not caught. part: arrays of all latches
-    (Latches); rate: of the opening (rad/s), in that direction."""
+    (Latches); rate: of the joint coordinate (rad/s), in that direction."""
     stiffness, damping = load(part.numbers, i, STIFFNESS), load(part.numbers, i, DAMPING)
     fresh = 0.5 - load(part.state, i, NEWS)  # < 0 in the step in which it caught
     gap, last = excess(part, i, NEW), excess(part, i, OLD)
@@ -142,7 +142,7 @@ def forces(part, world, timing):
     """Add the moments (N m) of latches to the forces on both particles of their hinges, and what
     their dampers take out in the step that ends now (J) to World.accounts, once it is found which
     latches caught in it; these act at once. part: arrays of all latches (Latches), in whose state
-    moment and impulse are stored; world: solver state, changed; timing: times of this step (s)."""
+    moment and impulse are stored; world (World): solver state, changed; timing: StepTime (s)."""
     for i in range(part.hinge.shape[0]):
         h = part.hinge[i]
         if timing.time > 0.0:
@@ -161,7 +161,7 @@ def forces(part, world, timing):
 @hook(Latches)
 def note_events(part, world, timing):
     """Write to part.log which latches caught (event 0) or missed (1) in the step that ends now, and
-    when, and clear it in part.state. part: arrays of all latches; world, timing: unused."""
+    when, and clear it in part.state. part: all latches (Latches); world, timing: unused."""
     for i in range(part.hinge.shape[0]):
         if any_negative(0.5 - load(part.state, i, NEWS)):
             for s in range(part.state.shape[2]):
@@ -174,7 +174,7 @@ def note_events(part, world, timing):
 @hook(Latches)
 def energy_of(part, world, i):
     """Return the strain energy (J, lanes) of latch i; 0 until it catches. part: arrays of all
-    latches (Latches); world: solver state, not used; i: index of the latch."""
+    latches (Latches); world (World): solver state, not used; i: index of the latch."""
     gap = excess(part, i, NEW)
     one_sided = where_negative(gap, gap, 0.0)
     gap = where_negative(load(part.numbers, i, ONE_SIDED), one_sided, gap)
@@ -184,8 +184,8 @@ def energy_of(part, world, i):
 
 @hook(Latches)
 def record(part, world, row):
-    """Record the moment (N m), impulse so far (N m s) and rate at the catch (rad/s) of each latch
-    in part.track. part: arrays of all latches; world: not used; row: of the instant."""
+    """Record moment (N m), impulse so far (N m s) and rate at the catch (rad/s) of each latch in
+    part.track. part: Latches; world: not used; row: index of the recorded instant."""
     count = part.hinge.shape[0]
     for i in range(count):
         for k, field in enumerate((MOMENT, IMPULSE, RATE_THERE)):

@@ -18,12 +18,12 @@ HISTORY = 2
 
 
 class JointForce(NamedTuple):
-    """Impulses of joints in the last step, by which friction finds the force of its joint. share
-    (f, 1, lanes): deflection at slip for each N of that force (rad/N), of f friction elements, 0
-    where it is constant; lone (f,): row of each one's hinge in `hinges`, or -1; hinges (h, 12,
-    lanes): impulses (N s, N m s) of hinges that are solved alone; first, count (f,): first of its
+    """Impulses of joints in the last step (lanes: samples), by which friction finds its joint's
+    force. share (f, 1, lanes): deflection at slip for each N of that force (rad/N), of f friction
+    elements, 0 where it is constant; lone (f,): row of each one's hinge in `hinges`, or -1; hinges
+    (h, 12, lanes): impulses (N s, N m s) of hinges solved alone; first, count (f,): first of its
     joint's equations, and their number, in `rows` and `impulses`; rows (r, 19, lanes): equations of
-    joints that are solved together, with their directions; impulses (r, 1, lanes): N s, N m s."""
+    joints solved together, with their directions; impulses (r, 1, lanes): N s, N m s."""
 
     share: np.ndarray  # (f, 1, lanes) what counts of each N; 0: not this one
     lone: np.ndarray  # (f,)
@@ -36,19 +36,19 @@ class JointForce(NamedTuple):
 
 @kernel
 def half_rate(openings, h, timing):
-    """Return the mean rate (rad/s, on slides m/s) of the opening of hinge h (index) over the step
-    that ends now. openings: arrays of all openings (Openings); timing: times of this step (s)."""
+    """Return the mean rate (rad/s, on slides m/s) of the joint coordinate of hinge h over the step
+    that ends now. openings: all joint coordinates (Openings); timing: StepTime (s)."""
     angles = openings.angles
     return (load(angles, h, NEW) - load(angles, h, OLD)) * (1.0 / timing.step)
 
 
 @kernel
 def follow_rate(openings, history, i, h, timing):
-    """Return the rate (rad/s, on slides m/s) of the opening of hinge h now, extrapolated to second
-    order from the mean rates of the last two steps (Adams and Bashforth). Call it once a step: it
-    stores the mean rate. openings: arrays of all openings (Openings); history (elements, 2, lanes):
-    `rates` of the element's type, whose field RATE is written; i: index of the element; h: of its
-    hinge; timing: times of this step (s)."""
+    """Return the rate (rad/s, on slides m/s) of the joint coordinate of hinge h now, extrapolated
+    to second order from the mean rates of the last two steps (Adams and Bashforth). Call it once a
+    step: it stores the mean rate. openings: arrays of all joint coordinates (Openings); history
+    (elements, 2, lanes): `rates` of the element's type, whose field RATE is written; i: index of
+    the element; h: of its hinge; timing (StepTime): times of the step (s)."""
     last = load(history, i, RATE)
     rate = last
     if timing.time > 0.0:
@@ -61,11 +61,11 @@ def follow_rate(openings, history, i, h, timing):
 @kernel
 def lose(world, account, openings, history, i, h, moment):
     """Add to World.accounts the energy (J) that a moment of element i on hinge h takes out in the
-    step that ends now, and store the moment for the next step. world: solver state; account: index
-    in World.accounts; openings: arrays of all openings (Openings); history (elements, 2, lanes):
-    `rates` of the element's type, with the moment a step ago, changed; moment: on the second
-    particle, now (N m). The energy is the mean of both moments times the change of the opening,
-    just what kinetic energy of the half steps changes by (record.py)."""
+    step that ends now, and store the moment for the next step. world (World): solver state;
+    account: index in World.accounts; openings: all joint coordinates (Openings); history (elements,
+    2, lanes): `rates` of the element's type, with the moment a step ago, changed; moment: on the
+    second particle, now (N m). The energy is the mean of both moments times the change of the
+    coordinate, just what kinetic energy of the half steps changes by (record.py)."""
     angles = openings.angles
     angle = load(angles, h, NEW) - load(angles, h, OLD)
     loss = -0.5 * (moment + load(history, i, LOSS)) * angle
@@ -76,7 +76,7 @@ def lose(world, account, openings, history, i, h, moment):
 @kernel
 def force_of(bearing, i, timing):
     """Return the size (N, lanes) of the force in the joint of friction element i, as a mean over
-    the last step. bearing: impulses of joints (JointForce); timing: times of this step (s)."""
+    the last step. bearing: impulses of joints (JointForce); timing (StepTime): times (s)."""
     zero = 0.0 * load(bearing.share, i, 0)
     impulse = vector(zero, zero, zero)
     if bearing.lone[i] >= 0:
@@ -90,10 +90,10 @@ def force_of(bearing, i, timing):
 
 @kernel
 def onset(new, old):
-    """Return the factor, 0.5 to 1.5, on a force that starts (or ends) within this step, as the
-    overlap passes 0; 1 in other steps. new, old: overlap now and a step ago (rad, m). An impulse is
-    that of half a step before and after now; the force acts for half a step and s/(s + b) of one, s
-    and b being the sizes of new and old."""
+    """Return the factor, 0.5 to 1.5, on the force of a damper that starts (or ends) within this
+    step, as the overlap passes 0; 1 in other steps. new, old: overlap now and a step ago (rad, m).
+    An impulse is that of half a step before and after now; the force acts for half a step and s/(s
+    + b) of one, s and b being the sizes of new and old."""
     product = new * old
     return where_negative(product, 0.5 + absolute(new) / absolute(new - old), 1.0)
 

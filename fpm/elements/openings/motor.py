@@ -18,8 +18,8 @@ MOTOR_WORK = Energy("motor_work", "motor_work", "work of the motors")
 
 
 class AnyMotor(OnHinge):
-    """Base class of all motors on hinges: with a drive train, rigid ones, and torque motors.
-    variable: name of their recorded moment in trajectory files."""
+    """Base class of all motors on hinges: with a drive train (Motor), rigid ones (RigidMotor), and
+    torque motors. variable: name of their recorded moment in trajectory files."""
 
     gives = MOTOR_WORK
     acts_as = "motor"
@@ -27,14 +27,14 @@ class AnyMotor(OnHinge):
     variable: ClassVar[str] = "motor_moment"  # of what is recorded, in trajectory files
 
     def check(self, scene):
-        """Check the fields, and that the hinge has no other motor; raises SceneError if not."""
+        """Check the fields, and that its hinge in `scene` has no other motor; SceneError if not."""
         super().check(scene)
         self.check_alone(scene)
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the recorded moments (N m, on slides N) of one sample's motors after a run, (t,
-        motors), by variable name. part: the motors' arrays; scene, lane: the sample's."""
+        """Return the recorded moments (N m, on slides N) of one sample's motors after a run, Series
+        (t, motors) by variable name. part: the motors' arrays; scene, lane: of the sample."""
         hinges = [scene.hinges[motor.hinge] for motor in cls.find(scene)]
         values = part.track[:, 0, lane].reshape(-1, len(hinges))
         text, dimension = f"moment of the {cls.noun}s on their hinges", cls.noun
@@ -44,10 +44,10 @@ class AnyMotor(OnHinge):
 
 @dataclass(frozen=True)
 class Motor(AnyMotor):
-    """Motor that prescribes the opening of a hinge through an elastic drive train: start + turn
-    times a curve of time. hinge: index; stiffness (N m/rad), damping (N m s/rad): of the drive
-    train; start, turn (rad); curve: its index in Scene.curves, -1: 1; by_rate: whether turn (rad/s)
-    times the curve is the rate of the opening instead."""
+    """Motor that prescribes the joint coordinate of a hinge through an elastic drive train: start +
+    turn times a curve of time. hinge: index; stiffness (N m/rad), damping (N m s/rad): of the drive
+    train; start, turn (rad); curve: index in Scene.curves, -1: constant 1; by_rate: whether turn
+    (rad/s) times the curve is the coordinate's rate instead; on slides m for rad, N for N m."""
 
     hinge: int = on_hinge()
     stiffness: float = stiffness(text="of its drive train")

@@ -26,13 +26,13 @@ TRACK = 1
 
 
 class Motors(NamedTuple):
-    """Arrays of all m motors. hinge (m,): index of its hinge; curve (m,): index of its curve of
-    time, -1: constant 1; by_rate (m,): 1 where the curve gives the rate; numbers (m, 4, lanes):
-    stiffness (N m/rad), damping (N m s/rad), start, turn (rad); rates (m, 2, lanes): rate of the
-    last step; state (m, 7, lanes): moment, a step ago, moment of damping, a step ago (N m), target
-    less opening, change of the target, target (rad); openings: of all hinges; work_account,
-    loss_account: indices in World.accounts of work and loss; rows (m, 1, lanes): energy of each;
-    track ((instants + 1) m, 1, lanes): recorded moment (N m)."""
+    """Arrays of all m motors (lanes: samples). hinge (m,): index of its hinge; curve (m,): index of
+    its curve of time, -1: constant 1; by_rate (m,): 1 where the curve gives the rate; numbers (m,
+    4, lanes): stiffness (N m/rad), damping (N m s/rad), start, turn (rad); rates (m, 2, lanes):
+    first, rate of the last step; state (m, 7, lanes): moment, a step ago, moment of damping, a step
+    ago (N m), target less opening, change of the target, target (rad); openings: joint coordinates
+    of all hinges; work_account, loss_account: indices in World.accounts of work and loss; rows (m,
+    1, lanes): energy of each; track ((instants + 1) m, 1, lanes): recorded moment (N m)."""
 
     hinge: np.ndarray
     curve: np.ndarray
@@ -49,9 +49,9 @@ class Motors(NamedTuple):
 
 @hook(Motors)
 def forces(part, world, timing):
-    """Add the moments (N m) of the motors' drive trains, towards the prescribed openings, to the
-    forces on particles; keep moments and targets in part.state. part: arrays of all motors
-    (Motors); world: solver state, whose forces change; timing: times of this step (s)."""
+    """Add the moments (N m) of the motors' drive trains, towards the prescribed joint coordinates,
+    to the forces on particles; keep moments and targets in part.state. part: arrays of all motors
+    (Motors); world (World): solver state, whose forces change; timing (StepTime): times (s)."""
     for i in range(part.hinge.shape[0]):
         h = part.hinge[i]
         for k in (MOMENT, VISCOUS):
@@ -80,7 +80,7 @@ def work_before(part, world, timing):
     """Add to World.accounts the work (J) of the motors, and the losses (J) of their drive trains,
     in the step that ends at timing.time: means of the moments at both ends times the way, which is
     what the moments do on the hinges, so that the balance has no error of it. part: arrays of all
-    motors (Motors); world: solver state (World); timing: times of this step (s)."""
+    motors (Motors); world (World): solver state; timing (StepTime): times of the step (s)."""
     work = load(world.accounts, 0, part.work_account)
     loss = load(world.accounts, 0, part.loss_account)
     for i in range(part.hinge.shape[0]):

@@ -46,8 +46,8 @@ TURNING = ("revolute", "universal", "cross")
 
 @dataclass(frozen=True)
 class Opening(ElementType):
-    """The opening of a hinge (its angle, rad) or slide (its length, m), as an element type. Every
-    hinge of a scene has one, of the hinge's index; `find` returns the scene's hinges."""
+    """The opening (joint coordinate) of a hinge (angle, rad) or slide (length, m), as an element
+    type. Every hinge of a scene has one, of its index; `find` returns the scene's hinges."""
 
     resists_as = ""
     cost = 30.0
@@ -58,7 +58,7 @@ class Opening(ElementType):
 
     @classmethod
     def topology_of(cls, scene):
-        """Return what scenes run side by side must share: names and particles of all hinges."""
+        """Return, of `scene`, what scenes run side by side must share: hinges' names, particles."""
         return tuple((hinge.name, hinge.particles) for hinge in scene.hinges)
 
     @classmethod
@@ -86,23 +86,23 @@ class Opening(ElementType):
 
     @classmethod
     def get_arrays(cls, kind: type[ElementType], batch):
-        """Return the arrays of all openings (Openings) for the kernels of an element type `kind`
-        that acts on them: with the field `part` set to the index, in PARTS ("spring", "damper",
-        ...), under which its moments are recorded. batch: the scenes simulated side by side."""
+        """Return the arrays of all joint coordinates (Openings) for the kernels of an element type
+        `kind` that acts on them: with the field `part` set to the index, in PARTS ("spring", ...),
+        under which its moments are recorded. batch: the scenes simulated side by side."""
         return batch.part(cls)._replace(part=PARTS.index(kind.acts_as or "other"))
 
     @classmethod
     def read_records(cls, part, scene, lane):
-        """Return the recorded openings (t, hinges) of one sample after a run, by variable name:
-        `opening` (rad) and, of slides, `slide_opening` (m). part: arrays of all openings
-        (Openings); scene: the sample's; lane: index of the sample."""
+        """Return the recorded joint coordinates (t, hinges) of one sample after a run, by variable
+        name: `opening` (rad) and, of slides, `slide_opening` (m). part: arrays of all joint
+        coordinates (Openings); scene: the sample's; lane: index of the sample."""
         values = part.track[:, 0, lane].reshape(-1, len(scene.hinges))
         series = Series(values, "rad", "opening of the hinges", "hinge", ())
         return by_unit({"opening": series}, scene.hinges, [h.name for h in scene.hinges])
 
 
 class OnHinges(ElementType):
-    """Base class of element types that act on openings of hinges."""
+    """Base class of element types that act on openings (joint coordinates) of several hinges."""
 
     reads = (Opening,)
 
@@ -125,20 +125,20 @@ class OnHinges(ElementType):
 
     @classmethod
     def array(cls, name, batch):
-        """Return the array for a field of the named tuple that the type's kernels take. name: of
-        the field: "openings": arrays of all openings (Openings); others as in ElementType.array
+        """Return the array for a field of the named tuple that the type's kernels take. name: the
+        field: "openings": all joint coordinates (Openings); others as in ElementType.array
         ("numbers", "state", ...). batch: the scenes that are simulated side by side."""
         return Opening.get_arrays(cls, batch) if name == "openings" else super().array(name, batch)
 
 
 class OnHinge(OnHinges):
-    """Base class of element types that act on the opening of one hinge, of index `hinge`."""
+    """Base class of element types that act on the opening (joint coordinate) of one `hinge`."""
 
     def acts_on(self):
         return (self.hinge,)
 
     def label(self, scene) -> str:
-        """Return the name of the element in messages and files: by default its hinge's."""
+        """Return the element's name in messages and files: by default its hinge's in `scene`."""
         return scene.hinges[self.hinge].name
 
     def title(self, scene):
@@ -174,14 +174,14 @@ class OnHinge(OnHinges):
 
     @classmethod
     def deformations(cls, scene):
-        """Return how motions of particles strain the openings on which the type's springs act, with
-        their stiffness, for the stable time step, as if all acted at once; None: no springs."""
+        """Return how motions of particles strain the joint coordinates on which the type's springs
+        act, with their stiffness, for the stable time step, as if all acted; None: no springs."""
         return cls._turns(scene, [e.stiffness_in(scene) for e in cls.find(scene)])
 
     @classmethod
     def dampings(cls, scene):
-        """Return how motions of particles move the openings on which the type's dampers act, with
-        their damping in the field `stiffness`, for the stable time step; None: no dampers."""
+        """Return how motions of particles move the joint coordinates on which the type's dampers
+        act, with their damping in the field `stiffness`, for the stable time step; None: none."""
         return cls._turns(scene, [e.damping_in(scene) for e in cls.find(scene)])
 
     @classmethod
@@ -192,8 +192,8 @@ class OnHinge(OnHinges):
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field of the named tuple that the type's kernels take. name: of
-        the field: "rates": rates at the start (pack_past);
-        others as in OnHinges.array. batch: the scenes that are simulated side by side."""
+        the field: "rates": rates of joint coordinates at the start (pack_past); others as in
+        OnHinges.array. batch: the scenes that are simulated side by side."""
         if name == "rates":
             return pack_past(batch, cls)
         return super().array(name, batch)
@@ -239,8 +239,8 @@ def _sides(scene) -> np.ndarray:
 
 
 def relative_turn(scene, hinges, stiffness) -> Deformations:
-    """Return how particles' motions strain springs on hinges' openings, for the stable step. scene:
-    has the hinges; hinges: index of each spring's; stiffness: of each (N m/rad, on slides N/m)."""
+    """Return how particles' motions strain springs on hinges' joint coordinates, for the stable
+    step. hinges: index of each spring's in the scene; stiffness: of each (N m/rad, slides N/m)."""
     dofs, values, factors, element = [], [], [], []
     for number, h in enumerate(hinges):
         hinge = scene.hinges[h]
@@ -257,12 +257,11 @@ def relative_turn(scene, hinges, stiffness) -> Deformations:
 
 def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
     """Derivatives (12,) of an opening by the motions of both particles, the turns in their own
-    axes, with factors on the stiffness. The particles of a slide turn together, so that what their
-    turn does to the opening may be taken as that of either, or of both in any shares: those that
-    bound the frequency best. In the second particle the axis of a universal joint's angle lies in a
-    plane, anywhere in the course of a motion; so does a spring's stiffest direction. By Cauchy and
-    Schwarz springs from both sides to the ground, on the second about all axes of the plane, bound
-    it then."""
+    axes, with factors on the stiffness. The particles of a slide turn together: what their turn
+    does may be taken as that of either, or of both in any shares: those that bound the frequency
+    best. In the second particle the axis of a universal joint's angle lies in a plane, anywhere in
+    the course of a motion; so does a spring's stiffest direction. By Cauchy and Schwarz springs
+    from both sides to the ground, on the second about all axes of the plane, bound it then."""
     axis1, axis2 = hinge.axes
     zero = np.zeros(3)
     if hinge.type == "revolute":
@@ -287,8 +286,8 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
 
 
 def softness(scene, hinge: int) -> float:
-    """Return the acceleration of a hinge's opening by a unit moment (slides: force), its particles
-    alone: 1/(kg m²), slides 1/kg; 0 where both are held. scene: has the hinge; hinge: its index."""
+    """Return the acceleration of a joint coordinate by a unit moment (slides: force), the joint's
+    two particles alone: 1/(kg m²), slides 1/kg; 0 where both are held. hinge: index in `scene`."""
     joint, no_turn = scene.hinges[hinge], turns_of(scene).no_turn
     if joint.slides:
         rows = relative_turn(scene, [hinge], [1.0])
@@ -312,16 +311,16 @@ def moving_at_start(scene) -> SimpleNamespace:
 
 
 def turning_at_start(scene, hinges) -> list[float]:
-    """Return the rates (rad/s, of slides m/s) of the openings of some hinges at t = 0, where driven
-    particles move as prescribed. hinges: indices of the hinges in the scene."""
+    """Return the rates (rad/s, of slides m/s) of the joint coordinates of some hinges at t = 0,
+    where driven particles move as prescribed. hinges: indices of the hinges in the scene."""
     motion = moving_at_start(scene)
     return [rate_at(scene, scene.hinges[h], motion) for h in hinges]
 
 
 def rate_at(places, hinge, motion) -> float:
-    """Return the rate of the opening of a hinge (rad/s, of a slide m/s). places: object with
-    position (n, 3) m and frame (n, 3, 3) of all particles, as a scene; hinge: the Hinge; motion:
-    object with velocity (n, 3) m/s and spin (n, 3) rad/s of all particles."""
+    """Return the rate of the joint coordinate of a hinge (rad/s, of a slide m/s). places: object
+    with position (n, 3) m and frame (n, 3, 3) of all particles, as a scene; hinge: the Hinge;
+    motion: object with velocity (n, 3) m/s and spin (n, 3) rad/s of all particles."""
     i, j = hinge.particles
     axis = places.frame[i] @ hinge.axes[0]
     if not hinge.slides:
@@ -335,8 +334,8 @@ def rate_at(places, hinge, motion) -> float:
 
 def pack_past(batch, kind) -> np.ndarray:
     """Return the array (elements, 2, lanes) that kernels of a type which loses energy keep from
-    step to step, at its start: rate of each element's opening at t = 0 (rad/s, m/s), and 0 for its
-    moment. batch: the scenes that are simulated side by side; kind: the element type."""
+    step to step, at its start: rate of each element's joint coordinate at t = 0 (rad/s, m/s), and 0
+    for its moment. batch: the scenes that are simulated side by side; kind: the element type."""
     from fpm.elements.openings.losses_kernels import HISTORY
 
     count = len(kind.find(batch.scene))
@@ -349,8 +348,8 @@ def pack_past(batch, kind) -> np.ndarray:
 
 
 def start_angles(batch, kind) -> np.ndarray:
-    """Return the openings (n, lanes; rad, of slides m) at t = 0 of the hinges of all n elements of
-    a type. batch: the scenes that are simulated side by side; kind: the element type."""
+    """Return the joint coordinates (n, lanes; rad, of slides m) at t = 0 of the hinges of all n
+    elements of a type, `kind`. batch: the scenes that are simulated side by side."""
 
     def openings(scene):
         return [[scene.hinges[element.hinge].opening] for element in kind.find(scene)]
@@ -359,8 +358,8 @@ def start_angles(batch, kind) -> np.ndarray:
 
 
 def opening_at(scene, hinge) -> float:
-    """Return the opening (rad, of a slide m) of a hinge (Hinge) at the scene's present positions
-    and frames; of angles that differ by full turns the one closest to hinge.opening."""
+    """Return the joint coordinate (rad, of a slide m) of a hinge (Hinge) at the scene's present
+    positions and frames; of angles that differ by full turns the one closest to hinge.opening."""
     axis, *ends = (
         scene.frame[p] @ vectors[k]
         for p, vectors, k in (

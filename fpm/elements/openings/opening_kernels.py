@@ -26,15 +26,15 @@ PART_FIELDS = 3
 
 
 class Openings(NamedTuple):
-    """Arrays of all h openings, for kernels. Hinge i has the sides 2 i and 2 i + 1, one on each of
-    its particles. ends (2 h,): particle of each side; sides (2 h, 9, lanes): axis, reference
-    direction (of slides a point), normal to both, in the particle's axes; axes (h, 3, lanes):
-    global axis now; angles (h, 2, lanes): opening now and a step ago (rad, m); is_needed: whether
-    it is updated in every step; track ((instants + 1) h, 1, lanes): recorded openings; slides (h,):
-    1 for a slide. moments (h parts, 3, lanes): moment now, a step ago (N m), work (J) of each
-    component (springs, dampers, ...: PARTS); part_track ((instants + 1) h parts, 2, lanes):
-    recorded moment and work of each; parts: number of components; part: the component of the
-    element type that takes these arrays. None: not used."""
+    """Arrays of all h openings (joint coordinates), for kernels. Hinge i has the sides 2 i and 2 i
+    + 1, one on each of its particles. ends (2 h,): particle of each side; sides (2 h, 9, lanes):
+    axis, reference direction (of slides a point), normal to both, in the particle's axes; axes (h,
+    3, lanes): global axis now; angles (h, 2, lanes): opening now and a step ago (rad, m);
+    is_needed: whether it is updated in every step; track ((instants + 1) h, 1, lanes): recorded
+    openings; slides (h,): 1 for a slide. moments (h parts, 3, lanes): moment now, a step ago (N m),
+    work (J) of each component (springs, dampers, ...: PARTS); part_track ((instants + 1) h parts,
+    2, lanes): recorded moment and work of each; parts: number of components; part: the component of
+    the element type that takes these arrays. slides, moments, part_track: None if not used."""
 
     ends: np.ndarray  # (2h,) particles of the sides
     sides: np.ndarray  # (2h, SIDE, lanes)
@@ -51,8 +51,8 @@ class Openings(NamedTuple):
 
 @kernel
 def is_slide(slides, h):
-    """Return whether the opening of hinge h is a length (m), as of a slide, not an angle (rad).
-    slides (h,): 1 for each slide, or None where the scene has none."""
+    """Return whether the joint coordinate of hinge h is a length (m), as of a slide, not an angle
+    (rad). slides (h,): 1 for each slide, or None where the scene has none."""
     if slides is None:
         return False
     return slides[h] != 0
@@ -60,10 +60,10 @@ def is_slide(slides, h):
 
 @hook(Openings)
 def forces(part, world, timing):
-    """Compute all openings, into part.angles, and axes, if other element types read them in every
-    step (part.is_needed); where moments are recorded by component (springs, dampers, ...), make
-    each that of a step ago and set it to 0. part: arrays of all openings (Openings); world: solver
-    state, whose positions and axes are read; timing: not used."""
+    """Compute all openings (joint coordinates), into part.angles, and axes, if other element types
+    read them in every step (part.is_needed); where moments are recorded by component (springs,
+    dampers, ...), make each that of a step ago and set it to 0. part: arrays of all openings
+    (Openings); world (World): solver state, whose positions and axes are read; timing: not used."""
     if part.is_needed:
         update(part, world.state)
     begin_parts(part.moments)
@@ -72,7 +72,7 @@ def forces(part, world, timing):
 @kernel
 def begin_parts(moments):
     """Make the moment of each component (springs, dampers, ...) that of a step ago, and set the new
-    one to 0. moments: Openings.moments; None: nothing is done."""
+    one to 0, at the start of a step. moments: Openings.moments; None: nothing is done."""
     if moments is not None:
         for r in range(moments.shape[0]):
             store(moments, r, MOMENT_BEFORE, load(moments, r, MOMENT))

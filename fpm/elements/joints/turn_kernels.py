@@ -112,8 +112,9 @@ def account(arrays, first, sign):
     @hook(arrays)
     def work_due(part, world, energies, row):
         """Add the work (J) that `end_work` counted after the instant was recorded, but is due
-        before it, to the recorded energies. part: elements' arrays; world: not used; energies (instants,
-        columns, lanes): changed in row `row` (the instant's) and column ACCOUNTS + part.account."""
+        before it, to the recorded energies. part: elements' arrays; world: not used; energies
+        (instants, columns, lanes): changed in row `row` (the instant's) and column ACCOUNTS +
+        part.account."""
         for i in range(part.hinge.shape[0]):
             account = ACCOUNTS + part.account
             total = load(energies, row, account) + load(part.state, i, first + WORK_DUE)

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from deployable.campaign.config.sections import BY_STANDARD
 from deployable.campaign.files import csv_text
 from deployable.campaign.results.facts import decisive
+from deployable.campaign.results.templates import sentence
 from deployable.campaign.text import numbers
 from fpm.reading.margins import MOST
 from fpm.reading.standards import CLASSES, STANDARDS
@@ -637,7 +638,9 @@ class _Sheet:
         failed_checks = [check["name"] for check in measured["checks"] if check["inside"] is False]
         if measured["refuted"] or failed_checks:
             least = numbers.number(measured["least"])
-            text = f"not met: the model comes no nearer than {least} bands to the tests"
+            reason = sentence("reason", self.facts, escapes=False).strip()
+            text = f"not met: the model comes no nearer than {least} bands to the tests. {reason}"
+            text = text.removesuffix(". ")
             if not measured["refuted"]:
                 text = f"not met: what the tests leave does not explain {', '.join(failed_checks)}"
             return _row(analysed, Verdict(UNMET, text), "", nearest)

@@ -23,7 +23,7 @@ else:
     include: "report.smk"
 
 
-# Which file to open.
+# The answer, and which file to open.
 onsuccess:
     if not workflow.dag_settings.targets:
-        print(WORKFLOW.last_words())
+        print("", *WORKFLOW.answer(), sep="\n")

@@ -81,15 +81,21 @@ class Progress:
 
 def warm_up(scene: Any, notify: Notify, record: Sequence = ()) -> None:
     """Compile the kernels that a scene needs, or load them from the cache, before runs are timed;
-    `notify` is called with a message every five seconds while that lasts. record: variables to be
-    recorded, (name, label) pairs as for `fpm.simulate`."""
+    `notify` is called with a message after five seconds, then each five on a terminal, or elsewhere
+    when the time has doubled. record: variables to be recorded, (name, label) pairs as for
+    `fpm.simulate`."""
     start, end, total = time.monotonic(), threading.Event(), compile_seconds(scene)
-    move = notify.move if isinstance(notify, MessagePrinter) else notify
+    is_printer = isinstance(notify, MessagePrinter)
+    move = notify.move if is_printer else notify
+    is_live = is_printer and any(file.isatty() for file in notify.files)
 
     def report() -> None:
-        while not end.wait(PAUSE):
+        pause = PAUSE
+        while not end.wait(pause):
             seconds = time.monotonic() - start
-            move(f"compiling for these kinds of element, once: {seconds:.0f} s of some {total:.0f}")
+            whole = f" of some {total:.0f}" if seconds < total else f", {total:.0f} were estimated"
+            move(f"compiling for these kinds of element, once: {seconds:.0f} s{whole}")
+            pause = PAUSE if is_live else seconds
 
     watch = threading.Thread(target=report, daemon=True)
     watch.start()

@@ -28,8 +28,6 @@ def work(
         choice.answer(folder, choose, requirements, verify, jobs, notify, threads)
     if measured:
         tests.answer(folder, measured, requirements, verify, jobs, notify, threads)
-    notify(
-        summarise(
-            folder, published, bool(requirements), bool(choose.parameters), review, bool(measured)
-        )
+    summarise(
+        folder, published, bool(requirements), bool(choose.parameters), review, bool(measured)
     )

@@ -21,9 +21,6 @@ def work(folder: Folder, notify: Notify, cases: Any) -> None:
     if not cases:
         raise CampaignError("cases: there are none in the config; allowed: a campaign with `cases`")
     facts = cases_facts(folder, cases)
-    text = summary_text(facts, "cases.md.jinja")
     write_result(folder / "cases.json", json.dumps(facts, indent=2) + "\n")
-    write_result(folder / "summary.md", text)
+    write_result(folder / "summary.md", summary_text(facts, "cases.md.jinja"))
     write_result(folder.report, render_cases(facts))
-    notify(text)
-    notify(f"Open {folder.report}")

@@ -26,4 +26,3 @@ def work(folder: Folder, notify: Notify, figures: Any, frames: int = FRAMES) -> 
         notify("no run is made again: the structure or the mechanics have changed since")
     write_page(from_results(folder.path), folder.report)
     draw_nominal(folder, figures.moments)
-    notify(f"Open {folder.report}")

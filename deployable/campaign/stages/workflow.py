@@ -149,10 +149,14 @@ class Workflow:
             f"last one that was run; add --configfile with the config of the one that is meant"
         )
 
-    def last_words(self) -> str:
-        """Return the log of the last stage, which ends with the file to open; "" without a log."""
-        log = self.folder / f"logs/{stages_of(self.campaign)[-1].name}.log"
-        return log.read_text(encoding="utf-8").strip() if log.exists() else ""
+    def answer(self) -> list[str]:
+        """Return the campaign's answer, which is `summary.md` up to its first section, and, where
+        there is a page, a text that tells to open it; [] without a summary."""
+        summary, report = self.folder / "summary.md", self.folder.report
+        if not summary.exists():
+            return []
+        text = unsealed(summary).decode().partition("\n## ")[0].strip() + "\n"
+        return [text, *([f"Open {report}"] if report.exists() else [])]
 
 
 def _relative(path: str | Path) -> Path:
@@ -226,6 +230,8 @@ def _run_cases(
         except CampaignError as error:
             raise CampaignError(f"case {name}: {error}") from error
     _stage(STAGES["cases"], campaign, folder, notify)
+    for text in Workflow(campaign, results).answer():
+        notify(text)
     return bounds
 
 
@@ -245,10 +251,8 @@ def _run(campaign: Campaign, results: str | Path, figures: bool, notify: Notify)
         elif is_remade or not all(path.exists() and str(path) not in stale for path in paths):
             _stage(stage, campaign, folder, notify)
             is_remade = True
-        elif stage.name == "answers":
-            notify(unsealed(folder / "summary.md").decode())
-        elif stage.name == "page":
-            notify(f"Open {folder.report}")
+    for text in workflow.answer():
+        notify(text)
     with open_dataset(folder.bounds) as data:
         return data.load()
 

@@ -25,9 +25,8 @@
                         surrogates, in bands
     runs
 
-Curves by response are {units, times, values, bands, lower, upper}: measured, and of all runs; and
-but for a check {best, rates, alike}: the nearest run as the sensor has it, with its rates, and the
-part of the residual's variance that a multiple of the time, the value, ... explains.
+Curves by response are {units, times, values, bands, lower, upper, best, rates}: measured, of all
+runs, and of the nearest run as the sensor has it, with its rates, which a check has not.
 """
 
 from __future__ import annotations
@@ -195,28 +194,10 @@ class _Test:
                    for name, curves in zip(("lower", "upper"), self.envelope, strict=True)},
             }  # fmt: skip
             if index is not None:
-                residuals = result.residuals[index][i]
-                best = self.curves.values[i] + residuals
+                best = self.curves.values[i] + result.residuals[index][i]
                 rates = np.gradient(best, times)
-                described_curves[response] |= {
-                    "best": best.tolist(), "rates": rates.tolist(),
-                    "alike": _explained_variances(residuals, times, best, rates),
-                }  # fmt: skip
+                described_curves[response] |= {"best": best.tolist(), "rates": rates.tolist()}
         return {**rows, "curves": described_curves}
-
-
-def _explained_variances(
-    residuals: np.ndarray, times: np.ndarray, values: np.ndarray, rates: np.ndarray
-) -> dict[str, float]:
-    """Fractions of the variance of residuals (T) that multiples of time, value, ... explain."""
-    curves = {
-        "time": times, "value": values, "rate": rates, "rate times its size": rates * np.abs(rates),
-        "sign of the rate": np.sign(rates),
-    }  # fmt: skip
-    return {
-        name: float(np.corrcoef(curve, residuals)[0, 1] ** 2)
-        for name, curve in curves.items() if np.ptp(curve) > 0 and np.ptp(residuals) > 0
-    }  # fmt: skip
 
 
 def _calibrate(

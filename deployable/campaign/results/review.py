@@ -638,8 +638,8 @@ class _Sheet:
         failed_checks = [check["name"] for check in measured["checks"] if check["inside"] is False]
         if measured["refuted"] or failed_checks:
             least = numbers.number(measured["least"])
-            reason = sentence("reason", self.facts, escapes=False).strip()
-            text = f"not met: the model comes no nearer than {least} bands to the tests. {reason}"
+            differing = sentence("differing", self.facts, escapes=False)
+            text = f"not met: the model comes no nearer than {least} bands to the tests. {differing}"
             text = text.removesuffix(". ")
             if not measured["refuted"]:
                 text = f"not met: what the tests leave does not explain {', '.join(failed_checks)}"

@@ -638,9 +638,8 @@ class _Sheet:
         failed_checks = [check["name"] for check in measured["checks"] if check["inside"] is False]
         if measured["refuted"] or failed_checks:
             least = numbers.number(measured["least"])
-            differing = sentence("differing", self.facts, escapes=False)
-            text = f"not met: the model comes no nearer than {least} bands to the tests. {differing}"
-            text = text.removesuffix(". ")
+            text = f"not met: the model comes no nearer than {least} bands to the tests. "
+            text = (text + sentence("differing", self.facts, escapes=False)).removesuffix(". ")
             if not measured["refuted"]:
                 text = f"not met: what the tests leave does not explain {', '.join(failed_checks)}"
             return _row(analysed, Verdict(UNMET, text), "", nearest)

@@ -45,7 +45,8 @@ def kernel(function: Callable) -> Callable:
 
 
 class Vector(types.Type):
-    """Numba type of a vector: components x, y, z, each of the type `lane`."""
+    """Numba type of a vector: components x, y, z, each of the type `lane`, a Lane: one number of
+    several samples side by side, in registers."""
 
     def __init__(self, lane: Lane):
         self.lane = lane

@@ -66,12 +66,16 @@ class Log(NamedTuple):
 
 
 class Record(NamedTuple):
-    """Recorded arrays of a run, with one row more than instants, for checks between. points
-    ((instants + 1) p, 6, lanes): positions (m), velocities (m/s) of the p named points; energies
-    (instants + 1, k, lanes), J: kinetic, error of the balance, World.accounts, stored by each type.
-    Of the first failed check, (lanes,): failed_step: its step, -1: none; failed_cause: watched
-    quantity's index, -1: balance; failed_row: worst element, a row of World.rows; failed_balance
-    (J); failed_watched (w, lanes): World.peaks then. scale (lanes,): largest energy so far (J)."""
+    """Recorded arrays of a run: rows for each instant, then spare ones, which take what checks
+    between instants need and are no results. points ((instants + 1) p, 6, lanes), p rows for each
+    instant: positions (m), velocities (m/s) of the p named points; energies (instants + 1, k,
+    lanes), J: kinetic, error of the balance, World.accounts, stored by each element type. Of each
+    sample's first failed check, (lanes,): failed_step: its step, -1: none failed, and the rest does
+    not count; failed_cause: index of the watched quantity above its limit or not finite, -1: energy
+    balance; failed_row: index in World.rows of the element of which that quantity, or the stored
+    energy, is largest or not finite, -1: none; failed_balance: error (J); failed_watched (w,
+    lanes): World.peaks of all w watched quantities. scale (lanes,): largest energy so far, at least
+    what rounding can hold (J)."""
 
     points: np.ndarray  # ((instants + 1) p, POINT, lanes)
     energies: np.ndarray  # (instants + 1, ACCOUNTS + accounts + kinds that store, lanes)

@@ -65,9 +65,11 @@ def slopes(positions: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 class SampledTravel:
-    """Values (k,) sampled at increasing positions of a travel, which are fractions of it (0 to 1).
-    measure(position, state): returns (values, new state), started from `state`, the one returned at
-    the nearest sampled position not above, or None; states are objects of the caller's."""
+    """Values (k,) measured at positions of a travel (a joint coordinate moved slowly from one value
+    to another), fractions of it from 0 to 1, to which `add`, `add_bend` and `refine` add further.
+    measure(position, state), the only argument: returns (values, new state), started from `state`,
+    the one returned at the nearest sampled position not above, None if there is none; states are
+    objects of the caller's."""
 
     def __init__(self, measure: Callable):
         self._measure = measure
@@ -110,11 +112,13 @@ class SampledTravel:
         return np.array(self.positions)[index], np.array(self.values)[index]
 
     def refine(self, measure_error: Callable[[np.ndarray, np.ndarray, float], float]) -> bool:
-        """Sample further positions, half-way between others, until interpolation is accurate;
-        returns False where that takes more than 1500 in all. measure_error(expected, values,
-        distance): returns the error of interpolated values (k,) against measured ones, over the
-        allowed error, between positions so far apart; accurate at 1, or up to ROUNDING_LIMIT (20)
-        where it hardly falls."""
+        """Sample further positions, half-way between others, until interpolated values are
+        accurate; returns False where more than 1500 in all would be needed. Two positions within
+        1e-7 between which values still are not accurate are marked as a kink or jump.
+        measure_error(interpolated, measured, distance): returns the error of interpolated values
+        (k,) against measured ones, over the allowed error, half-way between positions that are so
+        far apart (fraction of the travel). Accurate is an error up to 1, or up to ROUNDING_LIMIT
+        (20) if above 0.7 of that before the last halving."""
         pairs = [(*ends, np.inf) for ends in pairwise(self.positions)]
         while pairs:
             lower, upper, previous_error = pairs.pop()

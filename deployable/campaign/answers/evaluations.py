@@ -60,10 +60,11 @@ class ModelEvaluator:
     def from_folder(
         cls, folder: Folder, jobs: Jobs, notify: Notify, threads: int = 1, further: bool = False
     ) -> ModelEvaluator:
-        """Make an evaluator of a folder of results, from its plan and `samples.nc` (of a large scan
-        those runs only that are fitted), with event margins; further: whether to add the runs in
-        `further.nc`, which must exist. jobs: section of the config; notify: called with each
-        message; threads: how many simulate."""
+        """Make an evaluator that has the runs of a folder of results, with event margins, from its
+        plan and `samples.nc`; nothing is fitted or simulated yet. Of a scan of more than 10,000
+        runs it has those that `fitted_rows` chooses to fit surrogates to. further: whether to add
+        the runs in `further.nc`, which must exist. jobs: section of the config; notify: called with
+        each message; threads: number that simulate further runs."""
         model = cls(read_plan(folder.plan), jobs, folder, notify, threads)
         with open_netcdf(folder.samples) as samples:
             unit = samples["normalized"][:]

@@ -91,8 +91,10 @@ def fixed_problems(case: Mapping, name: str, intervals: Mapping) -> list[str]:
 
 
 def in_case(name: str, problem: str) -> str:
-    """Turn a problem of one case's config into one of the user's: `scene.parameters.g: ...` into
-    `cases.<name>.scene.g: ...`. name: of the case; problem: sentence that starts with its key."""
+    """Turn a problem of the config made for one case into one of the user's config:
+    `scene.parameters.g: ...` into `cases.<name>.scene.g: ...`. So are all keys that a case may
+    state (`scene.file`: `file`); before a problem of any other key stands `cases.<name>: `. name:
+    of the case; problem: sentence that starts with its key."""
     key, _, text = problem.partition(":")
     if key.startswith(("scene.parameters.", "scene.file", "solver.duration", "intervals.")):
         user_key = key.replace("scene.parameters.", "scene.", 1).replace("scene.file", "file", 1)

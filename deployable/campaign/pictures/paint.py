@@ -69,8 +69,9 @@ def visible_faces(
 
 
 def paint_points(ax: Any, places: Mapping[str, np.ndarray], view: View, size: float) -> None:
-    """Draw points of a structure into matplotlib axes (`ax`) with names, set off from the mean of
-    all. places: positions (3) by name (m); view: direction to the eye; size: of the picture (m)."""
+    """Draw points of a structure into matplotlib axes (`ax`), each with its name beside it, on the
+    side away from the mean of all points. places: positions (3,) by name (m); view: direction to
+    the eye; size: larger of the picture's width and height (m)."""
     flat = {name: view.page @ place for name, place in places.items()}
     if not flat:
         return

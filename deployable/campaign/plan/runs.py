@@ -119,9 +119,11 @@ def namer(
 
 
 def run_id(experiment: Experiment, parameters: Mapping, step: float, mechanics: str) -> str:
-    """Compute the id of a run (16 hex digits) from all that its motion depends on. parameters:
-    values of structure parameters by name; step: time step (s); mechanics: digest of the structure
-    and of the code that computes runs."""
+    """Compute the id of a run (16 hex digits) from all that its motion depends on. experiment: of
+    it count the structure's name, duration, number of instants and energy tolerance; parameters:
+    values of all structure parameters by name, in their units, defaults among them
+    (`Experiment.parameters`); step: time step (s); mechanics: digest of the structure and of the
+    code that computes runs."""
     return digest(
         {
             "scene": experiment.scene.name,

@@ -236,8 +236,9 @@ def prepare_bodies(world, part, kick):
 
 @kernel
 def pair_sum(b, h, field):
-    """Return the sum over both bodies of hinge h of the symmetric matrix (6 numbers) that starts at
-    index `field` in their rows of `b`, the working memory of bodies (body_scratch)."""
+    """Return the sum over both bodies of a hinge of a symmetric matrix, as a tuple of six lanes
+    (xx, yy, zz, xy, xz, yz). b: working memory of bodies (body_scratch), rows 2 h and 2 h + 1; h:
+    index of the hinge; field: that of the matrix's first number in these rows, as INVERSE."""
     first, second = get6(b, 2 * h, field), get6(b, 2 * h + 1, field)
     return (
         first[0] + second[0],

@@ -204,7 +204,9 @@ def find_gaps(part, state, j):
 
 @kernel
 def put_gap(rows, r, gap):
-    """Store the components x, y, z of a gap (m) in RESIDUAL of rows r to r + 2 of Joints.rows."""
+    """Store a joint's gap, its first body's point less its second's, in field RESIDUAL of the three
+    constraint equations from r on. rows: Joints.rows, changed; r: index of the first of the three;
+    gap: vector of lanes, components x, y, z (m, global axes)."""
     store(rows, r, RESIDUAL, gap.x)
     store(rows, r + 1, RESIDUAL, gap.y)
     store(rows, r + 2, RESIDUAL, gap.z)

@@ -57,8 +57,11 @@ class Latches(NamedTuple):
 @kernel
 def watch(part, i, h, timing):
     """Find out whether latch i on hinge h (indices) catches or misses in the step that ends now, in
-    samples where it has not caught yet, and write that to part.state. part: arrays of all latches
-    (Latches); timing (StepTime): times of the step (s)."""
+    samples where it has not caught yet. It catches where it is within its capture range and no
+    faster than its largest rate, and misses where it leaves that range faster. Written to
+    part.state: that it caught, joint coordinate, rate and time then, or the time of the miss. part:
+    arrays of all latches (Latches), with joint coordinates at both ends of the step; timing
+    (StepTime): time now (`time`) and length of the step (s)."""
     angles = part.openings.angles
     reach = reach_of(part, i, load(angles, h, OLD), load(angles, h, NEW))
     if any_negative(where_negative(0.5 - load(part.state, i, IS_CAUGHT), 1.0, reach)):

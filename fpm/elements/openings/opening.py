@@ -132,7 +132,8 @@ class OnHinges(ElementType):
 
 
 class OnHinge(OnHinges):
-    """Base class of element types that act on the opening (joint coordinate) of one `hinge`."""
+    """Base class of element types that act on the opening (joint coordinate) of one hinge. A
+    subclass declares the field `hinge`, the hinge's index in the scene, by `on_hinge`."""
 
     def acts_on(self):
         return (self.hinge,)
@@ -239,8 +240,10 @@ def _sides(scene) -> np.ndarray:
 
 
 def relative_turn(scene, hinges, stiffness) -> Deformations:
-    """Return how particles' motions strain springs on hinges' joint coordinates, for the stable
-    step. hinges: index of each spring's in the scene; stiffness: of each (N m/rad, slides N/m)."""
+    """Return the linear strains of springs on joint coordinates by small motions of their hinges'
+    particles, for the stable time step (Deformations). hinges: index in `scene` of each spring's
+    hinge; stiffness: of each spring (N m/rad, on slides N/m). A spring has one row, on the angle of
+    a universal joint up to three."""
     dofs, values, factors, element = [], [], [], []
     for number, h in enumerate(hinges):
         hinge = scene.hinges[h]

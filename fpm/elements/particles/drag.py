@@ -1,0 +1,94 @@
+"""Drag of air on points and lines of parts, by the square of the speed.
+
+F = -rho/2 Cd A |u| u, u being the velocity of a point of the part less that of the wind: all of it,
+or that across a rod (Hoerner, Fluid-Dynamic Drag, 1965, ch. III: the flow along a rod drags
+little), or that along the normal of a plate. The rate is extrapolated from the last two steps, as
+of dampers. Air that moves along with a part (added mass) and lift are left out."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.elements.bars.virtual_beam import VirtualBeam
+from fpm.elements.cables.cable_bounds import motion_of
+from fpm.elements.fields import number, word
+from fpm.elements.kind import Deformations, ElementType
+from fpm.elements.particles.damping import Damping
+
+GAUSS = np.polynomial.legendre.leggauss(3)
+"""Places from -1 to 1, and weights, of three points on a line: exact for polynomials of degree 5,
+as of a rod that turns about one of its ends (3); of one that turns about its middle 3 % too much,
+as |u| has a kink there."""
+
+
+@dataclass(frozen=True)
+class Drag(ElementType):
+    """Drag of air at the end of a rigid arm on a particle. beam: that arm; factor: rho/2 Cd A, the
+    force at 1 m/s (kg/m); axis (3,): unit vector in the particle's axes; counts: component of the
+    velocity that drags, "across" that axis (all of it if the axis is zero) or "along" it; wind
+    (3,): velocity of the air (m/s), global; name: of the statement to which it belongs."""
+
+    beam: VirtualBeam
+    factor: float = number("kg/m", 0.0)
+    axis: np.ndarray = number(count=3, default=(0.0, 0.0, 0.0))
+    counts: str = word({"across": 1.0, "along": 0.0}, default="across")
+    wind: np.ndarray = number("m/s", count=3, default=(0.0, 0.0, 0.0))
+    name: str = ""
+
+    takes = Damping.takes
+    resists_as = ""
+    noun = "drag"
+    cost = 40.0
+
+    @property
+    def particle(self) -> int:
+        """Index of the particle on which the drag acts."""
+        return self.beam.particle
+
+    @property
+    def arm(self) -> np.ndarray:
+        """Vector (3,) m, in the particle's own axes, from the particle to where the drag acts."""
+        return self.beam.arm
+
+    def topology(self):
+        """Return what must be equal in scenes run side by side: the index of the particle."""
+        return self.particle
+
+    @classmethod
+    def names(cls, scene):
+        return [f"{cls.noun} {drag.name}" for drag in cls.find(scene)]
+
+    @classmethod
+    def dampings(cls, scene):
+        """Return how motions of particles move the points on which air drags, for the stable time
+        step, with the slope 2 rho/2 Cd A |u| of the drag at the start in the field `stiffness`
+        (N s/m); what is faster later is not counted."""
+        drags, rows = cls.find(scene), []
+        for element, drag in enumerate(drags):
+            p, motion = drag.particle, motion_of(scene, drag.beam)[0]
+            local_spin = scene.frame[p].T @ scene.spin[p]
+            velocity = motion[:, :6] @ [*scene.velocity[p], *local_spin]
+            slope = 2 * drag.factor * np.linalg.norm(velocity - drag.wind)
+            dofs = np.tile(6 * p + np.arange(6), (3, 2))
+            rows.append((dofs, motion, np.full(3, slope), np.full(3, element)))
+        return Deformations(*(np.concatenate(x) for x in zip(*rows, strict=True)))
+
+
+def stations(
+    scene, particles: Sequence[int], start: np.ndarray, stop: np.ndarray
+) -> Iterator[tuple[int, np.ndarray, float]]:
+    """Yield the points on a straight line of a part at which its drag acts: index of the particle
+    nearest along the line, place (3,) m, and share of the line; three for each of these particles.
+    scene: at its start; particles: indices of the part's; start, stop (3,) m: ends of the line."""
+    span = stop - start
+    position = scene.position if scene.unstrained_position is None else scene.unstrained_position
+    places = (position[particles] - start) @ span / (span @ span)
+    order = np.argsort(places, kind="stable")
+    middles = (places[order][1:] + places[order][:-1]) / 2
+    ends = np.clip([0.0, *middles, 1.0], 0.0, 1.0)
+    for particle, first, length in zip(
+        np.asarray(particles)[order], ends, np.diff(ends), strict=False
+    ):
+        for x, weight in zip(*GAUSS, strict=True) if length > 0 else ():
+            yield int(particle), start + (first + length * (1 + x) / 2) * span, length * weight / 2

@@ -32,7 +32,7 @@ def bounding_springs(scene, cables: Iterable[Iterable[Piece]]) -> Deformations |
     for number, pieces in enumerate(cables):
         for beams, stiffness in pieces:
             factors = [1.0, *[FACTOR**2] * (len(beams) - 2), 1.0]
-            motions = [(*motion_of(scene, b), x) for b, x in zip(beams, factors, strict=True)]
+            motions = [(*_motion(scene, b), x) for b, x in zip(beams, factors, strict=True)]
             total = sum(square * mobility for _, mobility, square in motions)
             for beam, (values, mobility, _) in zip(beams, motions, strict=True):
                 if mobility > 0:  # |c|²/s = total/w
@@ -42,9 +42,8 @@ def bounding_springs(scene, cables: Iterable[Iterable[Piece]]) -> Deformations |
     return Deformations(*(np.concatenate(x) for x in zip(*rows, strict=True))) if rows else None
 
 
-def motion_of(scene, beam: VirtualBeam) -> tuple[np.ndarray, float]:
-    """Return rows (3, 12) of how a particle's motions, the first six columns, move the end of an
-    arm on it, and that end's largest inverse mass (1/kg). scene: at its start; beam: the arm."""
+def _motion(scene, beam: VirtualBeam) -> tuple[np.ndarray, float]:
+    """Rows (3, 12) of the motion of a beam's free end, and its largest inverse mass (1/kg)."""
     p = beam.particle
     frame = scene.frame if scene.unstrained is None else scene.unstrained
     turns = -np.array([np.cross(beam.arm, e) for e in np.eye(3)]).T

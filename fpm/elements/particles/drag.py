@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.bars.virtual_beam import VirtualBeam
-from fpm.elements.cables.cable_bounds import motion_of
 from fpm.elements.fields import number, word
 from fpm.elements.kind import Deformations, ElementType
 from fpm.elements.particles.damping import Damping
@@ -39,7 +38,7 @@ class Drag(ElementType):
     takes = Damping.takes
     resists_as = ""
     noun = "drag"
-    cost = 40.0
+    cost = 55.0
 
     @property
     def particle(self) -> int:
@@ -62,17 +61,23 @@ class Drag(ElementType):
     @classmethod
     def dampings(cls, scene):
         """Return how motions of particles move the points on which air drags, for the stable time
-        step, with the slope 2 rho/2 Cd A |u| of the drag at the start in the field `stiffness`
-        (N s/m); what is faster later is not counted."""
-        drags, rows = cls.find(scene), []
-        for element, drag in enumerate(drags):
-            p, motion = drag.particle, motion_of(scene, drag.beam)[0]
-            local_spin = scene.frame[p].T @ scene.spin[p]
-            velocity = motion[:, :6] @ [*scene.velocity[p], *local_spin]
-            slope = 2 * drag.factor * np.linalg.norm(velocity - drag.wind)
-            dofs = np.tile(6 * p + np.arange(6), (3, 2))
-            rows.append((dofs, motion, np.full(3, slope), np.full(3, element)))
-        return Deformations(*(np.concatenate(x) for x in zip(*rows, strict=True)))
+        step, with the slope 2 rho/2 Cd A |u| of the drag at the start in the field `stiffness` (N
+        s/m); None: nothing moves then. What is faster later is not counted."""
+        drags = cls.find(scene)
+        p, count = np.array([drag.particle for drag in drags]), len(drags)
+        factors, arms, winds = (
+            np.array([getattr(drag, name) for drag in drags]) for name in ("factor", "arm", "wind")
+        )
+        turns = scene.frame[p] @ np.cross(np.eye(3), arms[:, None]).swapaxes(1, 2)
+        spins = scene.spin[p][:, None] @ scene.frame[p]
+        velocities = scene.velocity[p] + (turns @ spins.swapaxes(1, 2))[:, :, 0]
+        slopes = 2 * factors * np.linalg.norm(velocities - winds, axis=1)
+        if not slopes.any():
+            return None
+        values = np.dstack([np.tile(np.eye(3), (count, 1, 1)), turns, np.zeros((count, 3, 6))])
+        dofs = np.repeat(6 * p, 3)[:, None] + np.tile(np.arange(6), 2)
+        element = np.repeat(np.arange(count), 3)
+        return Deformations(dofs, values.reshape(-1, 12), np.repeat(slopes, 3), element)
 
 
 def stations(

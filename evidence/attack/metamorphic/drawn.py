@@ -48,8 +48,10 @@ class Draw(Acting):
         for _ in range(self.rng.choice([0, 0, 1, 2])):
             self.cable()
         self.world()
-        driven = {drive["part"] for drive in self.structure.get("drives", {}).values()}
-        if (parts := [part for part in self.parts if part not in driven]) and self.chance(0.3):
+        prescribed_parts = {drive["part"] for drive in self.structure.get("drives", {}).values()}
+        if (parts := [part for part in self.parts if part not in prescribed_parts]) and self.chance(
+            0.3
+        ):
             self.drag(self.rng.choice(parts))
         return self.structure
 

@@ -17,21 +17,21 @@ from fpm.elements.particles.damping import Damping
 
 GAUSS = np.polynomial.legendre.leggauss(3)
 """Places from -1 to 1, and weights, of three points on a line: exact for polynomials of degree 5,
-as of a rod that turns about one of its ends (3); of one that turns about its middle 3 % too much,
+as those of a rod that turns about one of its ends (3); of one that turns about its middle 3 % too much,
 as |u| has a kink there."""
 
 
 @dataclass(frozen=True)
 class Drag(ElementType):
     """Drag of air at the end of a rigid arm on a particle. beam: that arm; factor: rho/2 Cd A, the
-    force at 1 m/s (kg/m); axis (3,): unit vector in the particle's axes; counts: component of the
-    velocity that drags, "across" that axis (all of it if the axis is zero) or "along" it; wind
+    force at 1 m/s (kg/m); axis (3,): unit vector in the particle's axes; component: of the
+    velocity which drags, "across" that axis (all of it if the axis is zero) or "along" it; wind
     (3,): velocity of the air (m/s), global; name: of the statement to which it belongs."""
 
     beam: VirtualBeam
     factor: float = number("kg/m", 0.0)
     axis: np.ndarray = number(count=3, default=(0.0, 0.0, 0.0))
-    counts: str = word({"across": 1.0, "along": 0.0}, default="across")
+    component: str = word({"across": 1.0, "along": 0.0}, default="across")
     wind: np.ndarray = number("m/s", count=3, default=(0.0, 0.0, 0.0))
     name: str = ""
 

@@ -79,7 +79,7 @@ def load(build, args):
     "drags",
     part=PART,
     through=ListKey(kind=POINT, most=2, text="one of its points, or the ends of a line of it"),
-    area=NumberKey(unit="m2", least=0, text="of its shadow: length times width of a line"),
+    area=NumberKey(unit="m2", least=0, text="frontal area; of a line its length times its width"),
     coefficient=NumberKey(least=0, text="drag coefficient: force over density/2 area speed**2"),
     density=NumberKey(unit="kg/m3", least=0, text="of the air"),
     normal=DirectionKey(
@@ -103,11 +103,11 @@ def drag(build, args):
         axis = (ends[1] - ends[0]) / length if args.normal is None else axis
         places = stations(scene, args.part.particles, *ends)
     factor = args.density / 2 * args.coefficient * args.area
-    counts = "across" if args.normal is None else "along"
+    component = "across" if args.normal is None else "along"
     for particle, place, share in places:
         beam = scene.arm_to(particle, place)
         local_axis = scene.arm_to(particle, place + axis).arm - beam.arm
-        scene.add(Drag(beam, share * factor, local_axis, counts, args.wind, args.name))
+        scene.add(Drag(beam, share * factor, local_axis, component, args.wind, args.name))
 
 
 @statement(

@@ -17,8 +17,8 @@ from fpm.elements.particles.damping import Damping
 
 GAUSS = np.polynomial.legendre.leggauss(3)
 """Places from -1 to 1, and weights, of three points on a line: exact for polynomials of degree 5,
-as those of a rod that turns about one of its ends (3); of one that turns about its middle 3 % too much,
-as |u| has a kink there."""
+as those of a rod that turns about one of its ends (3); of one that turns about its middle 3 % too
+much, as |u| has a kink there."""
 
 
 @dataclass(frozen=True)

@@ -122,7 +122,7 @@ STUDIES = {
                 "deployable/campaign/config/measured.py",
                 "evidence/measured",
             ),
-            parts=("truths", "lacks", "arm-viscous", "arm-dry", "two-arms"),
+            parts=("truths", "lacks", "arm-viscous", "arm-dry", "arm-air", "two-arms"),
             quick=True,
         ),
         Study(

@@ -130,7 +130,7 @@ def measure_arm(names: tuple[str, ...], swings: tuple[int, ...]) -> dict[str, An
     folder = Path(os.environ.get("MEASURED", ROOT.parent / "shared" / "measured"))
     ends = {
         "distance": (0.14, 0.155), "inertia": (5e-5, 2e-4), "viscous": (0.0, 6e-4),
-        "dry": (0.0, 2e-3),
+        "dry": (0.0, 2e-3), "air": (0.0, 0.02),
     }  # fmt: skip
     tests = {}
     for kind, numbers in (("swing", swings), ("check", (1, 2) if len(swings) > 1 else ())):
@@ -158,6 +158,7 @@ DURATION = 4.0
 MODELS = {
     "viscous": ("distance", "inertia", "viscous"),
     "dry": ("distance", "inertia", "viscous", "dry"),
+    "air": ("distance", "inertia", "viscous", "air"),
 }
 PARTS = {
     "truths": measure_truths,

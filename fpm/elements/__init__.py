@@ -21,6 +21,7 @@ from fpm.elements.openings.table_spring import TableSpring
 from fpm.elements.openings.torque_motor import TorqueMotor
 from fpm.elements.openings.torsion_spring import TorsionSpring
 from fpm.elements.particles.damping import Damping
+from fpm.elements.particles.drag import Drag
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.gravity import Gravity
 from fpm.elements.particles.load import Load
@@ -51,6 +52,7 @@ KINDS: tuple[type[ElementType], ...] = (
     RigidLatch,
     RigidFriction,
     Viscosity,
+    Drag,
     Drive,
     Support,
     Damping,

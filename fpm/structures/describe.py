@@ -1,10 +1,11 @@
 """A structure in words: what may be set in it, what it is made of, and what a run costs."""
 
+from collections import Counter
 from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from fpm.elements import kinds_of
+from fpm.elements import Drag, kinds_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable import Cable, length_through
 from fpm.elements.fields import specs
@@ -51,6 +52,10 @@ def _lists(scene: Scene) -> Iterator[tuple[str, Iterable[str]]]:
     yield "joints", joints or ["none"]
     yield "cables", [_cable(scene, cable) for cable in scene.cables]
     yield "on joints", acting(scene)
+    forces: Counter[str] = Counter()
+    for drag in Drag.find(scene):
+        forces[drag.name] += drag.factor
+    yield "drags", [f"{name} ({force:.4g} N at 1 m/s)" for name, force in forces.items()]
 
 
 def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tuple[str, str]]:

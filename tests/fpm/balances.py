@@ -60,6 +60,14 @@ def tumbling(**load) -> fpm.Scene:
     return scene
 
 
+def blown() -> fpm.Scene:
+    """The tumbling body with a plate on it, in wind."""
+    scene = tumbling(**TURN)
+    arm = scene.arm_to(0, (0.3, 0.2, -0.1))
+    scene.add(k.Drag(arm, 0.3, np.array([0.0, 0.6, 0.8]), "along", (1.0, -2.0, 0.5)))
+    return scene
+
+
 def driven(**load) -> fpm.Scene:
     """A body that is driven, with another hinged to it, and a load on it."""
     scene = flap(rate=0.0, second=True)
@@ -113,6 +121,8 @@ SCENES = {
     "drive against a load": lambda: driven(**PULL, **TURN),
     "damping": acting(lambda s: setattr(s, "damping", 1.5)),
     "damping, coupled": acting(lambda s: setattr(s, "damping", 1.5), second=True),
+    "drag in wind, tumbling": blown,
+    "drag": acting(lambda s: s.add(k.Drag(s.arm_to(1, (1.0, 0.1, 0.2)), 0.3))),
     "bar": bar,
     "viscous bar": lambda: bar(0.2),
     "torsion spring": on(k.TorsionSpring(0, 20.0, 1.0)),

@@ -174,6 +174,7 @@ DEFAULTS = {
     "actions motor": {"damping": 0.0},
     "actions release": {"damping": 0.0},
     "loads": {"force": NOTHING, "moment": NOTHING},
+    "drags": {"wind": NOTHING},
     "cables": {"reel": 0.0},
     "drives": {"velocity": NOTHING, "spin": NOTHING},
     "initial_velocities": {"velocity": NOTHING, "spin": NOTHING},

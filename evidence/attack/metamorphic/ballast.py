@@ -68,6 +68,9 @@ BALLAST: Structure = {
         "y_loop": {"type": "loop", "joints": ["y_j0", "y_u_axis"], "radii": [1.0, 1.0], **_SOFT},
     },
     "loads": {"y_l": {"part": "y_b0", "at": "y0", "force": [0.0, 0.0, 0.0]}},
+    "drags": {
+        "y_a": {"part": "y_b0", "through": ["y0"], "area": 0.0, "coefficient": 1.0, "density": 1.0}
+    },
     "drives": {"y_d": {"part": "y_b10", "at": "y10", "curve": "y_f"}},
     "supports": {
         "y_h": {"part": "y_b6", "at": "y6", "translations": "none", "rotations": "x"},

@@ -48,6 +48,11 @@ class Draw(Acting):
         for _ in range(self.rng.choice([0, 0, 1, 2])):
             self.cable()
         self.world()
+        prescribed_parts = {drive["part"] for drive in self.structure.get("drives", {}).values()}
+        if (parts := [part for part in self.parts if part not in prescribed_parts]) and self.chance(
+            0.3
+        ):
+            self.drag(self.rng.choice(parts))
         return self.structure
 
     def part(self, with_bars: bool) -> None:
@@ -164,6 +169,15 @@ class Draw(Acting):
         curve = self.curve() if self.quiet or self.chance(0.5) else None
         self.add("loads", self.name("loads", "l"), part=part, at=self.end_of(part),
                  force=self.vector(5.0), moment=self.vector(1.0), curve=curve)  # fmt: skip
+
+    def drag(self, part: str) -> None:
+        """Air around a part: on a rod, a plate along which its line is, or at a point. Not on one
+        that is driven: where nothing else moves, no energy is held to which errors are relative."""
+        wind = [0.0] * 3 if self.quiet else self.vector(2.0)
+        ends = [f"{letter}{part[1:]}" for letter in self.rng.choice(["c", "ct", "pt"])]
+        plate = {"normal": self.axis()} if self.chance(0.4) else {}
+        self.add("drags", self.name("drags", "w"), part=part, through=ends, wind=wind, **plate,
+                 area=self.number(0.1, 1.0), coefficient=1.2, density=1.2)  # fmt: skip
 
     def end_of(self, part: str) -> str:
         return self.rng.choice("ct") + part[1:]

@@ -66,7 +66,8 @@ def is_quiet(structure: Structure) -> bool:
     slack = all(_is_slack(structure, cable) for cable in entries(structure, "cables").values())
     actions = entries(structure, "actions").values()
     at_rest = all(_is_at_rest(structure, action) for action in actions)
-    return not motions and curved and slack and at_rest
+    calm = not any(np.any(drag["wind"]) for drag in entries(structure, "drags").values())
+    return not motions and curved and slack and at_rest and calm
 
 
 def _is_slack(structure: Structure, cable: dict) -> bool:

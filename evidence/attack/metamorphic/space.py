@@ -13,7 +13,7 @@ from evidence.attack.metamorphic.written import Structure
 from fpm.structures.statement import SLIDE
 from fpm.structures.statements import GROUPS
 
-POLAR = {"gravity", "force", "velocity", "up", "x"}
+POLAR = {"gravity", "force", "velocity", "up", "x", "normal", "wind"}
 AXIAL = {"moment", "spin", "axis", "other"}
 
 

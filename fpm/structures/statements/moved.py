@@ -3,10 +3,12 @@ points whose motion is recorded."""
 
 import numpy as np
 
-from fpm.elements import Load
+from fpm.elements import Drag, Load
+from fpm.elements.particles.drag import stations
 from fpm.structures.builder import POINT_TOL
 from fpm.structures.keys import (
     CurvesKey,
+    DirectionKey,
     ListKey,
     NumberKey,
     PointKey,
@@ -71,6 +73,41 @@ def load(build, args):
     scales both with time, or None)."""
     beam = build.scene.arm_to(args.part.particle(args.at.name), args.at.position)
     build.scene.add(Load(beam, args.force, args.moment, _index(args.curve)))
+
+
+@statement(
+    "drags",
+    part=PART,
+    through=ListKey(kind=POINT, most=2, text="one of its points, or the ends of a line of it"),
+    area=NumberKey(unit="m2", least=0, text="frontal area; of a line its length times its width"),
+    coefficient=NumberKey(least=0, text="drag coefficient: force over density/2 area speed**2"),
+    density=NumberKey(unit="kg/m3", least=0, text="of the air"),
+    normal=DirectionKey(
+        None, "of a plate: only the velocity along it drags; left out: that across a line, and all "
+        "of that of a point"
+    ),
+    wind=VectorKey(ZERO, unit="m/s", text="velocity of the air"),
+)  # fmt: skip
+def drag(build, args):
+    """Drag of air by the square of the speed: at a point of a part, or evenly along a line of it.
+
+    Adds a Drag to the scene, three along a line for each particle of the part. build: Builder of
+    the sample, with its scene; args: values of an entry: part (Body), through (one or two Points),
+    area (m²), coefficient, density (kg/m³), normal (unit vector (3,) or None), wind (3,) m/s."""
+    scene, ends = build.scene, [point.position for point in args.through]
+    particles = [args.part.particle(point.name) for point in args.through]
+    axis, places = ZERO if args.normal is None else args.normal, [(particles[0], ends[0], 1.0)]
+    if len(ends) > 1:
+        if not (length := np.linalg.norm(ends[1] - ends[0])) > POINT_TOL * build.size:
+            build.refuse("through", args.through[1].name, "two points that are apart")
+        axis = (ends[1] - ends[0]) / length if args.normal is None else axis
+        places = stations(scene, args.part.particles, *ends)
+    factor = args.density / 2 * args.coefficient * args.area
+    component = "across" if args.normal is None else "along"
+    for particle, place, share in places:
+        beam = scene.arm_to(particle, place)
+        local_axis = scene.arm_to(particle, place + axis).arm - beam.arm
+        scene.add(Drag(beam, share * factor, local_axis, component, args.wind, args.name))
 
 
 @statement(

@@ -1,0 +1,99 @@
+"""Drag of air on points and lines of parts, by the square of the speed.
+
+F = -rho/2 Cd A |u| u, u being the velocity of a point of the part less that of the wind: all of it,
+or that across a rod (Hoerner, Fluid-Dynamic Drag, 1965, ch. III: the flow along a rod drags
+little), or that along the normal of a plate. The rate is extrapolated from the last two steps, as
+of dampers. Air that moves along with a part (added mass) and lift are left out."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.elements.bars.virtual_beam import VirtualBeam
+from fpm.elements.fields import number, word
+from fpm.elements.kind import Deformations, ElementType
+from fpm.elements.particles.damping import Damping
+
+GAUSS = np.polynomial.legendre.leggauss(3)
+"""Places from -1 to 1, and weights, of three points on a line: exact for polynomials of degree 5,
+as those of a rod that turns about one of its ends (3); of one that turns about its middle 3 % too
+much, as |u| has a kink there."""
+
+
+@dataclass(frozen=True)
+class Drag(ElementType):
+    """Drag of air at the end of a rigid arm on a particle. beam: that arm; factor: rho/2 Cd A, the
+    force at 1 m/s (kg/m); axis (3,): unit vector in the particle's axes; component: of the
+    velocity which drags, "across" that axis (all of it if the axis is zero) or "along" it; wind
+    (3,): velocity of the air (m/s), global; name: of the statement to which it belongs."""
+
+    beam: VirtualBeam
+    factor: float = number("kg/m", 0.0)
+    axis: np.ndarray = number(count=3, default=(0.0, 0.0, 0.0))
+    component: str = word({"across": 1.0, "along": 0.0}, default="across")
+    wind: np.ndarray = number("m/s", count=3, default=(0.0, 0.0, 0.0))
+    name: str = ""
+
+    takes = Damping.takes
+    resists_as = ""
+    noun = "drag"
+    cost = 55.0
+
+    @property
+    def particle(self) -> int:
+        """Index of the particle on which the drag acts."""
+        return self.beam.particle
+
+    @property
+    def arm(self) -> np.ndarray:
+        """Vector (3,) m, in the particle's own axes, from the particle to where the drag acts."""
+        return self.beam.arm
+
+    def topology(self):
+        """Return what must be equal in scenes run side by side: the index of the particle."""
+        return self.particle
+
+    @classmethod
+    def names(cls, scene):
+        return [f"{cls.noun} {drag.name}" for drag in cls.find(scene)]
+
+    @classmethod
+    def dampings(cls, scene):
+        """Return how motions of particles move the points on which air drags, for the stable time
+        step, with the slope 2 rho/2 Cd A |u| of the drag at the start in the field `stiffness` (N
+        s/m); None: nothing moves then. What is faster later is not counted."""
+        drags = cls.find(scene)
+        p, count = np.array([drag.particle for drag in drags]), len(drags)
+        factors, arms, winds = (
+            np.array([getattr(drag, name) for drag in drags]) for name in ("factor", "arm", "wind")
+        )
+        turns = scene.frame[p] @ np.cross(np.eye(3), arms[:, None]).swapaxes(1, 2)
+        spins = scene.spin[p][:, None] @ scene.frame[p]
+        velocities = scene.velocity[p] + (turns @ spins.swapaxes(1, 2))[:, :, 0]
+        slopes = 2 * factors * np.linalg.norm(velocities - winds, axis=1)
+        if not slopes.any():
+            return None
+        values = np.dstack([np.tile(np.eye(3), (count, 1, 1)), turns, np.zeros((count, 3, 6))])
+        dofs = np.repeat(6 * p, 3)[:, None] + np.tile(np.arange(6), 2)
+        element = np.repeat(np.arange(count), 3)
+        return Deformations(dofs, values.reshape(-1, 12), np.repeat(slopes, 3), element)
+
+
+def stations(
+    scene, particles: Sequence[int], start: np.ndarray, stop: np.ndarray
+) -> Iterator[tuple[int, np.ndarray, float]]:
+    """Yield the points on a straight line of a part at which its drag acts: index of the particle
+    nearest along the line, place (3,) m, and share of the line; three for each of these particles.
+    scene: at its start; particles: indices of the part's; start, stop (3,) m: ends of the line."""
+    span = stop - start
+    position = scene.position if scene.unstrained_position is None else scene.unstrained_position
+    places = (position[particles] - start) @ span / (span @ span)
+    order = np.argsort(places, kind="stable")
+    middles = (places[order][1:] + places[order][:-1]) / 2
+    ends = np.clip([0.0, *middles, 1.0], 0.0, 1.0)
+    for particle, first, length in zip(
+        np.asarray(particles)[order], ends, np.diff(ends), strict=False
+    ):
+        for x, weight in zip(*GAUSS, strict=True) if length > 0 else ():
+            yield int(particle), start + (first + length * (1 + x) / 2) * span, length * weight / 2

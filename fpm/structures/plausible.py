@@ -7,9 +7,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from fpm import elements
 from fpm.elements import Latch, Load, RigidLatch, Stop, TableSpring, TorsionSpring, kinds_of
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.openings.friction import Friction
+from fpm.elements.openings.latch import SIDES
+from fpm.elements.openings.release import AnyRelease
 from fpm.reading.bars import bars_of
 from fpm.scenes.scene import Scene
 from fpm.solver.start import consistent_scene
@@ -33,8 +36,9 @@ USUAL = {
 
 def warnings(scene: Scene, duration: float | None = None) -> list[str]:
     """Return sentences on what a scene has that is allowed but hardly meant: odd masses or sizes,
-    no support, latches that cannot catch; at most 6, and one on how many more there are; [] if all
-    is usual. duration: of the run (s), to tell if latches have time to catch; None: unknown."""
+    no support, latches that cannot catch, releases that hold; at most 6, and one on how many more
+    there are; [] if all is usual. duration: of the run (s), to tell what comes after its end; None:
+    unknown."""
     sentences = [*_sizes(scene), *_support(scene), *_start(scene)]
     moving = {friction.hinge for friction in Friction.find(scene) if friction.load is not None}
     sentences += [
@@ -44,6 +48,9 @@ def warnings(scene: Scene, duration: float | None = None) -> list[str]:
     for kind in (Latch, RigidLatch):
         for latch in kind.find(scene):
             sentences += _latch(scene, latch, duration)
+    for kind in (elements.Release, elements.RigidRelease):
+        for release in kind.find(scene):
+            sentences += _release(scene, release, duration)
     sentences = list(dict.fromkeys(sentences))
     rest = len(sentences) - MOST
     return sentences[:MOST] + [f"and {rest} more of this kind"] * (rest > 0)
@@ -118,11 +125,42 @@ def _latch(scene: Scene, latch: Latch | RigidLatch, duration: float | None) -> I
         if stop.hinge == latch.hinge and 0 < side * (stop.angle - start) < side * travel:
             yield f"{head} is beyond the stop at {opening_text(hinge, stop.angle)}: it cannot catch"
     kinds = [kind for kind in kinds_of([scene]) if kind.acts_as]
-    elements = [e for kind in kinds for e in kind.find(scene) if latch.hinge in e.acts_on()]
-    springs = [e for e in elements if e.acts_as == "spring"]
-    is_led = not {"motor", "loop", "release"}.isdisjoint(e.acts_as for e in elements)
+    actions = [e for kind in kinds for e in kind.find(scene) if latch.hinge in e.acts_on()]
+    springs = [e for e in actions if e.acts_as == "spring"]
+    is_led = not {"motor", "loop", "release"}.isdisjoint(e.acts_as for e in actions)
     if springs and abs(travel) >= 1e-9 and not is_led:
         yield from _springs(scene, hinge, springs, travel, head, duration)
+
+
+def _release(scene: Scene, release: AnyRelease, duration: float | None) -> Iterator[str]:
+    """What keeps a release from letting go: what stops the opening that it watches, or time."""
+    head, hinge = f"release on {scene.hinges[release.hinge].name}", scene.hinges[release.watch]
+    if release.time < np.inf and (duration is None or release.time <= duration):
+        return
+    if release.watch < 0:
+        yield f"{head} lets go at {release.time:g} s: the run ends at {duration:g} s"
+        return
+    if release.watch == release.hinge:
+        yield f"{head} watches the joint that it holds: only its `time` lets go"
+        return
+    travel, level = release.level - hinge.opening, opening_text(hinge, release.level)
+    sign = float(np.sign(travel))
+    for latch in (*Latch.find(scene), *RigidLatch.find(scene)):
+        place = sign * (latch.angle - hinge.opening)
+        is_met = latch.hinge == release.watch and place > 0 and SIDES[latch.side] * sign >= 0
+        is_met &= not getattr(latch, "one_sided", False)
+        if is_met and place - latch.capture_range < abs(travel) - 1e-9:
+            edge = opening_text(hinge, latch.angle - sign * latch.capture_range)
+            yield (
+                f"{head} waits until {hinge.name} passes {level}, which latch "
+                f"{latch.label(scene)} catches from {edge} on: take a level before that"
+            )
+    for stop in Stop.find(scene):
+        place = {"above": 1, "below": -1}[stop.side] * (stop.angle - hinge.opening)
+        is_met = stop.hinge == release.watch and {"above": 1, "below": -1}[stop.side] == sign
+        if is_met and 0 < place < abs(travel):
+            angle = opening_text(hinge, stop.angle)
+            yield f"{head} waits until {hinge.name} passes {level}, beyond the stop at {angle}"
 
 
 def _springs(scene, hinge, springs, travel: float, head: str, duration) -> Iterator[str]:

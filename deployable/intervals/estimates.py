@@ -122,16 +122,17 @@ def decay_estimate(
 def overruled(
     surrogate: Surrogate,
     points: np.ndarray,
-    unit: np.ndarray,
+    test_points: np.ndarray,
     residuals: np.ndarray,
     decay: np.ndarray,
     time: np.ndarray,
     window: float | None = None,
 ) -> np.ndarray:
     """Limit the extrapolated tail `decay` (..., T) of a polynomial to what validation runs allow,
-    and return it. points (N, k): of the fitted runs; unit (R, k): of the validation runs, which
-    were not fitted; residuals (R, ..., T): their values less the polynomial's; time (T): instants,
-    s; window: half width (s) of the time in which the largest counts, None: 0.5 % of the duration.
+    and return it. points (N, k): of the fitted runs; test_points (R, k): of the validation runs,
+    which were not fitted; residuals (R, ..., T): their values less the polynomial's; time (T):
+    instants, s; window: half width (s) of the time in which the largest counts, None: 0.5 % of the
+    duration.
 
     A decay cannot be told from order 1, nor where every second coefficient is zero; a polynomial
     that is exact then has a tail as large as its last coefficients. But the next two coefficients
@@ -145,15 +146,15 @@ def overruled(
         for j in np.flatnonzero(highest)
         for excess in (1, 2)
     ]
-    if not 0 < len(next_two) <= len(unit):
+    if not 0 < len(next_two) <= len(test_points):
         return decay
     new, terms = np.array(next_two), surrogate.multi_indices
     alias = np.linalg.lstsq(product_basis(points, terms), product_basis(points, new), rcond=None)[0]
-    residual_basis = product_basis(unit, new) - product_basis(unit, terms) @ alias
+    residual_basis = product_basis(test_points, new) - product_basis(test_points, terms) @ alias
     size = np.linalg.svd(residual_basis, compute_uv=False)
     if size[-1] < _INDEPENDENT * size[0]:
         return decay
-    coefficients = np.linalg.pinv(residual_basis) @ residuals.reshape(len(unit), -1)
+    coefficients = np.linalg.pinv(residual_basis) @ residuals.reshape(len(test_points), -1)
     size_sum = np.abs(coefficients).sum(axis=0).reshape(decay.shape)
     size_sum = np.maximum(size_sum, np.abs(residuals).max(axis=0))
     return np.minimum(decay, MAX_TAIL_RATIO * widen(time, size_sum, window))

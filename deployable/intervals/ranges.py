@@ -65,10 +65,10 @@ def surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
         j = int(free[0]) if len(free) else 0
         line = np.zeros((int(indices[:, j].max()) + 1, c.shape[1]))
         np.add.at(line, indices[:, j], c)
-        low, high, x_low, x_high, slack = line_range(line)
+        low, high, x_low, x_high, rounding_error = line_range(line)
         argmin, argmax = np.zeros((c.shape[1], k)), np.zeros((c.shape[1], k))
         argmin[:, j], argmax[:, j] = x_low, x_high
-        lower, upper = low - slack, high + slack
+        lower, upper = low - rounding_error, high + rounding_error
     else:
         low, high, argmin, argmax = inner_range(c, indices)
         lower, upper = effects_enclosure(c, indices)

@@ -72,9 +72,9 @@ def _line_maximum(spline: Spline, flat: np.ndarray) -> tuple[np.ndarray, np.ndar
         for t in (root_sum / a, c / root_sum):
             in_interval = (t > 0) & (t < 1)
             points.extend(np.where(in_interval, knots[:-1, None] + t * h, knots[:-1, None]))
-    unit = np.stack(points)  # (P, T)
+    rows = np.stack(points)  # (P, T)
     best, x = np.full(columns, -np.inf), np.repeat(spline.points[:1], columns, axis=0)
-    for row in unit:
+    for row in rows:
         trial = x.copy()
         trial[:, j] = row
         index, factor = spline.line_rows(trial)

@@ -35,16 +35,16 @@ class Box:
     def true_bounds(self) -> tuple[float, float]:
         """The least and largest value, by dense points and searches from the best of them."""
         generator, k = np.random.default_rng(0), self.dimension
-        unit = generator.uniform(-1, 1, (DRAWS, k))
-        unit = np.concatenate([unit, list(itertools.product([-1.0, 1.0], repeat=k))])
-        values = self.function(unit)[0]
-        return tuple(self._extreme(sign, unit, values, generator) for sign in (-1.0, 1.0))
+        points = generator.uniform(-1, 1, (DRAWS, k))
+        points = np.concatenate([points, list(itertools.product([-1.0, 1.0], repeat=k))])
+        values = self.function(points)[0]
+        return tuple(self._extreme(sign, points, values, generator) for sign in (-1.0, 1.0))
 
     def _extreme(
-        self, sign: float, unit: np.ndarray, values: np.ndarray, generator: np.random.Generator
+        self, sign: float, x: np.ndarray, values: np.ndarray, generator: np.random.Generator
     ) -> float:
         rows = np.argsort(np.where(np.isfinite(values), -sign * values, np.inf))[:BEST]
-        points, best = unit[rows], sign * values[rows]
+        points, best = x[rows], sign * values[rows]
         for number in range(ROUNDS):
             sizes = 0.1 * 0.82**number * generator.choice([1, 0.1, 0.01], (BEST, TRIALS, 1))
             steps = sizes * generator.normal(size=(BEST, TRIALS, self.dimension))

@@ -48,13 +48,13 @@ class _BoxEvaluator(ModelEvaluator):
     def __init__(self, box: Box):
         k = box.dimension
         quantity = SimpleNamespace(is_time=box.is_time, least=None)
-        sides = SimpleNamespace(free=np.ones(k, bool), from_unit=lambda unit: unit)
+        sides = SimpleNamespace(free=np.ones(k, bool), from_unit=lambda points: points)
         experiment = SimpleNamespace(
             numbers=[quantity], box=sides, solver=SimpleNamespace(duration=10.0)
         )
         self.plan, self.function = SimpleNamespace(experiment=experiment), box.function
-        self.unit = np.concatenate([np.zeros((1, k)), scan_points(np.ones(k, bool), 8 * k - 1)])
-        self.numbers, self.margins = self.evaluate(self.plan, self.unit)
+        self.points = np.concatenate([np.zeros((1, k)), scan_points(np.ones(k, bool), 8 * k - 1)])
+        self.numbers, self.margins = self.evaluate(self.plan, self.points)
 
     further = ()
 
@@ -68,7 +68,7 @@ class _BoxEvaluator(ModelEvaluator):
         for point in points:
             if self.nearest(point)[1] > 1e-6:
                 values, margins = self.evaluate(self.plan, [point])
-                self.unit = np.vstack([self.unit, point])
+                self.points = np.vstack([self.points, point])
                 self.numbers = np.vstack([self.numbers, values])
                 self.margins = np.vstack([self.margins, margins])
 
@@ -79,7 +79,7 @@ def search(box: Box) -> Searched:
     (bounds,) = converge_bounds(model, ITERATIONS)
     errors = tuple(max(e.error, bounds.surrogate.usual_error) for e in bounds.estimates)
     attained = bounds.lower, bounds.upper
-    return Searched(box.name, len(model.unit), box.true_bounds(), bounds.outer, attained, errors)
+    return Searched(box.name, len(model.points), box.true_bounds(), bounds.outer, attained, errors)
 
 
 def measure_all(quick: bool = False) -> list[Searched]:

@@ -20,22 +20,22 @@ class Quantity:
 
     name: its name; kind: how it is read, a key of KINDS, as "largest"; unit (UDUNITS) and
     long_name: of the number; response: the function of time that it is read off, None for events;
-    at: of a value, its time (s) or the quantity that gives it; about: target of settling or
-    overshoot, None: the last value; within: largest deviation from it after settling; level, way
-    ("rising", "falling", "either"): of a crossing; number: n, from 1, of the nth crossing or event;
-    event: its name; places: names of the elements whose events count, (): none. about, within and
-    level are in the response's unit."""
+    instant: of a value, its time (s) or the quantity that gives it; target: of settling or
+    overshoot, None: the last value; tolerance: largest deviation from it after settling; level,
+    direction ("rising", "falling", "either"): of a crossing; number: n, from 1, of the nth crossing
+    or event; event: its name; places: names of the elements whose events count, (): none. target,
+    tolerance and level are in the response's unit."""
 
     name: str
     kind: str
     unit: str
     long_name: str
     response: Response | None = None
-    at: Union["Quantity", float, None] = None
-    about: float | None = None
-    within: float = 0.0
+    instant: Union["Quantity", float, None] = None
+    target: float | None = None
+    tolerance: float = 0.0
     level: float = 0.0
-    way: str = "either"
+    direction: str = "either"
     number: int = 1
     event: str = ""
     places: tuple[str, ...] = ()
@@ -49,7 +49,7 @@ class Quantity:
     @property
     def is_time(self) -> bool:
         """Whether the quantity is the time (s) of a crossing, event or settling, which lies between
-        0 and the run's end, and can be another's `at`; not that of a smallest value."""
+        0 and the run's end, and can be another's `instant`; not that of a smallest value."""
         return KINDS[self.kind].unit == "s"
 
     @property
@@ -63,17 +63,17 @@ class Quantity:
     def decider(self) -> "Quantity | None":
         """The quantity whose `margin` tells by how much this one exists: itself (crossing, settling
         to a target), or of a value that giving its time; None: runs only tell whether it does."""
-        if isinstance(self.at, Quantity):
-            return self.at.decider
-        settles = self.kind == "settling" and self.about is not None
+        if isinstance(self.instant, Quantity):
+            return self.instant.decider
+        settles = self.kind == "settling" and self.target is not None
         return self if self.kind == "crossing" or settles else None
 
     def margin(self, values: np.ndarray) -> np.ndarray:
         """Return by how much (...) a crossing or settling occurs, in the response's unit, > 0 if it
         does, else < 0, continuous. values (..., t): of the response. Only for its own `decider`."""
         if self.kind == "settling":
-            return self.within - np.abs(values[..., -1] - self.about)
-        return crossing_margin(values - self.level, self.way, self.number)
+            return self.tolerance - np.abs(values[..., -1] - self.target)
+        return crossing_margin(values - self.level, self.direction, self.number)
 
     def evaluate(self, curves: Curves) -> float:
         """Return the quantity's value in one run; NaN if it does not exist there, as where an event
@@ -198,8 +198,8 @@ def _overshoot(values: np.ndarray, target: float | None) -> float:
 
 
 def _value(quantity: Quantity, curves: Curves) -> float:
-    instant = quantity.at if isinstance(quantity.at, Quantity) else None
-    time = instant.evaluate(curves) if instant else quantity.at
+    instant = quantity.instant if isinstance(quantity.instant, Quantity) else None
+    time = instant.evaluate(curves) if instant else quantity.instant
     if not np.isfinite(time) or not curves.time[0] <= time <= curves.time[-1]:
         return float("nan")
     event = instant is not None and instant.kind == "event"
@@ -252,15 +252,15 @@ KINDS = {
     ),
     "value": QuantityType(_value, "{about} {moment}", ("at",)),
     "overshoot": QuantityType(
-        _of_values(lambda q, time, y: _overshoot(y, q.about)), "overshoot of the {about}",
+        _of_values(lambda q, time, y: _overshoot(y, q.target)), "overshoot of the {about}",
         optional=("about",), positive=True, instantaneous=True,
     ),
     "settling": QuantityType(
-        _of_values(lambda q, time, y: settling(time, y, q.within, q.about)),
+        _of_values(lambda q, time, y: settling(time, y, q.tolerance, q.target)),
         "time from which the {about} stays within {within:.6g}", ("within",), ("about",), "s",
     ),
     "crossing": QuantityType(
-        _of_values(lambda q, time, y: crossing(time, y, q.level, q.way, q.number)),
+        _of_values(lambda q, time, y: crossing(time, y, q.level, q.direction, q.number)),
         "time of the {nth}crossing of {level:.6g}{way} by the {about}",
         ("level",), ("way", "number"), "s",
     ),

@@ -235,18 +235,20 @@ def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
     """Where every round asks for another one."""
 
     class Bench:
-        unit = np.zeros((0, 1))
+        points = np.zeros((0, 1))
         experiment = SimpleNamespace(numbers=[None])
 
         def surrogates(self):
             return [None]
 
         def add(self, points):
-            self.unit = np.vstack([self.unit, points])
+            self.points = np.vstack([self.points, points])
 
-    monkeypatch.setattr(quantity_bounds, "_bounds", lambda bench, q, surrogate, _: len(bench.unit))
+    monkeypatch.setattr(
+        quantity_bounds, "_bounds", lambda bench, q, surrogate, _: len(bench.points)
+    )
     monkeypatch.setattr(quantity_bounds, "_infill", lambda end: [np.array([float(end)])])
     monkeypatch.setattr(quantity_bounds, "_mispredictions", lambda bench, bounds, known: known)
     bench = Bench()
     assert quantity_bounds.converge_bounds(bench, rounds) == [rounds]
-    assert len(bench.unit) == rounds
+    assert len(bench.points) == rounds

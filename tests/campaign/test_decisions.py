@@ -102,7 +102,7 @@ def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
 
     monkeypatch.setattr(scalars, "Limit", Kept)
     model = SimpleNamespace(
-        unit=np.array([[0.0, 0.0], [0.9, 0.1], [0.25, -0.5], [0.8, 0.8], [-1.0, 1.0]]),
+        points=np.array([[0.0, 0.0], [0.9, 0.1], [0.25, -0.5], [0.8, 0.8], [-1.0, 1.0]]),
         numbers=np.array([[1.0, 1.0], [np.nan, 1.0], [np.nan, 1.0], [np.nan, 1.0], [2.0, 1.0]]),
         nominal=np.array([0.0, 0.0]),
         experiment=SimpleNamespace(box=SimpleNamespace(free=np.array([True, True]))),

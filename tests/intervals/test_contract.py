@@ -41,8 +41,8 @@ class Nearest(Model):
         self.attributes = {"share": share}
 
     def range(self):
-        values, unit = self.samples.values, self.samples.unit
-        where = unit[values.argmin(axis=0)], unit[values.argmax(axis=0)]
+        values, points = self.samples.values, self.samples.points
+        where = points[values.argmin(axis=0)], points[values.argmax(axis=0)]
         return attained(values.min(axis=0), values.max(axis=0), *where)
 
     def error(self, found, window):

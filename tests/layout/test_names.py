@@ -43,7 +43,6 @@ ALLOWED = {
 """Terms of the field, with the reason; `path:name` allows it there."""
 
 MEMBERS = {
-    **dict.fromkeys(("about", "at", "within", "way"), "keys of quantities, docs/quantities.md"),
     "along": "key of margins, docs/responses.md; what a response lies along",
     "above": "exclusive lower bound of a number, docs/mechanics.md",
 }
@@ -120,9 +119,9 @@ PLANTED = {
     "_given, before2 = 1, 2": "_given before2",
     "def here(it, *, told=1, **others): pass": "here it told others",
     "f = lambda at: at": "at",
-    "class Held:\n    known: int\n    above = watched = 1\n    within: int": "Held known watched",
+    "class Held:\n    known: int\n    above = watched = 1\n    along: int": "Held known watched",
     "self.left, self.at = 1, 2": "left",
-    "def within(): shut = 1": "shut",
+    "def along(): shut = 1": "shut",
     "for one in x: pass": "one",
     "with x as this: pass": "this",
     "y = [both for both in x]": "both",

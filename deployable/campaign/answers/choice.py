@@ -77,7 +77,7 @@ def answer(
         "kept": best.is_allowed,
         "safe": best.is_safe,
         "goals": list(map(partial(_goal, model), choose.goals, best.goals, best.goal_points)),
-        "limits": list(map(partial(_limit, model), specs, best.slacks, best.worst)),
+        "limits": list(map(partial(_limit, model), specs, best.margins, best.worst)),
         "tried": [
             {
                 "values": trial.values.tolist(),
@@ -86,7 +86,7 @@ def answer(
             }
             for trial in trials
         ],
-        "runs": len(model.unit),
+        "runs": len(model.points),
         "simulated": model.simulated,
     }
     write_result(folder.choice, json.dumps(choice, indent=1, allow_nan=False) + "\n")
@@ -111,8 +111,8 @@ def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray
     return [
         point
         for trial in better[:_DOUBTS]
-        for slack, point in zip(trial.slacks, trial.worst, strict=True)
-        if slack == -np.inf
+        for margin, point in zip(trial.margins, trial.worst, strict=True)
+        if margin == -np.inf
     ]
 
 
@@ -193,7 +193,7 @@ def deciding(trials: Sequence[Any], error: float) -> list[bool]:
     `intervals.scalars.Choice`, all that were tried; error: in the unit of what is compared."""
     allowed = [trial.is_allowed for trial in trials]
     worth = np.array([
-        trial.slack if not any(allowed) else trial.goals[0] if trial.is_allowed else np.inf
+        trial.margin if not any(allowed) else trial.goals[0] if trial.is_allowed else np.inf
         for trial in trials
     ])  # fmt: skip
     worth = np.nan_to_num(worth, nan=np.inf)
@@ -246,8 +246,8 @@ def _goal(
     return {**description, **row}
 
 
-def _limit(model: ModelEvaluator, spec: LimitSpec, slack: float, point: np.ndarray) -> dict:
+def _limit(model: ModelEvaluator, spec: LimitSpec, margin: float, point: np.ndarray) -> dict:
     error = None if spec.kind == "happens" else number(model.surrogates()[spec.quantity].error)
-    margin = {"margin": number(slack), "error": error, "kept": bool(slack >= 0)}
+    fields = {"margin": number(margin), "error": error, "kept": bool(margin >= 0)}
     description = {"requirement": spec.requirement, **describe_limit(model, spec)}
-    return {**description, **margin, **model.describe_point(point, spec.quantity)}
+    return {**description, **fields, **model.describe_point(point, spec.quantity)}

@@ -146,7 +146,7 @@ def _find_nearest_values(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Unit points (P, k) and numbers (P) of the runs of a plan that have quantities `indices` (P),
     nearest to points at which they do not, on the way to the middle of all runs that have them."""
-    inner = np.array([model.unit[np.isfinite(model.numbers[:, q])].mean(axis=0) for q in indices])
+    inner = np.array([model.points[np.isfinite(model.numbers[:, q])].mean(axis=0) for q in indices])
     values, _ = model.evaluate(plan, inner)
     numbers, row = values[np.arange(len(indices)), indices], np.arange(len(indices))
     for _ in range(_HALVINGS):
@@ -195,12 +195,12 @@ def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict
     box = model.experiment.box
     attained = [box.to_unit(bounds[name].values) for name in ("argmin", "argmax")]
     width = (bounds["upper"] - bounds["lower"]).values
-    points = intervals.deciding_places(*attained, width, MAX_POINTS)
+    sites = intervals.deciding_places(*attained, width, MAX_POINTS)
     planned = model.plan.runs.normalized
-    distances = np.abs(planned - points.unit[:, None]).max(axis=2)
+    distances = np.abs(planned - sites.points[:, None]).max(axis=2)
     nearest = distances.argmin(axis=1)
     tested = np.where(
-        distances.min(axis=1)[:, None] <= MAX_POINT_DISTANCE, planned[nearest], points.unit
+        distances.min(axis=1)[:, None] <= MAX_POINT_DISTANCE, planned[nearest], sites.points
     )
     curves, errors = _curves(model, model.plan, tested), {}
     for name, level in _levels(model.plan, components).items():
@@ -216,7 +216,7 @@ def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict
             if third is None
             else level.ratio(curves[worst], finer_curves[worst], third)[:, None]
         )
-        errors[name] = richardson_error(points.errors(change), ratio)
+        errors[name] = richardson_error(sites.errors(change), ratio)
         curves = finer_curves
     return errors
 
@@ -235,9 +235,9 @@ def _evaluate_third(
         return None
 
 
-def _curves(model: ModelEvaluator, plan: Plan, unit: np.ndarray) -> np.ndarray:
+def _curves(model: ModelEvaluator, plan: Plan, points: np.ndarray) -> np.ndarray:
     """Responses (P, n, T) of a plan's runs at unit points (P, k)."""
-    return np.array([record.values for record in model.records(plan, runs_at(plan, unit))])
+    return np.array([record.values for record in model.records(plan, runs_at(plan, points))])
 
 
 def _levels(plan: Plan, components: tuple) -> dict[str, RefinementLevel]:

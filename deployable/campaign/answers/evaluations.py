@@ -30,7 +30,7 @@ SAME_RUN, SAME_POINT = 1e-6, 2e-4
 
 class ModelEvaluator:
     """The R runs that surrogates are fitted to, and simulation of further ones at any point of the
-    box. `unit` (R, k): normalized points, -1 to 1; `numbers` (R, q): quantities, NaN if absent;
+    box. `points` (R, k): normalized points, -1 to 1; `numbers` (R, q): quantities, NaN if absent;
     `margins` (R, q): event margins, by how much each event occurs, above 0 if so, NaN if not known.
     `further`: planned runs that were added, at most `max_further`; `simulated`: how many were not
     stored before. Of a large scan only some runs are taken: `unfitted` counts the others,
@@ -50,7 +50,7 @@ class ModelEvaluator:
         # Of runs that are asked for one by one all responses are wanted.
         self.keep = "responses" if jobs.keep == "extremes" else jobs.keep
         self.store = folder.runs(self.keep)
-        self.unit = np.zeros((0, len(plan.experiment.intervals)))
+        self.points = np.zeros((0, len(plan.experiment.intervals)))
         self.numbers = np.zeros((0, len(plan.experiment.quantities)))
         self.margins = self.numbers
         self.unfitted_with, self.unfitted = np.zeros(len(plan.experiment.quantities), int), 0
@@ -67,19 +67,19 @@ class ModelEvaluator:
         message; threads: how many simulate."""
         model = cls(read_plan(folder.plan), jobs, folder, notify, threads)
         with open_netcdf(folder.samples) as samples:
-            unit = samples["normalized"][:]
-            numbers = np.zeros((len(unit), 0))
+            normalized = samples["normalized"][:]
+            numbers = np.zeros((len(normalized), 0))
             if model.experiment.quantities:
                 numbers = samples["quantities"][:]
             rows = fitted_rows(numbers)
             model.margins = margins_of_samples(model.experiment, samples, rows)
-        model.unit, model.numbers = unit[rows], numbers[rows]
+        model.points, model.numbers = normalized[rows], numbers[rows]
         model.unfitted = len(numbers) - len(rows)
         model.unfitted_with = np.isfinite(np.delete(numbers, rows, axis=0)).sum(axis=0)
         if further:
             with open_netcdf(folder.further) as file:
                 if len(points := file["normalized"][:]):
-                    model.unit = np.concatenate([model.unit, points])
+                    model.points = np.concatenate([model.points, points])
                     model.numbers = np.concatenate([model.numbers, file["quantities"][:]])
                     model.margins = np.concatenate([model.margins, file["margin"][:]])
                     model.further += runs_at(model.plan, points)
@@ -98,7 +98,7 @@ class ModelEvaluator:
     def nearest(self, point: np.ndarray) -> tuple[int, float]:
         """Return the index of the evaluator's run nearest to a normalized point (k), and its
         distance: the largest difference of a coordinate."""
-        distances = np.abs(self.unit - point).max(axis=1)
+        distances = np.abs(self.points - point).max(axis=1)
         row = int(distances.argmin())
         return row, float(distances[row])
 
@@ -115,11 +115,11 @@ class ModelEvaluator:
 
     def add(self, points: Sequence[np.ndarray]) -> np.ndarray:
         """Simulate runs at normalized points (P, k) that have none yet, add them to the evaluator's
-        (`unit`, `numbers`, `margins`, `further`), and return the index (P) of the run at each
+        (`points`, `numbers`, `margins`, `further`), and return the index (P) of the run at each
         point, or of the nearest once `max_further` are added; `CampaignError` if one fails."""
         additions: list[np.ndarray] = []
         for point in points:
-            present = np.array([*self.unit, *additions]).reshape(-1, self.unit.shape[1])
+            present = np.array([*self.points, *additions]).reshape(-1, self.points.shape[1])
             is_new = not (np.abs(present - point).max(axis=1) <= SAME_RUN).any()
             if is_new and len(self.further) + len(additions) < self.max_further:
                 additions.append(np.asarray(point, dtype=float))
@@ -127,14 +127,14 @@ class ModelEvaluator:
             numbers, margins = self.evaluate(self.plan, additions)
             self.numbers = np.concatenate([self.numbers, numbers])
             self.margins = np.concatenate([self.margins, margins])
-            self.unit = np.concatenate([self.unit, additions])
+            self.points = np.concatenate([self.points, additions])
             self.further += runs_at(self.plan, additions)
         return np.array([self.nearest(point)[0] for point in points], dtype=int)
 
     @property
     def distinct_rows(self) -> np.ndarray:
         """Indices of the evaluator's runs, increasing, one for each distinct point."""
-        return np.sort(np.unique(np.round(self.unit, 9) + 0.0, axis=0, return_index=True)[1])
+        return np.sort(np.unique(np.round(self.points, 9) + 0.0, axis=0, return_index=True)[1])
 
     def surrogates(self) -> list[Any]:
         """Fit an `intervals.scalars.ScalarSurrogate` to the runs for each quantity, in order."""
@@ -143,7 +143,7 @@ class ModelEvaluator:
         end = self.experiment.solver.duration
         columns = zip(self.numbers.T, self.margins.T, self.experiment.numbers, strict=True)
         return [
-            fit_scalar(self.unit, column, end if q.is_time else None, q.least, margin)
+            fit_scalar(self.points, column, end if q.is_time else None, q.least, margin)
             for column, margin, q in columns
         ]
 

@@ -186,15 +186,15 @@ def further_dataset(model: ModelEvaluator) -> Any:
     the plan: ids, points, parameter values, quantities and event margins."""
     import xarray as xr
 
-    runs, k = model.further, model.unit.shape[1]
+    runs, k = model.further, model.points.shape[1]
     numbers, margins = (rows[len(rows) - len(runs) :] for rows in (model.numbers, model.margins))
     dims, text = ("run", "parameter"), "event margin: positive if the event occurs"
     values = np.array([run.values for run in runs]).reshape(-1, k)
-    unit = np.array([run.normalized for run in runs]).reshape(-1, k)
+    x = np.array([run.normalized for run in runs]).reshape(-1, k)
     ids = np.array([run.id for run in runs], dtype=object)
     variables = {
         "run_id": ("run", ids, {"long_name": "name of the trajectory"}),
-        "normalized": (dims, unit, {"units": "1", "long_name": "coordinates in the box, -1 to 1"}),
+        "normalized": (dims, x, {"units": "1", "long_name": "coordinates in the box, -1 to 1"}),
         "value": (dims, values, {"long_name": "parameter values in their units"}),
         "quantities": (("run", "quantity"), numbers, {"long_name": "value of the quantity"}),
         "margin": (("run", "quantity"), margins, {"long_name": text}),

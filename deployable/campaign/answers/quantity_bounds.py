@@ -64,9 +64,9 @@ def converge_bounds(
         if specs:
             decisive = assess_limits(model, surrogates, specs).points
             points += [point for point in decisive if model.nearest(point)[1] > SAME_POINT]
-        count = len(model.unit)
+        count = len(model.points)
         model.add(points)
-        if len(model.unit) == count:
+        if len(model.points) == count:
             break
         mispredictions = _mispredictions(model, bounds, mispredictions)
     return bounds
@@ -79,14 +79,14 @@ def _bounds(
 
     surrogate_range, values = surrogate.range(), model.numbers[:, q]
     if not np.isfinite(values).any():
-        no_point = np.full(model.unit.shape[1], np.nan)
+        no_point = np.full(model.points.shape[1], np.nan)
         return QuantityBounds(surrogate, surrogate_range, np.nan, np.nan, no_point, no_point)
     rows = int(np.nanargmin(values)), int(np.nanargmax(values))
     lower, upper = (float(values[row]) for row in rows)
-    estimates = estimate_bounds(surrogate, model.unit, values, mispredictions)
+    estimates = estimate_bounds(surrogate, model.points, values, mispredictions)
     tolerance = TOLERANCE * max(upper - lower, surrogate_range.width)
     unconverged = surrogate_range.low < lower - tolerance, surrogate_range.high > upper + tolerance
-    points = model.unit[list(rows)]
+    points = model.points[list(rows)]
     return QuantityBounds(surrogate, surrogate_range, lower, upper, *points, estimates, unconverged)
 
 

@@ -74,7 +74,7 @@ def _met(model: ModelEvaluator, result: LimitAssessment, indices: list[int]) -> 
     from deployable.intervals.scalars import share_of_box
 
     fraction, open_ = share_of_box([result.limits[i] for i in indices], model.experiment.box.free)
-    is_met = result.slack[indices].min(axis=0) >= 0
+    is_met = result.margins[indices].min(axis=0) >= 0
     row = {
         "share": fraction,
         "share_uncertainty": open_,
@@ -86,7 +86,7 @@ def _met(model: ModelEvaluator, result: LimitAssessment, indices: list[int]) -> 
         return {"met": "all" if sure else "undecided", **row, "share": 1.0 if is_kept else fraction}
     if fraction > 0 or is_met.any():
         return {"met": "some", **row}
-    never_kept = [i for i in indices if not (result.slack[i] >= 0).any()]
+    never_kept = [i for i in indices if not (result.margins[i] >= 0).any()]
     if never_kept and not any(is_refuted(model, result, i) for i in never_kept):
         return {"met": "some", **row, "share_uncertainty": 1.0}
     return {"met": "none", **row}
@@ -94,8 +94,8 @@ def _met(model: ModelEvaluator, result: LimitAssessment, indices: list[int]) -> 
 
 def _may_hold(result: LimitAssessment, i: int) -> bool:
     """Whether limit `i` is broken by the surrogate nowhere by more than its error."""
-    slack, error = result.worst[i][0], result.limits[i].error
-    return bool(slack >= 0 or slack >= -error)
+    margin, error = result.worst[i][0], result.limits[i].error
+    return bool(margin >= 0 or margin >= -error)
 
 
 def _requirement(model: ModelEvaluator, result: LimitAssessment, name: str) -> dict:
@@ -108,12 +108,12 @@ def _requirement(model: ModelEvaluator, result: LimitAssessment, name: str) -> d
 
 def _limit(model: ModelEvaluator, result: LimitAssessment, i: int) -> dict:
     """The limit with its worst place: that of the surrogate, or a run that is worse."""
-    (slack, point), runs, spec = result.worst[i], result.slack[i], result.specs[i]
-    if runs.min() < slack:
-        slack, point = float(runs.min()), model.unit[runs.argmin()]
+    (margin, point), runs, spec = result.worst[i], result.margins[i], result.specs[i]
+    if runs.min() < margin:
+        margin, point = float(runs.min()), model.points[runs.argmin()]
     error = number(result.limits[i].error)
-    margin = {"margin": number(slack), "error": error, "kept": bool(slack >= 0)}
-    return {**describe_limit(model, spec), **margin, **model.describe_point(point, spec.quantity)}
+    fields = {"margin": number(margin), "error": error, "kept": bool(margin >= 0)}
+    return {**describe_limit(model, spec), **fields, **model.describe_point(point, spec.quantity)}
 
 
 def _combined(model: ModelEvaluator, result: LimitAssessment) -> dict:
@@ -126,7 +126,7 @@ def _combined(model: ModelEvaluator, result: LimitAssessment) -> dict:
     fails = {"requirement": spec.requirement, **describe_limit(model, spec)}
     fails |= model.describe_point(result.failure_point, spec.quantity)
     simulated = np.nan if fails["simulated"] is None else fails["simulated"]
-    fails["kept"] = bool(fails["ran"] and result.limits[index].slack_of(simulated) >= 0)
+    fails["kept"] = bool(fails["ran"] and result.limits[index].find_margins(simulated) >= 0)
     return {**row, "fails": fails}
 
 

@@ -204,8 +204,8 @@ def _belongs(file: Any, experiment: Experiment) -> Experiment:
     for key in ("lower", "upper", "nominal"):
         ends = [getattr(interval, key) for interval in intervals]
         of_config[f"box_{key}"] = file[f"box_{key}"][:].tolist() == ends
-    if "normalized" in variables and len(unit := file["normalized"][:]):
-        of_config["normalized"] = np.abs(unit).max(initial=0.0) < 1.0 + 1e-6
+    if "normalized" in variables and len(points := file["normalized"][:]):
+        of_config["normalized"] = np.abs(points).max(initial=0.0) < 1.0 + 1e-6
     if "role" in variables:
         of_config["role"] = set(file["role"][:].tolist()) <= set(ROLES)
     if "time" in variables:

@@ -138,13 +138,13 @@ def _estimate_quantities(experiment: Experiment, samples: Any) -> dict[str, _Qua
     """Surrogates and bounds of all quantities by name, from the runs so far."""
     if not experiment.quantities:
         return {}
-    unit, numbers = samples["normalized"].values, samples["quantities"].values
-    margins = margins_of_samples(experiment, samples, np.arange(len(unit)))
+    points, numbers = samples["normalized"].values, samples["quantities"].values
+    margins = margins_of_samples(experiment, samples, np.arange(len(points)))
     estimates = {}
     for quantity, values, margin in zip(experiment.numbers, numbers.T, margins.T, strict=True):
         end = experiment.solver.duration if quantity.is_time else None
-        surrogate = fit_scalar(unit, values, end, quantity.least, margin)
-        bounds = estimate_bounds(surrogate, unit, values)
+        surrogate = fit_scalar(points, values, end, quantity.least, margin)
+        bounds = estimate_bounds(surrogate, points, values)
         estimates[quantity.name] = _QuantityEstimate(surrogate, bounds)
     return estimates
 
@@ -232,12 +232,12 @@ def _places(
 ) -> np.ndarray:
     """Unit points (n, k) of the next `count` runs: where bounds of unmet quantities may be
     extended, at limit-state surfaces, where a spline predicts wider responses; the rest spread."""
-    unit, free = samples["normalized"].values, experiment.box.free
+    runs, free = samples["normalized"].values, experiment.box.free
     points: list[np.ndarray] = []
 
     def take(candidates: Any, least: float) -> None:
         for point in candidates:
-            existing = np.array([*unit, *points])
+            existing = np.array([*runs, *points])
             if len(points) < count and np.linalg.norm(existing - point, axis=1).min() > least:
                 points.append(np.asarray(point, dtype=float))
 
@@ -245,12 +245,12 @@ def _places(
         for estimate in estimates:
             take(estimate.points, NEAREST)
         take(surrogate.occurrence.infill_points(LANES), NEAREST)
-    spacing = 2.0 * len(unit) ** (-1.0 / max(int(free.sum()), 1))
+    spacing = 2.0 * len(runs) ** (-1.0 / max(int(free.sum()), 1))
     if rows := [i for i, name in enumerate(experiment.responses) if name in unmet]:
         values = samples["values"].values[:, rows].astype(float)
         seek, missing = intervals.seek_points, count - len(points)
-        next_points, _ = seek(unit, values, missing, candidates=_CANDIDATES, seed=seed)
+        next_points, _ = seek(runs, values, missing, candidates=_CANDIDATES, seed=seed)
         take(next_points, 1e-3)
-    spread = intervals.make_design("sobol", experiment.box, samples=4 * (len(unit) + count)).points
+    spread = intervals.make_design("sobol", experiment.box, samples=4 * (len(runs) + count)).points
     take(spread, 0.2 * spacing)
     return np.array(points).reshape(-1, len(free))

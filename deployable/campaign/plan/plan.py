@@ -149,11 +149,11 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
         parts.append(("held_out", points))
 
     time, mechanics = time or choose_step(experiment), experiment.mechanics
-    unit = np.concatenate([points for _, points in parts])
+    normalized = np.concatenate([points for _, points in parts])
     role = np.repeat([ROLES.index(role) for role, _ in parts], [len(p) for _, p in parts])
     name = namer(experiment, time.step, mechanics)
     role = role.astype(np.int8)
-    runs = Runs(role, unit, values_of(experiment, role, unit), name)
+    runs = Runs(role, normalized, values_of(experiment, role, normalized), name)
     return Plan(experiment, mechanics, time, runs)
 
 
@@ -164,8 +164,8 @@ def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
     Raises `CampaignError` for a run of more steps than `MOST_STEPS`."""
     solver, box = experiment.solver, experiment.box
     limit, element, energy = math.inf, "", 0.0
-    for unit in [np.zeros(box.dimension), *(box.corners() if corners else ())]:
-        named = dict(zip(box.names, map(float, box.from_unit(unit)), strict=True))
+    for point in [np.zeros(box.dimension), *(box.corners() if corners else ())]:
+        named = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
         scene = experiment.build(named)
         stable = fpm.stable_step(scene)
         if stable.step < limit:
@@ -221,9 +221,9 @@ def _plan(path: str | Path, data: Mapping) -> Plan:
     for problem in steps_problems(experiment.solver, time.step):
         raise ValueError(problem)
     if "packed" in data:
-        role, unit = _unpacked(data["packed"])
+        role, points = _unpacked(data["packed"])
         name = namer(experiment, time.step, mechanics)
-        runs = Runs(role, unit, values_of(experiment, role, unit), name)
+        runs = Runs(role, points, values_of(experiment, role, points), name)
     else:
         for run in data["runs"]:
             if not RUN_ID.fullmatch(run["id"]):
@@ -262,6 +262,6 @@ def _packed(runs: Runs) -> dict:
 
 def _unpacked(packed: Mapping) -> tuple[np.ndarray, np.ndarray]:
     """Roles (N) and unit coordinates (N, k)."""
-    unit = np.frombuffer(b64decode(packed["normalized"]), "<f8").astype(float)
+    points = np.frombuffer(b64decode(packed["normalized"]), "<f8").astype(float)
     role = np.frombuffer(b64decode(packed["role"]), "i1").astype(np.int8)
-    return role, unit.reshape(packed["count"], -1)
+    return role, points.reshape(packed["count"], -1)

@@ -189,8 +189,8 @@ def _keeps(row: Mapping[str, Any], kind: str, level: float) -> bool:
     if row["lower"] is None or row["runs_without"]:
         return False
     error = _error(row)
-    slack = row["lower"] - level if kind == "at_least" else level - row["upper"]
-    return error is not None and slack >= error
+    margin = row["lower"] - level if kind == "at_least" else level - row["upper"]
+    return error is not None and margin >= error
 
 
 class _Sheet:

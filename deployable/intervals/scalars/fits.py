@@ -38,9 +38,11 @@ class Kriging:
     weights: np.ndarray
     length: float
 
-    def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P, 1) of the corrected polynomial at points `unit` (P, k) in [-1, 1]^k."""
-        return self.trend.evaluate(unit) + _fading(unit, self.points, self.length) @ self.weights
+    def evaluate(self, points: np.ndarray) -> np.ndarray:
+        """Values (P, 1) of the corrected polynomial at `points` (P, k) in [-1, 1]^k."""
+        return (
+            self.trend.evaluate(points) + _fading(points, self.points, self.length) @ self.weights
+        )
 
     def formula(self) -> Formula:
         """Write the function as a table that other programs can evaluate."""
@@ -60,10 +62,10 @@ class RootFunction:
     margin: Fit
     scale: float
 
-    def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P, 1) at points `unit` (P, k) in [-1, 1]^k; margins below 0 count as 0."""
-        roots = root_coordinates(self.margin.evaluate(unit), self.scale)
-        return self.function.evaluate(np.column_stack([unit, roots]))
+    def evaluate(self, points: np.ndarray) -> np.ndarray:
+        """Values (P, 1) at `points` (P, k) in [-1, 1]^k; margins below 0 count as 0."""
+        roots = root_coordinates(self.margin.evaluate(points), self.scale)
+        return self.function.evaluate(np.column_stack([points, roots]))
 
     @property
     def trend(self) -> RootFunction:
@@ -97,8 +99,8 @@ def root_fit(
                    function=function)  # fmt: skip
 
 
-def _fading(unit: np.ndarray, points: np.ndarray, length: float) -> np.ndarray:
-    return np.exp(-scipy.spatial.distance.cdist(unit, points) / length)
+def _fading(x: np.ndarray, points: np.ndarray, length: float) -> np.ndarray:
+    return np.exp(-scipy.spatial.distance.cdist(x, points) / length)
 
 
 @dataclass(frozen=True)
@@ -131,9 +133,9 @@ class Fit:
         compare parts of the box with each other; an equal copy where there is none."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
-    def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P) of the function at points `unit` (P, k) in [-1, 1]^k."""
-        return self.function.evaluate(np.asarray(unit, dtype=float))[:, 0]
+    def evaluate(self, points: np.ndarray) -> np.ndarray:
+        """Values (P) of the function at `points` (P, k) in [-1, 1]^k."""
+        return self.function.evaluate(np.asarray(points, dtype=float))[:, 0]
 
     @property
     def mean_error(self) -> float:

@@ -49,29 +49,29 @@ class Occurrence:
         """Whether the event occurs in some of the runs, but not in all."""
         return bool(self.happens.any() and not self.happens.all())
 
-    def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Mask (P) of the points `unit` (P, k) in [-1, 1]^k at which the event occurs, by the
+    def evaluate(self, points: np.ndarray) -> np.ndarray:
+        """Mask (P) of the `points` (P, k) in [-1, 1]^k at which the event occurs, by the
         decision function (`certainty`)."""
-        return self.certainty(unit) >= 0
+        return self.certainty(points) >= 0
 
-    def certainty(self, unit: np.ndarray) -> np.ndarray:
-        """Decision function (P), no probability, at points `unit` (P, k) in [-1, 1]^k: above 0
+    def certainty(self, points: np.ndarray) -> np.ndarray:
+        """Decision function (P), no probability, at `points` (P, k) in [-1, 1]^k: above 0
         where the event occurs, below 0 where not, undecided where its size is below `doubt`.
         Everywhere plus infinity if it occurs in all runs, minus infinity if in none."""
-        unit = np.asarray(unit, dtype=float)
+        points = np.asarray(points, dtype=float)
         if not self.is_mixed:
-            return np.full(len(unit), np.inf if self.happens.all() else -np.inf)
-        return self._border(unit)
+            return np.full(len(points), np.inf if self.happens.all() else -np.inf)
+        return self._border(points)
 
-    def doubt(self, unit: np.ndarray) -> np.ndarray:
-        """Half-width (P) of the undecided band at points `unit` (P, k) in [-1, 1]^k: where the
+    def doubt(self, points: np.ndarray) -> np.ndarray:
+        """Half-width (P) of the undecided band at `points` (P, k) in [-1, 1]^k: where the
         decision function (`certainty`) is smaller in size, the runs do not determine whether the
         event occurs; 0 if it occurs in all runs or in none."""
         if not self.is_mixed:
-            return np.zeros(len(unit))
+            return np.zeros(len(points))
         certain = self._certain
         nearest = [
-            certain[kind][scipy.spatial.cKDTree(self.points[kind]).query(unit)[1]]
+            certain[kind][scipy.spatial.cKDTree(self.points[kind]).query(points)[1]]
             for kind in (self.happens, ~self.happens)
         ]
         # Runs too close together, or too rough a border: some lie on the wrong side of it.
@@ -143,10 +143,10 @@ class Occurrence:
     def _free(self) -> np.ndarray:
         return np.ptp(self.points, axis=0) > 0
 
-    def _border(self, unit: np.ndarray) -> np.ndarray:
+    def _border(self, x: np.ndarray) -> np.ndarray:
         """The smoothest function that tells the runs apart."""
         points, weights = self._support_vectors
-        return _matern(unit, points) @ weights
+        return _matern(x, points) @ weights
 
     def formula(self) -> Formula:
         """Write the decision function as a table that other programs can evaluate; takes runs that
@@ -197,9 +197,9 @@ class Occurrence:
         return points
 
 
-def _matern(unit: np.ndarray, points: np.ndarray) -> np.ndarray:
+def _matern(x: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Matérn's kernel (P, N) with two derivatives, of unit points (P, k) and (N, k)."""
-    squares = (unit**2).sum(axis=1)[:, None] + (points**2).sum(axis=1) - 2 * unit @ points.T
+    squares = (x**2).sum(axis=1)[:, None] + (points**2).sum(axis=1) - 2 * x @ points.T
     distance = np.sqrt(5 * np.maximum(squares, 0.0)) / _LENGTH
     return (1 + distance + distance**2 / 3) * np.exp(-distance)
 
@@ -215,17 +215,17 @@ class FittedOccurrence(Occurrence):
     error: float
     latest: float | None = None
 
-    def agrees(self, slack: float = 0.0) -> bool:
+    def agrees(self, tolerance: float = 0.0) -> bool:
         """Whether the decision function has the right sign in every run: in runs with the event at
-        least minus `error`, in those without below `slack` (in its unit)."""
+        least minus `error`, in those without below `tolerance` (in its unit)."""
         certainty = self.certainty(self.points)
         agreement = certainty[self.happens] >= -self.error
-        return bool(agreement.all() and (certainty[~self.happens] < slack).all())
+        return bool(agreement.all() and (certainty[~self.happens] < tolerance).all())
 
-    def certainty(self, unit: np.ndarray) -> np.ndarray:
-        """Decision function (P) at points `unit` (P, k) in [-1, 1]^k, above 0 where the event
+    def certainty(self, points: np.ndarray) -> np.ndarray:
+        """Decision function (P) at `points` (P, k) in [-1, 1]^k, above 0 where the event
         occurs: the fitted event margin, or, if of a time, the time left before `latest` (s)."""
-        values = self.fit.evaluate(unit)
+        values = self.fit.evaluate(points)
         return values if self.latest is None else self.latest - values
 
     def formula(self) -> Formula:
@@ -238,9 +238,9 @@ class FittedOccurrence(Occurrence):
         fit is of a time, the time left before `latest` (s); numbers (R): that time (s)."""
         return margins if self.latest is None else self.latest - numbers
 
-    def doubt(self, unit: np.ndarray) -> np.ndarray:
-        """Half-width (P) of the undecided band at points `unit` (P, k): the error of the fit."""
-        return np.full(len(unit), self.error)
+    def doubt(self, points: np.ndarray) -> np.ndarray:
+        """Half-width (P) of the undecided band at `points` (P, k): the error of the fit."""
+        return np.full(len(points), self.error)
 
     @property
     def _scale(self) -> float:

@@ -67,18 +67,18 @@ def estimate_bounds(
     )
 
 
-def local_errors(fit: Fit, unit: np.ndarray) -> np.ndarray:
-    """Errors (P) of a fit at points `unit` (P, k) in [-1, 1]^k, by the leave-one-out errors of the
+def local_errors(fit: Fit, x: np.ndarray) -> np.ndarray:
+    """Errors (P) of a fit at points `x` (P, k) in [-1, 1]^k, by the leave-one-out errors of the
     nearest runs: that of a run holds at the distance of its next run, and falls linearly towards
     the run."""
     points, width = fit.points, float(np.ptp(fit.values))
     errors = np.minimum(np.abs(fit.left_out), width)
     if len(points) == 1:
-        return np.full(len(unit), errors[0])
+        return np.full(len(x), errors[0])
     count = min(len(points), int((np.ptp(points, axis=0) > 0).sum()) + 2)
     tree = scipy.spatial.cKDTree(points)
     spacings = np.maximum(tree.query(points, 2)[0][:, 1], NEAREST)
-    distances, rows = tree.query(unit, count)
+    distances, rows = tree.query(x, count)
     ratios = distances[:, :1] / spacings[rows]
     return np.minimum((errors[rows] * ratios).max(axis=1), errors.max())
 

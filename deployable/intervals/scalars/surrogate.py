@@ -153,16 +153,16 @@ class ScalarSurrogate:
         so that the largest value they can have is the end of the runs, `latest`."""
         return isinstance(self.occurrence, FittedOccurrence) and self.occurrence.latest is not None
 
-    def predict(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P) of the fit at points `unit` (P, k) in [-1, 1]^k, clipped to `least` and
+    def predict(self, points: np.ndarray) -> np.ndarray:
+        """Values (P) of the fit at `points` (P, k) in [-1, 1]^k, clipped to `least` and
         `latest`; also where the quantity does not exist; `fit` must not be None."""
-        return np.clip(self.fit.evaluate(np.asarray(unit, dtype=float)), self.least, self.latest)
+        return np.clip(self.fit.evaluate(np.asarray(points, dtype=float)), self.least, self.latest)
 
-    def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P) of the quantity at points `unit` (P, k) in [-1, 1]^k, NaN if absent."""
+    def evaluate(self, points: np.ndarray) -> np.ndarray:
+        """Values (P) of the quantity at `points` (P, k) in [-1, 1]^k, NaN if absent."""
         if self.fit is None:
-            return np.full(len(unit), np.nan)
-        return np.where(self.occurrence.evaluate(unit), self.predict(unit), np.nan)
+            return np.full(len(points), np.nan)
+        return np.where(self.occurrence.evaluate(points), self.predict(points), np.nan)
 
     def formulas(self) -> tuple[Formula | None, Formula | bool]:
         """Two tables that other programs can evaluate: of the fit, None without one; and of the

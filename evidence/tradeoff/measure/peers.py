@@ -56,8 +56,8 @@ def measure_peers(notify: Callable[[str], object] = print) -> dict:
 
 def _problem(case: Case, choice: Choice, design, runs: Runs, tested: np.ndarray) -> dict:
     """What a peer is given, all responses side by side: values (N, n T)."""
-    rows = intervals.match_points(design.points, runs.unit)
-    truth = runs.values[intervals.match_points(tested, runs.unit)]
+    rows = intervals.match_points(design.points, runs.points)
+    truth = runs.values[intervals.match_points(tested, runs.points)]
     return {
         "points": design.points,
         "values": runs.values[rows].reshape(len(rows), -1),
@@ -93,7 +93,7 @@ def _fit_error(answer: dict, problem: dict) -> dict:
 
 def _bounds(case: Case, runs: Runs, line: np.ndarray) -> list[dict]:
     """Bounds of the velocity at a few instants between the closures: error and calls of methods."""
-    rows = intervals.match_points(line, runs.unit)
+    rows = intervals.match_points(line, runs.points)
     indices = np.linspace(0.45, 0.85, INSTANTS) * (len(runs.time) - 1)
     curves = runs.values[rows, 1][:, indices.astype(int)]
     low, high = curves.min(axis=0), curves.max(axis=0)

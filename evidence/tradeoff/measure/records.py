@@ -45,8 +45,8 @@ def measure_case(case: Case, notify: Callable[[str], object] = print) -> dict:
         "phases": list(phases),
         "reference": {
             "elements": finest_level.elements,
-            "runs": len(finest.unit),
-            "cpu": finest.cost(len(finest.unit)),
+            "runs": len(finest.points),
+            "cpu": finest.cost(len(finest.points)),
             "rounds": len(rounds) - 1,
             "missing": missing(case, finest_level, rounds, phases),
         },

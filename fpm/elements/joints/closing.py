@@ -65,7 +65,7 @@ def count_joints(part, condition):
 @kernel
 def count_conditions(sums, part, condition):
     """Add the impulses (N s, N m s) last found for all constraint equations to `sums` (Joints.sums,
-    over a step; None: nothing is done), where `condition` (lanes) < 0: slack of the gaps, < 0 where
+    over a step; None: nothing is done), where `condition` (lanes) < 0: margin of gaps, < 0 where
     one is too large and bodies are pushed again, or ALL. part: arrays of all joints."""
     if sums is not None:
         for r in range(sums.shape[0]):

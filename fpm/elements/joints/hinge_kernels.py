@@ -203,16 +203,16 @@ def move(part, world, timing):
         is_open = False
         for h in range(w.shape[0]):
             if open_[h]:
-                slack = distance(w, h, timing.step, load(world.size, 0, 0))
-                open_[h] = any_negative(slack)
+                margin = distance(w, h, timing.step, load(world.size, 0, 0))
+                open_[h] = any_negative(margin)
                 if open_[h] and n + 1 == ROUNDS:
                     open_[h] = False
                     watch(part, *gap_squares(part, state, h))
                 if open_[h]:
                     is_open = True
                     for r in (2 * h, 2 * h + 1):
-                        push_where_far(state, ends[r], r, b, slack)
-                    count_hinge(part.sums, part, h, slack)
+                        push_where_far(state, ends[r], r, b, margin)
+                    count_hinge(part.sums, part, h, margin)
         if not is_open:
             break
     for h in range(w.shape[0]):
@@ -265,9 +265,9 @@ def distance(w, h, step, size):
     most = coarse(step, size)
     gap, gap2 = get3(w, h, GOAL), get3(w, h, GOAL + 5)
     ep, eq = load(w, h, GOAL + 3), load(w, h, GOAL + 4)
-    slack = 1.0 - (dot(gap, gap) + dot(gap2, gap2)) * (most * most)
+    margin = 1.0 - (dot(gap, gap) + dot(gap2, gap2)) * (most * most)
     tilt = 1.0 - (ep * ep + eq * eq) * (step / COARSE_TILT) ** 2
-    return where_negative(tilt, tilt, slack)
+    return where_negative(tilt, tilt, margin)
 
 
 report_gaps(Hinges, gap_squares)

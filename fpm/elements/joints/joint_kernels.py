@@ -242,13 +242,13 @@ def move(part, world, timing):
     most = coarse(1.0, load(world.size, 0, 0))
     for n in range(ROUNDS):
         move_bodies(part, state, n > 0, timing.step)
-        slack = 0.0 * load(state, 0, X) + 1.0
+        margin = 0.0 * load(state, 0, X) + 1.0
         for j in range(part.types.shape[0]):
             gap2, tilt2 = find_gaps(part, state, j)
             value = 1.0 - gap2 * (most * most)
-            slack = where_negative(value, value, slack)
+            margin = where_negative(value, value, margin)
             value = 1.0 - tilt2 * (1.0 / COARSE_TILT**2)
-            slack = where_negative(value, value, slack)
+            margin = where_negative(value, value, margin)
             if n + 1 == ROUNDS:
                 watch(part, gap2, tilt2)
         if n == 0:
@@ -256,11 +256,11 @@ def move(part, world, timing):
                 miss = inverse_step * load(rows, r, RESIDUAL) + load(rows, r, MISS)
                 store(rows, r, MISS, miss)
         find_impulses(part, -inverse_step)
-        if n + 1 == ROUNDS or not any_negative(slack):
+        if n + 1 == ROUNDS or not any_negative(margin):
             break
         for s in range(part.particle.shape[0]):
-            push_where_far(part, state, s, slack)
-        count_joints(part, slack)
+            push_where_far(part, state, s, margin)
+        count_joints(part, margin)
     for s in range(part.particle.shape[0]):
         nudge(part, state, s, timing.step)
     count_joints(part, ALL)

@@ -37,7 +37,7 @@ def program_digest() -> str:
     return f"{PROGRAM.digest()}{sources.MECHANICS.digest()}"
 
 
-def made_by(structure: str) -> str:
+def digest_code(structure: str) -> str:
     """Digest (16 hex digits) of all code that decides what is stored of a run, part of the run's
     id; structure: digest of the structure's files and mechanics (`SceneType.digest`)."""
     text = f"{structure} {PROGRAM.digest(include=RUN_CODE, exclude=LOG_CODE)}"

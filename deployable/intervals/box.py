@@ -158,7 +158,7 @@ def match_points(points: np.ndarray, runs: np.ndarray, tolerance: float = 1e-8) 
     return index
 
 
-def other_runs(runs: np.ndarray, points: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
+def find_other_runs(runs: np.ndarray, points: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
     """Find the runs that are at none of the design's points, which may test a fit to that design:
     increasing indices into `runs` (R, k), normalized points of the runs; points (N, k): those of
     the design; tolerance: largest difference of a coordinate between equal points."""

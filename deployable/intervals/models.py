@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
-from .box import match_points, other_runs
+from .box import find_other_runs, match_points
 from .designs import Design, fit
 from .estimates import (
     AVERAGED,
@@ -67,7 +67,7 @@ class PolynomialModel(Model):
 
     def __init__(self, samples: Samples, design: Design, *, tolerance: float = 1e-3) -> None:
         self.samples, self.tolerance = samples, tolerance
-        self.test_rows = other_runs(samples.points, design.points)
+        self.test_rows = find_other_runs(samples.points, design.points)
         self.design = design
         self.surrogate = fit(design, samples.values[match_points(design.points, samples.points)])
         self.attributes = {"design_runs": design.runs}
@@ -188,7 +188,7 @@ class SplineModel(Model):
         points = self.spline.points
         tests_spline = (np.abs(points) < 1).all(axis=1)
         if design is not None:
-            tests_spline[other_runs(points, design.points[:, self.order])] = True
+            tests_spline[find_other_runs(points, design.points[:, self.order])] = True
         self.tests_spline = tests_spline if tests_spline.any() else ~tests_spline
         is_adaptive = design is not None and design.method == "adaptive"
         self.averages = is_adaptive and (self.spline.scales > 0).sum() <= AVERAGED

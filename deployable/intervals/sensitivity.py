@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .box import match_points, other_runs
+from .box import find_other_runs, match_points
 from .chebyshev import Surrogate
 from .designs import Design, fit
 from .estimates import decay_estimate, widen
@@ -117,7 +117,7 @@ def sensitivity_dataset(
 
 def _error(data: Samples, design: Design, surrogate: Surrogate) -> np.ndarray:
     """What the polynomial misses runs by that it was not fitted to, (n, T), widened in time."""
-    test_rows = other_runs(data.points, design.points)
+    test_rows = find_other_runs(data.points, design.points)
     if not len(test_rows):
         return decay_estimate(surrogate, data.time)
     residuals = np.abs(data.values[test_rows] - surrogate.evaluate(data.points[test_rows]))

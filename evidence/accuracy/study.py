@@ -56,7 +56,7 @@ def claims(m: Measured) -> list[Row]:
     by_choice = {result.choice: result for result in m.results}
     source = f"{REFERENCE} elements a link, step {m.reference.step:.2g} s"
 
-    def error_between(choice: Choice) -> float:
+    def find_error(choice: Choice) -> float:
         return by_choice[choice].phases[1].bd
 
     rows = [
@@ -68,10 +68,10 @@ def claims(m: Measured) -> list[Row]:
     ]  # fmt: skip
     for n in (8, 12):
         for kind in ("trapezium", "gregory-2"):
-            ratio = error_between(Choice(n)) / error_between(Choice(16, lumping=kind))
+            ratio = find_error(Choice(n)) / find_error(Choice(16, lumping=kind))
             name = f"{n} elements over 16 with {kind} masses: BD between"
             rows.append(at_most(name, ratio, 1.0, source))
-    ratio = error_between(Choice(12)) / error_between(Choice(12, safety=0.1))
+    ratio = find_error(Choice(12)) / find_error(Choice(12, safety=0.1))
     name = "step at 0.9 of the limit over 0.1: BD between"
     rows.append(at_most(name, ratio, 1.5, source, "the step costs nothing"))
     name = "two runs whose steps differ: BD after the second closure (m)"

@@ -35,7 +35,7 @@ def attack(
             end = time.monotonic() + 60.0 * minutes / len(kinds)
             while time.monotonic() < end:
                 _attack_once(kind, rng.choice(victims), place, ledger, hunt, rng)
-            print(f"{kind} done, {ledger.bad_count} bad so far", flush=True)
+            print(f"{kind} done, {ledger.count_bad} bad so far", flush=True)
             write_text(folder / "table.md", table(ledger, hunt))
     return ledger, hunt
 

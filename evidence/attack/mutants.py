@@ -60,10 +60,10 @@ class Hunt:
             self._place = place
         name, number = self.rng.choice(all_sites(self._patterns))
         line, change, tree = change_at(parsed(name), number)
-        noticed = self.noticed_by(place, place / name, ast.unparse(tree), nearest(name))
+        noticed = self.find_detector(place, place / name, ast.unparse(tree), nearest(name))
         self.mutants.append({"file": name, "line": line, "change": change, "noticed": noticed})
 
-    def noticed_by(self, place: Path, path: Path, text: str, tests: list[str]) -> str | None:
+    def find_detector(self, place: Path, path: Path, text: str, tests: list[str]) -> str | None:
         """What notices another text of a file in a copy: the first test that fails, or the time.
 
         Only files of tests count that pass as the code is.

@@ -84,7 +84,7 @@ def run_seconds(folder: Path, module: str, *arguments: str) -> float:
 
 
 @cache
-def snakemake_alone(cores: int) -> Row:
+def measure_snakemake(cores: int) -> Row:
     """What Snakemake takes itself of a campaign's wall time."""
     rules = [END, f"rule all:\n    input: {[*IDLE]}\n    localrule: True\n"]
     for rule, needs in IDLE.items():
@@ -130,7 +130,7 @@ def timed(
         cpu = cpu_of_children() - cpu_start
         spans = jobs(folder)
         manifests = manifests_in(folder)
-    alone_row = snakemake_alone(cores)
+    snakemake_row = measure_snakemake(cores)
     first = spans[0][1] - origin if spans else wall
     busy_seconds = union([(start, end) for _, start, end in spans])
     runs = sum(manifest["runs"] for manifest in manifests)
@@ -141,7 +141,7 @@ def timed(
         info("all", wall, "s", f"{runs} runs in {len(manifests)} batches"),
         info("cpu time of all processes", cpu, "s"),
         info("a dry run: interpreter, imports, plan of the jobs", dry, "s"),
-        alone_row,
+        snakemake_row,
         info("until the first job starts", first, "s"),
         info("between jobs and at the end", wall - first - busy_seconds, "s"),
         *rules(spans),

@@ -125,10 +125,10 @@ def memory(steps: int, times: int = 10, instants: int = 2001) -> list[Row]:
     long, base = _measure_growth(instants, times * steps, step)
     dense, _ = _measure_growth(times * (instants - 1) + 1, times * steps, step)
     note = f"{short / 1024:.1f} MiB for 8 samples, on top of {base / 1024:.0f} MiB of the process"
-    bytes_each = 1024 * (dense - long) / ((times - 1) * (instants - 1) * LANES)
+    item_bytes = 1024 * (dense - long) / ((times - 1) * (instants - 1) * LANES)
     return [
         at_most(name, (long - short) / 1024, 1.0, note=note, unit="MiB more"),
-        info("memory for what is recorded", bytes_each, "bytes per instant and sample"),
+        info("memory for what is recorded", item_bytes, "bytes per instant and sample"),
     ]
 
 

@@ -101,15 +101,15 @@ def judge(
     *,
     reference: str = "finer",
     duration: float | None = None,
-    past_closure: bool = False,
+    is_whole_run: bool = False,
 ) -> list[Row]:
     """Rows of one case; value: errors of BD (largest) and of B's velocity (root mean square) up to
     the first closure, as shares of their ranges; accuracy: how large they may be.
 
     reference: "rigid" (the equation of motion of one degree of freedom) or "finer" (twice the
-    elements, half the share of the step). past_closure: judge the whole run, impact and all.
+    elements, half the share of the step). is_whole_run: judge the whole run, impact and all.
     """
-    duration = duration or (1.25 if past_closure else 1.0) * closing_time(**parameters)
+    duration = duration or (1.25 if is_whole_run else 1.0) * closing_time(**parameters)
     rows, name, mesh, outcome = persist(name, duration, parameters)
     if outcome is None:
         return rows
@@ -123,5 +123,5 @@ def judge(
             return [*rows, Row(name, "no reference", passed=False, note=str(error))]
         expected, expected_closing = curves(finer), first_closing(finer)
         source = f"{2 * mesh[0]} elements, half the share of the limit"
-    end = duration if past_closure else 0.98 * min(closing, expected_closing)
+    end = duration if is_whole_run else 0.98 * min(closing, expected_closing)
     return rows + compare(name, outcome, expected, end, accuracy, source)

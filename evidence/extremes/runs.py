@@ -46,7 +46,7 @@ def starts() -> list[Row]:
         stiff = {"start": degrees, "E": 2.1e11}
         rows += judge(f"{name}, E = 2.1e11 Pa", stiff, reference="rigid")
     name, close = "start 0.01° from closure", {"start": CLOSURE - 0.01}
-    options = {"duration": 0.02, "past_closure": True}
+    options = {"duration": 0.02, "is_whole_run": True}
     rows += judge(f"{name}, E = 2.1e11 Pa", {**close, "E": 2.1e11}, reference="rigid", **options)
     rows += judge(name, close, WAVES, **options)
     rows.append(rest("start at closure", {"start": CLOSURE}))

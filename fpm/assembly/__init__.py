@@ -150,8 +150,8 @@ class _RestSearch:
             return state, count
         sides = [self._follow(state, impulses, direction) for direction in (step, -step)]
         sides = sorted((side for side in sides if side), key=lambda side: side[0])
-        energy_here = self._elastic.energy(state)
-        if sides and not self._differ(sides, energy_here):
+        energy = self._elastic.energy(state)
+        if sides and not self._differ(sides, energy):
             self._check_strains(sides[0][1])
             return sides[0][1], count + sum(side[2] for side in sides)
         requirement = "a stable position; this one snaps, and none was found downhill of it"
@@ -161,7 +161,7 @@ class _RestSearch:
                 "a straight bar pressed beyond its buckling load: `curvature` of the bar says to "
                 "which"
             )
-        raise MisfitError("assembly", f"{energy_here:.4g} J in an unstable position", requirement)
+        raise MisfitError("assembly", f"{energy:.4g} J in an unstable position", requirement)
 
     def _differ(self, sides: Sequence[tuple], energy: float) -> bool:
         """Whether the ends of both sides, lower first, have one energy, that of the poses between

@@ -29,7 +29,7 @@ from fpm.kernels.hooks import IMPORTED, KERNELS
 from fpm.kernels.vectors import OPTIONS
 
 
-def own_sources(parts: tuple[type, ...]) -> dict[Path, str]:
+def find_user_sources(parts: tuple[type, ...]) -> dict[Path, str]:
     """Return digests, by path, of the files outside of the package fpm on which the compiled code
     of some element types depends: where their arrays and kernels are defined, and files beside
     these that they import. parts: classes of the named tuples that their kernels take. Raises
@@ -49,7 +49,7 @@ def source_digest(parts: tuple[type, ...] = ()) -> str:
     """Return a digest (16 hex digits) of numba's version, the kernel sources of fpm, and the
     sources of element types from elsewhere, by which compiled code is named. parts: classes of the
     named tuples that the types' kernels take."""
-    digests = [digest for _, digest in sorted(own_sources(parts).items())]
+    digests = [digest for _, digest in sorted(find_user_sources(parts).items())]
     text = repr([numba.__version__, sources.kernels(), digests])
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
@@ -125,10 +125,10 @@ def loop_for(arguments: tuple, entry: str = "loop") -> Callable:
     if ready not in READY:  # to find the whole signature takes milliseconds
         with THREADS, _one_at_a_time(folder := cache_folder(kinds, entry)) as is_locked:
             run = _loop(kinds, entry, is_cached=is_locked)
-            if is_locked and (bad_files := _damaged_files(folder)):
+            if is_locked and (files := _damaged_files(folder)):
                 logging.getLogger(__name__).warning(
                     "%s: compiled code that is not as it was written; it is made again",
-                    ", ".join(str(folder / name) for name in bad_files),
+                    ", ".join(str(folder / name) for name in files),
                 )
                 for path in _cache_files(folder):
                     path.unlink(missing_ok=True)

@@ -38,7 +38,7 @@ def find_failures(parts, world, record, row, n, tolerance):
             record.failed_balance[s] = record.energies[row, BALANCE, s]
             # They grow on while other lanes run.
             for k in range(world.most.shape[0]):
-                record.failed_watched[k, s] = world.peaks[0, k, s]
+                record.failed_peaks[k, s] = world.peaks[0, k, s]
             record.failed_row[s] = worst_row(parts, world, record.failed_cause[s], s)
             running -= 1
     return running == 0

@@ -160,7 +160,7 @@ def kernels() -> str:
     return MECHANICS.digest(include=("elements", "kernels"))
 
 
-def own_sources(*starts: Path) -> set[Path]:
+def find_user_sources(*starts: Path) -> set[Path]:
     """Return the Python files `starts`, all files outside fpm that they import from beside or below
     them, directly or not, and for each the file beside it named with `_kernels` behind (its
     kernels). Imports within branches count too. Raises SceneError for a start that is no file."""
@@ -182,10 +182,10 @@ def own_sources(*starts: Path) -> set[Path]:
 
 def digests(path: Path) -> dict[Path, str]:
     """Return digests, by path, of a file outside of fpm and of the files beside it that it imports
-    (`own_sources`), as they are now; {} for a file of fpm, whose code has its own digest."""
+    (`find_user_sources`), as they are now; {} for a file of fpm, whose code has its own digest."""
     if PACKAGE in path.parents:
         return {}
-    return {file: tree_digest(file) for file in own_sources(path)}
+    return {file: tree_digest(file) for file in find_user_sources(path)}
 
 
 def file_of(definition: Callable) -> Path:

@@ -67,7 +67,7 @@ class Record(NamedTuple):
     velocities (m/s) of named points; energies (J): kinetic, balance, accounts, stored by type. Of
     the first failed check, lanes last: failed_step: its step, -1: none; failed_cause: watched
     quantity's index, -1: balance; failed_row: worst element, a row of World.rows; failed_balance
-    (J); failed_watched: World.peaks then. scale (lanes,): largest energy so far (J)."""
+    (J); failed_peaks: World.peaks then. scale (lanes,): largest energy so far (J)."""
 
     points: np.ndarray  # ((instants + 1) p, POINT, lanes)
     energies: np.ndarray  # (instants + 1, ACCOUNTS + accounts + kinds that store, lanes)
@@ -75,5 +75,5 @@ class Record(NamedTuple):
     failed_cause: np.ndarray  # (lanes,) what was watched and is too large; -1: the balance
     failed_row: np.ndarray  # (lanes,) the worst element, a row of World.rows; -1: none
     failed_balance: np.ndarray  # (lanes,) J
-    failed_watched: np.ndarray  # (w, lanes) World.peaks then
+    failed_peaks: np.ndarray  # (w, lanes) World.peaks then
     scale: np.ndarray  # (lanes,) largest energy so far

@@ -61,7 +61,7 @@ def whole_motion(
     points = len(_ARMS) * 6 * instants * 8  # numbers of one particle, with 8 runs side by side
     passes = max(1, round(np.ceil(count * points / MOST_RECORDED)))
     runs: list[list[tuple]] = [[] for _ in scenes]
-    rows = chosen_instants(duration, instants, frames, times)
+    rows = choose_instants(duration, instants, frames, times)
     for particles in np.array_split(np.arange(count), min(passes, count)):
         outcomes = simulate([_with_points(s, particles) for s in scenes], **arguments)
         for parts, outcome in zip(runs, outcomes, strict=True):
@@ -81,7 +81,7 @@ def whole_motion(
     return datasets
 
 
-def chosen_instants(duration: float, instants: int, frames: int, times=()) -> np.ndarray:
+def choose_instants(duration: float, instants: int, frames: int, times=()) -> np.ndarray:
     """Return the indices (k,), increasing, of the recorded instants that are returned: `frames`
     evenly spread ones, and those nearest to `times` (s). duration: of the run (s); instants: number
     of recorded ones, evenly spread from 0 to `duration`."""

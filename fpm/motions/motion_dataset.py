@@ -122,10 +122,10 @@ def _moving(motion: RecordedMotion, elements: int) -> dict[str, tuple]:
     rows = motion.rows
     stress = np.zeros((len(motion.position), elements))  # none in rigid bodies, which come last
     if beams := motion.scene.beams:
-        found_stress = element_stress(
+        stresses = element_stress(
             motion.scene, beams, lambda p: motion.position[:, p], lambda p: motion.frame[:, p]
         )
-        stress[:, : found_stress.shape[1]] = found_stress
+        stress[:, : stresses.shape[1]] = stresses
     vector, element = ("time", "particle", "axis"), ("time", "element")
     points = [motion.outcome.points[name][0][rows] for name in motion.scene.points]
     places = np.stack(points, axis=1) if points else np.zeros((len(rows), 0, 3))

@@ -34,9 +34,9 @@ def value_at(curves: Curves, response: Response, instant: float, event: bool) ->
     if event:  # those that a few steps cannot tell apart are one
         instant = float(times[np.searchsorted(times, instant - MIN_STEPS * step)])
     later_events = times[np.searchsorted(times, instant, side="left" if event else "right") :]
-    past_events = times[times < instant] if event else times[times <= instant]
+    earlier_events = times[times < instant] if event else times[times <= instant]
     upper = np.inf if not len(later_events) else later_events[0] - step
-    lower = -np.inf if not len(past_events) else past_events[-1] + SPREAD * step
+    lower = -np.inf if not len(earlier_events) else earlier_events[-1] + SPREAD * step
     rounding = 1e-6 * step  # of times
     indices = np.flatnonzero((time >= lower - rounding) & (time <= upper + rounding))
     if event and (value := _continued(curves, response, indices[-5:], instant)) is not None:

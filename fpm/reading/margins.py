@@ -107,7 +107,7 @@ def driving(works: Mapping[str, np.ndarray]) -> list[str]:
     return [part for part, work in works.items() if work.max() > DRIVES * largest]
 
 
-def led_curves(scene, responses: Iterable[Any]) -> Any:
+def sweep_travel(scene, responses: Iterable[Any]) -> Any:
     """Move openings of a scene slowly, as responses that are margins need it, without a simulation.
     Returns an object that serves as argument `run` of `values`, `least` and `torque_budget`:
     `columns`: results by (variable, label); `time`: 201 values from 0 to 1."""
@@ -257,14 +257,14 @@ class _WeightedTravel:
 def values(response: Any, run: Any) -> np.ndarray:
     """Return the margin (t,), without unit and at most 99, at t positions evenly spaced over its
     travel, as many as the run has instants. response: a margin, made by `read`; run: `Curves`, or
-    from `led_curves`."""
+    from `sweep_travel`."""
     time = run.time
     return _WeightedTravel(response, run).margin((time - time[0]) / (time[-1] - time[0]))
 
 
 def least(response: Any, run: Any) -> tuple[float, float]:
     """Return the least margin over its travel, and the opening (rad, m) there. response: a margin,
-    made by `read`; run: recorded series (`Curves`) of a run, or what `led_curves` returns."""
+    made by `read`; run: recorded series (`Curves`) of a run, or what `sweep_travel` returns."""
     travel = _WeightedTravel(response, run)
     position, margin = travel.least()
     return margin, float(interpolate(travel.positions, travel.opening, np.array([position]))[0])
@@ -272,7 +272,7 @@ def least(response: Any, run: Any) -> tuple[float, float]:
 
 def torque_budget(response: Any, run: Any) -> Budget:
     """Return the torque budget, component by component, at the opening where a margin is least.
-    response: the margin, made by `read`; run: `Curves` of a run, or what `led_curves` returns."""
+    response: the margin, made by `read`; run: `Curves` of a run, or what `sweep_travel` returns."""
     travel = _WeightedTravel(response, run)
     position, margin = travel.least()
     points = np.array([position])

@@ -286,7 +286,7 @@ def _power(response: Response, run: Curves) -> np.ndarray:
     return rate * np.sum([np.zeros_like(rate), *columns], axis=0)
 
 
-def _lost_energy(response: Response, run: Curves) -> np.ndarray:
+def _dissipated_energy(response: Response, run: Curves) -> np.ndarray:
     """Energy (t,) J lost so far: by all, an account of the balance, or what a part of the moments
     has neither done as work on the hinges nor stored."""
     kind, energies = response.subjects[0], run.energies
@@ -365,6 +365,6 @@ KINDS = {
     "opening_rate": ResponseType(partial(_opening, unit="rad s-1", words="rate of the opening")),
     "joint_moment": ResponseType(_moment, _sum, optional=("part",), shock=True),
     "joint_power": ResponseType(_moment, _power, optional=("part",), shock=True),
-    "loss": ResponseType(_loss, _lost_energy),
+    "loss": ResponseType(_loss, _dissipated_energy),
     "margin": ResponseType(margins.read, margins.values, ("to", "standard"), margins.OPTIONAL),
 }  # fmt: skip

@@ -23,7 +23,7 @@ def outcome_of(
     None where a step was given; extra: columns (variable, label) that were recorded on request."""
     batch, parts, world, record = run
     scene, instants = batch.scenes[lane], len(times)
-    steps = division.per_instant * (instants - 1)
+    steps = division.output_steps * (instants - 1)
     tracks = record.points[:, :, lane].reshape(instants + 1, len(scene.points), 6)[:instants]
     points = {name: (tracks[:, n, :3], tracks[:, n, 3:]) for n, name in enumerate(scene.points)}
     for name, beam in scene.points.items():
@@ -42,7 +42,7 @@ def outcome_of(
         except SceneError as error:  # this sample cannot do what is to be recorded of it
             failure = error
     watches = [watch for kind in batch.kinds for watch in kind.watches]
-    values = record.failed_watched[:, lane] if is_failed else world.peaks[0, :, lane]
+    values = record.failed_peaks[:, lane] if is_failed else world.peaks[0, :, lane]
     largest = {watch.name: float(x) for watch, x in zip(watches, values, strict=True)}
     if is_failed:
         limit = limit or stable_step(scene)

@@ -73,11 +73,13 @@ def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tupl
     yield "a run", f"{len(scene.elements)} elements, {steps}, {seconds}"
 
 
-def _opening(hinge: Hinge, given_opening: float) -> str:
+def _opening(hinge: Hinge, specified_opening: float) -> str:
     """The opening of a hinge at the start, and the stated one if parts were forced to another."""
     kind = {"prismatic": "slide, ", "universal": "universal, ", "cross": "universal, "}
-    text, given_text = (opening_text(hinge, opening) for opening in (hinge.opening, given_opening))
-    suffix = f", stated as {given_text}" if text != given_text else ""
+    text, specified_text = (
+        opening_text(hinge, opening) for opening in (hinge.opening, specified_opening)
+    )
+    suffix = f", stated as {specified_text}" if text != specified_text else ""
     return f"{kind.get(hinge.type, '')}opening {text}{suffix}"
 
 

@@ -245,7 +245,7 @@ class PointKey(Key):
         if not isinstance(node.value, str):
             place.refuse(node, self.allowed)
         point = place.reference(node, "points")
-        return lambda build: (build.only_part_with(point, place.key), build.get("points", point))
+        return lambda build: (build.find_part(point, place.key), build.get("points", point))
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from typing import Any
 from fpm.errors import ChangedError, SceneError
 from fpm.kernels import sources
 
-SEEN_PACKAGES = {"numpy", "scipy", "numba", "fpm"}
+TRACED_PACKAGES = {"numpy", "scipy", "numba", "fpm"}
 """Packages beside Python's own whose compiled code opens files by Python only."""
 
 UNSEEN = {
@@ -67,8 +67,8 @@ class FileRecord:
         and modules that are not installed are imported for its structure alone."""
         _hook()
         outer, _THREAD.record = current_record(), self
-        own_modules = _own_modules()
-        for name in own_modules:
+        user_modules = _find_user_modules()
+        for name in user_modules:
             del sys.modules[name]
         sys.modules.update(self.modules)
         sys.meta_path.insert(0, finder := _Finder(self))
@@ -76,10 +76,10 @@ class FileRecord:
             yield
         finally:
             sys.meta_path.remove(finder)
-            self.modules = _own_modules()
+            self.modules = _find_user_modules()
             for name in self.modules:
                 del sys.modules[name]
-            sys.modules.update(own_modules)
+            sys.modules.update(user_modules)
             _THREAD.record = outer
 
     def note(self, file: Any, flags: int) -> None:
@@ -113,7 +113,7 @@ class FileRecord:
         structure's digest, 16 hex digits. data: its DATA, glob patterns of the files that it reads;
         None if it has none. Raises ChangedError if a file changed since it was read."""
         self.data = None if data is None else tuple(data)
-        code = sources.own_sources(self.path, *(p for p in self.files if p.suffix == ".py"))
+        code = sources.find_user_sources(self.path, *(p for p in self.files if p.suffix == ".py"))
         for path in (*code, *self._states_now, *self._data_files()):
             self.files.setdefault(path, _digest(path))
         for path, state in self._states_now.items():
@@ -177,7 +177,7 @@ class FileRecord:
             return []
         readers = sorted(set(self.unseen))
         names = (n for p in self.files if p.suffix == ".py" for n in sources.packages_imported(p))
-        for name in sorted(set(names) - SEEN_PACKAGES):
+        for name in sorted(set(names) - TRACED_PACKAGES):
             if name in UNSEEN or (name not in sys.stdlib_module_names and _is_installed(name)):
                 readers.append(f"import {name}")
         return readers
@@ -281,7 +281,7 @@ def is_installed(file: str) -> bool:
 _PACKAGES = re.compile(r"[/\\](site|dist)-packages[/\\]")
 
 
-def _own_modules() -> dict[str, ModuleType]:
+def _find_user_modules() -> dict[str, ModuleType]:
     """Modules in memory that are not installed."""
     modules = {}
     for name, module in list(sys.modules.items()):

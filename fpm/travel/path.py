@@ -251,8 +251,8 @@ class Path:
         drift[:, :3, 3:] = np.cross(np.eye(3), offset[:, None] / self._size).swapaxes(1, 2)
         drift = drift.reshape(-1, 6)  # lengths by the size
         rows = scaled(self._conditions.jacobian(poses), self._weight, self._scales)
-        ruled_out = np.vstack([rows @ drift, drift[is_held]])
-        _, sizes, directions = np.linalg.svd(ruled_out)
+        excluded = np.vstack([rows @ drift, drift[is_held]])
+        _, sizes, directions = np.linalg.svd(excluded)
         free = directions[np.sum(sizes > DRIFT_TOLERANCE * sizes.max(initial=1.0)) :]
         if len(free):
             first = 6 * int(np.argmax(self.scene.mass))

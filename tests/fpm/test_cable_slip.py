@@ -14,7 +14,7 @@ from fpm.elements.cables.cable_slip_kernels import (
     RATIO,
     RUBBED,
     START,
-    find_alone,
+    find_free_strains,
     strain_before,
 )
 from fpm.kernels.lanes import load, store
@@ -32,7 +32,7 @@ class Chain(NamedTuple):
 @njit(error_model="numpy")
 def settle(part, found):
     last = found.shape[0]
-    find_alone(part, 0, last, CLOSE * load(part.rest, 0, 0))
+    find_free_strains(part, 0, last, CLOSE * load(part.rest, 0, 0))
     strain = load(part.rubbed, last - 1, FREE_STRAIN)
     for j in range(last - 1, -1, -1):
         store(found, j, 0, strain)

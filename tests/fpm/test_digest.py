@@ -195,10 +195,10 @@ def test_kernels_from_elsewhere_that_changed_are_not_compiled(tmp_path, monkeypa
     )
     monkeypatch.syspath_prepend(str(tmp_path))
     parts = (importlib.import_module("tether_kernels").Tethers,)
-    assert [found.name for found in compiled.own_sources(parts)] == [path.name]
+    assert [found.name for found in compiled.find_user_sources(parts)] == [path.name]
     edit(path, "pass", "return")
     with pytest.raises(fpm.SceneError, match=r"tether_kernels\.py changed since it was imported"):
-        compiled.own_sources(parts)
+        compiled.find_user_sources(parts)
 
 
 def test_a_structure_s_own_file_counts_for_it_alone():
@@ -247,7 +247,7 @@ def test_own_sources_are_the_files_beside_that_are_imported(tmp_path, imports):
     for name, text in others.items():
         (room / f"{name}.py").write_text(text)
     (room / "mast.py").write_text(imports)
-    found = {path.name for path in sources.own_sources(room / "mast.py")}
+    found = {path.name for path in sources.find_user_sources(room / "mast.py")}
     assert found - {"between.py", "__init__.py"} == {"mast.py", "helper.py"}
 
 
@@ -257,13 +257,13 @@ def test_own_sources_are_the_files_beside_that_are_imported(tmp_path, imports):
 def test_a_file_beside_of_the_same_name_is_not_one_from_elsewhere(tmp_path, imports):
     (tmp_path / "helper.py").write_text("")
     (tmp_path / "mast.py").write_text(imports)
-    assert sources.own_sources(tmp_path / "mast.py") == {(tmp_path / "mast.py").resolve()}
+    assert sources.find_user_sources(tmp_path / "mast.py") == {(tmp_path / "mast.py").resolve()}
 
 
 def test_kernels_beside_a_kind_count_with_it(tmp_path):
     for name in ("spring", "spring_kernels", "other_kernels"):
         (tmp_path / f"{name}.py").write_text("")
-    found = {path.name for path in sources.own_sources(tmp_path / "spring.py")}
+    found = {path.name for path in sources.find_user_sources(tmp_path / "spring.py")}
     assert found == {"spring.py", "spring_kernels.py"}
 
 
@@ -272,9 +272,9 @@ def test_code_that_is_in_no_file_is_refused(tmp_path):
     exec("def build(): pass\nclass Arrays: pass", names)
     for thing in (names["build"], names["Arrays"]):
         with pytest.raises(fpm.SceneError, match="expected code in a Python file"):
-            sources.own_sources(sources.file_of(thing))
+            sources.find_user_sources(sources.file_of(thing))
     with pytest.raises(fpm.SceneError, match="expected code in a Python file"):
-        sources.own_sources(tmp_path)
+        sources.find_user_sources(tmp_path)
 
 
 def test_digests_kept_by_another_version_are_not_met(tmp_path, monkeypatch):

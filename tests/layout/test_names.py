@@ -120,7 +120,7 @@ PLANTED = {
     "def here(it, *, told=1, **others): pass": "here it told others",
     "f = lambda at: at": "at",
     "class Held:\n    known: int\n    above = watched = 1\n    along: int": "Held known watched",
-    "self.left, self.at = 1, 2": "left",
+    "self.left, self.along = 1, 2": "left",
     "def along(): shut = 1": "shut",
     "for one in x: pass": "one",
     "with x as this: pass": "this",

@@ -269,4 +269,4 @@ def _levels(plan: Plan, components: tuple) -> dict[str, RefinementLevel]:
 
 
 def halved(time: TimeStep) -> TimeStep:
-    return replace(time, step=time.step / 2, steps_per_instant=2 * time.steps_per_instant)
+    return replace(time, step=time.step / 2, output_steps=2 * time.output_steps)

@@ -136,7 +136,7 @@ def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
     return refinement
 
 
-def runs_there(campaign: Campaign, folder: Folder) -> str:
+def describe_stored_runs(campaign: Campaign, folder: Folder) -> str:
     """Return text for users: how many runs of a campaign its folder of results has stored, and why
     others must be made again; empty where it has none, and with an `accuracy`."""
     keep = campaign.jobs.keep

@@ -66,7 +66,9 @@ def answer(
     finer = estimate_discretization_errors(model, bounds) if verify.discretization else {}
     dataset = quantities_dataset(model, bounds, finer)
     write_dataset(dataset, folder.quantities, "Intervals of quantities")
-    write_dataset(further_dataset(model), folder.further, "Further runs for bounds of quantities")
+    write_dataset(
+        make_further_dataset(model), folder.further, "Further runs for bounds of quantities"
+    )
 
 
 def quantities_dataset(
@@ -147,7 +149,7 @@ def _put_occurrence(
     """In how many runs, and in which share of the box, there is such a number."""
     from deployable.intervals.scalars import Limit, share_of_box
 
-    counts = np.isfinite(model.numbers[model.distinct_rows]).sum(axis=0) + model.unfitted_with
+    counts = np.isfinite(model.numbers[model.distinct_rows]).sum(axis=0) + model.unfitted_counts
     variables.put("runs_with", _DIM, counts, "number of runs with the quantity", "1")
     absences = len(model.distinct_rows) + model.unfitted - counts
     variables.put("runs_without", _DIM, absences, "number of runs without the quantity", "1")
@@ -181,7 +183,7 @@ def _put_shares(variables: _Variables, model: ModelEvaluator, bounds: list[Quant
         variables.put(name, _DIMS, values, text, units)
 
 
-def further_dataset(model: ModelEvaluator) -> Any:
+def make_further_dataset(model: ModelEvaluator) -> Any:
     """Make the content of `further.nc`, an `xarray.Dataset` of the runs that `model` added beyond
     the plan: ids, points, parameter values, quantities and event margins."""
     import xarray as xr

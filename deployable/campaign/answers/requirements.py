@@ -86,8 +86,8 @@ def _met(model: ModelEvaluator, result: LimitAssessment, indices: list[int]) -> 
         return {"met": "all" if sure else "undecided", **row, "share": 1.0 if is_kept else fraction}
     if fraction > 0 or is_met.any():
         return {"met": "some", **row}
-    never_kept = [i for i in indices if not (result.margins[i] >= 0).any()]
-    if never_kept and not any(is_refuted(model, result, i) for i in never_kept):
+    violated_limits = [i for i in indices if not (result.margins[i] >= 0).any()]
+    if violated_limits and not any(is_refuted(model, result, i) for i in violated_limits):
         return {"met": "some", **row, "share_uncertainty": 1.0}
     return {"met": "none", **row}
 

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import fpm
-from deployable.campaign.answers.estimate import estimate, runs_there
+from deployable.campaign.answers.estimate import describe_stored_runs, estimate
 from deployable.campaign.cli.new import make_folder, starts
 from deployable.campaign.config.cases import variants
 from deployable.campaign.config.check import load_config
@@ -131,7 +131,7 @@ def _check(options: argparse.Namespace) -> int:
 
 def _tell_variant(prefix: str, campaign: Campaign, results: Path) -> None:
     """Print what is to be known of a campaign, or of one of its cases, before it runs."""
-    progress = runs_there(campaign, Folder(results / campaign.name))
+    progress = describe_stored_runs(campaign, Folder(results / campaign.name))
     print(f"{prefix}{campaign.name}, {estimate(campaign)}{progress and '; '}{progress}")
     for text in campaign.experiment.warnings:
         print(f"{prefix}warning: {text}")

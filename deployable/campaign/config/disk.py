@@ -12,7 +12,7 @@ LISTED = 100_000
 """Runs up to which nobody asks whether the disk has room for them."""
 
 
-_OTHER_CURVES = 10  # of a trajectory, beside points and hinges: time, gaps, energies
+_TRAJECTORY_CURVES = 10  # of a trajectory, beside points and hinges: time, gaps, energies
 _EVENTS_BYTES = 40  # of a run's impacts, compressed: some ten
 
 
@@ -33,18 +33,18 @@ def count_curves(experiment: Experiment) -> int:
     """Return how many curves over time the trajectory of a run has, responses not counted, by which
     its size is estimated. experiment: has the scene and the recorded columns."""
     scene = experiment.nominal_scene
-    return 6 * len(scene.points) + len(scene.hinges) + _OTHER_CURVES + len(experiment.record)
+    return 6 * len(scene.points) + len(scene.hinges) + _TRAJECTORY_CURVES + len(experiment.record)
 
 
 def room_problems(campaign: Campaign) -> list[str]:
     """Check that the disk of the working folder has room for a campaign's runs: returns a list,
     with a sentence on what is wrong and allowed, or empty if it has."""
-    bytes_each, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
+    run_bytes, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
     samples, keep = campaign.experiment.design.samples, campaign.jobs.keep
-    if samples * bytes_each <= room:
+    if samples * run_bytes <= room:
         return []
     return [
         f"design.samples: {samples} runs with jobs.keep {keep} take about "
-        f"{size_text(samples * bytes_each)}, and the disk has {size_text(room)}; allowed: at most "
-        f"{int(room / bytes_each)}, or jobs.keep extremes"
+        f"{size_text(samples * run_bytes)}, and the disk has {size_text(room)}; allowed: at most "
+        f"{int(room / run_bytes)}, or jobs.keep extremes"
     ]

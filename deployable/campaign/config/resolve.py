@@ -30,7 +30,7 @@ from deployable.campaign.config.sections import (
 from fpm import SceneError
 from fpm.errors import did_you_mean
 
-OWN_FACTORS = ("uncertainty_factors", "actuation_factors", "classes")
+FACTOR_KEYS = ("uncertainty_factors", "actuation_factors", "classes")
 """Keys of a margin by which it is no longer that of its standard."""
 
 
@@ -88,7 +88,7 @@ def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
     definitions = dict(config.margins)
     if config.review:  # beside a margin by factors of its own, that by the standard's
         for name, definition in config.margins.items():
-            if factors := set(OWN_FACTORS) & set(definition):
+            if factors := set(FACTOR_KEYS) & set(definition):
                 rest = {key: value for key, value in definition.items() if key not in factors}
                 if name + BY_STANDARD in config.margins:
                     problems.append(

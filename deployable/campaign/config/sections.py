@@ -37,7 +37,7 @@ from deployable.campaign.config.models import (
     Verify,
 )
 from deployable.campaign.errors import CampaignError, HeldConfigError
-from deployable.campaign.provenance import made_by
+from deployable.campaign.provenance import digest_code
 from fpm import SceneError, structures
 from fpm.files.outcome import eventful
 from fpm.reading.constraint_forces import undetermined_forces
@@ -222,7 +222,7 @@ class Experiment:
     @property
     def mechanics(self) -> str:
         """Digest of the structure and of all code that computes runs, part of each run's id."""
-        return made_by(self.scene_type.digest)
+        return digest_code(self.scene_type.digest)
 
     @cached_property
     def curves(self) -> list[Any]:

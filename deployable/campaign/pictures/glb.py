@@ -88,8 +88,8 @@ def _content(motion: xarray.Dataset, buffer: _Buffer, small: bool) -> dict[str, 
     quaternion = _quaternions(turn)
     poses = zip(place[0].tolist(), quaternion[0].tolist(), strict=True)
     particles = [
-        {"name": f"particle {p}", "translation": x, "rotation": turn_now}
-        for p, (x, turn_now) in enumerate(poses)
+        {"name": f"particle {p}", "translation": x, "rotation": quaternion_now}
+        for p, (x, quaternion_now) in enumerate(poses)
     ]
     nodes: list[dict] = [{"name": f"particles of {motion.attrs['scene']}"}]
     meshes = _mesh(motion, buffer)

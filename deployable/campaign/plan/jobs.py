@@ -26,7 +26,7 @@ def run_seconds(experiment: Experiment, time: TimeStep) -> float:
     everywhere. time: time step of the plan."""
     instants = experiment.solver.instants
     return effort.run_seconds(
-        experiment.nominal_scene, time.steps_per_instant * (instants - 1), instants
+        experiment.nominal_scene, time.output_steps * (instants - 1), instants
     )
 
 

@@ -3,7 +3,7 @@
 `plan.json` holds it:
 
     campaign, config_hash, config   the sections of the config that decide the runs, resolved
-    step, step_limit (s), limiting_element, steps_per_instant, assembly_energy (J), mechanics
+    step, step_limit (s), limiting_element, output_steps, assembly_energy (J), mechanics
     runs      [{id, role, normalized (k), values (k)}], one a line; role: node, nominal or held_out
     packed    in the place of these, where they are many: {count, role, normalized}, the arrays
               (count) of indices into `ROLES`, one byte each, and (count, k) of little-endian
@@ -49,14 +49,14 @@ MOST_LISTED = 10_000
 
 @dataclass(frozen=True)
 class TimeStep:
-    """Time step of all runs of a plan: `step` (s); `steps_per_instant`, steps between recorded
+    """Time step of all runs of a plan: `step` (s); `output_steps`, steps between recorded
     instants; `step_limit` (s), the largest stable step, set by the element `limiting_element`, or
     the time between instants where nothing limits it;
     `assembly_energy`, largest strain energy (J) of a run's start, where parts that do not fit are
     forced together."""
 
     step: float
-    steps_per_instant: int
+    output_steps: int
     step_limit: float
     limiting_element: str
     assembly_energy: float = 0.0
@@ -178,7 +178,7 @@ def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
     for problem in steps_problems(solver, largest):
         raise CampaignError(problem)
     division = fpm.divide_time(solver.duration, solver.instants, largest)
-    return TimeStep(division.step, division.per_instant, limit, element, energy)
+    return TimeStep(division.step, division.output_steps, limit, element, energy)
 
 
 def share(items: list, part: int, parts: int) -> list:
@@ -216,7 +216,7 @@ def read_plan(path: str | Path) -> Plan:
 def _plan(path: str | Path, data: Mapping) -> Plan:
     experiment, mechanics = Experiment.of_results(data["config"]), str(data["mechanics"])
     time = _time(data)
-    if not time.step > 0 or time.steps_per_instant < 1:
+    if not time.step > 0 or time.output_steps < 1:
         raise ValueError("its step is not above 0")
     for problem in steps_problems(experiment.solver, time.step):
         raise ValueError(problem)

@@ -225,7 +225,7 @@ def _run_counts(facts: dict) -> dict[str, int]:
     return {**runs, "all": sum(runs.values())}
 
 
-def known_error(kind: str, error: float) -> float | None:
+def drop_unknown_error(kind: str, error: float) -> float | None:
     """Return the estimated error of bounds unchanged, or None where it is 0 because nothing is
     known: bounds of a scan (least and largest sample) that the second half of its runs did not
     change. kind: attribute `bounds_kind` of `bounds.nc`; error: in the response's unit."""
@@ -255,9 +255,11 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict[s
     if "error" in bounds.variables:
         error = bounds["error"][i]
         worst = int(error.argmax())
-        row["largest_error"] = known_error(bounds.bounds_kind, float(error[worst]))
+        row["largest_error"] = drop_unknown_error(bounds.bounds_kind, float(error[worst]))
         row["time_of_largest_error"] = float(time[worst])
-        row["error_at_largest_difference"] = known_error(bounds.bounds_kind, float(error[instant]))
+        row["error_at_largest_difference"] = drop_unknown_error(
+            bounds.bounds_kind, float(error[instant])
+        )
         if extrapolation := _extrapolated_error(bounds, i, instant):
             row["extrapolated_error"] = extrapolation
     row["grade"] = grade(row["error_at_largest_difference"], row["largest_difference"])

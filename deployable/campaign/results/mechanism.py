@@ -106,7 +106,7 @@ def margin_of(
             if latch.hinge in indices and low + room < latch.angle < high - room
         ],
         "motors": [nominal.hinges[motor.hinge].name for motor in Motor.find(nominal)],
-        "own": own_settings(nominal, definition, response),
+        "own": list_deviations(nominal, definition, response),
         "weaker": weaker_classes(nominal, response),
         "added": [f"{key} {definition[key]:g}" for key in ("accelerate", "deliver")
                   if definition.get(key)],
@@ -126,7 +126,7 @@ def _travel_sweep(experiment: Any) -> Callable:
 
     @cache
     def curves(values: tuple[float, ...], columns: tuple) -> Any:
-        return margins.led_curves(scene(values), [replace(experiment.curves[0], columns=columns)])
+        return margins.sweep_travel(scene(values), [replace(experiment.curves[0], columns=columns)])
 
     def sweep(values: tuple[float, ...], response: Any) -> Any:
         definition = {
@@ -186,7 +186,7 @@ def travel_of(
     return [sign * min(sign * start for start in starts), sign * max(ends)] if ends else None
 
 
-def own_settings(scene: Any, definition: Mapping[str, Any], response: Any) -> list[str]:
+def list_deviations(scene: Any, definition: Mapping[str, Any], response: Any) -> list[str]:
     """List the factors and classes in a margin's config that differ from those of the standard or
     the structure, a text each, such as `motor 1.5 for 3`. scene: `fpm.Scene`; definition: the
     margin's part of the config; response: the margin, as a `Response`."""

@@ -99,7 +99,9 @@ def rows_of(facts: Mapping[str, Any], experiment: Any, standard: str) -> list[di
     quantity). facts: the campaign's results as plain data (`facts_of`), with `mechanism`
     (`mechanism_of`); experiment: of the campaign's plan; standard: a key of `CLAUSES`."""
     sheet = _Sheet(facts, experiment, standard)
-    return [row for clause in CLAUSES[standard] for row in sheet.rows(clause)] + sheet.other_rows()
+    return [
+        row for clause in CLAUSES[standard] for row in sheet.rows(clause)
+    ] + sheet.list_other_rows()
 
 
 def head_of(
@@ -222,7 +224,7 @@ class _Sheet:
         rows = [row for row in rows if row] or [_row("", NO_VERDICT)]
         return [{"clause": clause.number, "asks": clause.asks} | row for row in rows]
 
-    def other_rows(self) -> list[dict[str, str]]:
+    def list_other_rows(self) -> list[dict[str, str]]:
         """The rows that answer no clause: margins by other standards, and the campaign's own
         requirements; call it after `rows` of all clauses."""
         rows = []

@@ -194,9 +194,9 @@ class ScanExtremes(common.Store):
         path = self.folder / f"{self.file_of(group)}.{chunk.mask.sum()}.nc"
         with whole_file(path, {"name": common.title(path)}) as temporary:
             chunk.write(temporary)
-        for old_path in self._files(group):
-            if old_path != path:
-                old_path.unlink(missing_ok=True)
+        for stale_path in self._files(group):
+            if stale_path != path:
+                stale_path.unlink(missing_ok=True)
 
 
 def _runs_in(path: Path) -> int:

@@ -136,7 +136,7 @@ class Workflow:
         names = ["summary.json", "summary.md", *(n for s in last for n in s.leaves(self.campaign))]
         return [str(self.folder / name) for name in names]
 
-    def other_report(self, results: Path = Path("results")) -> str:
+    def write_other_report(self, results: Path = Path("results")) -> str:
         """Write a message that another campaign than this one was the last to be run, by the times
         of `<campaign>/report.html` in the folder `results`; "" if this one was, or none has a
         report. For `snakemake --report` without `--configfile`."""

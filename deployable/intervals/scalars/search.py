@@ -150,7 +150,7 @@ def _spaced(runs: np.ndarray, candidates: np.ndarray) -> list[np.ndarray]:
     points: list[np.ndarray] = []
     gaps = scipy.spatial.cKDTree(runs).query(candidates)[0]
     for point, gap in zip(candidates, gaps, strict=True):
-        is_apart = all(np.linalg.norm(point - known_point) > gap / 2 for known_point in points)
+        is_apart = all(np.linalg.norm(point - neighbour) > gap / 2 for neighbour in points)
         if len(points) < _INFILL and gap > NEAREST and is_apart:
             points.append(point)
     return points

@@ -316,16 +316,16 @@ def influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
     nominal = np.asarray(nominal, dtype=float)
     k = len(nominal)
     side = np.ones(k)
-    own_widths, fixed_widths, halved = np.zeros((3, k))
+    lone_widths, fixed_widths, halved = np.zeros((3, k))
     for j in range(k):
         lower, upper = nominal.copy(), nominal.copy()
         lower[j], upper[j] = -1.0, 1.0
-        own_widths[j] = surrogate.range(lower, upper).width
+        lone_widths[j] = surrogate.range(lower, upper).width
         for widths, part in ((fixed_widths, 0.0), (halved, 0.5)):
             lower, upper = -side, side.copy()
             lower[j] = nominal[j] + part * (-1.0 - nominal[j])
             upper[j] = nominal[j] + part * (1.0 - nominal[j])
             widths[j] = surrogate.range(lower, upper).width
-    significant = np.where(own_widths > surrogate.error, own_widths, 0.0)
+    significant = np.where(lone_widths > surrogate.error, lone_widths, 0.0)
     share = significant / (significant.sum() or 1.0)
-    return Influence(surrogate.range().width, own_widths, share, fixed_widths, halved)
+    return Influence(surrogate.range().width, lone_widths, share, fixed_widths, halved)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from evidence.attack.metamorphic.image import Image, entries, scale
-from evidence.attack.metamorphic.openings import OPENINGS, openings_of, other_zeros, swapped
+from evidence.attack.metamorphic.openings import OPENINGS, openings_of, shift_zeros, swapped
 from evidence.attack.metamorphic.parts import reversed_cables, split, with_inert
 from evidence.attack.metamorphic.space import mirrored, rotated
 from evidence.attack.metamorphic.written import Structure, map_numbers
@@ -108,7 +108,7 @@ FAMILIES: dict[str, Callable[[Structure, random.Random], Image | None]] = {
     "renamed": renamed,
     "reordered": reordered,
     "in other units": rescaled,
-    "openings from other zeros": other_zeros,
+    "openings from other zeros": shift_zeros,
     "parts of joints swapped": swapped,
     "bodies split": split,
     "with inert parts": with_inert,

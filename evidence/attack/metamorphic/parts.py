@@ -10,7 +10,7 @@ import numpy as np
 
 from evidence.attack.metamorphic.drawn import GROUND
 from evidence.attack.metamorphic.image import Image, entries
-from evidence.attack.metamorphic.openings import OPENINGS, ends_of, some_joints
+from evidence.attack.metamorphic.openings import OPENINGS, draw_joints, ends_of
 from evidence.attack.metamorphic.written import Structure
 from fpm.structures.statement import ON_SLIDES, SLIDE
 
@@ -95,7 +95,7 @@ def with_inert(structure: Structure, rng: random.Random) -> Image:
     clone = copy.deepcopy(structure)
     clone["points"] |= {"i0": [3.0, 1.0, 0.0], "i1": [3.0, 1.5, 0.0]}
     actions = clone.setdefault("actions", {})
-    hinged = some_joints(clone, OPENINGS, rng)
+    hinged = draw_joints(clone, OPENINGS, rng)
     for k, joint in enumerate(n + end for n in hinged for end in ends_of(clone["joints"][n])):
         slides = clone["joints"].get(joint, {}).get("type") == SLIDE
         present = {action["type"] for action in actions.values() if action.get("joint") == joint}

@@ -72,7 +72,7 @@ def rms(a: np.ndarray, b: np.ndarray) -> float:
     return float(np.sqrt(np.mean((a - b) ** 2)))
 
 
-def as_accurate(error: float, fine: np.ndarray, duration: float) -> tuple[int, float]:
+def find_equal_mesh(error: float, fine: np.ndarray, duration: float) -> tuple[int, float]:
     """Our coarsest mesh whose error is at most `error` (m), and its error; else the finest."""
     for elements in range(3, 4 * ELEMENTS):
         deviation = rms(distances(elements, duration), fine)
@@ -94,8 +94,8 @@ def exudyn(duration: float, repeats: int, cases=None) -> list[Row]:
     count = beam_count(scene)
     name = f"ours: 4 x {ELEMENTS} elements, a sample of a batch of 32"
     rows = [info(name, cost, COST, f"BD off by {error:.2g} m (rms)")]
-    told_scene = describe(scene, omitted=("Contact",))
-    task = {"structure": told_scene, "duration": duration, "instants": 11, "runs": EXUDYN[:cases]}
+    description = describe(scene, omitted=("Contact",))
+    task = {"structure": description, "duration": duration, "instants": 11, "runs": EXUDYN[:cases]}
     exact = []
     for answer in ask(python, "exudyn_script.py", task):
         name = f"Exudyn: {answer['name']}"
@@ -119,11 +119,9 @@ def _against_exudyn(
     cost, error = result
     fastest, deviation, version = min(exact)
     name = f"{WHAT_EXUDYN} (Exudyn {version})"
-    elements, error_there = as_accurate(deviation, fine, duration)
+    elements, error_ours = find_equal_mesh(deviation, fine, duration)
     ratio = fastest / cost_of(elements, duration, repeats)
-    note = (
-        f"ours with 4 x {elements} elements, off by {error_there:.2g} m against {deviation:.2g} m"
-    )
+    note = f"ours with 4 x {elements} elements, off by {error_ours:.2g} m against {deviation:.2g} m"
     best_off, seconds = min((deviation, seconds) for seconds, deviation, _ in exact)
     return [
         at_least(f"{name}: as many elements", fastest / cost, 100.0, unit="x"),

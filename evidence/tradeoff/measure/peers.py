@@ -44,7 +44,7 @@ def measure_peers(notify: Callable[[str], object] = print) -> dict:
         runs = simulate(case, ELEMENTS, 0.9, np.concatenate([points, line]))
         problem = _problem(case, choice, design, runs, tested)
         notify(f"peers: {len(problem['points'])} runs of case {name}, {choice.label}")
-        fits.append({"by": "intervals", "case": name, **_own_fit(design, problem)})
+        fits.append({"by": "intervals", "case": name, **_fit_ours(design, problem)})
         for peer in ("chaospy", "openturns"):
             answer = run_peer(peer, problem)
             row = answer if "skipped" in answer else _fit_error(answer, problem)
@@ -68,7 +68,7 @@ def _problem(case: Case, choice: Choice, design, runs: Runs, tested: np.ndarray)
     }
 
 
-def _own_fit(design, problem: dict) -> dict:
+def _fit_ours(design, problem: dict) -> dict:
     start = time.perf_counter()
     surrogate = intervals.fit(design, problem["values"])
     seconds = time.perf_counter() - start

@@ -46,13 +46,13 @@ class Runs:
         """Cpu time (s) of so many runs, in whole batches."""
         return math.ceil(runs / LANES) * self.cpu
 
-    def with_runs(self, other_runs: Runs) -> Runs:
+    def with_runs(self, runs: Runs) -> Runs:
         """These runs and more of the same level; the cost of a batch stays that of these."""
         return replace(
             self,
-            points=np.concatenate([self.points, other_runs.points]),
-            values=np.concatenate([self.values, other_runs.values]),
-            events=[*self.events, *other_runs.events],
+            points=np.concatenate([self.points, runs.points]),
+            values=np.concatenate([self.values, runs.values]),
+            events=[*self.events, *runs.events],
         )
 
     def samples(self, points: np.ndarray):

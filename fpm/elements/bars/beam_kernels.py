@@ -70,7 +70,7 @@ def twist_of(a2, a3, b2, b3):
 
 
 @kernel
-def _own_axes(part, state, e):
+def _element_axes(part, state, e):
     """Axes of an element of `StraightElements`, as `end_axes`."""
     a, b = part.nodes[e, 0], part.nodes[e, 1]
     return get3(state, a, D2), get3(state, a, D3), get3(state, b, D2), get3(state, b, D3)
@@ -95,7 +95,7 @@ def end_axes(part, state, e):
 
 
 def _axes_for(arrays: type):
-    return _framed_axes if arrays is FramedElements else _own_axes
+    return _framed_axes if arrays is FramedElements else _element_axes
 
 
 @overload(end_axes, jit_options=INLINED)

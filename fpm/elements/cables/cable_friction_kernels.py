@@ -20,12 +20,12 @@ from fpm.elements.cables.cable_kernels import (
     UNSTRAINED_BEFORE,
     energy_of_cable,
     find_pull,
+    find_unstrained_length,
     lay,
     list_excess,
     note_events,
     pull_points,
     record_cable,
-    unstrained_now,
     work_of_winch,
 )
 from fpm.elements.cables.cable_slip_kernels import (
@@ -38,7 +38,7 @@ from fpm.elements.cables.cable_slip_kernels import (
     START,
     TENSION,
     TENSION_BEFORE,
-    find_alone,
+    find_free_strains,
     positive,
     strain_before,
 )
@@ -121,7 +121,7 @@ def slip(part, c, rest, excess, turn):
         store(part.rubbed, j, START, start)
         rest_sum = rest_sum + start
     store(part.rubbed, first, START, rest - rest_sum)
-    find_alone(part, first, last, CLOSE * rest)
+    find_free_strains(part, first, last, CLOSE * rest)
 
 
 @kernel
@@ -152,7 +152,7 @@ def find_tensions(part, world, timing, c):
     """Find and store in part.rubbed the tension (N) of every stretch of cable c, which has
     friction: measures its lengths, and lets it slip. part: arrays of all cables; world: solver
     state; timing: times of this step (s)."""
-    length, rest = lay(part, world.state, c), unstrained_now(part, world, timing, c)
+    length, rest = lay(part, world.state, c), find_unstrained_length(part, world, timing, c)
     last, excess = load(part.state, c, LONGER), length - rest
     reeled = rest - load(part.state, c, UNSTRAINED)
     store(part.state, c, LONGER_BEFORE, last)
@@ -201,9 +201,9 @@ def work_before(part, world, timing):
         last_gain = gain(part, first, soft)
         work = work - load(part.rubbed, first, SLIPPED) * last_gain
         for j in range(first + 1, part.start[c + 1] - 1):
-            this_gain = gain(part, j, soft)
-            loss = loss + load(part.rubbed, j, SLIPPED) * (this_gain - last_gain)
-            last_gain = this_gain
+            factor = gain(part, j, soft)
+            loss = loss + load(part.rubbed, j, SLIPPED) * (factor - last_gain)
+            last_gain = factor
     store(world.accounts, 0, part.account, work)
     store(world.accounts, 0, part.loss, loss)
 

@@ -85,7 +85,7 @@ def lay(part, state, c):
 
 
 @kernel
-def unstrained_now(part, world, timing, c):
+def find_unstrained_length(part, world, timing, c):
     """Return the unstrained length (m) of cable c at timing.time, less what its winch has taken in.
     part: arrays of all cables; world: solver state, with the curves; timing: step times (s)."""
     rest = load(part.cables, c, REST)
@@ -102,7 +102,7 @@ def find_pull(part, world, timing, c):
     store(part.state, c, LONGER_BEFORE, load(part.state, c, LONGER))
     store(part.state, c, UNSTRAINED_BEFORE, load(part.state, c, UNSTRAINED))
     store(part.state, c, WINCH_BEFORE, load(part.state, c, WINCH))
-    rest = unstrained_now(part, world, timing, c)
+    rest = find_unstrained_length(part, world, timing, c)
     stretch, last = length - rest, load(part.state, c, LONGER_BEFORE)
     stiffness = load(part.cables, c, EA) / rest
     pull = stiffness * (where_negative(stretch, 0.0, stretch) + edge(stretch, last))

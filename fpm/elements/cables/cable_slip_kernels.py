@@ -60,7 +60,7 @@ def find_flow(part, first, j, strain):
 
 
 @kernel
-def strain_alone(part, first, j, tight, slope, close):
+def find_free_strain(part, first, j, tight, slope, close):
     """Return the strain of stretch j > first if nothing could slip over the point at its end, 0 if
     slack, and the derivative of `find_flow` (m) there. At this strain `find_flow` is 0: found by
     Newton's method between bounds, from the solution to first order. part: arrays of all cables;
@@ -101,7 +101,7 @@ def strain_before(part, j, strain):
 
 
 @kernel
-def find_alone(part, first, last, close):
+def find_free_strains(part, first, last, close):
     """Store in part.rubbed (FREE_STRAIN) the strain that each stretch of a cable would have if it
     slipped over the points before, but nothing over that at the stretch's end. part: arrays of all
     cables; first, last: indices of the cable's first and last point; close: error of unstrained
@@ -112,5 +112,5 @@ def find_alone(part, first, last, close):
     store(part.rubbed, first, FREE_STRAIN, strain)
     for j in range(first + 1, last):
         tight = tight + (load(part.stretches, j, LENGTH) - load(part.rubbed, j, START))
-        strain, slope = strain_alone(part, first, j, tight, slope, close)
+        strain, slope = find_free_strain(part, first, j, tight, slope, close)
         store(part.rubbed, j, FREE_STRAIN, strain)

@@ -80,7 +80,7 @@ class JointBase(ElementType):
         """Check, before the joint is added, that no hinge or joint of the scene has its name; else
         raises SceneError. scene: the joint is not yet in it."""
         names = {self.name} if self.type == "cross" else {self.name, self.joint}
-        if names & names_taken(scene):  # the first angle has checked for the second
+        if names & list_names(scene):  # the first angle has checked for the second
             raise SceneError(type(self).__name__.lower(), self.joint, "a name not yet used")
 
     @classmethod
@@ -204,7 +204,7 @@ class Hinge(JointBase):
         def lone(rows_of):  # which are alone is the same in all scenes of a batch
             return lambda scene: rows_of(scene, [scene.hinges[i] for i in indices])
 
-        axes = [held_axes(hinge.support) for hinge in hinges]
+        axes = [mask_axes(hinge.support) for hinge in hinges]
         is_counted = cls.are_impulses_read(batch.scene)
         return arrays.Hinges(
             ends=batch.integers(cls.moved_particles(batch.scene)),
@@ -224,7 +224,7 @@ class Hinge(JointBase):
         )
 
 
-def names_taken(scene) -> set[str]:
+def list_names(scene) -> set[str]:
     """Return the names in use by all hinges and joints of a scene, with which a new name is
     compared; of universal joints also those of their two angles."""
     names = {e.name for kind, elements in scene.kinds.items() if kind.joins for e in elements}
@@ -243,10 +243,10 @@ def _bodies(scene, hinges: Sequence[Hinge]) -> np.ndarray:
 
 
 def _places(scene, hinges: Sequence[Hinge]) -> np.ndarray:
-    return np.hstack([[held_axes(hinge.support) for hinge in hinges], places_of(scene, hinges)])
+    return np.hstack([[mask_axes(hinge.support) for hinge in hinges], places_of(scene, hinges)])
 
 
-def held_axes(letters: str) -> list[bool]:
+def mask_axes(letters: str) -> list[bool]:
     """Return three truth values: whether the global axes x, y, z are among `letters`, as "xz"."""
     return [axis in letters for axis in AXES]
 
@@ -310,7 +310,7 @@ def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:
 def _is_regular(support: str, fixed1: bytes, fixed2: bytes) -> bool:
     """Whether a lone hinge's matrix is regular, by held axes of point (letters) and particles."""
     fixed1, fixed2 = np.frombuffer(fixed1, bool), np.frombuffer(fixed2, bool)
-    point = np.array(held_axes(support))
+    point = np.array(mask_axes(support))
     doubled = (fixed1[:3] & fixed2[:3]) | ((fixed1[:3] | fixed2[:3]) & point)
     in_part = any(turns.any() and not turns.all() for turns in (fixed1[3:], fixed2[3:]))
     return not (doubled.any() or in_part or (fixed1[3:].all() and fixed2[3:].all()))

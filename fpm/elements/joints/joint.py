@@ -23,7 +23,7 @@ from fpm.elements.joints.hinge import (
     are_alone,
     arms,
     gap_watches,
-    held_axes,
+    mask_axes,
     places_of,
     two_of,
     unit,
@@ -243,7 +243,7 @@ class Joint(JointBase):
         bodies, slots, movable, order, followers = cls._elimination(scene)
         joints, slots = [joints[j] for j in order], slots[order]
         layout, entries = pattern([j.conditions for j in joints], slots, movable, followers)
-        driven_set = set(Drive.moved_particles(scene))
+        driven_particles = set(Drive.moved_particles(scene))
         conditions, rows = sum(j.conditions for j in joints), batch.instants + 1
         coupled = arrays.Joints(
             types=batch.integers(TYPES[j.type].number for j in joints),
@@ -251,9 +251,9 @@ class Joint(JointBase):
             slots=slots.ravel(),
             sides=batch.stack(2 * len(joints), arrays.SIDE, lambda s: _sides(s, order)),
             places=batch.stack(len(joints), 3, lambda s: places_of(s, cls.find(s))[order]),
-            fixed_axes=batch.integers([held_axes(j.support_axes) for j in joints], 3),
+            fixed_axes=batch.integers([mask_axes(j.support_axes) for j in joints], 3),
             particle=batch.integers(bodies),
-            is_driven=batch.integers(p in driven_set for p in bodies),
+            is_driven=batch.integers(p in driven_particles for p in bodies),
             bodies=batch.stack(len(bodies), arrays.BODY, lambda s: _bodies(s, bodies)),
             body_scratch=batch.blank(len(bodies), arrays.BODY_SCRATCH),
             rows=batch.blank(conditions, arrays.ROW),

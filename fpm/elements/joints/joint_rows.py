@@ -237,7 +237,7 @@ def opening_gap(turns, part, state, j):
     is free. turns: Joints.turns, None: 0; part: arrays of all joints; state: of the particles."""
     if turns is None:
         return 0.0 * load(state, 0, X)
-    return held_gap(part, state, j)
+    return find_lock_gap(part, state, j)
 
 
 @kernel
@@ -262,7 +262,7 @@ def put_held_row(part, state, j):
 
 
 @kernel
-def held_gap(part, state, j):
+def find_lock_gap(part, state, j):
     """Opening (rad; m on slides) that joint j holds less the value at which it is held; 0 in lanes
     where it is free. part: arrays of all joints (TurnedJoints); state: of the particles."""
     t = part.turn_of[j]

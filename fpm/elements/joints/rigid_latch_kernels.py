@@ -7,12 +7,12 @@ import numpy as np
 from fpm.elements.joints.joint_arrays import HOLDS, RATE, TARGET, Turns
 from fpm.elements.joints.turn_kernels import HOLD_FIELDS, account, end_work, moment_of
 from fpm.elements.openings.latch_kernels import (
+    CATCH_RATE,
     CATCH_TIME,
     IMPULSE,
     IS_CAUGHT,
     MOMENT,
     NEWS,
-    RATE_THERE,
     note_events,
     pass_by,
     reach_of,
@@ -146,5 +146,5 @@ def record_step(part, world, row, timing):
         impulse = 0.5 * timing.step * moment  # of the kick from now on
         store(part.track, index, 0, moment)
         store(part.track, index, 1, load(part.state, i, IMPULSE) - impulse)
-        store(part.track, index, 2, load(part.state, i, RATE_THERE))
+        store(part.track, index, 2, load(part.state, i, CATCH_RATE))
         store(part.track, index, 3, load(part.state, i, IMPACT))

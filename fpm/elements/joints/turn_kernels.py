@@ -38,7 +38,7 @@ from fpm.elements.joints.joint_kernels import (
     push_all,
 )
 from fpm.elements.joints.joint_matrix import build, factorise
-from fpm.elements.joints.joint_rows import find_gaps, find_rows, held_gap, place
+from fpm.elements.joints.joint_rows import find_gaps, find_lock_gap, find_rows, place
 from fpm.elements.openings.opening_kernels import MOMENT as ACTING
 from fpm.elements.openings.opening_kernels import NEW, OLD, WORK
 from fpm.kernels.hooks import hook
@@ -165,7 +165,7 @@ def solve(part, world, timing):
     find_rates(part, world.state)
     for t in range(part.turn_at.shape[0]):
         j = part.turn_at[t]
-        r, gap = part.pattern.first[j], held_gap(part, world.state, j)
+        r, gap = part.pattern.first[j], find_lock_gap(part, world.state, j)
         store(part.rows, r, RESIDUAL, load(part.rows, r, RESIDUAL) + (1.0 / timing.step) * gap)
     find_impulses(part, -1.0)
     tell_rates(part, world.state)

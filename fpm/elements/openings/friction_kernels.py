@@ -91,7 +91,7 @@ def bend_by_force(bearing, state, i, timing):
 
 
 @kernel
-def bends_now(bearing, part, i, psi, psi_before, timing):
+def slip_deflections(bearing, part, i, psi, psi_before, timing):
     """Return the bristle deflections (rad) at which element i slips, by table and joint force: at
     opening psi (rad) now, and at psi_before a step ago. bearing: forces of joints (JointForce),
     None where none counts; part: all friction elements (Frictions); timing: step times (s)."""
@@ -135,7 +135,7 @@ def forces(part, world, timing):
         h, last = part.hinge[i], load(part.state, i, BENDING)
         stiffness, foot = load(part.numbers, i, STIFFNESS), load(part.state, i, FOOT)
         psi, psi_before = load(part.openings.angles, h, NEW), load(part.openings.angles, h, OLD)
-        most, old_most = bends_now(part.bearing, part, i, psi, psi_before, timing)
+        most, old_most = slip_deflections(part.bearing, part, i, psi, psi_before, timing)
         rate = follow_rate(part.openings, part.rates, i, h, timing)
         trial = psi - foot
         sign = where_negative(trial, -1.0, 0.0 * trial + 1.0)

@@ -18,7 +18,7 @@ from pathlib import Path
 import deployable
 from fpm.kernels import sources
 
-PROGRAM = sources.Imported(Path(__file__).parents[1], deployable.FILES)
+PROGRAM = sources.PackageFiles(Path(__file__).parents[1], deployable.FILES)
 """Of the program without the mechanics, from before anything of it was imported."""
 
 RUN_CODE = ("campaign/runs",)
@@ -76,7 +76,7 @@ def as_attribute() -> str:
     return json.dumps(program())
 
 
-def dated() -> dict[str, str]:
+def stamp() -> dict[str, str]:
     """Texts by name for a result's seal: `program`, `commit`, `processor`, `made` (now, UTC)."""
     moment = datetime.now(UTC).isoformat(timespec="seconds")
     return {key: program()[key] for key in ("program", "commit", "processor")} | {"made": moment}

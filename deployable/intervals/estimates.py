@@ -5,7 +5,7 @@ are within e of those of f (Hausdorff distance). It is estimated, at every insta
 
 - the largest |f - s| over the held-out runs (blind between them), and
 - the tail that the decay of the Chebyshev coefficients foretells (blind to what the nodes miss),
-  unless there are enough held-out runs to overrule it (see `overruled`),
+  unless there are enough held-out runs to overrule it (see `limit_decay`),
 
 and then widened in time: the largest estimate within a short window counts. Two oscillations that
 differ in phase agree wherever they cross, so that an instant by itself can look right by accident;
@@ -32,7 +32,7 @@ RATIOS = 2.0, 16.0
 """Least and largest ratio of two changes, as a mesh or step is halved twice, that an error is
 continued by: those of the first and of the fourth order."""
 
-AVERAGED = 3
+MAX_DIRECTIONS = 3
 """Most directions in which the left-out errors of sought runs are averaged (see `usual`)."""
 
 _INDEPENDENT = 1e-3  # least singular value, beside the largest, of what held-out runs see
@@ -119,7 +119,7 @@ def decay_estimate(
     return _tail(level.astype(int), c)
 
 
-def overruled(
+def limit_decay(
     surrogate: Surrogate,
     points: np.ndarray,
     test_points: np.ndarray,
@@ -164,10 +164,10 @@ def usual(left_out: np.ndarray, directions: int) -> np.ndarray:
     """Error (...) of a function fitted to adaptively sampled runs: a power mean of their
     leave-one-out errors `left_out` (N, ...), the power being the number of `directions` (parameters
     that vary). Any run may be next to the point that decides, and runs were placed where the fit
-    was in doubt, so that a mean counts. In more than 3 directions (`AVERAGED`), where few corners
-    have runs, the largest counts."""
+    was in doubt, so that a mean counts. In more than 3 directions (`MAX_DIRECTIONS`), where few
+    corners have runs, the largest counts."""
     size = np.abs(left_out)
-    if directions > AVERAGED:
+    if directions > MAX_DIRECTIONS:
         return size.max(axis=0)
     power = max(directions, 1)
     return (size**power).mean(axis=0) ** (1 / power)

@@ -10,15 +10,15 @@ import scipy
 from .box import find_other_runs, match_points
 from .designs import Design, fit
 from .estimates import (
-    AVERAGED,
+    MAX_DIRECTIONS,
     ErrorEstimate,
     decay_estimate,
     error_estimate,
-    overruled,
+    limit_decay,
     share_outside,
     usual,
 )
-from .ranges import Range, attained, surrogate_range
+from .ranges import Range, surrogate_range, to_range
 from .samples import Running, Samples
 from .spline_extremes import spline_range
 from .splines import check_spline_runs, fit_spline
@@ -85,7 +85,7 @@ class PolynomialModel(Model):
         points, time = samples.points[self.test_rows], samples.time
         residuals = samples.values[self.test_rows] - surrogate.evaluate(points)
         decay = decay_estimate(surrogate, time, window)
-        decay = overruled(surrogate, self.design.points, points, residuals, decay, time, window)
+        decay = limit_decay(surrogate, self.design.points, points, residuals, decay, time, window)
         return error_estimate(time, np.abs(residuals).max(axis=0, initial=0.0), decay, window)
 
     def centre(self) -> np.ndarray:
@@ -128,7 +128,7 @@ class ScanModel(Model):
         """Least and largest values (n, T) of all runs, as outer and as attained bounds, and the
         points (n, T, k) in [-1, 1]^k of these runs."""
         total = self.total
-        return attained(
+        return to_range(
             total.low, total.high, self.points[total.low_run], self.points[total.high_run]
         )
 
@@ -191,7 +191,7 @@ class SplineModel(Model):
             tests_spline[find_other_runs(points, design.points[:, self.order])] = True
         self.tests_spline = tests_spline if tests_spline.any() else ~tests_spline
         is_adaptive = design is not None and design.method == "adaptive"
-        self.averages = is_adaptive and (self.spline.scales > 0).sum() <= AVERAGED
+        self.averages = is_adaptive and (self.spline.scales > 0).sum() <= MAX_DIRECTIONS
         self.attributes = {
             "design_runs": len(points),
             "error_kind": f"{'mean' if self.averages else 'largest'} difference of a run and the "

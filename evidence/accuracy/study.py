@@ -22,7 +22,7 @@ from evidence.rows import Row, at_most
 
 
 @dataclass(frozen=True)
-class Measured:
+class Measurement:
     """All results, the reference's outcome and cpu time (s), and how far two equal runs part."""
 
     results: list[Result]
@@ -31,16 +31,16 @@ class Measured:
     difference: Phase
 
 
-def measure_all(quick: bool = False) -> Measured:
+def measure_all(quick: bool = False) -> Measurement:
     """Run all choices."""
     reference, cpu = simulate(Choice(REFERENCE))
-    return Measured(measure(CHOICES, reference), reference, cpu, reproducibility())
+    return Measurement(measure(CHOICES, reference), reference, cpu, reproducibility())
 
 
 PARTS = {"choices": measure_all}
 
 
-def report(parts: Mapping[str, Measured]) -> Report:
+def report(parts: Mapping[str, Measurement]) -> Report:
     """What the study claims, and every choice as a table and in a plot."""
     m = parts["choices"]
     extra = {
@@ -51,7 +51,7 @@ def report(parts: Mapping[str, Measured]) -> Report:
     return Report(claims(m), extra, text, {"errors": draw(m.results)})
 
 
-def claims(m: Measured) -> list[Row]:
+def claims(m: Measurement) -> list[Row]:
     """What the study claims, as rows."""
     by_choice = {result.choice: result for result in m.results}
     source = f"{REFERENCE} elements a link, step {m.reference.step:.2g} s"

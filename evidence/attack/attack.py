@@ -53,8 +53,8 @@ def _attack_once(
         attack_by_full_disk(victim, target, ledger, rng)
     elif kind == "configs":
         text = mutated(rng)
-        if checked := attack_by_config(text, target, ledger, rng.random() < 0.05):
-            attack_by_running(checked, text, target, ledger)
+        if case := attack_by_config(text, target, ledger, rng.random() < 0.05):
+            attack_by_running(case, text, target, ledger)
     elif kind == "pairs":
         attack_by_pairs(ledger, rng)
     else:

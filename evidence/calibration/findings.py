@@ -84,8 +84,8 @@ def _against_finer(scans: list[Scan], numbers: Numbers) -> list[Row]:
 def _against_rigid(main: Scan, numbers: Numbers) -> list[Row]:
     """Closing times against the rigid linkage's and its law of scaling."""
     rigid, first = rigid_closings(default("K_F")), numbers.closure(0).mean()
-    scaled = np.array([n.closure(0).mean() * np.sqrt(n.K_F) for n in main.numbers])
-    departure = np.abs(scaled / (first * np.sqrt(numbers.K_F)) - 1).max()
+    products = np.array([n.closure(0).mean() * np.sqrt(n.K_F) for n in main.numbers])
+    departure = np.abs(products / (first * np.sqrt(numbers.K_F)) - 1).max()
     return [
         near_to("first closure, mean of the samples (s)", first, rigid[0], 0.02, RIGID_SOURCE,
                 "the real links bend, the reference's do not"),

@@ -25,14 +25,14 @@ DEFAULT = (12, 0.9)
 """Elements a link and share of the stable step."""
 
 REMEDIES = ((12, 0.45), (16, 0.2), (32, 0.2), (64, 0.2))
-STRAIGHT = (0.002, 0.05)
+LINE_ACCURACY = (0.002, 0.05)
 """Accuracy of BD and of B's velocity, as shares of their ranges: links that stay nearly straight.
 
 The velocity carries waves of all lengths, which the release of the springs starts, finer than any
 mesh; BD is their integral over time.
 """
 
-CURVED = (0.005, 0.05)
+CURVE_ACCURACY = (0.005, 0.05)
 """The same where the springs bend the links by some degrees."""
 
 WHIPPING = (0.05, 0.15)
@@ -97,7 +97,7 @@ def persist(name: str, duration: float, parameters: dict, **options):
 def judge(
     name: str,
     parameters: dict,
-    accuracy: tuple[float, float] = STRAIGHT,
+    accuracy: tuple[float, float] = LINE_ACCURACY,
     *,
     reference: str = "finer",
     duration: float | None = None,

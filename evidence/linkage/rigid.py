@@ -222,13 +222,13 @@ class RigidBennett:
             )  # fmt: skip
             if solution.status < 0:
                 raise RuntimeError(f"rigid linkage: {solution.message} at t = {solution.t[-1]} s")
-            ended = solution.t[-1]
-            rows = (times >= time) & (times <= ended)
+            end_time = solution.t[-1]
+            rows = (times >= time) & (times <= end_time)
             if rows.any():
                 states[rows] = solution.sol(times[rows]).T
-            time = ended
+            time = end_time
             if solution.status == 1:
-                (openings if is_closed else closings).append(float(ended))
+                (openings if is_closed else closings).append(float(end_time))
                 state = np.array([self.beta_deployed, solution.y[1, -1]])
         return {
             "time": times,

@@ -187,8 +187,8 @@ def report(parts: Mapping[str, Any]) -> Report:
     for name in MODELS:
         facts = parts.get(f"arm-{name}")
         if facts is None:
-            skipped = "no measured curves; set MEASURED to their folder"
-            rows.append(Row(f"least band, {name} model of the arm", None, "mrad", skipped=skipped))
+            reason = "no measured curves; set MEASURED to their folder"
+            rows.append(Row(f"least band, {name} model of the arm", None, "mrad", skipped=reason))
             continue
         rows.append(info(f"least band, {name} model of the arm", facts["attained"], "mrad"))
         lines = [(p["name"], *p["before"], p["best"], *(p["after"] or ("none", "none")))

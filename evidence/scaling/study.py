@@ -9,7 +9,7 @@ import numpy as np
 
 from evidence import plots
 from evidence.results import Report, table
-from evidence.rows import Row, at_most, grouped, info
+from evidence.rows import Row, at_most, info, set_group
 from evidence.scaling import joints, masts
 from evidence.scaling.masts import Size
 
@@ -29,27 +29,27 @@ MOST_COUPLED = 4.0
 
 
 @dataclass(frozen=True)
-class Measured:
+class CostMeasurement:
     """The linkage and the masts, and seconds a step, joint and sample by case."""
 
     sizes: list[Size]
     joints: dict[str, float]
 
 
-def measure_all(quick: bool = False) -> Measured:
+def measure_all(quick: bool = False) -> CostMeasurement:
     """Run all sizes and cases."""
     if quick:
-        return Measured(masts.measure((1, 10, 20), 1000, 1), joints.measure(2000, 1))
-    return Measured(masts.measure(), joints.measure())
+        return CostMeasurement(masts.measure((1, 10, 20), 1000, 1), joints.measure(2000, 1))
+    return CostMeasurement(masts.measure(), joints.measure())
 
 
 PARTS = {"sizes": measure_all}
 
 
-def report(parts: Mapping[str, Measured]) -> Report:
+def report(parts: Mapping[str, CostMeasurement]) -> Report:
     """What the study claims, all sizes as a table, and a plot."""
     m = parts["sizes"]
-    rows = [*grouped("masts", mast_rows(m.sizes)), *grouped("joints", joint_rows(m.joints))]
+    rows = [*set_group("masts", mast_rows(m.sizes)), *set_group("joints", joint_rows(m.joints))]
     extra = {"sizes": [asdict(size) for size in m.sizes], "joints": m.joints}
     text = "\n## Sizes\n\n" + sizes_table(m.sizes)
     return Report(rows, extra, text, {"cost": draw(m.sizes)})

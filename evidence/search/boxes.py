@@ -184,7 +184,7 @@ def smooth_8(u: np.ndarray) -> np.ndarray:
     return np.sqrt(4 + linear + 0.3 * u[:, 0] * u[:, 1])
 
 
-def stopped(u: np.ndarray) -> np.ndarray:
+def cut_off(u: np.ndarray) -> np.ndarray:
     """What a stop ends."""
     return np.minimum(1 + 0.5 * u[:, 0] + 0.2 * u[:, 1] ** 2 - 0.1 * u[:, 2], 1.2)
 
@@ -217,7 +217,7 @@ BOXES = (
     Box("two humps", 2, silent(humps)),
     Box("resonance of 1", 1, silent(lambda u: resonance(u, 0.05))),
     Box("resonance of 2", 2, silent(lambda u: resonance(u, 0.06 + 0.03 * u[:, 1]))),
-    Box("stop", 3, silent(stopped)),
+    Box("stop", 3, silent(cut_off)),
     Box("slack", 2, silent(lambda u: np.maximum(0.3 * u[:, 0] - 0.2 * u[:, 1] + 0.05, 0.0))),
     Box("wave", 1, silent(lambda u: np.sin(14 * u[:, 0]) * (1 + 0.3 * u[:, 0]))),
     Box("interior", 3, silent(interior)),

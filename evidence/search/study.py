@@ -22,7 +22,7 @@ CLOSE = 0.01  # fraction of the width within which a bound is close
 
 
 @dataclass(frozen=True)
-class Searched:
+class BoxCheck:
     """The bounds of a box: true, reported, of the runs and their errors (2 each), and the runs."""
 
     name: str
@@ -73,16 +73,16 @@ class _BoxEvaluator(ModelEvaluator):
                 self.margins = np.vstack([self.margins, margins])
 
 
-def search(box: Box) -> Searched:
+def search(box: Box) -> BoxCheck:
     """Search the bounds of a box as a campaign does."""
     model = _BoxEvaluator(box)
     (bounds,) = converge_bounds(model, ITERATIONS)
     errors = tuple(max(e.error, bounds.surrogate.usual_error) for e in bounds.estimates)
     attained = bounds.lower, bounds.upper
-    return Searched(box.name, len(model.points), box.true_bounds(), bounds.outer, attained, errors)
+    return BoxCheck(box.name, len(model.points), box.true_bounds(), bounds.outer, attained, errors)
 
 
-def measure_all(quick: bool = False) -> list[Searched]:
+def measure_all(quick: bool = False) -> list[BoxCheck]:
     """Search all boxes; some with `quick`."""
     return [search(box) for box in (BOXES[:3] if quick else BOXES)]
 
@@ -90,10 +90,10 @@ def measure_all(quick: bool = False) -> list[Searched]:
 PARTS = {"boxes": measure_all}
 
 
-def report(parts: Mapping[str, list[Searched]]) -> Report:
+def report(parts: Mapping[str, list[BoxCheck]]) -> Report:
     """What the study claims, and all boxes as a table."""
     boxes = parts["boxes"]
-    covered = [b.misses() <= np.add(b.errors, FLOOR * b.width) for b in boxes]
+    coverage = [b.misses() <= np.add(b.errors, FLOOR * b.width) for b in boxes]
     is_close = [miss <= CLOSE * b.width for b in boxes for miss in b.misses()]
     worse = [
         miss > abs(run - true) + 1e-9 * b.width
@@ -101,7 +101,7 @@ def report(parts: Mapping[str, list[Searched]]) -> Report:
         for miss, run, true in zip(b.misses(), b.attained, b.true, strict=True)
     ]
     rows: list[Row] = [
-        at_least("true bounds within the reported error", float(np.mean(covered)), 0.95),
+        at_least("true bounds within the reported error", float(np.mean(coverage)), 0.95),
         at_least(f"bounds within {CLOSE:.0%} of the width", float(np.mean(is_close)), 0.8),
         at_most("reported bounds worse than those of the runs", float(np.sum(worse)), 0.0),
     ]

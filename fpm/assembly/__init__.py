@@ -105,7 +105,7 @@ def assemble(scene, hold: Sequence[str] = ()) -> None:
         scene.unstrained, scene.unstrained_position = scene.frame, scene.position
     scene.position, scene.frame = poses.position, poses.frame
     openings = tuple(hinge.opening for hinge in scene.hinges)
-    scene.hinges = [_reopened(scene, hinge) for hinge in scene.hinges]
+    scene.hinges = [_reopen(scene, hinge) for hinge in scene.hinges]
     scene.assembly = Assembly(elastic.energy(poses), *search.open_before, rounds, openings)
 
 
@@ -172,7 +172,7 @@ class _RestSearch:
 
     def _system(self, poses, bars, impulses, ratio):
         rules = self._scales, self._free, self._weight
-        return linearised(self._scene, poses, self._conditions, bars, impulses, *rules, ratio=ratio)
+        return linearise(self._scene, poses, self._conditions, bars, impulses, *rules, ratio=ratio)
 
     def _lacks(self, poses) -> np.ndarray:
         return -self._weight * self._conditions.gaps(poses)
@@ -312,7 +312,7 @@ def _negative(apply, count: int) -> np.ndarray:
     return np.array(images).T @ vectors[:, values < 0]
 
 
-def linearised(
+def linearise(
     scene, poses, conditions, elastic, impulses, scales, free, weight, ease=None, ratio=MASS_SHARE
 ):
     """Set up the linear equations of a Newton step; returns a function solve(forces, lacks) and the
@@ -321,7 +321,7 @@ def linearised(
     solve: takes forces (6n,), N and N m, and lacks (c,), what the conditions shall change by (minus
     residuals times `weight`); returns the motion (6n,), lengths as fractions of the size, and the
     change (c,) of the impulses, all NaN where the matrix is singular. scene: for masses; poses: of
-    all particles; conditions: c of them (Conditions); elastic: Elastic or Unstressed; impulses
+    all particles; conditions: c of them (Conditions); elastic: Elastic or UnstressedBeams; impulses
     (c,): of the conditions; scales (6n,): size (m), 1 for turns; free: indices of degrees of
     freedom that are not held; weight (c,): factors on the conditions; ease: how much masses hold
     motions back, times the largest (N m), None: `ratio` of the largest stiffness."""
@@ -372,7 +372,7 @@ def masses(scene, poses: ParticlePoses):
     return matrix
 
 
-def _reopened(scene, hinge):
+def _reopen(scene, hinge):
     """A hinge with the opening of the scene's current poses."""
     return replace(hinge, opening=opening_at(scene, hinge))
 

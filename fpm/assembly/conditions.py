@@ -37,7 +37,7 @@ class ParticlePoses(NamedTuple):
         """Return the poses of some particles, in the order of their indices `particles` (k,)."""
         return ParticlePoses(self.position[particles], self.frame[particles])
 
-    def nudged(self, first: int) -> "ParticlePoses":
+    def perturb(self, first: int) -> "ParticlePoses":
         """Return complex poses (12, n, ...), for derivatives (`slopes`): copies first to first + 5
         after an imaginary shift along, then turn about, each global axis; others as these."""
         position = np.tile(self.position.astype(complex), (12, 1, 1))
@@ -54,7 +54,7 @@ def slopes(function, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
     global axes. function(first, second): returns values (..., e, k); it takes complex poses and
     must be analytic: no abs (whose derivative would come out as 0), conj or casts to real numbers.
     first, second: poses of the e first and second particles."""
-    values = function(first.nudged(0), second.nudged(6))
+    values = function(first.perturb(0), second.perturb(6))
     return np.moveaxis(values.imag / STEP, 0, -1)
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from fpm.elements.cross import columns as stacked
+from fpm.elements.cross import columns as stack_columns
 from fpm.elements.kind import Eventful
 from fpm.files import classic, sealed
 
@@ -74,9 +74,9 @@ class Curves:
     @property
     def openings(self) -> dict[str, np.ndarray]:
         """Openings (t,) of all hinges by name: rad, of slides m."""
-        return {**self.labelled("opening"), **self.labelled("slide_opening")}
+        return {**self.select_columns("opening"), **self.select_columns("slide_opening")}
 
-    def labelled(self, variable: str) -> dict[str, np.ndarray]:
+    def select_columns(self, variable: str) -> dict[str, np.ndarray]:
         """Return the columns (t,) of a recorded variable by label: "cable_tension" by cable."""
         return {label: x for (name, label), x in self.columns.items() if name == variable}
 
@@ -100,7 +100,7 @@ class Curves:
             event_pairs = zip(events, starts, strict=True)
             numbers = [labels.index(number_of(e)) if e else -1 for labels, e in event_pairs]
             selection = np.flatnonzero(self.events[:, 2] == np.array(numbers, int)[element])
-            blocks.append(stacked(self.events[selection, 0], index[element[selection]], flag))
+            blocks.append(stack_columns(self.events[selection, 0], index[element[selection]], flag))
         rows = np.concatenate(blocks)
         # In order of time; what begins and ends at once begins first.
         rows = rows[np.lexsort((rows[:, 1], -rows[:, 2], rows[:, 0]))]

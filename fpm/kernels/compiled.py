@@ -25,7 +25,7 @@ from numba.core.dispatcher import Dispatcher
 from fpm.errors import ChangedError
 from fpm.kernels import run as loop
 from fpm.kernels import sources
-from fpm.kernels.hooks import IMPORTED, KERNELS
+from fpm.kernels.hooks import HASHES, KERNELS
 from fpm.kernels.vectors import OPTIONS
 
 
@@ -38,7 +38,7 @@ def find_user_sources(parts: tuple[type, ...]) -> dict[Path, str]:
     digests = {}
     for part, definition in [*((part, part) for part in parts), *kernels]:
         digests |= sources.digests(sources.file_of(definition))
-        for path, digest in IMPORTED.get(part, {}).items():
+        for path, digest in HASHES.get(part, {}).items():
             if digests.get(path, digest) != digest:
                 raise ChangedError(str(path))
     return digests

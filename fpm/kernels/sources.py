@@ -1,7 +1,7 @@
 """A digest of source code that changes with what the code does, not with how it is written.
 
 Numbers come from code in memory, names from files: so the files of a package are noted before they
-are imported (`Imported`), and one that has changed since is refused where something is named."""
+are imported (`PackageFiles`); one that has changed since is refused where something is named."""
 
 import ast
 import hashlib
@@ -32,7 +32,7 @@ made again with every page. Everything else of the mechanics counts in the names
 CODE = (".py", ".html", ".jinja", ".css", ".js", ".yaml", ".json")
 """Files of a package that decide about results, by how they end."""
 
-SHIPPED = "shipped/"
+LINKS = "shipped/"
 """Folders that end so hold what does not decide: workflow and campaigns that are shipped along."""
 
 VERSION = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:8]
@@ -47,7 +47,7 @@ def state_of(stat: os.stat_result) -> State:
     return stat.st_ino, stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns
 
 
-class Imported:
+class PackageFiles:
     """Files of a package as they are when this object is made, which has to be before their import:
     then their digest is one of the code in memory, and a later change is found. folder: of the
     package; files in it are named by their paths below it. files: os.stat results by path, from
@@ -59,7 +59,7 @@ class Imported:
         if files is not None:
             data = {n: state for n, state in self._states.items() if not n.endswith(".py")}
             stats = {path.relative_to(folder): state_of(stat) for path, stat in files.items()}
-            code = {p.as_posix(): s for p, s in stats.items() if SHIPPED not in p.parent.as_posix()}
+            code = {p.as_posix(): s for p, s in stats.items() if LINKS not in p.parent.as_posix()}
             self._states = data | code
         self._digests: dict[str, str] = {}
         self._digests_of: dict[tuple, str] = {}
@@ -125,7 +125,7 @@ class Imported:
 def _states(folder: str | Path, prefix: str = "") -> Iterator[tuple[str, State]]:
     for entry in os.scandir(folder):
         if entry.is_dir(follow_symlinks=False):
-            if entry.name != "__pycache__" and not prefix.endswith(SHIPPED):
+            if entry.name != "__pycache__" and not prefix.endswith(LINKS):
                 yield from _states(entry.path, f"{prefix}{entry.name}/")
         elif entry.name.endswith(CODE):
             with suppress(FileNotFoundError):  # a dangling link, as editors leave them for a lock
@@ -141,7 +141,7 @@ def _short(data: object) -> str:
     return hashlib.sha256(repr(data).encode()).hexdigest()[:16]
 
 
-MECHANICS = Imported(PACKAGE)
+MECHANICS = PackageFiles(PACKAGE)
 """Files of the package fpm, which imports this module before all others, as they were then."""
 
 
@@ -174,7 +174,7 @@ def find_user_sources(*starts: Path) -> set[Path]:
         if path not in files:
             files.add(path)
             roots = {start.resolve().parent for start in starts}
-            candidates = (*_imported(path, roots), path.with_name(f"{path.stem}_kernels.py"))
+            candidates = (*_find_imports(path, roots), path.with_name(f"{path.stem}_kernels.py"))
             neighbours = (file.resolve() for file in candidates if file.is_file())
             queue += [file for file in neighbours if PACKAGE not in file.parents]
     return files
@@ -201,7 +201,7 @@ def _no_file(source: str) -> SceneError:
     return SceneError("source of a structure or kind", source, allowed)
 
 
-def _imported(path: Path, roots: Iterable[Path] = ()) -> Iterator[Path]:
+def _find_imports(path: Path, roots: Iterable[Path] = ()) -> Iterator[Path]:
     """Files beside a file, or below the folders `roots`, that its imports would name, whether they
     exist or not; of a package `__init__.py`, too."""
     for name, level in _names_imported(path.read_bytes(), str(path)):

@@ -150,14 +150,14 @@ def _contact_faces(scene: Scene) -> dict[int, list[tuple[np.ndarray, np.ndarray]
 def _with_points(scene: Scene, particles: np.ndarray) -> Scene:
     """The scene with named points at particles and at arms along their axes."""
     result = copy(scene)
-    named = {
+    points = {
         f"{name} of particle {p}": VirtualBeam(int(p), np.array(arm))
         for p in particles
         for name, arm in _ARMS.items()
     }
-    if clash := set(named) & set(scene.points):
+    if clash := set(points) & set(scene.points):
         raise SceneError("point", sorted(clash)[0], "a name that is not one of a particle's axes")
-    result.points = {**scene.points, **named}
+    result.points = {**scene.points, **points}
     return result
 
 

@@ -147,7 +147,7 @@ def undetermined_forces(scene: Scene, responses: Iterable[Any]) -> dict[str, str
         elif response.kind.startswith("reaction_"):
             holders = reactions_of(scene)[response.subjects[0]].holders
             joints.append((response, {f"{h}{end}" for h in holders for end in ("", SUPPORT)}))
-    names = undetermined(scene) if joints else set()
+    names = find_undetermined(scene) if joints else set()
     return {
         response.name: f"conditions of {response.subjects[0]} depend on those of other joints of "
         "rigid parts, so that only the sum of their forces is determined: let a part between them "
@@ -156,7 +156,7 @@ def undetermined_forces(scene: Scene, responses: Iterable[Any]) -> dict[str, str
     }  # fmt: skip
 
 
-def undetermined(scene: Scene) -> set[str]:
+def find_undetermined(scene: Scene) -> set[str]:
     """Return names of joints and supports of a scene whose forces the motion does not determine, at
     the start: their conditions depend on those of others, with no elastic part between, as in a
     planar loop of rigid bodies on hinges. Sums of such forces are determined, each one is not."""

@@ -93,8 +93,8 @@ def _continue(time: np.ndarray, values: np.ndarray, rates: np.ndarray, t: float)
     if len(time) < 5:
         return None
     cubic = np.polynomial.polynomial.polyfit(time[:4] - time[4], values[:4], 3)[0]
-    predicted = _hermite(time[1:4], values[1:4], rates[1:4], time[4])
-    error, limit = (np.linalg.norm(value - values[4]) for value in (predicted, cubic))
+    prediction = _hermite(time[1:4], values[1:4], rates[1:4], time[4])
+    error, limit = (np.linalg.norm(value - values[4]) for value in (prediction, cubic))
     rounding = 1e-12 * np.abs(values).max()
     return _hermite(time[2:], values[2:], rates[2:], t) if error <= limit + rounding else None
 

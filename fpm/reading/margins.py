@@ -12,7 +12,7 @@ import numpy as np
 
 from fpm.errors import SceneError
 from fpm.reading.standards import CLASSES, STANDARDS
-from fpm.travel import Travel, lead, parts_of, reeled
+from fpm.travel import Travel, find_reels, lead, parts_of
 from fpm.travel.balance import TINY
 from fpm.travel.positions import interpolate
 
@@ -177,7 +177,7 @@ def _classes_of(spec) -> dict[str, str]:
         spec.one_of(parts, "classes", part): spec.one_of(CLASSES, f"classes.{part}", name)
         for part, name in _mapping(spec, "classes").items()
     }
-    for part in reeled(spec.scene):
+    for part in find_reels(spec.scene):
         if part in parts and part not in inactive:
             allowed = f"{part} among them: a curve of time reels it, and a travel has no time"
             raise _error(spec, "without", inactive, allowed)

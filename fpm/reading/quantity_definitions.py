@@ -51,7 +51,7 @@ def _parse(name, definition, responses, elements, quantities) -> Quantity:
         number = _whole(f"{key}.number", definition.get("number", 1))
         places = _places(key, target, definition.get("of"), elements)
         quantity = Quantity(name, kind, "s", "", number=number, event=target, places=places)
-        return _named(quantity, definition.get("of", ""))
+        return _add_long_name(quantity, definition.get("of", ""))
     response = responses[_one_of(f"{key}.{kind}", target, responses)]
     read = {
         **dict.fromkeys(("level", "about"), lambda key, value: _real(key, value, response.unit)),
@@ -68,7 +68,7 @@ def _parse(name, definition, responses, elements, quantities) -> Quantity:
     if response.along and KINDS[kind].mandatory:
         allowed = "a response over time, or largest, smallest, smallest_at, mean of this one"
         raise SceneError(f"{key}.{kind}", target, allowed)
-    return _named(Quantity(name, kind, unit, "", response, **fields))
+    return _add_long_name(Quantity(name, kind, unit, "", response, **fields))
 
 
 def _kind_of(key: str, definition: object) -> str:
@@ -104,7 +104,7 @@ def _places(key: str, event: object, target: object, elements: list[Eventful]) -
     return tuple(matches or joint_names or [_one_of(f"{key}.of", target, places)])
 
 
-def _named(quantity: Quantity, target: str = "") -> Quantity:
+def _add_long_name(quantity: Quantity, target: str = "") -> Quantity:
     """The quantity with its long name."""
     time, places, response = quantity.instant, quantity.places, quantity.response
     text = KINDS[quantity.kind].text.format(

@@ -13,7 +13,7 @@ import numpy as np
 from fpm.elements import Latch, RigidLatch, energies_of, kinds_of
 from fpm.elements.openings.latch import SERIES
 from fpm.elements.openings.opening import SLIDING
-from fpm.errors import SceneError, did_you_mean, renamed
+from fpm.errors import SceneError, did_you_mean, hint_new
 from fpm.files.trajectory import Column, Curves
 from fpm.reading import bars, margins
 from fpm.reading.margins import Abscissa
@@ -85,7 +85,7 @@ def parse(name: str, definition: Mapping[str, Any], scene: Scene) -> Response:
         keys = f" and {', '.join(mandatory)}" if mandatory else ""
         options = f", perhaps with {', '.join(optional)}" if optional else ""
         lone = "" if mandatory or optional else " alone"
-        hints = ((key, renamed(key, optional)) for key in definition)
+        hints = ((key, hint_new(key, optional)) for key in definition)
         text = f"{kind}{keys}{options}{lone}{''.join(f'; {key}{h}' for key, h in hints if h)}"
         raise SceneError(f"responses.{name}", dict(definition), text)
     return KINDS[kind].read(Definition(name, kind, definition, scene))

@@ -9,7 +9,7 @@ import numpy as np
 from fpm.errors import SceneError
 from fpm.files.outcome import Outcome
 from fpm.files.trajectory import Column
-from fpm.reading.variables import prepared
+from fpm.reading.variables import add_probe
 from fpm.scenes.scene import Scene
 from fpm.scenes.timestep import SAFETY, stable_step
 from fpm.solver import pack
@@ -81,7 +81,7 @@ def simulate(
         return []
     record = tuple(dict.fromkeys(record))
     if record:
-        scenes = [prepared(scene, record) for scene in scenes]
+        scenes = [add_probe(scene, record) for scene in scenes]
     if not 0 < duration < np.inf:
         raise SceneError("duration", duration, "a positive number (s)")
     if instants < 2:

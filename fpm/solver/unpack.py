@@ -100,7 +100,7 @@ def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityE
     names = [(name, kind) for kind in batch.rows.slices for name in kind.names(scene)]
     row, cause = record.failed_row[lane], record.failed_cause[lane]
     element, worst = names[row] if row >= 0 else ("none", None)
-    remedies = [w.unbalanced(element) for w in (worst.watches if worst else ()) if w.unbalanced]
+    remedies = [w.remedy(element) for w in (worst.watches if worst else ()) if w.remedy]
     if step > limit.step and not np.isfinite(balance):
         element = limit.element  # all elements broke down since the last check; this began it
     watches = [watch for kind in batch.kinds for watch in kind.watches]

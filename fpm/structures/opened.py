@@ -26,7 +26,7 @@ from fpm.kernels import sources
 TRACED_PACKAGES = {"numpy", "scipy", "numba", "fpm"}
 """Packages beside Python's own whose compiled code opens files by Python only."""
 
-UNSEEN = {
+READERS = {
     "__import__", "asyncio", "concurrent", "ctypes", "dbm", "importlib", "multiprocessing", "runpy",
     "shelve", "socket", "subprocess", "threading",
 }  # fmt: skip
@@ -52,7 +52,7 @@ class FileRecord:
     def __init__(self, path: Path):
         self.path, self.folder = path, path.parent
         self.files: dict[Path, str] = {}
-        self.unseen: list[str] = []
+        self.hidden_reads: list[str] = []
         self.modules: dict[str, ModuleType] = {}
         self.data: tuple[str, ...] | None = None
         self._states: dict[Path, sources.State | None] = {}
@@ -129,8 +129,8 @@ class FileRecord:
         name, for messages. Raises SceneError for a file not in the sealed record, or where the
         build may have read files unseen and there is no DATA; ChangedError if one changed."""
         paths, self._states_now = {*self._states_now, *self._data_files()}, {}
-        if self.unseen and self.data is None:
-            raise SceneError(f"{self.path.name} at {dict(values)}", self.unseen, DATA_HINT)
+        if self.hidden_reads and self.data is None:
+            raise SceneError(f"{self.path.name} at {dict(values)}", self.hidden_reads, DATA_HINT)
         for path in sorted(paths):
             if path not in self.files:
                 allowed = "files that it opens at its default values, too, or names in "
@@ -170,15 +170,15 @@ class FileRecord:
         """Note files of another structure that this one loads as its own. record: the other's."""
         self._states_now |= {p: record._states[p] for p in record.files if p not in self.files}
 
-    def hidden(self) -> list[str]:
+    def list_hidden_reads(self) -> list[str]:
         """Return by what the structure's code may read files that cannot be noted, as texts such as
         "import ctypes"; [] if it states its files (DATA)."""
         if self.data is not None:
             return []
-        readers = sorted(set(self.unseen))
+        readers = sorted(set(self.hidden_reads))
         names = (n for p in self.files if p.suffix == ".py" for n in sources.packages_imported(p))
         for name in sorted(set(names) - TRACED_PACKAGES):
-            if name in UNSEEN or (name not in sys.stdlib_module_names and _is_installed(name)):
+            if name in READERS or (name not in sys.stdlib_module_names and _is_installed(name)):
                 readers.append(f"import {name}")
         return readers
 
@@ -211,7 +211,7 @@ class _Finder:
         is_file = spec and spec.has_location
         if is_file and not is_installed(os.path.realpath(spec.origin)):
             if isinstance(spec.loader, ExtensionFileLoader):
-                self.record.unseen.append(f"import {name}")
+                self.record.hidden_reads.append(f"import {name}")
             elif isinstance(spec.loader, SourceFileLoader):
                 spec.loader = Loader(name, spec.origin, self.record)
         return spec
@@ -257,7 +257,7 @@ def _hook() -> None:
         elif event == "sqlite3.connect":
             record.note(arguments[0], os.O_RDONLY)
         elif event in EVENTS:
-            record.unseen.append(event)
+            record.hidden_reads.append(event)
 
     sys.addaudithook(note)
 

@@ -54,12 +54,12 @@ def _load(path: Path, record: FileRecord) -> SceneType:
     for pattern in patterns:
         if not record.files_of(pattern):
             _refuse(path, f"DATA: {pattern!r} stands for no file; allowed: patterns of files")
-    if hidden := record.hidden():
-        _refuse(path, f"{', '.join(hidden)}: {HIDDEN}; allowed: {DATA_HINT}")
+    if reads := record.list_hidden_reads():
+        _refuse(path, f"{', '.join(reads)}: {HIDDEN_READS}; allowed: {DATA_HINT}")
     return replace(structure, function=Build(structure.function, record), content=content)
 
 
-HIDDEN = "what this reads is not seen, and results are named after all that a structure reads"
+HIDDEN_READS = "what this reads is not seen, and results are named after all that a structure reads"
 
 
 def _build_type(path: Path, module: ModuleType) -> SceneType:

@@ -18,7 +18,7 @@ from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.ranges import FittedRuns, draw_ranges, ranges, runs_of
 from deployable.intervals.scalars import fit_scalar
-from fpm.files.sealed import unsealed
+from fpm.files.sealed import unseal
 
 
 @pytest.fixture(scope="module")
@@ -91,12 +91,12 @@ def test_the_ends_are_simulated_and_found_again(tmp_path):
         np.testing.assert_allclose(one["fixed"].sel(parameter=["k", "mass"]), fixed, rtol=2e-3)
         halved = exact_time(0.0975, 1.02) - exact_time(0.1025, 0.98)
         assert float(one["halved"].sel(parameter="k")) == pytest.approx(halved, rel=2e-3)
-    before = unsealed(folder.quantities)
+    before = unseal(folder.quantities)
     again = run(raw, tmp_path)
     assert set(again.runs("trajectories").iterdir()) == trajectories
     with xr.open_dataset(again.quantities) as found:
         assert found.attrs["further_runs"] == 2
-    assert unsealed(again.quantities) == before
+    assert unseal(again.quantities) == before
 
 
 def test_runs_that_keep_responses_only_have_the_same_numbers(opened, tmp_path):

@@ -15,7 +15,7 @@ from deployable import campaign
 from deployable.campaign.config.check import check_config
 from deployable.campaign.config.sections import Accuracy
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.accuracy import _places, added
+from deployable.campaign.plan.accuracy import _places, add_runs
 from deployable.campaign.plan.decide import Resources, Standing
 from deployable.campaign.plan.plan import Round, Rounds
 from deployable.campaign.results.facts import _accuracy
@@ -50,7 +50,7 @@ def test_a_mesh_of_the_config_is_kept(asked):
 
 
 COST = Resources(
-    runs=24, seconds=1.0, nodes=16, next_runs=8, checked=8, run_seconds=0.01, elements=6
+    runs=24, seconds=1.0, nodes=16, next_runs=8, check_runs=8, run_seconds=0.01, elements=6
 )
 AIM = Accuracy({"x": 0.1}, 1000, 60.0, "n")
 
@@ -125,7 +125,7 @@ def test_what_a_round_takes_fits_the_budget_or_it_is_not_begun(what):
     # Half the step costs twice, a mesh twice as fine four times; what is checked is run as it is
     # from then on, with half its step, and on a mesh twice as fine. There is room for the last
     # check, of step and mesh.
-    n, c, last = COST.nodes, COST.checked, (2 + 4) * COST.checked
+    n, c, last = COST.nodes, COST.check_runs, (2 + 4) * COST.check_runs
     assert runs == 2 * c + {"runs": COST.next_runs, "check": 0, "step": n, "mesh": n + c}[what]
     worth = {"runs": COST.next_runs + last, "check": last, "step": 2 * (n + last),
              "mesh": 4 * (n + 4 * c + last)}[what]  # fmt: skip
@@ -235,10 +235,10 @@ def test_runs_become_as_many_as_errors_are_expected_to_need():
     assert factor(0.12, runs_of(16, surrogate=0.12)) == pytest.approx((1.2 / 0.75) ** (1 / 0.75))
     # Less is left for the surrogate beside an error of the mesh.
     assert factor(0.07, mesh=0.05) == pytest.approx((0.07 / 0.75 / 0.05) ** (1 / 1.5))
-    assert added(32, 1.25, 99) == 8
-    assert added(32, 2.0, 99) == 32
-    assert added(32, 2.0, 30) == 24
-    assert added(32, 2.0, 0) == 8  # which the budget then refuses
+    assert add_runs(32, 1.25, 99) == 8
+    assert add_runs(32, 2.0, 99) == 32
+    assert add_runs(32, 2.0, 30) == 24
+    assert add_runs(32, 2.0, 0) == 8  # which the budget then refuses
 
 
 def test_what_should_be_the_last_runs_are_checked_at_once_where_that_is_cheap():
@@ -248,7 +248,7 @@ def test_what_should_be_the_last_runs_are_checked_at_once_where_that_is_cheap():
     assert decided(parts, cost=COST).check == ()  # more than half a second
     far = {"surrogate": 0.9, "mesh": 0.02}
     assert decided(far, cost=cheap).check == ()
-    few = Accuracy({"x": 0.1}, cheap.runs + cheap.next_runs + 2 * cheap.checked - 1, 60.0, "n")
+    few = Accuracy({"x": 0.1}, cheap.runs + cheap.next_runs + 2 * cheap.check_runs - 1, 60.0, "n")
     assert decided(parts, cost=cheap, aim=few).action == "check"  # runs would leave no room for it
 
 

@@ -7,16 +7,16 @@ import pytest
 
 from evidence import plots
 from evidence.results import Report, write
-from evidence.rows import Row, at_least, at_most, close_to, grouped, info, refusal, skipped
+from evidence.rows import Row, at_least, at_most, close_to, info, refusal, set_group, skipped
 
-ROWS = grouped(
+ROWS = set_group(
     "one",
     [
         close_to("one: right", 1.0, 1.0, 1e-3, "book"),
         close_to("one: wrong", 2.0, 1.0, 1e-3, "book"),
         close_to("one: not a number", math.nan, 1.0, 1e-3, "book"),
     ],
-) + grouped(
+) + set_group(
     "two",
     [
         info("speed", 7.5, "m/s"),

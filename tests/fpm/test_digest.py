@@ -30,7 +30,7 @@ def copied(tmp_path, monkeypatch, cache):
 def digests(folder) -> tuple[str, str]:
     """Of what computes runs, and of what reads further numbers off them, as a process that starts
     now would have them."""
-    code = sources.Imported(folder)
+    code = sources.PackageFiles(folder)
     return code.digest(exclude=sources.READ + sources.DISPLAY), code.digest(include=sources.READ)
 
 
@@ -109,7 +109,7 @@ def package(tmp_path, monkeypatch):
     for name in ("__init__", "one", "two"):
         (folder / f"{name}.py").write_text("VALUE = 1\n")
     monkeypatch.syspath_prepend(str(tmp_path))
-    yield folder, sources.Imported(folder)
+    yield folder, sources.PackageFiles(folder)
     for name in [name for name in sys.modules if name.partition(".")[0] == folder.name]:
         del sys.modules[name]
 
@@ -139,7 +139,7 @@ def test_a_file_that_changes_after_it_was_imported_and_named_does_not_matter(pac
     before = code.digest()
     (folder / "one.py").write_text("VALUE = 2\n")
     assert code.digest() == before
-    assert sources.Imported(folder).digest() != before
+    assert sources.PackageFiles(folder).digest() != before
     importlib.reload(sys.modules["package_of_two.one"])  # as notebooks do
     with pytest.raises(fpm.SceneError, match=r"one\.py changed since"):
         code.digest()
@@ -150,11 +150,11 @@ def test_a_file_that_changed_before_the_package_was_noted_is_refused(package):
     folder, _ = package
     files = {path: path.stat() for path in folder.glob("*.py")}
     importlib.import_module("package_of_two.one")
-    sources.Imported(folder, files).check()
-    assert sources.Imported(folder, files).digest() == sources.Imported(folder).digest()
+    sources.PackageFiles(folder, files).check()
+    assert sources.PackageFiles(folder, files).digest() == sources.PackageFiles(folder).digest()
     (folder / "one.py").write_text("VALUE = 2\n")
     with pytest.raises(fpm.SceneError, match=r"one\.py changed since"):
-        sources.Imported(folder, files).check()
+        sources.PackageFiles(folder, files).check()
 
 
 def test_at_the_start_of_a_campaign_files_are_what_is_in_memory(package):

@@ -15,7 +15,7 @@ from deployable.campaign.pictures.glb import glb_of
 from deployable.campaign.report import from_results, write_page
 from deployable.campaign.report.data import MOST_LINES
 from deployable.campaign.report.motions import MOST_MOVING, how_many_move, shown_runs
-from deployable.campaign.report.pack import thinned
+from deployable.campaign.report.pack import thin_curves
 from deployable.campaign.report.page import render
 from deployable.campaign.results.facts import grade
 from deployable.campaign.results.templates import sentence
@@ -173,14 +173,14 @@ def test_names_cannot_break_out_of_the_page(tmp_path, data):
 def test_thinned_curves_keep_their_extremes():
     rng = np.random.default_rng(1)
     curves = [rng.normal(size=50_000) for _ in range(4)]
-    keep = thinned(curves, most=2000)
+    keep = thin_curves(curves, most=2000)
     assert len(keep) <= 2000 + 2 * len(curves) + 2 and keep[0] == 0 and keep[-1] == 49_999
     for curve in curves:
         assert curve[keep].max() == curve.max() and curve[keep].min() == curve.min()
 
 
 def test_many_unfitted_runs_become_a_readable_number_of_lines(data, tmp_path):
-    run = data.runs[data.unfitted[-1]]
+    run = data.runs[data.unfitted_runs[-1]]
     many = replace(data, runs=(*data.runs, *(replace(run, id=str(i)) for i in range(500))))
     write_page(many, tmp_path / "many.html")
     assert len(embedded(tmp_path / "many.html")["lines"]) == MOST_LINES

@@ -54,7 +54,7 @@ def answer(
     `choice.json` into `folder`, a campaign's results with its plan. choose, requirements, verify,
     jobs: sections of the config; notify: called with each message; threads: how many simulate."""
     base_plan = read_plan(folder.plan)
-    experiment = widened(base_plan.experiment, choose)
+    experiment = widen_intervals(base_plan.experiment, choose)
     plan = Plan(experiment, base_plan.mechanics, choose_step(experiment), Runs.from_runs([]))
     model = ModelEvaluator(plan, jobs, folder, notify, threads)
     design = design_points(experiment, choose)
@@ -63,7 +63,7 @@ def answer(
     specs = list_limits(requirements, list(experiment.quantities))
     for iteration in range(verify.max_iterations + 1):
         best, safest, safe_ranges, trials = _best(model, base_plan.experiment, choose, specs)
-        points = [*np.concatenate(best.goal_points), *best.worst, *doubted(best, trials, choose)]
+        points = [*np.concatenate(best.goal_points), *best.worst, *recheck(best, trials, choose)]
         points += [] if safest is None else [*safest.worst]
         points = [point for point in points if model.nearest(point)[1] > SAME_POINT]
         if iteration == verify.max_iterations or not points:
@@ -92,7 +92,7 @@ def answer(
     write_result(folder.choice, json.dumps(choice, indent=1, allow_nan=False) + "\n")
 
 
-def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray]:
+def recheck(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray]:
     """Find points to simulate before a choice is final: normalized points (k), -1 to 1 in the box,
     at which, by the surrogates, an event does not occur that must (or the reverse, or a limited
     quantity is absent), one for each limit that fails so. Of trials that break a limit and whose
@@ -116,7 +116,7 @@ def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray
     ]
 
 
-def widened(experiment: Experiment, choose: Choose) -> Experiment:
+def widen_intervals(experiment: Experiment, choose: Choose) -> Experiment:
     """Copy of an experiment in which the interval of each parameter to be chosen spans all nominal
     values that `choose` (section of the config) allows, with the uncertainty about each."""
     intervals = dict(experiment.intervals)
@@ -128,9 +128,9 @@ def widened(experiment: Experiment, choose: Choose) -> Experiment:
 
 def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
     """Make the points (N, k), -1 to 1 in the box, of the runs that surrogates over all choices are
-    fitted to: a sparse grid and four validation runs. experiment: with the intervals of `widened`;
-    choose: section of the config, whose `order` the grid has along chosen parameters; along others
-    it has that of the experiment's design, at least 2."""
+    fitted to: a sparse grid and four validation runs. experiment: with intervals of
+    `widen_intervals`; choose: section of the config, whose `order` the grid has along chosen
+    parameters; along others it has that of the experiment's design, at least 2."""
     from deployable.intervals import held_out_points, make_design
 
     order, box = experiment.design.order, experiment.box

@@ -118,8 +118,8 @@ def estimate_discretization_errors(
         """Values at chosen points, by runs of the plan, of the quantity whose bound it is."""
         results, finite = np.full(len(rows), np.nan), np.isfinite(points[rows]).all(axis=1)
         if finite.any():
-            evaluated, _ = model.evaluate(plan, points[rows][finite])
-            results[finite] = evaluated[np.arange(len(evaluated)), q[rows][finite]]
+            finer, _ = model.evaluate(plan, points[rows][finite])
+            results[finite] = finer[np.arange(len(finer)), q[rows][finite]]
         return results
 
     for name, level in _levels(model.plan, components).items():
@@ -196,20 +196,20 @@ def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict
     attained = [box.to_unit(bounds[name].values) for name in ("argmin", "argmax")]
     width = (bounds["upper"] - bounds["lower"]).values
     sites = intervals.deciding_places(*attained, width, MAX_POINTS)
-    planned = model.plan.runs.normalized
-    distances = np.abs(planned - sites.points[:, None]).max(axis=2)
+    run_points = model.plan.runs.normalized
+    distances = np.abs(run_points - sites.points[:, None]).max(axis=2)
     nearest = distances.argmin(axis=1)
-    tested = np.where(
-        distances.min(axis=1)[:, None] <= MAX_POINT_DISTANCE, planned[nearest], sites.points
+    test_points = np.where(
+        distances.min(axis=1)[:, None] <= MAX_POINT_DISTANCE, run_points[nearest], sites.points
     )
-    curves, errors = _curves(model, model.plan, tested), {}
+    curves, errors = _curves(model, model.plan, test_points), {}
     for name, level in _levels(model.plan, components).items():
-        finer_curves = _curves(model, level.finer, tested)
+        finer_curves = _curves(model, level.finer, test_points)
         change = np.abs(finer_curves - curves)
         share = change.mean(axis=2) / np.maximum(change.mean(axis=(0, 2)), np.finfo(float).tiny)
         worst = int(share.sum(axis=1).argmax())
         third = _evaluate_third(
-            model, level, lambda plan, worst=worst: _curves(model, plan, tested[[worst]])[0]
+            model, level, lambda plan, worst=worst: _curves(model, plan, test_points[[worst]])[0]
         )
         ratio = (
             None
@@ -256,11 +256,11 @@ def _levels(plan: Plan, components: tuple) -> dict[str, RefinementLevel]:
             parameters = {**experiment.scene.parameters, mesh: number}
             return replace(experiment, scene=replace(experiment.scene, parameters=parameters))
 
-        refined = with_mesh(2 * number)
+        finer_plan = with_mesh(2 * number)
         # The step may be too long for the finer mesh.
-        stable = choose_step(replace(refined, solver=replace(refined.solver, step="auto")))
+        stable = choose_step(replace(finer_plan, solver=replace(finer_plan.solver, step="auto")))
         step = min(time.step, stable.step)
-        finer = replace(plan, experiment=refined, time=replace(stable, step=step))
+        finer = replace(plan, experiment=finer_plan, time=replace(stable, step=step))
         third = None
         if number % 2 == 0 and number // 2 >= parameter.lower:
             third = replace(plan, experiment=with_mesh(number // 2), time=time)

@@ -7,7 +7,7 @@ import os
 from dataclasses import dataclass, replace
 
 import fpm
-from deployable.campaign.answers.choice import design_points, widened
+from deployable.campaign.answers.choice import design_points, widen_intervals
 from deployable.campaign.answers.discretization import MAX_POINTS
 from deployable.campaign.config.disk import bytes_of_run
 from deployable.campaign.config.sections import Campaign, count_runs
@@ -59,9 +59,9 @@ class Estimate:
     def __str__(self) -> str:
         bound = "at most" if self.is_budget else "about"
         further = f" and further ones for {self.answers}" if self.answers else ""
-        first = duration_text(_rounded(self.compiling))
+        first = duration_text(_round(self.compiling))
         return (
-            f"at most {self.runs} runs{further}, {bound} {duration_text(_rounded(self.seconds))} "
+            f"at most {self.runs} runs{further}, {bound} {duration_text(_round(self.seconds))} "
             f"on {cores()} cores{f' ({first} of it to compile, once)' if self.compiling else ''}, "
             f"{size_text(self.bytes)} on disk"
         )
@@ -122,7 +122,7 @@ def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
     if bounds:
         refinement["quantities"] = [(bounds, 1.0)] * iterations
     if campaign.choose.parameters:
-        points = design_points(widened(experiment, campaign.choose), campaign.choose)
+        points = design_points(widen_intervals(experiment, campaign.choose), campaign.choose)
         refinement["the choice"] = [(len(points), 1.0), *[(LANES, 1.0)] * iterations]
     if verify.discretization:
         # Half the step, and a mesh of twice as many elements with half the step; for their orders
@@ -152,7 +152,7 @@ def describe_stored_runs(campaign: Campaign, folder: Folder) -> str:
     text = f"{total - missing} of them are there"
     if reruns:
         names = words(sorted(set().union(*store.absences.values())))
-        seconds = _rounded(estimate(campaign).seconds * missing / total)
+        seconds = _round(estimate(campaign).seconds * missing / total)
         text += (
             f"; {reruns} more lack {names} as this version reads it and are simulated again, all "
             f"in all about {duration_text(seconds)}"
@@ -165,7 +165,7 @@ def cores() -> int:
     return os.cpu_count() or 1
 
 
-def _rounded(seconds: float) -> float:
+def _round(seconds: float) -> float:
     """To two digits."""
     power = 10.0 ** (math.floor(math.log10(max(seconds, 1.0))) - 1)
     return max(1.0, round(seconds / power) * power)

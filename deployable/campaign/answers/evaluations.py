@@ -33,8 +33,8 @@ class ModelEvaluator:
     box. `points` (R, k): normalized points, -1 to 1; `numbers` (R, q): quantities, NaN if absent;
     `margins` (R, q): event margins, by how much each event occurs, above 0 if so, NaN if not known.
     `further`: planned runs that were added, at most `max_further`; `simulated`: how many were not
-    stored before. Of a large scan only some runs are taken: `unfitted` counts the others,
-    `unfitted_counts` (q) those of them with each quantity.
+    stored before. Of a large scan only some runs are taken: `rest_count` counts the others,
+    `rest_counts` (q) those of them with each quantity.
 
     plan: sets scene, step and mesh; jobs: section of the config; folder: of the results; notify:
     called with each message; threads: number that simulate. A new evaluator has no runs (see
@@ -53,7 +53,7 @@ class ModelEvaluator:
         self.points = np.zeros((0, len(plan.experiment.intervals)))
         self.numbers = np.zeros((0, len(plan.experiment.quantities)))
         self.margins = self.numbers
-        self.unfitted_counts, self.unfitted = np.zeros(len(plan.experiment.quantities), int), 0
+        self.rest_counts, self.rest_count = np.zeros(len(plan.experiment.quantities), int), 0
         self.further: list[PlannedRun] = []
         self.simulated = 0
 
@@ -74,8 +74,8 @@ class ModelEvaluator:
             rows = fitted_rows(numbers)
             model.margins = margins_of_samples(model.experiment, samples, rows)
         model.points, model.numbers = normalized[rows], numbers[rows]
-        model.unfitted = len(numbers) - len(rows)
-        model.unfitted_counts = np.isfinite(np.delete(numbers, rows, axis=0)).sum(axis=0)
+        model.rest_count = len(numbers) - len(rows)
+        model.rest_counts = np.isfinite(np.delete(numbers, rows, axis=0)).sum(axis=0)
         if further:
             with open_netcdf(folder.further) as file:
                 if len(points := file["normalized"][:]):

@@ -38,21 +38,21 @@ def estimate_limit_state_error(
         scores, score = model.margins[:, q], lambda numbers, margins: margins
     else:
         return 0.0, np.nan
-    shift, number, tested, differs = 0.0, np.nan, np.zeros(0, int), np.zeros(0, bool)
+    shift, number, test_rows, differs = 0.0, np.nan, np.zeros(0, int), np.zeros(0, bool)
     for rows in _iterate_rows(np.abs(scores), happens):
         numbers, margins = (values[:, q] for values in model.evaluate(finest, model.points[rows]))
         previous = score(model.numbers[rows, q], model.margins[rows, q])
-        switched = np.isfinite(numbers) != happens[rows]
+        switches = np.isfinite(numbers) != happens[rows]
         change = np.abs(score(numbers, margins) - previous)
-        size = switched * np.abs(scores[rows])
+        size = switches * np.abs(scores[rows])
         shift = max(shift, float(np.where(np.isfinite(change), change, size).max()))
         number = np.fmax(number, np.fmax.reduce(np.abs(numbers - model.numbers[rows, q])))
-        tested, differs = np.concatenate([tested, rows]), np.concatenate([differs, switched])
-        if not switched.any() or (np.isfinite(change).all() and np.isfinite(number)):
+        test_rows, differs = np.concatenate([test_rows, rows]), np.concatenate([differs, switches])
+        if not switches.any() or (np.isfinite(change).all() and np.isfinite(number)):
             break
     if differs.any() and not np.isfinite(change).any():
         segments = _find_segments(
-            model.points[tested], happens[tested], differs, np.abs(scores[tested])
+            model.points[test_rows], happens[test_rows], differs, np.abs(scores[test_rows])
         )
         shift = max(shift, _bisect_segments(model, q, occurrence, finest, *segments))
     shift, number = map(float, richardson_error(np.array([shift, number])))
@@ -100,6 +100,6 @@ def _bisect_segments(
     for _ in range(_HALVINGS):
         middle = (outer + inner) / 2
         numbers, _ = model.evaluate(finest, middle)
-        switched = (np.isfinite(numbers[:, q]) != happens)[:, None]
-        outer, inner = np.where(switched, middle, outer), np.where(switched, inner, middle)
+        switches = (np.isfinite(numbers[:, q]) != happens)[:, None]
+        outer, inner = np.where(switches, middle, outer), np.where(switches, inner, middle)
     return float(np.abs(occurrence.certainty((outer + inner) / 2)).max())

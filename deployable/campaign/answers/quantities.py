@@ -80,7 +80,7 @@ def quantities_dataset(
     `estimate_discretization_errors` returns them; empty if not estimated."""
     import xarray as xr
 
-    from deployable.intervals.estimates import AVERAGED
+    from deployable.intervals.estimates import MAX_DIRECTIONS
 
     variables = _Variables()
     _put_bounds(variables, model, bounds)
@@ -88,8 +88,8 @@ def quantities_dataset(
     errors = [b.surrogate.usual_error if is_adaptive else b.surrogate.error for b in bounds]
     errors = np.fmax(errors, [b.error for b in bounds])
     errors = [error if np.isfinite(error) else np.nan for error in errors]
-    averaged = is_adaptive and model.experiment.box.free.sum() <= AVERAGED
-    kind = "mean" if averaged else "largest"
+    is_averaged = is_adaptive and model.experiment.box.free.sum() <= MAX_DIRECTIONS
+    kind = "mean" if is_averaged else "largest"
     text = f"estimated error of the surrogate: its {kind} left-out one"
     variables.put("error", _DIM, errors, text)
     number_errors, shifts = estimate_fraction_errors(model, bounds, finer)
@@ -131,8 +131,8 @@ def _put_bounds(variables: _Variables, model: ModelEvaluator, bounds: list[Quant
         variables.put(side, _DIM, outer, f"{side} bound, by runs and surrogate")
         simulated = [getattr(b, side) for b in bounds]
         variables.put(f"simulated_{side}", _DIM, simulated, f"{side} bound attained by a run")
-        predicted = [(b.surrogate_range.low, b.surrogate_range.high)[i] for b in bounds]
-        variables.put(f"surrogate_{side}", _DIM, predicted, f"{side} bound by the surrogate")
+        predictions = [(b.surrogate_range.low, b.surrogate_range.high)[i] for b in bounds]
+        variables.put(f"surrogate_{side}", _DIM, predictions, f"{side} bound by the surrogate")
         moving = [int(b.unconverged[i]) for b in bounds]
         text = f"1 where the surrogate is beyond the simulated {side} bound"
         variables.put(f"unconverged_{side}", _DIM, moving, text, "1")
@@ -149,9 +149,9 @@ def _put_occurrence(
     """In how many runs, and in which share of the box, there is such a number."""
     from deployable.intervals.scalars import Limit, share_of_box
 
-    counts = np.isfinite(model.numbers[model.distinct_rows]).sum(axis=0) + model.unfitted_counts
+    counts = np.isfinite(model.numbers[model.distinct_rows]).sum(axis=0) + model.rest_counts
     variables.put("runs_with", _DIM, counts, "number of runs with the quantity", "1")
-    absences = len(model.distinct_rows) + model.unfitted - counts
+    absences = len(model.distinct_rows) + model.rest_count - counts
     variables.put("runs_without", _DIM, absences, "number of runs without the quantity", "1")
     free = model.experiment.box.free
     limits = [
@@ -236,6 +236,6 @@ def attributes_of(model: ModelEvaluator) -> dict:
         "config_hash": model.plan.config_hash,
         "config": json.dumps(plain_data(model.experiment)),
         "mechanics": model.plan.mechanics,
-        "runs": len(model.distinct_rows) + model.unfitted,
+        "runs": len(model.distinct_rows) + model.rest_count,
         "further_runs": len(model.further),
     }

@@ -11,7 +11,7 @@ import numpy as np
 from deployable.campaign.answers.evaluations import SAME_POINT, ModelEvaluator
 from deployable.campaign.answers.limits import LimitSpec, assess_limits
 
-_UNDECIDED = 1e-3  # volume fraction of the box at which the search for a surface stops
+_MIN_FRACTION = 1e-3  # volume fraction of the box at which the search for a surface stops
 _SURFACE = 8  # runs of an iteration about a limit-state surface: eight take what three do
 
 
@@ -94,7 +94,7 @@ def _infill(bounds: QuantityBounds) -> list[np.ndarray]:
     """Unit points (k) of the next runs for one quantity."""
     points = [point for estimate in bounds.estimates for point in estimate.points]
     occurrence = bounds.surrogate.occurrence
-    if occurrence.open > _UNDECIDED:
+    if occurrence.open > _MIN_FRACTION:
         points += list(occurrence.infill_points(_SURFACE))
     return points
 

@@ -52,8 +52,8 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, noti
     result = assess_limits(model, model.surrogates(), specs, errors)
     rows = {
         "requirements": [_requirement(model, result, name) for name in requirements],
-        "together": {**_combined(model, result), "whole": errors is not None},
-        "runs": len(model.distinct_rows) + model.unfitted,
+        "together": {**_combine(model, result), "whole": errors is not None},
+        "runs": len(model.distinct_rows) + model.rest_count,
         "further_runs": len(model.further),
     }
     write_result(folder.requirements, json.dumps(rows, indent=1, allow_nan=False) + "\n")
@@ -78,7 +78,7 @@ def _met(model: ModelEvaluator, result: LimitAssessment, indices: list[int]) -> 
     row = {
         "share": fraction,
         "share_uncertainty": open_,
-        "runs": len(model.distinct_rows) + model.unfitted,
+        "runs": len(model.distinct_rows) + model.rest_count,
     }
     if is_met.all() and all(_may_hold(result, i) for i in indices):
         is_kept = min(result.worst[i][0] for i in indices) >= 0
@@ -116,10 +116,10 @@ def _limit(model: ModelEvaluator, result: LimitAssessment, i: int) -> dict:
     return {**describe_limit(model, spec), **fields, **model.describe_point(point, spec.quantity)}
 
 
-def _combined(model: ModelEvaluator, result: LimitAssessment) -> dict:
+def _combine(model: ModelEvaluator, result: LimitAssessment) -> dict:
     largest, index, _ = result.largest
     row = {**_met(model, result, list(range(len(result.specs)))), "largest_share": largest}
-    row["halved"] = _halved(model, result)
+    row["halved"] = _halve_intervals(model, result)
     if index is None:
         return {**row, "fails": None}
     spec = result.specs[index]
@@ -130,7 +130,7 @@ def _combined(model: ModelEvaluator, result: LimitAssessment) -> dict:
     return {**row, "fails": fails}
 
 
-def _halved(model: ModelEvaluator, result: LimitAssessment) -> dict[str, dict[str, float]]:
+def _halve_intervals(model: ModelEvaluator, result: LimitAssessment) -> dict[str, dict[str, float]]:
     """The share that meets all if one interval were half as wide, by the parameter's name."""
     from deployable.intervals.scalars import share_of_box
 

@@ -18,7 +18,7 @@ from deployable.campaign.config.read import whole
 from deployable.campaign.config.sections import Campaign, scene_type
 from deployable.campaign.errors import CampaignError, ConfigError, of_files
 from deployable.campaign.export import COLOURS, FORMATS, choose, export
-from deployable.campaign.files import read_json, unforeseen
+from deployable.campaign.files import read_json, wrap_error
 from deployable.campaign.folder import CAMPAIGN, Folder
 from deployable.campaign.pictures.still import SUFFIXES, write_structure
 from deployable.campaign.results.templates import doubt_texts
@@ -216,7 +216,7 @@ def _export(options: argparse.Namespace) -> int:
         print(f"error: {error}", file=sys.stderr)
         return 1
     except Exception as error:  # a damaged result, a full disk
-        if (problem := of_files(error, place) or unforeseen(error)) is None:
+        if (problem := of_files(error, place) or wrap_error(error)) is None:
             raise
         print(f"error: {problem}", file=sys.stderr)
         return 1

@@ -8,7 +8,7 @@ from pathlib import Path
 from deployable.campaign.config.sections import Campaign, Experiment
 from deployable.campaign.text.numbers import size_text
 
-LISTED = 100_000
+LARGE = 100_000
 """Runs up to which nobody asks whether the disk has room for them."""
 
 

@@ -62,8 +62,8 @@ def campaign_of(
     return Campaign(
         experiment=experiment,
         requirements={
-            name: {quantity: limits.by_name for quantity, limits in limited.items()}
-            for name, limited in config.requirements.items()
+            name: {quantity: limits.by_name for quantity, limits in section.items()}
+            for name, section in config.requirements.items()
         },
         choose=choose_of(config.choose, config.intervals),
         **{name: getattr(config, name) for name in rest},
@@ -113,8 +113,8 @@ def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
             )
         else:
             rest = {key: value for key, value in definition.items() if key != "along"}
-            synced = {"with": followers} if followers else {}
-            responses[name] = {"margin": first, **synced, **rest}
+            followers_key = {"with": followers} if followers else {}
+            responses[name] = {"margin": first, **followers_key, **rest}
             quantities[least] = {"smallest": name}
             if name not in config.margins:
                 continue

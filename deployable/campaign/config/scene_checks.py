@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 import fpm
-from deployable.campaign.config.disk import LISTED, room_problems
+from deployable.campaign.config.disk import LARGE, room_problems
 from deployable.campaign.config.measured import resolve_tests
 from deployable.campaign.config.models import Aim, Config
 from deployable.campaign.config.read import show
@@ -346,4 +346,4 @@ def keep_problems(campaign: Campaign) -> list[str]:
                 "needs every run; allowed: responses or trajectories"
             ]
         return []
-    return room_problems(campaign) if design.samples > LISTED and design.method == "sobol" else []
+    return room_problems(campaign) if design.samples > LARGE and design.method == "sobol" else []

@@ -69,7 +69,7 @@ def scene_type(name: str, file: str = "") -> Any:
     return structures.load(file) if structure.files else structure  # the text has not all of it
 
 
-_TRUSTED: set[str] = set()
+_TRUSTED_FILES: set[str] = set()
 """Files of structures that the user of this process has named."""
 
 
@@ -77,7 +77,7 @@ def trust(file: str) -> None:
     """Allow results, for the rest of this process, to name this structure's file, which is then
     read, or executed if it is Python; else only a user's config makes one trusted."""
     if "\0" not in file:
-        _TRUSTED.add(os.path.realpath(file))
+        _TRUSTED_FILES.add(os.path.realpath(file))
 
 
 @lru_cache(maxsize=8)
@@ -211,7 +211,7 @@ class Experiment:
         """The `fpm` structure (`SceneType`), which builds scenes. Raises `fpm.SceneError`, and
         `CampaignError` for a file that results name but no config."""
         file = self.scene.file
-        if file and os.path.realpath(file) not in _TRUSTED:
+        if file and os.path.realpath(file) not in _TRUSTED_FILES:
             cause = "is a program and was not run" if file.endswith(".py") else "was not read"
             raise CampaignError(
                 f"the results are of the structure {file}, which {cause}, since only they name it; "
@@ -251,10 +251,10 @@ class Experiment:
         others make redundant are arbitrary."""
         curves = [(curve.name, curve, True) for curve in self.curves]
         quantities = [(q.name, q.response, q.is_instantaneous) for q in self.numbers if q.response]
-        undetermined = undetermined_forces(self.nominal_scene, self.curves)
+        find_undetermined = undetermined_forces(self.nominal_scene, self.curves)
         reasons = {
             name: (doubt(self.nominal_scene, response) if peak else "")
-            or undetermined.get(response.name, "")
+            or find_undetermined.get(response.name, "")
             for name, response, peak in curves + quantities
         }
         return {name: reason for name, reason in reasons.items() if reason}

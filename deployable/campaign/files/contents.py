@@ -115,11 +115,11 @@ def experiment_of(path: str | os.PathLike) -> Experiment | None:
     config; None for a file of which only sizes are checked, such as a motion. Raises DamagedError
     where variables, shapes or values are not those of such a file."""
     state = os.stat(path)
-    return _checked(Path(path), state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns)
+    return _inspect(Path(path), state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns)
 
 
 @lru_cache(64)
-def _checked(path: Path, *state: int) -> Experiment | None:
+def _inspect(path: Path, *state: int) -> Experiment | None:
     import netCDF4
 
     with reading(path), netCDF4.Dataset(path) as file:

@@ -32,7 +32,7 @@ from deployable.intervals.scalars import (
 
 _CANDIDATES = 4096  # points at which the spline is asked for more
 _UNKNOWN = 1e6  # share of a width: an error that is not known, or larger
-_CHECKED = 8  # places at which a check makes runs, of the responses
+_CHECK_POINTS = 8  # places at which a check makes runs, of the responses
 
 
 def first_plan(experiment: Experiment) -> Plan:
@@ -74,14 +74,14 @@ def next_plan(
             unmet = [estimate for name, estimate in quantities.items() if name in names]
             new = _places(base, samples, names, cost.next_runs, len(rounds), unmet)
             points += new.tolist()
-    refined = base
+    finer = base
     if decision.action == "mesh":
         parameters = {**base.scene.parameters, target.mesh: 2 * cost.elements}
-        refined = _stable(replace(base, scene=replace(base.scene, parameters=parameters)))
+        finer = _stable(replace(base, scene=replace(base.scene, parameters=parameters)))
     elif decision.action == "step":
-        refined = replace(base, solver=replace(base.solver, safety=_halved(base.solver, plan.time)))
+        finer = replace(base, solver=replace(base.solver, safety=_halve(base.solver, plan.time)))
     check = tuple(part for part in decision.check if part != "mesh" or _has_mesh(base))
-    return _plan(refined, points, rounds, check, plan.time if refined is base else None)
+    return _plan(finer, points, rounds, check, plan.time if finer is base else None)
 
 
 def _plan(
@@ -98,7 +98,7 @@ def _plan(
     return replace(plan, adaptive=Rounds(rounds, points, check=check))
 
 
-def _halved(solver: Solver, time: TimeStep) -> float:
+def _halve(solver: Solver, time: TimeStep) -> float:
     """A safety that takes half the step, which instants may keep far below the stable one."""
     half, actual = solver.safety / 2, time.step / time.step_limit
     return half if half < actual else actual / 2
@@ -189,27 +189,27 @@ def _standing(plan: Plan, shares: Mapping, step_is_free: bool = True) -> Standin
     is_restart = last.action in ("mesh", "step")
     new = nodes if is_restart else nodes - last.nodes
     # Of the responses, and of each quantity both ends; one of each again, which tell the order.
-    checked = _CHECKED + 1 + 3 * len(plan.experiment.quantities)
+    check_runs = _CHECK_POINTS + 1 + 3 * len(plan.experiment.quantities)
     # A mesh twice as fine has twice the elements and half the step; what tells orders, both
     # together, takes no longer.
     factor = {"mesh": 4.0, "step": 2.0}
     runs, seconds = last.runs + new, last.seconds + _whole(new) * time
     for part in plan.adaptive.check:
-        runs += checked
-        seconds += _whole(checked) * factor[part] * time
-    reserve = 2 * checked, 6 * checked * time  # the check of step and mesh at the end
+        runs += check_runs
+        seconds += _whole(check_runs) * factor[part] * time
+    reserve = 2 * check_runs, 6 * check_runs * time  # the check of step and mesh at the end
     answers = CHECKED_RUNS * len(plan.experiment.quantities)
     affordable = min(
         target.max_runs - runs - reserve[0] - answers,
         (60 * target.max_core_minutes - seconds - reserve[1]) / time,
     )
     elements = int(plan.experiment.scene.parameters.get(target.mesh, 0))
-    cost = Resources(runs, seconds, nodes, 0, checked, time, elements, answers)
+    cost = Resources(runs, seconds, nodes, 0, check_runs, time, elements, answers)
     state = Standing(target, shares, plan.adaptive, cost, step_is_free)
-    return replace(state, cost=replace(cost, next_runs=added(nodes, state.growth(), affordable)))
+    return replace(state, cost=replace(cost, next_runs=add_runs(nodes, state.growth(), affordable)))
 
 
-def added(nodes: int, growth: float, affordable: float) -> int:
+def add_runs(nodes: int, growth: float, affordable: float) -> int:
     """Return how many runs the next round adds, a multiple of 8 (`LANES`: eight side by side take
     as long as one): `growth` - 1 times `nodes`, if affordable, but at least a quarter of `nodes`.
     nodes: runs that surrogates are fitted to so far; growth: factor by which their number should

@@ -49,30 +49,30 @@ _ROUND = 0.5
 class Resources:
     """What the rounds of an `accuracy` have spent, and what the next actions would take. runs,
     seconds: spent so far, checks included, the time (s of one core) by estimate; nodes: runs that
-    surrogates are fitted to; next_runs: how many would be added; checked: runs repeated in a check
+    surrogates are fitted to; next_runs: how many would be added; check_runs: repeated in a check
     of step or of mesh; run_seconds: of one core, for a run; elements: number set by the mesh's
-    parameter; reserved: runs kept for the bounds of quantities after the rounds."""
+    parameter; reserve: runs kept for the bounds of quantities after the rounds."""
 
     runs: int
     seconds: float
     nodes: int
     next_runs: int
-    checked: int
+    check_runs: int
     run_seconds: float
     elements: int
-    reserved: int = 0
+    reserve: int = 0
 
     def need_of(self, action: str) -> tuple[int, float]:
         """Return the runs and the seconds of one core that an action ("check", "runs", "step" or
         "mesh") takes, with its own check and a last one of step and mesh."""
-        checked, time = self.checked, self.run_seconds
+        check_runs, time = self.check_runs, self.run_seconds
         if action == "check":
-            return 2 * checked, 6 * checked * time
+            return 2 * check_runs, 6 * check_runs * time
         if action == "runs":
-            return self.next_runs + 2 * checked, (self.next_runs + 6 * checked) * time
+            return self.next_runs + 2 * check_runs, (self.next_runs + 6 * check_runs) * time
         if action == "step":
-            return self.nodes + 2 * checked, (2 * self.nodes + 12 * checked) * time
-        return self.nodes + 3 * checked, (4 * self.nodes + 40 * checked) * time
+            return self.nodes + 2 * check_runs, (2 * self.nodes + 12 * check_runs) * time
+        return self.nodes + 3 * check_runs, (4 * self.nodes + 40 * check_runs) * time
 
 
 @dataclass(frozen=True)
@@ -252,8 +252,8 @@ class Standing:
         """Why the budget does not allow an action; nothing where it does."""
         cost, budget = self.cost, self.accuracy
         runs, seconds = cost.need_of(action)
-        if cost.runs + runs + cost.reserved > budget.max_runs:
-            reserve = 2 * cost.checked + cost.reserved
+        if cost.runs + runs + cost.reserve > budget.max_runs:
+            reserve = 2 * cost.check_runs + cost.reserve
             spent = f"{cost.runs} are spent, {reserve} kept for the last check"
             return f"the budget of {budget.max_runs} runs does not allow more ({spent})"
         if cost.seconds + seconds > 60 * budget.max_core_minutes:
@@ -305,7 +305,7 @@ class Standing:
         if error.parts["surrogate"] > allowance:
             nodes = math.ceil(nodes * min(error.parts["surrogate"] / allowance, 100.0))
             texts.append(f"some {nodes} runs")
-        time = duration_text(max(1.0, (nodes + 4 * self.cost.checked) * seconds))
+        time = duration_text(max(1.0, (nodes + 4 * self.cost.check_runs) * seconds))
         return (
             f"{error.name} would take {' and '.join(texts) or 'more runs'}, about {time} of a core"
         )
@@ -315,7 +315,7 @@ class Standing:
         if (fall := self._fall(error)) is None or fall < _HARDLY:
             return fall is not None
         factor = sum(4.0**i for i in range(1, _halvings(error, fall) + 1))
-        seconds = (self.cost.nodes + 4 * self.cost.checked) * self.cost.run_seconds * factor
+        seconds = (self.cost.nodes + 4 * self.cost.check_runs) * self.cost.run_seconds * factor
         return self.cost.seconds + seconds > 60 * self.accuracy.max_core_minutes
 
     def _fall(self, error: Errors) -> float | None:

@@ -165,8 +165,8 @@ def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
     solver, box = experiment.solver, experiment.box
     limit, element, energy = math.inf, "", 0.0
     for point in [np.zeros(box.dimension), *(box.corners() if corners else ())]:
-        named = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
-        scene = experiment.build(named)
+        values = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
+        scene = experiment.build(values)
         stable = fpm.stable_step(scene)
         if stable.step < limit:
             limit, element = float(stable.step), str(stable.element)
@@ -199,7 +199,7 @@ def write_plan(plan: Plan, path: str | Path) -> None:
     if plan.adaptive:
         head["adaptive"] = asdict(plan.adaptive)
     if len(plan.runs) > MOST_LISTED:
-        text = json.dumps(head | {"packed": _packed(plan.runs)}, indent=1) + "\n"
+        text = json.dumps(head | {"packed": _pack(plan.runs)}, indent=1) + "\n"
     else:
         runs = ",\n  ".join(json.dumps(asdict(run)) for run in plan.runs)
         text = json.dumps(head, indent=1)[:-2] + f',\n "runs": [\n  {runs}\n ]\n}}\n'
@@ -221,7 +221,7 @@ def _plan(path: str | Path, data: Mapping) -> Plan:
     for problem in steps_problems(experiment.solver, time.step):
         raise ValueError(problem)
     if "packed" in data:
-        role, points = _unpacked(data["packed"])
+        role, points = _unpack(data["packed"])
         name = namer(experiment, time.step, mechanics)
         runs = Runs(role, points, values_of(experiment, role, points), name)
     else:
@@ -254,14 +254,14 @@ def _time(data: Mapping) -> TimeStep:
     return from_data(TimeStep, {name: data[name] for name in TimeStep.__dataclass_fields__})
 
 
-def _packed(runs: Runs) -> dict:
+def _pack(runs: Runs) -> dict:
     arrays = {"role": runs.role.astype("i1"), "normalized": runs.normalized.astype("<f8")}
-    packed = {name: b64encode(values.tobytes()).decode() for name, values in arrays.items()}
-    return {"count": len(runs), **packed}
+    columns = {name: b64encode(values.tobytes()).decode() for name, values in arrays.items()}
+    return {"count": len(runs), **columns}
 
 
-def _unpacked(packed: Mapping) -> tuple[np.ndarray, np.ndarray]:
+def _unpack(columns: Mapping) -> tuple[np.ndarray, np.ndarray]:
     """Roles (N) and unit coordinates (N, k)."""
-    points = np.frombuffer(b64decode(packed["normalized"]), "<f8").astype(float)
-    role = np.frombuffer(b64decode(packed["role"]), "i1").astype(np.int8)
-    return role, points.reshape(packed["count"], -1)
+    points = np.frombuffer(b64decode(columns["normalized"]), "<f8").astype(float)
+    role = np.frombuffer(b64decode(columns["role"]), "i1").astype(np.int8)
+    return role, points.reshape(columns["count"], -1)

@@ -13,7 +13,7 @@ import numpy as np
 from deployable.campaign.config.sections import Experiment, digest
 from deployable.campaign.files.contents import ROLES
 
-_REMEMBERED = 1 << 17  # names
+_MAX_NAMES = 1 << 17  # names
 
 
 @dataclass(frozen=True)
@@ -110,10 +110,10 @@ def namer(
     """Make a function that computes a run's id from its values (k) of the interval parameters.
     step: time step (s); mechanics: digest of the structure and of the code that computes runs."""
 
-    @lru_cache(_REMEMBERED)
+    @lru_cache(_MAX_NAMES)
     def name(values: tuple[float, ...]) -> str:
-        named = dict(zip(experiment.intervals, values, strict=True))
-        return run_id(experiment, experiment.parameters(named), step, mechanics)
+        values_by_name = dict(zip(experiment.intervals, values, strict=True))
+        return run_id(experiment, experiment.parameters(values_by_name), step, mechanics)
 
     return name
 

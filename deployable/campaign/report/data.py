@@ -154,7 +154,7 @@ class PageData:
         return next((run for run in self.runs if run.role == "nominal"), None)
 
     @property
-    def unfitted(self) -> tuple[int, ...]:
+    def unfitted_runs(self) -> tuple[int, ...]:
         """Indices in `runs` of those that no surrogate was fitted to, perhaps the nominal."""
         fitted_ids = {run.id for run in self.runs if run.role in ("node", FURTHER)}
         return tuple(i for i, run in enumerate(self.runs) if run.id not in fitted_ids)
@@ -163,6 +163,6 @@ class PageData:
     def lines(self) -> list[int]:
         """Indices in `runs` of those drawn as thin lines: neither fitted nor nominal, at most 48
         (`MOST_LINES`), evenly chosen."""
-        runs = [i for i in self.unfitted if self.runs[i].role != "nominal"]
+        runs = [i for i in self.unfitted_runs if self.runs[i].role != "nominal"]
         indices = np.unique(np.linspace(0, len(runs) - 1, min(len(runs), MOST_LINES)).round())
         return [runs[int(i)] for i in indices] if runs else []

@@ -66,7 +66,7 @@ def shown_runs(folder: str | Path) -> list[ShownRun]:
                 numbers = np.concatenate([numbers, file["quantities"].values])
         if numbers is not None:
             ends = [*_ends_of(samples["quantity"].values, numbers), *ends]
-        labels = _labelled(ends, np.concatenate([values, further]), nominal)
+        labels = _label_runs(ends, np.concatenate([values, further]), nominal)
         run_ids = ids(samples, rows := [run for run in labels if run < len(values)])
     of_sample = dict(zip(rows, run_ids, strict=True))
     return [
@@ -98,7 +98,7 @@ def _ends_of(names: Sequence[str], numbers: np.ndarray) -> list[tuple[str, tuple
     ]
 
 
-def _labelled(
+def _label_runs(
     ends: Sequence[tuple[str, tuple[int, int]]], values: np.ndarray, nominal: int | None
 ) -> dict[int, str]:
     """What runs are, by their places among values (R, k), of which equal ones are one run."""

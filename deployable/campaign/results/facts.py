@@ -448,12 +448,12 @@ def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
     """Name a quantity whose occurrence alone decides a requirement that part of the box meets, as
     its bounds, where it occurs, keep all limits by their error; None if there is none. row: the
     requirement's dict in the results as plain data (`facts_of`); quantities: dicts of all there."""
-    named = {quantity["name"]: quantity for quantity in quantities}
+    rows = {quantity["name"]: quantity for quantity in quantities}
     limits = [limit for limit in row["limits"] if limit["kind"] != "happens"]
     names = {limit["quantity"] for limit in limits}
     if row["met"] != "some" or not row["share"] < 1 or len(names) != 1:
         return None
-    quantity = named[names.pop()]
+    quantity = rows[names.pop()]
     is_kept = quantity["happens"] == row["share"] and all(map(partial(_keeps, quantity), limits))
     return quantity["name"] if is_kept else None
 

@@ -84,7 +84,7 @@ def margin_of(
             margins.read_label(column)[1]: work
             for (name, column), work in sweep_curves.columns.items() if name == margins.WORK
         }))  # fmt: skip
-    stowed = margins.read_label(label)[0].first is None
+    is_stowed = margins.read_label(label)[0].first is None
     starts = [hinge.opening for s in scenes for hinge in s.hinges if hinge.name == openings[0]]
     indices = {i for i, hinge in enumerate(nominal.hinges) if hinge.name in openings}
     low, high = sorted((positions.first, positions.last))
@@ -96,11 +96,11 @@ def margin_of(
         "openings": list(openings),
         "without": failed_components(response),
         "locked": list(definition.get("locked", ())),
-        "starts_vary": bool(stowed and np.ptp(starts) > OPENING_TOLERANCE),
+        "starts_vary": bool(is_stowed and np.ptp(starts) > OPENING_TOLERANCE),
         "first": positions.first,
         "last": positions.last,
         "unit": positions.unit,
-        "travel": travel_of(scenes, openings, positions, stowed),
+        "travel": travel_of(scenes, openings, positions, is_stowed),
         "latches": [
             latch.label(nominal) for kind in (Latch, RigidLatch) for latch in kind.find(nominal)
             if latch.hinge in indices and low + room < latch.angle < high - room
@@ -156,14 +156,14 @@ def failed_components(margin: Any) -> list[str]:
 
 
 def travel_of(
-    scenes: Iterable[Any], openings: Sequence[str], positions: Any, stowed: bool
+    scenes: Iterable[Any], openings: Sequence[str], positions: Any, is_stowed: bool
 ) -> list[float] | None:
     """First and last opening (angle of a hinge, rad, or position of a slide, m) of the whole travel
     of the joint that a margin follows; None where no latch and no stop ends it. It reaches from the
     start to the farthest latch, or without one to the nearest stop, and covers all scenes. scenes:
     structures; openings: names of the joints that move together, first the one followed; positions:
-    the margin's, with `first` and `last` opening; stowed: whether it begins at `first`, not at the
-    openings at which the scenes start."""
+    the margin's, with `first` and `last` opening; is_stowed: whether it begins at `first`, not at
+    the openings at which the scenes start."""
     sign = 1.0 if positions.last > positions.first else -1.0
     starts, ends = [], []
     for scene in scenes:
@@ -182,7 +182,7 @@ def travel_of(
             for candidates in (latches, stops)
         )
         ends += [max(latches)] if latches else [min(stops)] if stops else []
-    starts = [positions.first] if stowed else starts
+    starts = [positions.first] if is_stowed else starts
     return [sign * min(sign * start for start in starts), sign * max(ends)] if ends else None
 
 

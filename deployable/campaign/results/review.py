@@ -24,8 +24,8 @@ COLUMNS = ("standard", *HEADS, "state")
 """Of the sheet as CSV: the edition, what people read, and the verdict as one of the states."""
 
 MET, UNMET, OPEN = "met", "not met", "undecided"
-PARTIAL, NOT_ANALYSED, REPORTED = "partly analysed", "not analysed", "reported"
-STATES = (UNMET, OPEN, PARTIAL, NOT_ANALYSED, MET, REPORTED)
+PARTIAL, NOT_ANALYSED, REPORT = "partly analysed", "not analysed", "reported"
+STATES = (UNMET, OPEN, PARTIAL, NOT_ANALYSED, MET, REPORT)
 
 
 class Verdict(NamedTuple):
@@ -89,7 +89,7 @@ TOPICS = {
 ALLOWABLES = ("stress", "stop", "latch shock")
 """Topics that only an allowable, which the campaign states, decides."""
 
-EXCHANGED = 20.0
+MIN_EXCHANGE = 20.0
 """Energies must change by this many times the balance's allowed error for a balance to count."""
 
 
@@ -113,8 +113,8 @@ def head_of(
     ends = []
     for state in STATES:
         state_rows = [row for row in rows if row["state"] == state]
-        named = dict.fromkeys(f"{row['clause']} {row['of']}".strip() for row in state_rows)
-        ends.append(f"{len(state_rows)} {state}" + f" ({', '.join(named)})" * bool(state_rows))
+        names = dict.fromkeys(f"{row['clause']} {row['of']}".strip() for row in state_rows)
+        ends.append(f"{len(state_rows)} {state}" + f" ({', '.join(names)})" * bool(state_rows))
     box = (
         f"{p['description'] or p['name']} ({p['name']}) from {numbers.number(p['lower'], 4)} to "
         f"{numbers.quantity(p['upper'], p['units'], 4)}"
@@ -140,8 +140,8 @@ def as_csv(rows: Iterable[Mapping[str, str]], standard: str) -> str:
     """Write a review sheet as CSV text, headings first. rows: the sheet's dicts (`rows_of`);
     standard: a key of `CLAUSES`."""
     heads = {**HEADS, "standard": "standard", "state": "state"}
-    titled = ({**row, "standard": edition_of(standard)} for row in rows)
-    return csv_text([row[name] for name in COLUMNS] for row in (heads, *titled))
+    sheet_rows = ({**row, "standard": edition_of(standard)} for row in rows)
+    return csv_text([row[name] for name in COLUMNS] for row in (heads, *sheet_rows))
 
 
 BUDGET_HEADS = ("part", "class", "acts", "moment", "factor", "weighted")
@@ -232,11 +232,11 @@ class _Sheet:
             if name in self._row_names:
                 continue
             if (margin := self._margins.get(name)) is not None:
-                named = {
+                names = {
                     "clause": STANDARDS[margin["standard"]].title,
                     "asks": "a margin of at least 0 over the full range of travel",
                 }
-                rows += [named | x for x in self._of_quantity(row, "margin")]
+                rows += [names | x for x in self._of_quantity(row, "margin")]
             else:
                 rows += self._list_requirements(row, self._limits.get(name, []))
         return rows
@@ -274,11 +274,11 @@ class _Sheet:
             rest = [(requirement, entry) for requirement, entry in limits if entry is not limit]
             return [main, *self._list_requirements(row, rest)]
         if not limits:
-            verdict = Verdict(REPORTED, "reported; no limit was stated")
+            verdict = Verdict(REPORT, "reported; no limit was stated")
             if topic in ALLOWABLES:
                 verdict = Verdict(NOT_ANALYSED, "not analysed: no allowable was stated (at_most)")
             return [self._row(row, verdict)]
-        return [self._row(row, self._allowed(row, limit, topic), limit) for _, limit in limits]
+        return [self._row(row, self._approve(row, limit, topic), limit) for _, limit in limits]
 
     def _list_requirements(self, row: Mapping[str, Any], limits: Sequence) -> list[dict[str, str]]:
         """A row for each requirement of a quantity that is the campaign's own."""
@@ -290,9 +290,9 @@ class _Sheet:
             if row["name"] in self._margins and weaker and verdict.state != UNMET:
                 outcome = "kept in all of the box" if verdict.state == MET else verdict.text
                 text = f"reported: {outcome}, which shows nothing of the limit 0 of the standard"
-                verdict = Verdict(REPORTED, text)
-            named = {"clause": "own", "asks": f"own requirement {requirement}"}
-            rows.append(named | self._row(row, verdict, limit))
+                verdict = Verdict(REPORT, text)
+            names = {"clause": "own", "asks": f"own requirement {requirement}"}
+            rows.append(names | self._row(row, verdict, limit))
         return rows
 
     def _row(
@@ -354,7 +354,7 @@ class _Sheet:
             return Verdict(OPEN, f"undecided: {row['doubt']}")
         return Verdict(MET, "met in all of the box, by analysis")
 
-    def _allowed(self, row: Mapping[str, Any], limit: Mapping[str, Any], topic: str) -> Verdict:
+    def _approve(self, row: Mapping[str, Any], limit: Mapping[str, Any], topic: str) -> Verdict:
         """Whether a limit is kept that is an allowable; nothing where it is none."""
         if topic not in ALLOWABLES:
             return self._judge(row, limit)
@@ -411,7 +411,7 @@ class _Sheet:
             if not peer.get("own", True) and peer["standard"] == margin["standard"]:
                 standard_verdict = self._margin(self._quantities[name])
             text = f"by own factors ({', '.join(margin['own'])}): {verdict.text}"
-            return Verdict(REPORTED, f"{text}; by those of the standard: {standard_verdict.text}")
+            return Verdict(REPORT, f"{text}; by those of the standard: {standard_verdict.text}")
         if verdict.state != MET:
             return verdict
         for requirement, limit in self._limits.get(row["name"], ()):
@@ -554,11 +554,11 @@ class _Sheet:
     def all_requirements(self) -> dict[str, str] | None:
         """Row on the part of the box of parameters in which all requirements, and all margins'
         limits, are met; None where the campaign has no requirements."""
-        varied = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
+        varying = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
         if "together" not in self.facts:
             return None
         analysed = (
-            f"all requirements together, over the box of {', '.join(varied)}; "
+            f"all requirements together, over the box of {', '.join(varying)}; "
             f"{self.facts['runs']['all']} runs, the worst places among them"
         )
         states = {name: self._failure(self._quantities[name]).state for name in self._margins}
@@ -572,7 +572,7 @@ class _Sheet:
         outcomes = [self._judge(self._quantities[limit["quantity"]], limit).state
                 for row in rows for limit in row["limits"]]  # fmt: skip
         open_ = [name for name, state in states.items() if state not in (MET, UNMET)]
-        if not varied:
+        if not varying:
             verdict = Verdict(NOT_ANALYSED, "not analysed: no parameter is an interval")
         elif failing:
             verdict = Verdict(UNMET, "not met in at least a part of the box")
@@ -600,13 +600,13 @@ class _Sheet:
         if motion is None:
             text = "partly analysed: how far energies change was not kept (jobs.keep)"
             return _row(analysed, Verdict(PARTIAL, text))
-        exchanged, largest, imbalance = (motion[key] for key in ("exchanged", "largest", "off"))
+        change, largest, imbalance = (motion[key] for key in ("exchanged", "largest", "off"))
         value = (
-            f"in the nominal run energies change by up to {numbers.quantity(exchanged, 'J')}, the "
+            f"in the nominal run energies change by up to {numbers.quantity(change, 'J')}, the "
             f"largest is {numbers.quantity(largest, 'J')}, the balance off by "
             f"{numbers.quantity(imbalance, 'J', 2)}"
         )
-        if exchanged < EXCHANGED * self._tolerance * largest or exchanged == 0:
+        if change < MIN_EXCHANGE * self._tolerance * largest or change == 0:
             text = "not analysed: hardly anything moves, so that the balance shows nothing"
             return _row(analysed, Verdict(NOT_ANALYSED, text), value)
         text = "met: all runs keep it"
@@ -614,18 +614,18 @@ class _Sheet:
 
     def parametric(self) -> dict[str, str]:
         """Row on which parameters of the structure vary in the campaign, and which are fixed."""
-        varied = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
+        varying = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
         fixed = [
             f"{p['description'] or p['name']} ({p['name']} = "
             f"{numbers.quantity(p['value'], p['units'], 4)})"
             for p in self.facts["fixed"] if isinstance(p["value"], float)
         ]  # fmt: skip
-        if not varied:
+        if not varying:
             return _row("", NO_VERDICT)
-        verdict = Verdict(REPORTED, "reported")
+        verdict = Verdict(REPORT, "reported")
         if fixed:
             verdict = Verdict(PARTIAL, f"partly analysed: these do not vary: {'; '.join(fixed)}")
-        return _row("parameters that are intervals", verdict, ", ".join(varied))
+        return _row("parameters that are intervals", verdict, ", ".join(varying))
 
     def tests(self) -> dict[str, str]:
         """Row on what measured curves leave of the parameters' box, or that they refute it."""
@@ -649,7 +649,7 @@ class _Sheet:
             f"{numbers.quantity(p['after'][1], p['units'], 4)}"
             for p in measured["parameters"]
         )
-        verdict = Verdict(REPORTED, "reported: the inputs that the tests leave")
+        verdict = Verdict(REPORT, "reported: the inputs that the tests leave")
         if measured["attained"] > 1:
             verdict = Verdict(OPEN, "undecided: no run explains the tests, and none is excluded")
         return _row(analysed, verdict, value, nearest)
@@ -659,7 +659,7 @@ class _Sheet:
         texts = [f"{row['name']} by {name} ({numbers.percent(row['influence'][name]['share'])})"
                  for row in self.facts["quantities"] if (name := decisive(row))]  # fmt: skip
         return _row("shares of the widths of quantities, by their surrogates",
-                    Verdict(REPORTED, "reported"),
+                    Verdict(REPORT, "reported"),
                     "most: " + ", ".join(texts)) if texts else None  # fmt: skip
 
     def budget(self) -> dict[str, str] | None:
@@ -674,7 +674,7 @@ class _Sheet:
                     row["name"], *widths, name))  # fmt: skip
         return _row(
             "widths of intervals, and with half of the tolerance that widens each most",
-            Verdict(REPORTED, "reported"), "; ".join(texts)) if texts else None  # fmt: skip
+            Verdict(REPORT, "reported"), "; ".join(texts)) if texts else None  # fmt: skip
 
 
 ANALYSES: dict[str, Callable[[_Sheet], dict | None]] = {

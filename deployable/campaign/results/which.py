@@ -43,7 +43,7 @@ def nominal_row(samples: Any) -> int | None:
 MOST_FITTED = 10_000
 """Runs up to which surrogates of quantities are fitted to all of them."""
 
-_FITTED = 4_000  # of more runs
+_MAX_FITTED_RUNS = 4_000  # of more runs
 
 
 def fitted_rows(numbers: np.ndarray) -> np.ndarray:
@@ -53,7 +53,7 @@ def fitted_rows(numbers: np.ndarray) -> np.ndarray:
     runs with its least and largest value and the first without it."""
     if len(numbers) <= MOST_FITTED:
         return np.arange(len(numbers))
-    rows = set(range(_FITTED))
+    rows = set(range(_MAX_FITTED_RUNS))
     for column in numbers.T:
         mask = np.isfinite(column)
         if mask.any():

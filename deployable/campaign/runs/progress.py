@@ -59,18 +59,18 @@ class Progress:
     def __init__(self, campaign: str, total: int, count: Callable[[], int], notify: Notify):
         self.campaign, self.total, self.count, self.notify = campaign, total, count, notify
         self.start_time, self.start_count = time.monotonic(), count()
-        self.reported = -math.inf
+        self.report_time = -math.inf
 
     def report(self, last: bool = True) -> None:
         """Tell how many runs are done and the time left; without `last` at most once a second."""
         clock_time = time.monotonic()
-        if not last and clock_time < self.reported + 1.0:
+        if not last and clock_time < self.report_time + 1.0:
             return
-        self.reported, count = clock_time, self.count()
-        gained = count - self.start_count
+        self.report_time, count = clock_time, self.count()
+        new_count = count - self.start_count
         text = f"{self.campaign}: {count} of {self.total} runs done"
-        if count < self.total and gained > 0:
-            seconds = (clock_time - self.start_time) / gained * (self.total - count)
+        if count < self.total and new_count > 0:
+            seconds = (clock_time - self.start_time) / new_count * (self.total - count)
             text += f", about {duration_text(seconds)} left"
         if isinstance(self.notify, MessagePrinter):
             self.notify.move(text, last)

@@ -105,7 +105,7 @@ class Stage:
     def inputs(self, campaign: Campaign) -> list[str]:
         """List the names of all result files that the stage may read; if it only shows results,
         with plan, samples, bounds, summary and those of quantities, requirements and choice."""
-        shown_files = [PLAN, *BOUNDS_FILES, *_answered(campaign)] if self.draws else []
+        shown_files = [PLAN, *BOUNDS_FILES, *_list_answers(campaign)] if self.draws else []
         return list(dict.fromkeys([*self.takes, *shown_files]))
 
     def sections_in(self, config: str, folder: Folder | None = None) -> dict[str, Any]:
@@ -158,7 +158,7 @@ def drawings(experiment: Experiment) -> list[str]:
     return ["sensitivities"] * has_contributions + ["ranges"] * bool(experiment.quantities)
 
 
-def _answered(campaign: Campaign) -> list[str]:
+def _list_answers(campaign: Campaign) -> list[str]:
     """What sums up a campaign, and answers what it asks for."""
     names = ["summary.json", "summary.md"]
     names += ANSWERS * bool(campaign.experiment.quantities)
@@ -192,7 +192,7 @@ STAGES = {
               is_sought=False),
         Stage("answers", "Find intervals of quantities, what meets the requirements, the choice.",
               ("requirements", "choose", "published", "review", "verify", "jobs", "measured"),
-              (PLAN, SAMPLES, BOUNDS), _answered, ("threads",)),
+              (PLAN, SAMPLES, BOUNDS), _list_answers, ("threads",)),
         Stage("figures", "Draw responses with their bounds, and what parameters contribute.",
               ("error",), (PLAN, BOUNDS, SENSITIVITIES), _figures, draws=True),
         Stage("page", "Make the page, with the motion of some runs and moments of the nominal one.",

@@ -11,7 +11,7 @@ from typing import Any
 
 from deployable.campaign.config.cases import variants
 from deployable.campaign.config.check import check_config, load_config
-from deployable.campaign.config.loader import retyped
+from deployable.campaign.config.loader import restore_types
 from deployable.campaign.config.sections import Campaign, as_json, count_runs, scene_type
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import open_dataset, read_json
@@ -23,7 +23,7 @@ from deployable.campaign.runs.progress import MessagePrinter, Notify
 from deployable.campaign.stages import STAGES, Stage, stages_of
 from deployable.one_thread import one_thread
 from fpm.errors import ChangedError, SceneError
-from fpm.files.sealed import DamagedError, check, unsealed
+from fpm.files.sealed import DamagedError, check, unseal
 
 
 class Workflow:
@@ -42,7 +42,7 @@ class Workflow:
     def from_files(cls, paths: Sequence[str | Path], overrides: Mapping | None = None) -> Workflow:
         """Make the workflow of the config in YAML files; later files win over earlier ones, and
         `overrides` (Snakemake's `--config`) over all. Raises `ConfigError`."""
-        return cls(load_config([_relative(path) for path in paths], retyped(overrides or {})))
+        return cls(load_config([_relative(path) for path in paths], restore_types(overrides or {})))
 
     @classmethod
     def from_module(cls, config: Mapping) -> Workflow:
@@ -51,7 +51,7 @@ class Workflow:
         Raises `ConfigError`."""
         if isinstance(config.get("workflow"), cls):
             return config["workflow"]
-        return cls(load_config([], retyped(config), "the config of the module"))
+        return cls(load_config([], restore_types(config), "the config of the module"))
 
     def sections(self, stage: str) -> str:
         """Write the config sections that a stage, by name, depends on, as JSON for its command;
@@ -246,7 +246,7 @@ def _run(campaign: Campaign, results: str | Path, figures: bool, notify: Notify)
             _stage(stage, campaign, folder, notify)
             is_remade = True
         elif stage.name == "answers":
-            notify(unsealed(folder / "summary.md").decode())
+            notify(unseal(folder / "summary.md").decode())
         elif stage.name == "page":
             notify(f"Open {folder.report}")
     with open_dataset(folder.bounds) as data:

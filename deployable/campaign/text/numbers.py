@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 _NO_BREAK = "\N{NO-BREAK SPACE}"
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _ANGLES = {"degree": "°", "rad": " rad"}
 
 
@@ -30,7 +30,7 @@ def number(value: float, digits: int = 3) -> str:
         return text.replace("-", "−")
     mantissa, exponent = text.split("e")
     head = "" if mantissa == "1" else f"{mantissa} × "
-    return f"{head}10{str(int(exponent)).translate(_RAISED)}".replace("-", "−")
+    return f"{head}10{str(int(exponent)).translate(_SUPERSCRIPTS)}".replace("-", "−")
 
 
 def quantity(value: float | None, units: str, digits: int = 3, missing: str = "unknown") -> str:

@@ -31,7 +31,7 @@ _CLOUD_SIZES = (1.0, 0.3, 0.1, 0.03, 0.01, 1e-3, 1e-4)  # about the extreme run
 _INFILL, _SECTIONS = 3, 3  # runs of one iteration by confidence, and towards a limit-state surface
 _WORTH = 10.0  # times the tolerance: a gain by confidence, which may be none, that is worth runs
 _END_SHARE = 0.05  # of the width: so near the end of the runs a time is taken to go on beyond it
-_TRUSTED = 3.0  # times its error: so far the surrogate must exceed all runs to be a bound
+_TRUST_RATIO = 3.0  # times its error: so far the surrogate must exceed all runs to be a bound
 
 
 class BoundEstimate(NamedTuple):
@@ -103,12 +103,12 @@ def _estimate(
     error = max(misprediction, float(local_errors(surrogate.fit, peak[None])[0]))
     candidates, gains = _gains(surrogate, sign, value, argument)
     gain = max(float(gains.max(initial=0.0)), excess)
-    is_predicted = excess > max(_TRUSTED * error, tolerance)
+    is_predicted = excess > max(_TRUST_RATIO * error, tolerance)
     points = [peak] if excess > tolerance else []
     worth, width = _WORTH * tolerance, tolerance / TOLERANCE
     if gain > worth and not is_predicted:
         points += [*_sections(surrogate.occurrence, argument)]
-        points += _spaced(surrogate.occurrence.points, candidates[gains > worth])
+        points += _space_points(surrogate.occurrence.points, candidates[gains > worth])
     unit_points = np.array(points).reshape(-1, len(argument))
     # A time that in a part of the box comes after the runs have ended.
     is_late = excess > 0 and end >= surrogate.latest and excess <= _END_SHARE * width
@@ -145,7 +145,7 @@ def _candidates(surrogate: ScalarSurrogate, argument: np.ndarray) -> np.ndarray:
     return np.concatenate([spread, *clouds, surrogate.occurrence.surface_points])
 
 
-def _spaced(runs: np.ndarray, candidates: np.ndarray) -> list[np.ndarray]:
+def _space_points(runs: np.ndarray, candidates: np.ndarray) -> list[np.ndarray]:
     """First unit points (P, k) farther apart than half their distance to the next run (N, k)."""
     points: list[np.ndarray] = []
     gaps = scipy.spatial.cKDTree(runs).query(candidates)[0]

@@ -62,7 +62,7 @@ def _set_openings(joint: dict, values: list[float]) -> None:
         (joint["opening"],) = values
 
 
-def swapped(structure: Structure, rng: random.Random) -> Image | None:
+def swap_parts(structure: Structure, rng: random.Random) -> Image | None:
     """Parts of joints stated the other way round: with the axis turned round, the opening grows as
     before; else the other way."""
     clone, maps, names = copy.deepcopy(structure), {}, {}
@@ -95,7 +95,7 @@ def swapped(structure: Structure, rng: random.Random) -> Image | None:
 SIDES = {"below": "above", "above": "below", "either": "either"}
 AFFINE = {"rest", "lower", "upper", "angle", "angles", "start", "hold"}
 ODD = {"preload", "moments", "turn", "rate", "torque"}
-HINGED = {slide: hinge for hinge, slide in ON_SLIDES.items() if hinge != "torque"}
+HINGE_TYPES = {slide: hinge for hinge, slide in ON_SLIDES.items() if hinge != "torque"}
 
 
 def _turn_actions(structure: Structure, maps: dict[str, tuple[float, float]]) -> None:
@@ -116,7 +116,7 @@ def _turn_action(action: dict, sign: float, zero: float) -> None:
     for key in list(action):
         role = key
         if action["type"] not in ("torque motor", "friction"):
-            role = HINGED.get(key, key)
+            role = HINGE_TYPES.get(key, key)
         elif action["type"] == "torque motor" and key == "force":
             role = "torque"
         value = action[key]

@@ -122,10 +122,10 @@ def _hinge(mbs, structure, nodes, bodies, hinge):
     markers = [_marker(mbs, structure, nodes, bodies, n, arm) for n, arm in pair]
     mbs.AddObject(item.ObjectJointRevolute2D(markerNumbers=markers))
     if hinge["stiffness"] or hinge["damping"]:
-        grounded = [all(structure["fixed"][n]) for n in hinge["nodes"]]
+        is_ground = [all(structure["fixed"][n]) for n in hinge["nodes"]]
         turns = [
             _coordinate(mbs, nodes[n], 0 if h else 2)
-            for n, h in zip(hinge["nodes"], grounded, strict=True)
+            for n, h in zip(hinge["nodes"], is_ground, strict=True)
         ]
         spring = item.ObjectConnectorCoordinateSpringDamper(
             markerNumbers=turns,

@@ -38,11 +38,11 @@ def measure_peers(notify: Callable[[str], object] = print) -> dict:
     for name, choice in FITS:
         case = next(case for case in CASES if case.name == name)
         design = design_of(case, choice)
-        tested = scan_of(case, _TESTS)
-        points = np.concatenate([design.points, tested])
+        tests = scan_of(case, _TESTS)
+        points = np.concatenate([design.points, tests])
         line = scan_of(case, 401) if name == "one" else points[:0]
         runs = simulate(case, ELEMENTS, 0.9, np.concatenate([points, line]))
-        problem = _problem(case, choice, design, runs, tested)
+        problem = _problem(case, choice, design, runs, tests)
         notify(f"peers: {len(problem['points'])} runs of case {name}, {choice.label}")
         fits.append({"by": "intervals", "case": name, **_fit_ours(design, problem)})
         for peer in ("chaospy", "openturns"):
@@ -54,16 +54,16 @@ def measure_peers(notify: Callable[[str], object] = print) -> dict:
     return {"case": "peers", "fits": fits, "bounds": bounds}
 
 
-def _problem(case: Case, choice: Choice, design, runs: Runs, tested: np.ndarray) -> dict:
+def _problem(case: Case, choice: Choice, design, runs: Runs, tests: np.ndarray) -> dict:
     """What a peer is given, all responses side by side: values (N, n T)."""
     rows = intervals.match_points(design.points, runs.points)
-    truth = runs.values[intervals.match_points(tested, runs.points)]
+    truth = runs.values[intervals.match_points(tests, runs.points)]
     return {
         "points": design.points,
         "values": runs.values[rows].reshape(len(rows), -1),
         "degree": choice.order,
-        "tested": tested,
-        "truth": truth.reshape(len(tested), -1),
+        "tested": tests,
+        "truth": truth.reshape(len(tests), -1),
         "scales": truth.std(axis=(0, 2)),
     }
 

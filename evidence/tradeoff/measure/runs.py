@@ -96,8 +96,8 @@ def simulate(case: Case, elements: int, safety: float, points: np.ndarray) -> Ru
     box = box_of(case)
 
     def scene(point):
-        named = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
-        return kind.build(**{case.mesh: elements}, **case.fixed, **named)
+        values_by_name = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
+        return kind.build(**{case.mesh: elements}, **case.fixed, **values_by_name)
 
     ends = np.vstack([np.zeros(box.dimension), box.corners()])
     step = safety * min(fpm.stable_step(scene(point)).step for point in ends)

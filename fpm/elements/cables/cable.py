@@ -34,7 +34,7 @@ RUBBING = 300.0
 """Core time (ns) of a stretch with friction in a step."""
 
 
-def _crowded(values: dict[str, float]) -> tuple[str, str]:
+def _describe_crowding(values: dict[str, float]) -> tuple[str, str]:
     return (
         f"a cable is longer than at rest by {values['crowding']:.2g} times its shortest stretch",
         "points that meet under tension need a pulley's size: keep them apart",
@@ -64,7 +64,7 @@ class Cable(ElementType):
     gives = REEL_WORK
     takes = FRICTION_LOSS
     events = ("tightens", "slackens")
-    watches = (Watch("crowding", 1.0, True, _crowded),)
+    watches = (Watch("crowding", 1.0, True, _describe_crowding),)
 
     @staticmethod
     def create(scene, name, points, stiffness, rest, preload, reel, curve, friction) -> "Cable":
@@ -86,8 +86,8 @@ class Cable(ElementType):
             if not (stiffness > 0 and 0 <= preload < np.inf):
                 pair, allowed = (stiffness, preload), "EA > 0 and a preload >= 0 (N)"
                 raise SceneError(f"EA, preload of cable {name}", pair, allowed)
-            reeled = reel * np.interp(0.0, *scene.curves[curve]) if curve >= 0 else 0.0
-            rest = length_through(scene, beams) / (1 + preload / stiffness) + reeled
+            reel_length = reel * np.interp(0.0, *scene.curves[curve]) if curve >= 0 else 0.0
+            rest = length_through(scene, beams) / (1 + preload / stiffness) + reel_length
         return Cable(name, beams, stiffness, float(rest), reel, curve, friction)
 
     def check(self, scene):
@@ -213,11 +213,11 @@ def _with_friction(part, batch):
     """The arrays of cables of which some rub: unstrained lengths of all stretches as well."""
     from fpm.elements.cables.cable_friction_kernels import RubbingCables
     from fpm.elements.cables.cable_kernels import UNSTRAINED
-    from fpm.elements.cables.cable_slip_kernels import MATERIAL, RUBBED
+    from fpm.elements.cables.cable_slip_kernels import MATERIAL, SLIP_SIZE
 
     def material(scene) -> np.ndarray:
         """Unstrained lengths (m) of all stretches at the start, at one strain along each cable."""
-        array = np.zeros((len(part.particle), RUBBED))
+        array = np.zeros((len(part.particle), SLIP_SIZE))
         for first, cable in zip(part.start, Cable.find(scene), strict=False):
             lengths = cable.lengths(scene)
             rest = lengths * (cable.rest_at(scene, 0.0) / lengths.sum())
@@ -230,7 +230,7 @@ def _with_friction(part, batch):
         *part,
         rubs=batch.integers(cable.rubs for cable in Cable.find(batch.scene)),
         friction=batch.table(Cable, 1, lambda cable: [cable.friction or 0.0]),
-        rubbed=batch.stack(len(part.particle), RUBBED, material),
+        slip=batch.stack(len(part.particle), SLIP_SIZE, material),
         loss=batch.loss_account(Cable),
     )
 

@@ -152,8 +152,8 @@ def note_events(part, world, timing):
 def work_of_winch(part, c):
     """Work (J) of the winch of cable c over the step that ends now, above 0 where it takes tight
     cable in. part: arrays of all cables."""
-    reeled = load(part.state, c, UNSTRAINED_BEFORE) - load(part.state, c, UNSTRAINED)
-    return 0.5 * reeled * (load(part.state, c, WINCH) + load(part.state, c, WINCH_BEFORE))
+    reel_length = load(part.state, c, UNSTRAINED_BEFORE) - load(part.state, c, UNSTRAINED)
+    return 0.5 * reel_length * (load(part.state, c, WINCH) + load(part.state, c, WINCH_BEFORE))
 
 
 @hook(Cables)

@@ -211,7 +211,7 @@ class Hinge(JointBase):
             bodies=batch.stack(2 * h, arrays.BODY, lone(_bodies)),
             hinges=batch.stack(h, arrays.HINGE, lone(_places)),
             fixed_axes=batch.integers(axes, 3),
-            supported=bool(np.any(axes)),
+            has_supports=bool(np.any(axes)),
             body_scratch=batch.blank(2 * h, arrays.BODY_SCRATCH),
             hinge_scratch=batch.blank(h, arrays.HINGE_SCRATCH),
             open=np.zeros(h, bool),
@@ -266,13 +266,13 @@ def are_alone(scene) -> list[bool]:
     nor for a particle and the hinge point, one may turn, and about all axes or none."""
     joining = [e for kind, elements in scene.kinds.items() if kind.joins for e in elements]
     uses = Counter(p for element in joining for p in element.particles)
-    shared = {p for p, count in uses.items() if count > 1 and not scene.fixed[p].all()}
-    shared.update(drive.particle for drive in scene.drives)
+    shared_particles = {p for p, count in uses.items() if count > 1 and not scene.fixed[p].all()}
+    shared_particles.update(drive.particle for drive in scene.drives)
     turning = {holder.hinge for holder in Turn.find(scene)}
     return [
         hinge.type == "revolute"
         and h not in turning
-        and shared.isdisjoint(hinge.particles)
+        and shared_particles.isdisjoint(hinge.particles)
         and is_regular(hinge, scene.fixed)
         for h, hinge in enumerate(scene.hinges)
     ]
@@ -311,9 +311,9 @@ def _is_regular(support: str, fixed1: bytes, fixed2: bytes) -> bool:
     """Whether a lone hinge's matrix is regular, by held axes of point (letters) and particles."""
     fixed1, fixed2 = np.frombuffer(fixed1, bool), np.frombuffer(fixed2, bool)
     point = np.array(mask_axes(support))
-    doubled = (fixed1[:3] & fixed2[:3]) | ((fixed1[:3] | fixed2[:3]) & point)
+    double_axes = (fixed1[:3] & fixed2[:3]) | ((fixed1[:3] | fixed2[:3]) & point)
     in_part = any(turns.any() and not turns.all() for turns in (fixed1[3:], fixed2[3:]))
-    return not (doubled.any() or in_part or (fixed1[3:].all() and fixed2[3:].all()))
+    return not (double_axes.any() or in_part or (fixed1[3:].all() and fixed2[3:].all()))
 
 
 def unit(vector, noun: str) -> np.ndarray:

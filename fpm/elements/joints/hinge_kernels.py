@@ -80,7 +80,7 @@ def prepare(part, world, timing):
     clear(part.sums)
     prepare_bodies(world, part, timing.kick)
     prepare_matrices(part)
-    if part.supported:
+    if part.has_supports:
         prepare_supports(part)
     aim(part, world.state)
 
@@ -250,7 +250,7 @@ def gap_squares(part, state, h):
     part: arrays of all hinges; state: of the particles."""
     point, gap, ep, eq = gaps(part, state, h)
     gap2 = dot(gap, gap)
-    if part.supported:
+    if part.has_supports:
         offset = times(get3(part.hinges, h, SUPPORTS), point - get3(part.hinges, h, PLACE))
         gap2 = larger(gap2, dot(offset, offset))
     return gap2, ep * ep + eq * eq

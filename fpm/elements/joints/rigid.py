@@ -87,8 +87,8 @@ class RigidMotor(AnyMotor, Rigid):
             return float(self.start + self.turn * np.interp(time, times, values))
         bends = np.append(times[(times > 0.0) & (times < time)], [0.0, time])
         bends.sort()
-        travelled = np.trapezoid(np.interp(bends, times, values), bends)
-        return float(self.start + self.turn * travelled)
+        distance = np.trapezoid(np.interp(bends, times, values), bends)
+        return float(self.start + self.turn * distance)
 
     def rate_at_start(self, scene) -> float:
         """Return the rate (rad/s; m/s on a slide) that the motor prescribes just after time 0; 0
@@ -157,7 +157,7 @@ class RigidLatch(AnyLatch, Rigid):
         start. batch: the scenes simulated side by side."""
         array = super().array(name, batch)
         if name == "state":
-            array[:, cls.kernels().SEARCHED] = start_angles(batch, cls)
+            array[:, cls.kernels().SEARCH_END] = start_angles(batch, cls)
         return array
 
 

@@ -88,12 +88,12 @@ def turning(part, i, timing):
     fall = last - sign * load(part.turns.state, part.turn[i], RATE)
     old_fall = sign * load(part.rates, i, PREVIOUS_RATE) - last
     vertex = 0.5 * timing.step * (last - 0.5 * fall) * (last - 0.5 * fall) / fall
-    sudden = 0.5 * timing.kick * last * last / fall
+    jump = 0.5 * timing.kick * last * last / fall
     blow = old_fall - 0.5 * fall
     fraction = last / fall
     if timing.time > 0.0:
         fraction = where_negative(blow, 0.5 + load(part.turns.blow, 0, 0), fraction)
-    return fraction, where_negative(-last, where_negative(blow, sudden, vertex), 0.0)
+    return fraction, where_negative(-last, where_negative(blow, jump, vertex), 0.0)
 
 
 @hook(RigidFrictions)

@@ -52,8 +52,8 @@ class Contact(OnHinge):
                 tilt = np.hstack([np.zeros((2, 3)), axes.T[1:]])
                 rows.append(sign * np.vstack([point, tilt]))
             indices = np.concatenate([6 * p + np.arange(6) for p in h.particles])
-            scaled = (np.hstack(rows) * np.sqrt(inverse[indices])).T
-            u, size, _ = np.linalg.svd(scaled, full_matrices=False)
+            matrix = (np.hstack(rows) * np.sqrt(inverse[indices])).T
+            u, size, _ = np.linalg.svd(matrix, full_matrices=False)
             u = u[:, size > 1e-10 * size.max(initial=0.0)]
             columns.append(u.T)
             dofs.append(np.tile(indices, (u.shape[1], 1)))

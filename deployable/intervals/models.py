@@ -115,7 +115,7 @@ class ScanModel(Model):
             totals.append(total)
         self.total = total
         self.growth, self.growth_quarter = (_growth(part, total) for part in totals[1:3])
-        draws = len(self.points) - _count_chosen(samples)
+        draws = len(self.points) - _count_corners(samples)
         self.attributes = {
             "design_runs": len(self.points),
             "error_kind": "growth of the bounds from the first half of the samples to all",
@@ -150,7 +150,7 @@ def _growth(previous: Running | None, current: Running) -> np.ndarray:
     return np.maximum(previous.low - current.low, current.high - previous.high)
 
 
-def _count_chosen(samples: Samples) -> int:
+def _count_corners(samples: Samples) -> int:
     """Runs that were not drawn: the nominal one, and corners of the box."""
     free = np.ptp(samples.points, axis=0) > 0
     corners = (np.abs(samples.points[:, free]) == 1.0).all(axis=1)

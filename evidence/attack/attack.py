@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 
 from deployable.campaign.files import write_text
-from evidence.attack.configs import attack_by_config, attack_by_running, mutated
+from evidence.attack.configs import attack_by_config, attack_by_running, mutate_config
 from evidence.attack.damage import attack_files
 from evidence.attack.ledger import Ledger
 from evidence.attack.metamorphic.attack import attack_by_pairs
@@ -52,7 +52,7 @@ def _attack_once(
     elif kind == "disks":
         attack_by_full_disk(victim, target, ledger, rng)
     elif kind == "configs":
-        text = mutated(rng)
+        text = mutate_config(rng)
         if case := attack_by_config(text, target, ledger, rng.random() < 0.05):
             attack_by_running(case, text, target, ledger)
     elif kind == "pairs":

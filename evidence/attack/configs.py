@@ -47,7 +47,7 @@ COSTLY = 3e6
 _DUMPER = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
 
 
-def mutated(rng: random.Random) -> str:
+def mutate_config(rng: random.Random) -> str:
     """The text of a config that was changed in one to three places."""
     data = copy.deepcopy(rng.choice(BASES))
     for _ in range(rng.choice([1, 1, 2, 3])):

@@ -60,8 +60,8 @@ class Hunt:
             self._place = place
         name, number = self.rng.choice(all_sites(self._patterns))
         line, change, tree = change_at(parse_file(name), number)
-        noticed = self.find_detector(place, place / name, ast.unparse(tree), nearest(name))
-        self.mutants.append({"file": name, "line": line, "change": change, "noticed": noticed})
+        detectors = self.find_detector(place, place / name, ast.unparse(tree), nearest(name))
+        self.mutants.append({"file": name, "line": line, "change": change, "noticed": detectors})
 
     def find_detector(self, place: Path, path: Path, text: str, tests: list[str]) -> str | None:
         """What notices another text of a file in a copy: the first test that fails, or the time.
@@ -70,17 +70,17 @@ class Hunt:
         """
         content = path.read_bytes()
         for mark, files in stages(tests):
-            self._try_unchanged(place, mark, files)
+            self._try_original(place, mark, files)
             sound = [name for name in files if self._passes[mark, name]]
             path.write_text(text, encoding="utf-8")
             try:
-                if sound and (noticed := failed_of(place, mark, sound, first=True)):
-                    return noticed[0]
+                if sound and (detectors := failed_of(place, mark, sound, first=True)):
+                    return detectors[0]
             finally:
                 path.write_bytes(content)
         return None
 
-    def _try_unchanged(self, place: Path, mark: str, tests: list[str]) -> None:
+    def _try_original(self, place: Path, mark: str, tests: list[str]) -> None:
         """Run files of tests of which it is not known whether they pass as the code is."""
         if new := [name for name in tests if (mark, name) not in self._passes]:
             failures = failed_of(place, mark, new)
@@ -90,8 +90,8 @@ class Hunt:
 
     def table(self) -> str:
         """The share noticed, and what was not."""
-        noticed = sum(mutant["noticed"] is not None for mutant in self.mutants)
-        lines = [f"{noticed} of {self.count} changes of the code were noticed by tests.", ""]
+        detectors = sum(mutant["noticed"] is not None for mutant in self.mutants)
+        lines = [f"{detectors} of {self.count} changes of the code were noticed by tests.", ""]
         if self.left_out:
             names = ", ".join(self.left_out)
             lines += [f"Not counted, as they fail without a change: {names}.", ""]
@@ -123,13 +123,13 @@ def parse_file(name: str) -> ast.Module:
 def all_sites(patterns: tuple[str, ...] = ("*",)) -> list[tuple[str, int]]:
     """Every place that can be changed, in files of these patterns: file, and number in it."""
     names = sorted(str(p.relative_to(ROOT)) for room in ROOMS for p in (ROOT / room).rglob("*.py"))
-    mutated = [
+    files = [
         name
         for name in names
         if any(fnmatch(name, pattern) for pattern in patterns)
         and not any(fnmatch(name, glob) for glob in LEFT_OUT)
     ]
-    return [(name, number) for name in mutated for number in sites(parse_file(name))]
+    return [(name, number) for name in files for number in sites(parse_file(name))]
 
 
 def make_copy(place: Path) -> None:

@@ -24,7 +24,7 @@ MOST_BALANCE = 1e-4
 MOST_GAP, MOST_TILT = 1e-11, 1e-9
 """Of joints, m and rad: what the linkage keeps as a rule (fpm/elements/joints/hinge_arrays.py)."""
 
-MOST_COUPLED = 4.0
+MAX_PAIRS = 4.0
 """Times what a hinge costs that is solved alone."""
 
 
@@ -91,7 +91,7 @@ def joint_rows(costs: Mapping[str, float]) -> list[Row]:
     rows = [info(name, 1e9 * single, "ns per joint, step and sample")]
     for name, cost in rest:
         note = f"{1e9 * cost:.3g} ns per joint, step and sample"
-        rows.append(at_most(f"{name}, over hinges alone", cost / single, MOST_COUPLED, "", note))
+        rows.append(at_most(f"{name}, over hinges alone", cost / single, MAX_PAIRS, "", note))
     return rows
 
 

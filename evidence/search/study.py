@@ -28,7 +28,7 @@ class BoxCheck:
     name: str
     runs: int
     true: tuple[float, float]
-    reported: tuple[float, float]
+    outer_bounds: tuple[float, float]
     attained: tuple[float, float]
     errors: tuple[float, float]
 
@@ -39,7 +39,7 @@ class BoxCheck:
 
     def misses(self) -> np.ndarray:
         """Distances (2) of the reported bounds from the true ones."""
-        return np.abs(np.subtract(self.reported, self.true))
+        return np.abs(np.subtract(self.outer_bounds, self.true))
 
 
 class _BoxEvaluator(ModelEvaluator):
@@ -106,7 +106,7 @@ def report(parts: Mapping[str, list[BoxCheck]]) -> Report:
         at_most("reported bounds worse than those of the runs", float(np.sum(worse)), 0.0),
     ]
     lines = [
-        (b.name, b.runs, *(f"{v:.4g}" for v in (*b.true, *b.reported)),
+        (b.name, b.runs, *(f"{v:.4g}" for v in (*b.true, *b.outer_bounds)),
          *(100 * b.misses() / b.width), *(100 * np.divide(b.errors, b.width)))
         for b in boxes
     ]  # fmt: skip

@@ -31,7 +31,7 @@ from typing import NamedTuple, NoReturn
 
 import numpy as np
 
-from fpm.assembly.conditions import Conditions, ParticlePoses, conditions_of, scaled, tilts
+from fpm.assembly.conditions import Conditions, ParticlePoses, conditions_of, scale_matrix, tilts
 from fpm.assembly.elastic import Elastic, elastic_of
 from fpm.elements.bars.beam_limits import BEND, STRAIN
 from fpm.elements.openings.opening import opening_at
@@ -332,14 +332,14 @@ def linearise(
     gradient, stiffness = elastic.derivatives(poses)
     rows, curvature = conditions.derivatives(poses, weight * impulses)
     stiffness, gradient = stiffness + curvature, gradient + rows.T @ (weight * impulses)
-    stiffness = scaled(stiffness, scales, scales)
-    mass = scaled(masses(scene, poses), scales, scales)
+    stiffness = scale_matrix(stiffness, scales, scales)
+    mass = scale_matrix(masses(scene, poses), scales, scales)
     largest = abs(stiffness).max() if stiffness.nnz else 0.0
     if ease is None:
         ease = ratio * largest if largest > 0 else 1.0
     unit = max(largest, ease)
     inner = (stiffness / unit + mass * (ease / unit / mass.max())).tocsc()[free][:, free]
-    rows = scaled(rows, weight, scales)[:, free]
+    rows = scale_matrix(rows, weight, scales)[:, free]
     matrix = bmat([[inner, rows.T], [rows, -EASE * identity(len(weight))]], format="csc")
     try:
         solver = splu(matrix)

@@ -88,7 +88,7 @@ def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
     return rank, np.linalg.norm(vectors[:, rank:], axis=1)
 
 
-def scaled(matrix, rows: np.ndarray, columns: np.ndarray):
+def scale_matrix(matrix, rows: np.ndarray, columns: np.ndarray):
     """Return a copy of a sparse matrix (r, c), with each row times its factor in `rows` (r,), and
     each column times that in `columns` (c,)."""
     matrix = matrix.tocsc(copy=True)

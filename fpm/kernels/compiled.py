@@ -132,7 +132,7 @@ def loop_for(arguments: tuple, entry: str = "loop") -> Callable:
                 )
                 for path in _cache_files(folder):
                     path.unlink(missing_ok=True)
-            with _seldom_collected():
+            with _collect_seldom():
                 run.compile(tuple(map(numba.typeof, arguments)))
             if is_locked:
                 with suppress(OSError):  # a full disk, say
@@ -142,7 +142,7 @@ def loop_for(arguments: tuple, entry: str = "loop") -> Callable:
 
 
 @contextmanager
-def _seldom_collected() -> Iterator[None]:
+def _collect_seldom() -> Iterator[None]:
     """With fewer searches for circles, which take a tenth of a compiler's time."""
     threshold = gc.get_threshold()
     gc.set_threshold(20_000)

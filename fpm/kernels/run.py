@@ -9,7 +9,7 @@ from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import HALF, IJ, IM, KICK, F, M, P, V, X
 from fpm.kernels.record import keep, record_after, record_before, reflect
 from fpm.kernels.references import by_reference
-from fpm.kernels.rotation import frame, half_turn, normalise, put_turned
+from fpm.kernels.rotation import frame, half_turn, normalise, turn_frame
 from fpm.kernels.vectors import get3, kernel, put3, to_local
 from fpm.kernels.world import StepTime
 
@@ -56,7 +56,7 @@ def turn(state, particles, i, p):
     axes = frame(state, i)
     body = to_local(axes, p)
     half = half_turn(body, get3(particles, i, HALF))
-    put_turned(state, i, axes, half)
+    turn_frame(state, i, axes, half)
     return body, half
 
 

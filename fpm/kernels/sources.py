@@ -204,7 +204,7 @@ def _no_file(source: str) -> SceneError:
 def _find_imports(path: Path, roots: Iterable[Path] = ()) -> Iterator[Path]:
     """Files beside a file, or below the folders `roots`, that its imports would name, whether they
     exist or not; of a package `__init__.py`, too."""
-    for name, level in _names_imported(path.read_bytes(), str(path)):
+    for name, level in _list_imports(path.read_bytes(), str(path)):
         parts = name.split(".")
         yield from _sibling_files(path.parent, parts, level)
         for root in [path.parent, *path.parents][level : level + 1] if level else roots:
@@ -215,15 +215,15 @@ def _find_imports(path: Path, roots: Iterable[Path] = ()) -> Iterator[Path]:
                     yield place / "__init__.py"
 
 
-def packages_imported(path: Path) -> set[str]:
+def list_packages(path: Path) -> set[str]:
     """Return the first parts of the names that the Python file at `path` imports ("numpy" of
     numpy.linalg), without relative imports; and `__import__`, if it uses that."""
-    names = _names_imported(path.read_bytes(), str(path))
+    names = _list_imports(path.read_bytes(), str(path))
     return {name.partition(".")[0] for name, level in names if not level}
 
 
 @cache
-def _names_imported(content: bytes, path: str) -> list[tuple[str, int]]:
+def _list_imports(content: bytes, path: str) -> list[tuple[str, int]]:
     """Names in the imports of a file with this content, each with its number of leading dots."""
     imports = []
     for node in ast.walk(ast.parse(content, path)):

@@ -19,7 +19,7 @@ from fpm.reading.bars import bends_of
 from fpm.scenes.scene import Scene
 from fpm.solver.simulate import simulate
 
-MOST_RECORDED = 1e8  # numbers of one pass; larger scenes are run in several passes
+MAX_RECORDS = 1e8  # numbers of one pass; larger scenes are run in several passes
 
 _ARMS = {"place": (0.0, 0.0, 0.0), "second axis": (0.0, 1.0, 0.0), "third axis": (0.0, 0.0, 1.0)}
 _STEEPEST_MITRE = 0.3  # least cosine between a bar and the normal of the face that cuts it
@@ -59,7 +59,7 @@ def whole_motion(
     arguments |= {"energy_tolerance": energy_tolerance, "record": tuple(record)}
     count = len(scenes[0].position)
     points = len(_ARMS) * 6 * instants * 8  # numbers of one particle, with 8 runs side by side
-    passes = max(1, round(np.ceil(count * points / MOST_RECORDED)))
+    passes = max(1, round(np.ceil(count * points / MAX_RECORDS)))
     runs: list[list[tuple]] = [[] for _ in scenes]
     rows = choose_instants(duration, instants, frames, times)
     for particles in np.array_split(np.arange(count), min(passes, count)):
@@ -85,9 +85,9 @@ def choose_instants(duration: float, instants: int, frames: int, times=()) -> np
     """Return the indices (k,), increasing, of the recorded instants that are returned: `frames`
     evenly spread ones, and those nearest to `times` (s). duration: of the run (s); instants: number
     of recorded ones, evenly spread from 0 to `duration`."""
-    even = np.linspace(0, instants - 1, min(frames, instants)).round().astype(int)
+    spread = np.linspace(0, instants - 1, min(frames, instants)).round().astype(int)
     nearest = np.round(np.asarray(times, float) / duration * (instants - 1)).astype(int)
-    return np.unique(np.concatenate([even, nearest.clip(0, instants - 1)]))
+    return np.unique(np.concatenate([spread, nearest.clip(0, instants - 1)]))
 
 
 def element_strains(

@@ -39,7 +39,7 @@ def value_at(curves: Curves, response: Response, instant: float, event: bool) ->
     lower = -np.inf if not len(earlier_events) else earlier_events[-1] + SPREAD * step
     rounding = 1e-6 * step  # of times
     indices = np.flatnonzero((time >= lower - rounding) & (time <= upper + rounding))
-    if event and (value := _continued(curves, response, indices[-5:], instant)) is not None:
+    if event and (value := _extrapolate(curves, response, indices[-5:], instant)) is not None:
         return value
     if len(indices) > 1:
         middle = np.searchsorted(time[indices], instant, side="left")
@@ -57,7 +57,7 @@ def cubic_through(time: np.ndarray, values: np.ndarray, last: int) -> np.polynom
     return np.polynomial.Polynomial.fit(time[window], values[window], len(time[window]) - 1)
 
 
-def _continued(curves: Curves, response: Response, rows, t: float) -> float | None:
+def _extrapolate(curves: Curves, response: Response, rows, t: float) -> float | None:
     """Value of a response at t (s) after the instants `rows`, extrapolated by rates of
     constituents; None where these are not recorded, or predict the last of five instants no better
     than a cubic (a constituent trembles between the instants, or jumps)."""
@@ -69,8 +69,8 @@ def _continued(curves: Curves, response: Response, rows, t: float) -> float | No
         return None
     points = {name: (value, value) for name, value in values.items()}
     columns = {("opening", name): value[:, 0] for name, value in values.items()}
-    continued = replace(curves, time=np.array([t]), points=points, columns=columns)
-    return float(response.evaluate(continued)[0])
+    curves_then = replace(curves, time=np.array([t]), points=points, columns=columns)
+    return float(response.evaluate(curves_then)[0])
 
 
 def _with_rates(curves: Curves, kind: str, name: str) -> tuple[np.ndarray, np.ndarray] | None:

@@ -210,9 +210,9 @@ def _event(quantity: Quantity, curves: Curves) -> float:
     times = curves.times(quantity.event, quantity.places)
     if len(times) >= quantity.number:
         return float(times[quantity.number - 1])
-    if curves.events_dropped:
+    if curves.dropped_events:
         raise ValueError(
-            f"{quantity.name}: a run has {curves.events_dropped} events more than are kept; "
+            f"{quantity.name}: a run has {curves.dropped_events} events more than are kept; "
             f"{quantity.long_name} may be among them"
         )
     return float("nan")

@@ -327,7 +327,7 @@ FORMS = {
 """How definitions name columns of variables, and the other keys that it takes."""
 
 
-def _as_recorded(variable: Variable) -> ResponseType:
+def _read_record(variable: Variable) -> ResponseType:
     """The response type of a variable by itself."""
     read, mandatory = FORMS[variable.form]
     return ResponseType(read, mandatory=mandatory, positive=variable.positive, shock=variable.shock)
@@ -361,7 +361,7 @@ KINDS = {
                    lambda response, run: run.energies[response.subjects[0]],
                    positive=("strain", "spring", "contact")),
     **{name: ResponseType(_latch, shock=name == "latch_moment") for name in SERIES},
-    **{name: _as_recorded(variable) for name, variable in VARIABLES.items() if variable.form},
+    **{name: _read_record(variable) for name, variable in VARIABLES.items() if variable.form},
     "opening_rate": ResponseType(partial(_opening, unit="rad s-1", words="rate of the opening")),
     "joint_moment": ResponseType(_moment, _sum, optional=("part",), shock=True),
     "joint_power": ResponseType(_moment, _power, optional=("part",), shock=True),

@@ -58,7 +58,7 @@ def outcome_of(
         columns=columns_of(records),
         events=batch.events[: min(event_count, len(batch.events)), :, lane],
         eventful=eventful(scene, batch.eventful.slices),
-        events_dropped=max(0, event_count - len(batch.events)),
+        dropped_events=max(0, event_count - len(batch.events)),
         step=division.step,
         steps=steps,
         limit=limit,

@@ -98,7 +98,7 @@ class FileRecord:
         elif flags & os.O_ACCMODE != os.O_WRONLY and path not in self._outputs:
             self._states_now.setdefault(path, _state(path))
 
-    def imported(self, path: Path, content: bytes) -> None:
+    def add_import(self, path: Path, content: bytes) -> None:
         """Note an imported file's `path` and content; ChangedError if other content was noted."""
         path = Path(os.path.realpath(path))
         self._states_now.pop(path, None)
@@ -176,7 +176,7 @@ class FileRecord:
         if self.data is not None:
             return []
         readers = sorted(set(self.hidden_reads))
-        names = (n for p in self.files if p.suffix == ".py" for n in sources.packages_imported(p))
+        names = (n for p in self.files if p.suffix == ".py" for n in sources.list_packages(p))
         for name in sorted(set(names) - TRACED_PACKAGES):
             if name in READERS or (name not in sys.stdlib_module_names and _is_installed(name)):
                 readers.append(f"import {name}")
@@ -232,7 +232,7 @@ class Loader(SourceFileLoader):
     def get_data(self, path: str) -> bytes:
         """Return the bytes of the source at `path`, which are noted in the record."""
         content = super().get_data(path)
-        self.record.imported(Path(path), content)
+        self.record.add_import(Path(path), content)
         return content
 
 

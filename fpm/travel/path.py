@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from fpm.assembly import FARTHEST, MisfitError, linearise
-from fpm.assembly.conditions import NORMAL, Conditions, ParticlePoses, conditions_of, scaled
+from fpm.assembly.conditions import NORMAL, Conditions, ParticlePoses, conditions_of, scale_matrix
 from fpm.elements.openings.opening import opening_at, rate_at
 from fpm.errors import SceneError
 from fpm.travel.balance import MAX_ITERATIONS, TINY, Balance, forces_with_friction
@@ -124,7 +124,7 @@ class Path:
 
     def _derivatives(self, poses: ParticlePoses) -> np.ndarray:
         """Derivatives (c, f) of the conditions, scaled."""
-        rows = scaled(self._conditions.jacobian(poses), self._weight, self._scales)
+        rows = scale_matrix(self._conditions.jacobian(poses), self._weight, self._scales)
         return rows[:, self._free].toarray()
 
     def _step(self, value: float) -> None:
@@ -250,7 +250,7 @@ class Path:
         drift[:, :3, :3] = drift[:, 3:, 3:] = np.eye(3)
         drift[:, :3, 3:] = np.cross(np.eye(3), offset[:, None] / self._size).swapaxes(1, 2)
         drift = drift.reshape(-1, 6)  # lengths by the size
-        rows = scaled(self._conditions.jacobian(poses), self._weight, self._scales)
+        rows = scale_matrix(self._conditions.jacobian(poses), self._weight, self._scales)
         constraints = np.vstack([rows @ drift, drift[is_held]])
         _, sizes, directions = np.linalg.svd(constraints)
         free = directions[np.sum(sizes > DRIFT_TOLERANCE * sizes.max(initial=1.0)) :]

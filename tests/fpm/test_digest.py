@@ -91,7 +91,7 @@ def test_what_counts_imports_nothing_that_does_not():
             continue
         imports = {
             each.removeprefix("fpm.").replace(".", "/")
-            for each, _ in sources._names_imported(path.read_bytes(), str(path))
+            for each, _ in sources._list_imports(path.read_bytes(), str(path))
         }
         without = [*(t.removesuffix(".py") for t in sources.DISPLAY if t != "errors.py")]
         without += [*sources.READ] if level == 1 and name not in ASK else []

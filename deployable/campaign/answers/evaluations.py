@@ -165,7 +165,7 @@ class ModelEvaluator:
             notify_reruns(store, self.notify)
             if len(missing):
                 check_structure(plan)
-                scene = plan.experiment.build(plan.named(missing[0]))
+                scene = plan.experiment.build(plan.name_values(missing[0]))
                 warm_up(scene, self.notify, plan.experiment.record)
                 store.write(group, simulation.results(missing, store.previous_columns(missing)))
             records |= store.read(group)

@@ -251,10 +251,10 @@ class Experiment:
         others make redundant are arbitrary."""
         curves = [(curve.name, curve, True) for curve in self.curves]
         quantities = [(q.name, q.response, q.is_instantaneous) for q in self.numbers if q.response]
-        find_undetermined = undetermined_forces(self.nominal_scene, self.curves)
+        redundancies = undetermined_forces(self.nominal_scene, self.curves)
         reasons = {
             name: (doubt(self.nominal_scene, response) if peak else "")
-            or find_undetermined.get(response.name, "")
+            or redundancies.get(response.name, "")
             for name, response, peak in curves + quantities
         }
         return {name: reason for name, reason in reasons.items() if reason}

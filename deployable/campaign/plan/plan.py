@@ -43,7 +43,7 @@ from deployable.campaign.plan.runs import PlannedRun, Runs, namer, values_of
 from deployable.intervals import held_out_points
 from fpm.files.sealed import DamagedError
 
-MOST_LISTED = 10_000
+MAX_PLAN_ROWS = 10_000
 """Runs that have a line each in `plan.json`; of more, programs are the only readers."""
 
 
@@ -133,7 +133,7 @@ class Plan:
     def _unique(self) -> Runs:
         return self.runs.unique()
 
-    def named(self, run: PlannedRun) -> dict[str, float]:
+    def name_values(self, run: PlannedRun) -> dict[str, float]:
         """Return the values of the interval parameters in a run of this plan, by name."""
         return dict(zip(self.experiment.intervals, run.values, strict=True))
 
@@ -188,7 +188,7 @@ def share(items: list, part: int, parts: int) -> list:
 
 def write_plan(plan: Plan, path: str | Path) -> None:
     """Write a plan to the file `path` as JSON (`plan.json`), a line for each run, or, of more than
-    10,000 (`MOST_LISTED`), all runs packed as arrays."""
+    10,000 (`MAX_PLAN_ROWS`), all runs packed as arrays."""
     head = {
         "campaign": plan.experiment.name,
         "config_hash": plan.config_hash,
@@ -198,7 +198,7 @@ def write_plan(plan: Plan, path: str | Path) -> None:
     }
     if plan.adaptive:
         head["adaptive"] = asdict(plan.adaptive)
-    if len(plan.runs) > MOST_LISTED:
+    if len(plan.runs) > MAX_PLAN_ROWS:
         text = json.dumps(head | {"packed": _pack(plan.runs)}, indent=1) + "\n"
     else:
         runs = ",\n  ".join(json.dumps(asdict(run)) for run in plan.runs)

@@ -126,7 +126,7 @@ class PageData:
     `summary.json`; time (T): s; responses: their bounds; runs: the planned ones (of a large scan
     those that move), then of those added at bounds and limit-state surfaces the ones that move;
     moving: runs shown moving, the nominal one first, then those at which quantities and bounds are
-    attained; omitted: runs for whose motion the page has no room; work: times that tasks took;
+    attained; omitted_runs: runs for whose motion the page has no room; work: times that tasks took;
     provenance: what computed the results, texts by name; config: text of a config that repeats the
     campaign; verdicts: which runs meet the requirements, None without quantities; what_if:
     functions for the sliders, None: none."""
@@ -136,7 +136,7 @@ class PageData:
     responses: tuple[ResponseBounds, ...]
     runs: tuple[PageRun, ...]
     moving: tuple[MovingRun, ...] = ()
-    omitted: tuple[OmittedRun, ...] = ()
+    omitted_runs: tuple[OmittedRun, ...] = ()
     work: tuple[Work, ...] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)
     config: str = ""

@@ -59,10 +59,10 @@ def shown_runs(folder: str | Path) -> list[ShownRun]:
             (name, _extreme_runs(samples, i, _widest(bounds, i))) for i, name in enumerate(names)
         ]
         nominal = nominal_row(samples)
-        further, run_ids_added = values[:0], []
+        further, extra_ids = values[:0], []
         if numbers is not None and (folder / "further.nc").exists():
             with open_dataset(folder / "further.nc") as file:
-                further, run_ids_added = file["value"].values, file["run_id"].values.tolist()
+                further, extra_ids = file["value"].values, file["run_id"].values.tolist()
                 numbers = np.concatenate([numbers, file["quantities"].values])
         if numbers is not None:
             ends = [*_ends_of(samples["quantity"].values, numbers), *ends]
@@ -72,7 +72,7 @@ def shown_runs(folder: str | Path) -> list[ShownRun]:
     return [
         ShownRun(of_sample[run], values[run], label, run)
         if run in of_sample
-        else ShownRun(run_ids_added[run - len(values)], further[run - len(values)], label, None)
+        else ShownRun(extra_ids[run - len(values)], further[run - len(values)], label, None)
         for run, label in labels.items()
     ]
 

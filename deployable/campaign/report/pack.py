@@ -53,7 +53,7 @@ def compress(raw: bytes) -> str:
     return base64.b64encode(gzip.compress(raw, 6, mtime=0)).decode()
 
 
-def packed(data: PageData) -> str:
+def pack_data(data: PageData) -> str:
     """Pack all data of the page's script as one text (base64 of gzip). Frames are left out of the
     motions until it has at most `PAGE` characters (2.45 million)."""
     text, count = _pack(data, None), max((m.motion.sizes["time"] for m in data.moving), default=0)

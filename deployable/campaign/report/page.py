@@ -14,7 +14,7 @@ from deployable.campaign.pictures.solid import solid_of_motion
 from deployable.campaign.pictures.view import View
 from deployable.campaign.report.data import PageData
 from deployable.campaign.report.failing import lines, panels, prices
-from deployable.campaign.report.pack import compress, packed
+from deployable.campaign.report.pack import compress, pack_data
 from deployable.campaign.results.templates import environment
 from deployable.campaign.text.numbers import pretty
 
@@ -58,7 +58,7 @@ def render(data: PageData) -> str:
             script="\n".join(_text(f"js/{name}.js") for name in SCRIPTS),
             still=still_picture(data.moving[0].motion) if data.moving else "",
             library=compress(_text("vendor/three.min.js").encode()),
-            payload=packed(data),
+            payload=pack_data(data),
         )
     )
 

@@ -53,7 +53,7 @@ def from_results(folder: str | Path) -> PageData:
         responses=_responses(bounds, _load(sensitivities) if sensitivities.exists() else None),
         runs=runs,
         moving=moving,
-        omitted=_find_omitted(movers, runs, moving),
+        omitted_runs=_find_omitted_runs(movers, runs, moving),
         work=_work(folder, facts["runs"]),
         provenance=_provenance(bounds, samples, folder),
         config=json.dumps(json.loads(bounds.attrs["config"]), indent=1),
@@ -191,7 +191,7 @@ def _what_if(folder: Path, summary: Mapping) -> WhatIf:
         return WhatIf(quantities, file["multi_index"][:], file["coefficient"][:])
 
 
-def _find_omitted(
+def _find_omitted_runs(
     movers: Iterable[ShownRun], runs: tuple[PageRun, ...], moving: tuple[MovingRun, ...]
 ) -> tuple[OmittedRun, ...]:
     """Runs that would be shown, beside those that move."""

@@ -365,8 +365,8 @@ class _Sheet:
             text = f"{limit_text}, of this quantity, is no allowable of the largest load"
             return Verdict(NOT_ANALYSED, f"not analysed: {text}")
         verdict = self._judge(row, limit)
-        signed = self._numbers[row["name"]].response.least is None
-        if verdict.state == MET and signed and not {1, -1} <= sides:
+        is_signed = self._numbers[row["name"]].response.least is None
+        if verdict.state == MET and is_signed and not {1, -1} <= sides:
             text = "partly analysed: met for loads of one sign; state a limit of the other as well"
             return Verdict(PARTIAL, text)
         if verdict.state == MET:
@@ -381,9 +381,9 @@ class _Sheet:
         final = number.kind == "final" and number.response.kind.startswith("latch_imp")
         if limit["kind"] == "at_most" and (number.kind == "largest" or final):
             return 1
-        signed = number.response.least is None
+        is_signed = number.response.least is None
         lower = limit["kind"] == "at_least" and (number.kind == "smallest" or final)
-        return -1 if lower and signed else 0
+        return -1 if lower and is_signed else 0
 
     def _limit_at_zero(self, name: str) -> Mapping[str, Any] | None:
         """The limit of a requirement that is that of the standards."""

@@ -40,7 +40,7 @@ def nominal_row(samples: Any) -> int | None:
     return int(rows[0]) if len(rows) else None
 
 
-MOST_FITTED = 10_000
+MAX_FIT_RUNS = 10_000
 """Runs up to which surrogates of quantities are fitted to all of them."""
 
 _MAX_FITTED_RUNS = 4_000  # of more runs
@@ -48,10 +48,10 @@ _MAX_FITTED_RUNS = 4_000  # of more runs
 
 def fitted_rows(numbers: np.ndarray) -> np.ndarray:
     """Choose the runs that surrogates of quantities are fitted to: increasing indices. numbers (R,
-    q): quantities of all runs, NaN for one that does not occur. Up to 10,000 runs (`MOST_FITTED`)
+    q): quantities of all runs, NaN for one that does not occur. Up to 10,000 runs (`MAX_FIT_RUNS`)
     it is all; of more the first 4000, which fill the box of parameters, and for each quantity the
     runs with its least and largest value and the first without it."""
-    if len(numbers) <= MOST_FITTED:
+    if len(numbers) <= MAX_FIT_RUNS:
         return np.arange(len(numbers))
     rows = set(range(_MAX_FITTED_RUNS))
     for column in numbers.T:

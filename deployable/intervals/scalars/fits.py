@@ -22,7 +22,7 @@ from ..splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
 _LEAST_RUNS = 4  # below them one more coordinate is not tested
 _HIGHEST = 12  # degree of a polynomial
 _RESIDUAL = 1e-3  # of the width, by which a polynomial may miss a run
-_MAX_KRIGED = 2000  # runs for which that is corrected
+_MAX_KRIGING_RUNS = 2000  # runs for which that is corrected
 _LEVERAGE = 1 - 1e-8  # above it a run alone decides a coefficient, and nothing tests it
 
 
@@ -171,7 +171,7 @@ def best_fit(points: np.ndarray, values: np.ndarray) -> Fit:
 def _through_runs(fit: Fit) -> Fit:
     """A polynomial with a correction through the runs, where it misses them by enough."""
     points, rest = fit.points, fit.values - fit.evaluate(fit.points)
-    correctable = len(points) <= _MAX_KRIGED
+    correctable = len(points) <= _MAX_KRIGING_RUNS
     if not correctable or np.abs(rest).max() <= _RESIDUAL * np.ptp(fit.values):
         return fit
     directions = max(int((np.ptp(points, axis=0) > 0).sum()), 1)

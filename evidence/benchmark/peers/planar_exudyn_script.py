@@ -56,7 +56,7 @@ def _bodies(mbs, structure, nodes):
 
 
 def _beams(mbs, structure, nodes):
-    added = []
+    items = []
     for element in structure["elements"]:
         frame = np.array(structure["frame"][element["nodes"][0]])
         normal = int(np.argmax(np.abs(frame[2])))  # the section's axis that is normal to the plane
@@ -70,8 +70,8 @@ def _beams(mbs, structure, nodes):
             axialStiffness=axial,
             shearStiffness=shear_y if normal == 2 else shear_z,
         )
-        added.append(mbs.AddObject(beam))
-    return added
+        items.append(mbs.AddObject(beam))
+    return items
 
 
 def _supports(mbs, structure, nodes):

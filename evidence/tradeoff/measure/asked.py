@@ -24,7 +24,7 @@ MINUTES, RUNS = 0.2, 300
 """Budget of each: minutes of one core, and runs."""
 
 
-def measure_asked(case: AccuracyCase, notify: Callable[[str], object] = print) -> dict:
+def measure_targets(case: AccuracyCase, notify: Callable[[str], object] = print) -> dict:
     """What every accuracy and every rival of a case came to, as plain numbers."""
     with tempfile.TemporaryDirectory() as folder:
         short = {"solver": {"duration": 1e-3, "instants": 2}}

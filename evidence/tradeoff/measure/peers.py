@@ -116,10 +116,10 @@ def _bounds(case: Case, runs: Runs, line: np.ndarray) -> list[dict]:
             bands["polynomial"] = intervals.surrogate_range(intervals.fit(design, values))
             seconds["polynomial"] = (time.perf_counter() - start) / INSTANTS
         if order > 1:
-            even = np.linspace(-1.0, 1.0, order + 1)[:, None]
-            values = runs_at(even)
+            knots = np.linspace(-1.0, 1.0, order + 1)[:, None]
+            values = runs_at(knots)
             start = time.perf_counter()
-            bands["spline"] = intervals.spline_range(intervals.fit_spline(even, values))
+            bands["spline"] = intervals.spline_range(intervals.fit_spline(knots, values))
             seconds["spline"] = (time.perf_counter() - start) / INSTANTS
         for name, band in bands.items():
             ends = np.stack([band.lower, band.upper], axis=1)

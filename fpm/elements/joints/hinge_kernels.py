@@ -53,7 +53,7 @@ from fpm.elements.joints.hinge_matrix import (
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import any_negative, load, store, where_negative
 from fpm.kernels.layout import HALF, P, V, X
-from fpm.kernels.rotation import frame, half_turn, put_turned
+from fpm.kernels.rotation import frame, half_turn, turn_frame
 from fpm.kernels.vectors import (
     add3,
     add_where,
@@ -150,7 +150,7 @@ def move_bodies(state, particles, pair, step):
     put3(state, pair, X, step * get3(state, pair, V) + get3(state, pair, X))
     axes = frame(state, pair)
     half = half_turn(to_local(axes, get3(state, pair, P)), get3(particles, pair, HALF))
-    put_turned(state, pair, axes, half)
+    turn_frame(state, pair, axes, half)
 
 
 @kernel
@@ -232,7 +232,7 @@ def look_back(part, world, timing):
         put3(start, pair, X, get3(start, pair, X) - timing.step * get3(start, pair, V))
         axes = frame(start, pair)
         half = -1.0 * get3(world.particles, pair, HALF)
-        put_turned(start, pair, axes, half_turn(to_local(axes, get3(start, pair, P)), half))
+        turn_frame(start, pair, axes, half_turn(to_local(axes, get3(start, pair, P)), half))
         ask(part, start, h, 0.5 / timing.step)
     find_impulses(part)
     for h in range(part.hinge_scratch.shape[0]):

@@ -54,7 +54,7 @@ from fpm.elements.joints.joint_rows import find_gaps, find_rows
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import any_negative, load, store, where_negative
 from fpm.kernels.layout import ACCOUNTS, F, M, P, V, X
-from fpm.kernels.rotation import frame, half_turn, put_turned
+from fpm.kernels.rotation import frame, half_turn, turn_frame
 from fpm.kernels.vectors import (
     add3,
     add_where,
@@ -217,7 +217,7 @@ def move_bodies(part, state, repeat, step):
             axes = frame(state, i)
             rate = (0.5 * step) * get3(part.bodies, s, HIJ)
             half = half_turn(to_local(axes, get3(state, i, P)), rate)
-            put_turned(state, i, axes, half)
+            turn_frame(state, i, axes, half)
 
 
 @kernel
@@ -292,9 +292,9 @@ def move_back(part, start, step):
         axes = frame(start, i)
         body, rate = to_local(axes, get3(start, i, P)), -0.5 * step * get3(part.bodies, s, HIJ)
         if part.is_driven[s]:  # by its spin, which stands there
-            put_turned(start, i, axes, (-0.5 * step) * body)
+            turn_frame(start, i, axes, (-0.5 * step) * body)
         else:
-            put_turned(start, i, axes, half_turn(body, rate))
+            turn_frame(start, i, axes, half_turn(body, rate))
 
 
 @kernel

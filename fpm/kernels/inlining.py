@@ -41,7 +41,7 @@ class InlinedCompiler(Compiler):
         super().__init__(typing, target, _InlinedLibrary(target.codegen(), "inlined"), *rest)
 
 
-class Inlined(CPUDispatcher):
+class InlinedKernel(CPUDispatcher):
     """A compiled kernel, for numba: compiled once for all constant arguments, not for each."""
 
     def get_call_template(self, args, kws):

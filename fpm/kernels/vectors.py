@@ -17,7 +17,7 @@ from numba.extending import (
     register_model,
 )
 
-from fpm.kernels.inlining import Inlined, InlinedCompiler
+from fpm.kernels.inlining import InlinedCompiler, InlinedKernel
 from fpm.kernels.lanes import ALL_LANES, Lane, load, store, where_negative
 
 OPTIONS = {"error_model": "numpy", "boundscheck": False, "nogil": True, "_nrt": False}
@@ -41,7 +41,9 @@ def kernel(function: Callable) -> Callable:
     if config.DISABLE_JIT:
         return function
     options = {"nopython": True, **INLINE}
-    return Inlined(function, pipeline_class=options.pop("pipeline_class"), targetoptions=options)
+    return InlinedKernel(
+        function, pipeline_class=options.pop("pipeline_class"), targetoptions=options
+    )
 
 
 class Vector(types.Type):

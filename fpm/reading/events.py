@@ -69,8 +69,8 @@ def _extrapolate(curves: Curves, response: Response, rows, t: float) -> float | 
         return None
     points = {name: (value, value) for name, value in values.items()}
     columns = {("opening", name): value[:, 0] for name, value in values.items()}
-    curves_then = replace(curves, time=np.array([t]), points=points, columns=columns)
-    return float(response.evaluate(curves_then)[0])
+    extrapolation = replace(curves, time=np.array([t]), points=points, columns=columns)
+    return float(response.evaluate(extrapolation)[0])
 
 
 def _with_rates(curves: Curves, kind: str, name: str) -> tuple[np.ndarray, np.ndarray] | None:

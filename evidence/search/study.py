@@ -56,7 +56,7 @@ class _BoxEvaluator(ModelEvaluator):
         self.points = np.concatenate([np.zeros((1, k)), scan_points(np.ones(k, bool), 8 * k - 1)])
         self.numbers, self.margins = self.evaluate(self.plan, self.points)
 
-    further = ()
+    refinements = ()
 
     def evaluate(self, plan: Any, points: Any) -> tuple[np.ndarray, np.ndarray]:
         """Values and margins (P, 1) at unit points (P, k)."""

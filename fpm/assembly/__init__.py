@@ -96,7 +96,7 @@ def assemble(scene, hold: Sequence[str] = ()) -> None:
     conditions, elastic = conditions_of(scene, hold), elastic_of(scene)
     search = _RestSearch(scene, start, conditions, elastic, hold)
     with np.errstate(over="ignore", invalid="ignore"):  # what grows beyond all numbers is refused
-        poses, rounds = search.settle()
+        poses, rounds = search.relax()
     flips = {name: angle for name, angle in tilts(scene, poses, hold).items() if angle > np.pi / 2}
     if flips:  # the residuals, cosines of right angles, are 0 there too
         allowed = "directions of both parts that agree; reverse that of one part"
@@ -139,7 +139,7 @@ class _RestSearch:
         angle = tilts(self._scene, poses, self._hold).get(name, np.nan)
         return name, gap, angle if tilt > 0 and np.isfinite(angle) else tilt
 
-    def settle(self) -> tuple[ParticlePoses, int]:
+    def relax(self) -> tuple[ParticlePoses, int]:
         """The stable poses, and the number of rounds; raises MisfitError where none are found."""
         if not len(self._free) and self._gap(self._start) <= GAP_TOL:
             return self._start, 0

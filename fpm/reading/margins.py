@@ -12,7 +12,7 @@ import numpy as np
 
 from fpm.errors import SceneError
 from fpm.reading.standards import CLASSES, STANDARDS
-from fpm.travel import Travel, find_reels, lead, parts_of
+from fpm.travel import Travel, find_reels, parts_of, sweep
 from fpm.travel.balance import TINY
 from fpm.travel.positions import interpolate
 
@@ -53,17 +53,17 @@ class Abscissa(NamedTuple):
 class OpeningPath(NamedTuple):
     """Path of openings moved slowly, through static equilibria (a travel). openings: names of
     hinges or slides moved together; first, last: where the first of them begins and ends (rad, m;
-    None: each run's own opening at its start); stand: names of those locked at their start."""
+    None: each run's own opening at its start); locks: names of those locked at their start."""
 
     openings: tuple[str, ...]
     first: float | None
     last: float | None
-    stand: tuple[str, ...] = ()
+    locks: tuple[str, ...] = ()
 
     def label(self, part: str = "") -> str:
         """Return the label of a recorded column for a travel along this path, such as "A led from
         0.0 to 1.5 by spring". part: component of the virtual work, "" for openings and inertia."""
-        suffix = "".join(f" beside {name}" for name in self.stand) + (part and f" by {part}")
+        suffix = "".join(f" beside {name}" for name in self.locks) + (part and f" by {part}")
         first, last = (STOW if end is None else repr(end) for end in (self.first, self.last))
         names = "".join(f" with {name}" for name in self.openings[1:])
         return f"{self.openings[0]} led from {first} to {last}{names}{suffix}"
@@ -73,11 +73,11 @@ def read_label(label: str) -> tuple[OpeningPath, str]:
     """Return the path (OpeningPath) that the label of a recorded column names, such as "A led from
     0.0 to 1.5 by spring", and the component of the virtual work in it, "" if none."""
     rest, _, part = label.partition(" by ")
-    rest, *stand = rest.split(" beside ")
+    rest, *locks = rest.split(" beside ")
     rest, *names = rest.split(" with ")
     name, _, values = rest.partition(" led from ")
     ends = (None if end == STOW else float(end) for end in values.split(" to "))
-    return OpeningPath((name, *names), *ends, tuple(stand)), part
+    return OpeningPath((name, *names), *ends, tuple(locks)), part
 
 
 def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
@@ -89,7 +89,7 @@ def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
     if first == last:
         name = f"opening {path.openings[0]}"
         raise SceneError(name, f"{first:.6g} at the start", "another one than the last")
-    return lead(scene, path.openings, first, last, path.stand, positions)
+    return sweep(scene, path.openings, first, last, path.locks, positions)
 
 
 def column_of(travel: Travel, variable: str, part: str) -> np.ndarray:
@@ -154,8 +154,8 @@ def _path_of(spec) -> tuple[OpeningPath, Abscissa]:
         spec.one_of(hinges, value=name)
     if len(set(openings)) < len(openings):
         raise _error(spec, "with", [*openings], "each opening once")
-    stand = tuple(spec.one_of(hinges, "locked", name) for name in _names(spec, "locked"))
-    for name in stand:
+    locks = tuple(spec.one_of(hinges, "locked", name) for name in _names(spec, "locked"))
+    for name in locks:
         if name in openings:
             raise _error(spec, "locked", name, "openings that are not moved")
     hinge = hinges[openings[0]]
@@ -166,7 +166,7 @@ def _path_of(spec) -> tuple[OpeningPath, Abscissa]:
         raise _error(spec, "to", spec.data["to"], "another opening than `from`")
     suffix = ", from each run's start" if ends[0] is None else ""
     abscissa = Abscissa(f"opening of {openings[0]}{suffix}", unit, first, last)
-    return OpeningPath(openings, *ends, stand), abscissa
+    return OpeningPath(openings, *ends, locks), abscissa
 
 
 def _classes_of(spec) -> dict[str, str]:

@@ -16,7 +16,7 @@ _HOLDING = ("sum", "latch", "motor", "release")
 others follow from openings and their rates."""
 
 
-def doubt(scene: Scene, response: Response) -> str:
+def warn(scene: Scene, response: Response) -> str:
     """Return a warning, a sentence with the remedy, that peaks of a response do not converge with
     mesh and step in a scene, since a latch or a sudden load gives a shock; "" where they do."""
     has_shock = KINDS[response.kind].shock

@@ -15,6 +15,6 @@ does not enter, nor do elements that hold: motors that prescribe the opening, re
 """
 
 from fpm.travel.components import STRAIN, classes_of_kinds, find_reels, parts_of, springs_of
-from fpm.travel.travel import Travel, lead
+from fpm.travel.travel import Travel, sweep
 
-__all__ = ["STRAIN", "Travel", "classes_of_kinds", "find_reels", "lead", "parts_of", "springs_of"]
+__all__ = ["STRAIN", "Travel", "classes_of_kinds", "find_reels", "parts_of", "springs_of", "sweep"]

@@ -56,16 +56,16 @@ class Path:
     """Moves an opening of a scene slowly, through static equilibria, and holds the state reached:
     `poses` of n particles, the `opening` (rad, m), and `tangent`, the motion (6n,), m, rad, of all
     particles per unit of it. openings: names of hinges or slides that move together, of which the
-    first has the `opening`; stand: names of hinges locked at their opening at the start."""
+    first has the `opening`; locks: names of hinges locked at their opening at the start."""
 
-    def __init__(self, scene, openings: Sequence[str], stand: Sequence[str]):
+    def __init__(self, scene, openings: Sequence[str], locks: Sequence[str]):
         self.scene, self._key = scene, f"opening {openings[0]}"
         by_name = {hinge.name: hinge for hinge in scene.hinges}
         self._hinges, self.balance = [by_name[name] for name in openings], Balance(scene)
         self.opening = self._start = float(self._hinges[0].opening)
         self.poses = ParticlePoses(scene.position.copy(), scene.frame.copy())
-        self._conditions = conditions_of(scene, [*stand, *openings])
-        self._leading = len(stand) + len(openings)
+        self._conditions = conditions_of(scene, [*locks, *openings])
+        self._leading = len(locks) + len(openings)
         self._zeros = self._conditions.gaps(self.poses)[-len(openings) :]
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
         self._scales = np.tile(np.repeat([self._size, 1.0], 3), len(scene.position))

@@ -80,7 +80,7 @@ class ClosedBench(ModelEvaluator):
                                  decider=closed.kind == "margin" or None)  # fmt: skip
         if closed.kind == "limit":
             number.kind = "largest"
-        self.of, self.plan, self.further, self.rest_count = closed, (1.0, 1.0), [], 0
+        self.of, self.plan, self.refinements, self.rest_count = closed, (1.0, 1.0), [], 0
         self.around = SimpleNamespace(
             box=box, numbers=[number], quantities={"t": {}}, nominal=np.full(closed.k, 0.5),
             solver=SimpleNamespace(duration=LATEST), intervals={}, name="closed",

@@ -242,7 +242,7 @@ def test_what_mesh_and_step_decide_is_told_beside_its_numbers(raw, tmp_path, mon
     """By check, summary and page; of the response that is in doubt, and the peak of it alone."""
     why = "nothing softens it: state a `stiffness`"
     monkeypatch.setattr(
-        sections, "doubt", lambda scene, response: why if response.name == "BD" else ""
+        sections, "warn", lambda scene, response: why if response.name == "BD" else ""
     )
     raw["quantities"] = {
         name: {kind: "BD"} for name, kind in (("top", "largest"), ("end", "final"))

@@ -141,7 +141,7 @@ def scalars() -> Iterator:
         for one in found:
             yield one.evaluate(trial), one.error, one.usual_error, one.occurrence.open
             border = one.occurrence
-            yield border.certainty(trial), border.doubt(trial), border.infill_points(4)
+            yield border.decision(trial), border.band(trial), border.infill_points(4)
             yield one.find_presence(*part) is None, one.find_absence(*part) is None
             if not border.is_mixed:  # a search that ends at a border is as good as its last step
                 wide = one.range(), one.range(*part)

@@ -41,7 +41,7 @@ def checked_components(plan: Plan, verify: Verify) -> tuple[str, ...]:
     """Return which errors of a plan's bounds are to be estimated, of "step" (of time) and "mesh":
     with an `accuracy` in the config what the plan's round asks for, else both or none, as the
     section `verify` has it."""
-    if plan.experiment.is_sought:
+    if plan.experiment.is_adaptive:
         return plan.adaptive.check
     return COMPONENTS if verify.discretization else ()
 
@@ -64,7 +64,7 @@ def check_bounds(
 
     model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
     dataset = intervals.add_errors(bounds, _curve_errors(model, bounds, components))
-    if model.experiment.is_sought and model.experiment.quantities:
+    if model.experiment.is_adaptive and model.experiment.quantities:
         errors = estimate_discretization_errors(model, converge_bounds(model, 0), components)
         text = "error of the bounds by {}".format
         dataset = dataset.assign(

@@ -76,7 +76,7 @@ def estimate(campaign: Campaign) -> Estimate:
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs = count_runs(experiment)
     batch = LANES * effort.machine() * run_seconds(experiment, choose_step(experiment))
-    refinement = {} if experiment.is_sought else _further(campaign)
+    refinement = {} if experiment.is_adaptive else _further(campaign)
     passes = [(runs, 1.0), *(p for iterations in refinement.values() for p in iterations)]
     batches = [(math.ceil(count / LANES), factor) for count, factor in passes if count]
     integrating = batch * sum(number * factor for number, factor in batches)
@@ -91,7 +91,7 @@ def estimate(campaign: Campaign) -> Estimate:
         campaign.choose.parameters
     )
     seconds = waiting + writing + starting
-    if experiment.is_sought:  # meshes and steps become finer
+    if experiment.is_adaptive:  # meshes and steps become finer
         integrating = 60 * experiment.accuracy.max_core_minutes
         seconds = integrating / cores() + starting
     curves = _BOUNDS_CURVES * len(experiment.responses)
@@ -100,7 +100,7 @@ def estimate(campaign: Campaign) -> Estimate:
     size = runs * bytes_of_run(campaign) + 8 * solver.instants * curves
     answers = " and ".join(refinement)
     return Estimate(
-        runs, seconds, integrating, float(size), compiling, experiment.is_sought, answers
+        runs, seconds, integrating, float(size), compiling, experiment.is_adaptive, answers
     )
 
 
@@ -140,7 +140,7 @@ def describe_stored_runs(campaign: Campaign, folder: Folder) -> str:
     """Return text for users: how many runs of a campaign its folder of results has stored, and why
     others must be made again; empty where it has none, and with an `accuracy`."""
     keep = campaign.jobs.keep
-    if campaign.experiment.is_sought or not folder.runs(keep).is_dir():
+    if campaign.experiment.is_adaptive or not folder.runs(keep).is_dir():
         return ""
     plan = make_plan(campaign.experiment)
     store = open_store(keep, folder.runs(keep), campaign.experiment)

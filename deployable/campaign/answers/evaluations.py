@@ -32,16 +32,16 @@ class ModelEvaluator:
     """The R runs that surrogates are fitted to, and simulation of further ones at any point of the
     box. `points` (R, k): normalized points, -1 to 1; `numbers` (R, q): quantities, NaN if absent;
     `margins` (R, q): event margins, by how much each event occurs, above 0 if so, NaN if not known.
-    `further`: planned runs that were added, at most `max_further`; `simulated`: how many were not
-    stored before. Of a large scan only some runs are taken: `rest_count` counts the others,
-    `rest_counts` (q) those of them with each quantity.
+    `refinements`: planned runs that were added, at most `max_refinements`; `simulated`: how many
+    were not stored before. Of a large scan only some runs are taken: `rest_count` counts the
+    others, `rest_counts` (q) those of them with each quantity.
 
     plan: sets scene, step and mesh; jobs: section of the config; folder: of the results; notify:
     called with each message; threads: number that simulate. A new evaluator has no runs (see
     `from_folder`).
     """
 
-    max_further: float = math.inf
+    max_refinements: float = math.inf
 
     def __init__(
         self, plan: Plan, jobs: Jobs, folder: Folder, notify: Notify, threads: int = 1
@@ -54,12 +54,12 @@ class ModelEvaluator:
         self.numbers = np.zeros((0, len(plan.experiment.quantities)))
         self.margins = self.numbers
         self.rest_counts, self.rest_count = np.zeros(len(plan.experiment.quantities), int), 0
-        self.further: list[PlannedRun] = []
+        self.refinements: list[PlannedRun] = []
         self.simulated = 0
 
     @classmethod
     def from_folder(
-        cls, folder: Folder, jobs: Jobs, notify: Notify, threads: int = 1, further: bool = False
+        cls, folder: Folder, jobs: Jobs, notify: Notify, threads: int = 1, refinements: bool = False
     ) -> ModelEvaluator:
         """Make an evaluator of a folder of results, from its plan and `samples.nc` (of a large scan
         those runs only that are fitted), with event margins; further: whether to add the runs in
@@ -76,13 +76,13 @@ class ModelEvaluator:
         model.points, model.numbers = normalized[rows], numbers[rows]
         model.rest_count = len(numbers) - len(rows)
         model.rest_counts = np.isfinite(np.delete(numbers, rows, axis=0)).sum(axis=0)
-        if further:
+        if refinements:
             with open_netcdf(folder.further) as file:
                 if len(points := file["normalized"][:]):
                     model.points = np.concatenate([model.points, points])
                     model.numbers = np.concatenate([model.numbers, file["quantities"][:]])
                     model.margins = np.concatenate([model.margins, file["margin"][:]])
-                    model.further += runs_at(model.plan, points)
+                    model.refinements += runs_at(model.plan, points)
         return model
 
     @property
@@ -115,20 +115,20 @@ class ModelEvaluator:
 
     def add(self, points: Sequence[np.ndarray]) -> np.ndarray:
         """Simulate runs at normalized points (P, k) that have none yet, add them to the evaluator's
-        (`points`, `numbers`, `margins`, `further`), and return the index (P) of the run at each
-        point, or of the nearest once `max_further` are added; `CampaignError` if one fails."""
+        (`points`, `numbers`, `margins`, `refinements`), and return the index (P) of the run at each
+        point, or of the nearest once `max_refinements` are added; `CampaignError` if one fails."""
         additions: list[np.ndarray] = []
         for point in points:
             present = np.array([*self.points, *additions]).reshape(-1, self.points.shape[1])
             is_new = not (np.abs(present - point).max(axis=1) <= SAME_RUN).any()
-            if is_new and len(self.further) + len(additions) < self.max_further:
+            if is_new and len(self.refinements) + len(additions) < self.max_refinements:
                 additions.append(np.asarray(point, dtype=float))
         if additions:
             numbers, margins = self.evaluate(self.plan, additions)
             self.numbers = np.concatenate([self.numbers, numbers])
             self.margins = np.concatenate([self.margins, margins])
             self.points = np.concatenate([self.points, additions])
-            self.further += runs_at(self.plan, additions)
+            self.refinements += runs_at(self.plan, additions)
         return np.array([self.nearest(point)[0] for point in points], dtype=int)
 
     @property

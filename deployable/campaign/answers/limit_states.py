@@ -33,7 +33,7 @@ def estimate_limit_state_error(
     none, the first is the change of their event margins; 0 and NaN where these are not known."""
     happens = np.isfinite(model.numbers[:, q])
     if occurrence.is_mixed:
-        scores, score = occurrence.certainty(model.points), occurrence.run_certainty
+        scores, score = occurrence.decision(model.points), occurrence.run_decision
     elif np.isfinite(model.margins[:, q]).all():
         scores, score = model.margins[:, q], lambda numbers, margins: margins
     else:
@@ -102,4 +102,4 @@ def _bisect_segments(
         numbers, _ = model.evaluate(finest, middle)
         switches = (np.isfinite(numbers[:, q]) != happens)[:, None]
         outer, inner = np.where(switches, middle, outer), np.where(switches, inner, middle)
-    return float(np.abs(occurrence.certainty((outer + inner) / 2)).max())
+    return float(np.abs(occurrence.decision((outer + inner) / 2)).max())

@@ -58,16 +58,16 @@ def answer(
     if (rounds := model.plan.adaptive) is not None and rounds.rounds:
         reserve = CHECKED_RUNS * len(model.experiment.quantities)
         budget = model.experiment.accuracy.max_runs - rounds.rounds[-1].runs
-        model.max_further = max(0, budget - reserve)
+        model.max_refinements = max(0, budget - reserve)
     specs = list_limits(requirements, list(model.experiment.quantities))
     bounds = converge_bounds(model, verify.max_iterations, specs)
-    if model.further:
-        notify(f"{model.experiment.name}: further runs at bounds and limits: {len(model.further)}")
+    if count := len(model.refinements):
+        notify(f"{model.experiment.name}: further runs at bounds and limits: {count}")
     finer = estimate_discretization_errors(model, bounds) if verify.discretization else {}
     dataset = quantities_dataset(model, bounds, finer)
     write_dataset(dataset, folder.quantities, "Intervals of quantities")
     write_dataset(
-        make_further_dataset(model), folder.further, "Further runs for bounds of quantities"
+        make_refinement_dataset(model), folder.further, "Further runs for bounds of quantities"
     )
 
 
@@ -84,7 +84,7 @@ def quantities_dataset(
 
     variables = _Variables()
     _put_bounds(variables, model, bounds)
-    is_adaptive = model.experiment.is_sought
+    is_adaptive = model.experiment.is_adaptive
     errors = [b.surrogate.usual_error if is_adaptive else b.surrogate.error for b in bounds]
     errors = np.fmax(errors, [b.error for b in bounds])
     errors = [error if np.isfinite(error) else np.nan for error in errors]
@@ -183,12 +183,12 @@ def _put_shares(variables: _Variables, model: ModelEvaluator, bounds: list[Quant
         variables.put(name, _DIMS, values, text, units)
 
 
-def make_further_dataset(model: ModelEvaluator) -> Any:
+def make_refinement_dataset(model: ModelEvaluator) -> Any:
     """Make the content of `further.nc`, an `xarray.Dataset` of the runs that `model` added beyond
     the plan: ids, points, parameter values, quantities and event margins."""
     import xarray as xr
 
-    runs, k = model.further, model.points.shape[1]
+    runs, k = model.refinements, model.points.shape[1]
     numbers, margins = (rows[len(rows) - len(runs) :] for rows in (model.numbers, model.margins))
     dims, text = ("run", "parameter"), "event margin: positive if the event occurs"
     values = np.array([run.values for run in runs]).reshape(-1, k)
@@ -237,5 +237,5 @@ def attributes_of(model: ModelEvaluator) -> dict:
         "config": json.dumps(plain_data(model.experiment)),
         "mechanics": model.plan.mechanics,
         "runs": len(model.distinct_rows) + model.rest_count,
-        "further_runs": len(model.further),
+        "further_runs": len(model.refinements),
     }

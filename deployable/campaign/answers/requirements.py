@@ -46,7 +46,7 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, noti
     """Assess in which part of the box a campaign's requirements are met, and write
     `requirements.json` into `folder`, its results with `quantities.nc` and `further.nc`; nothing is
     simulated. requirements, jobs: sections of the config; notify: gets messages."""
-    model = ModelEvaluator.from_folder(folder, jobs, notify, further=True)
+    model = ModelEvaluator.from_folder(folder, jobs, notify, refinements=True)
     specs = list_limits(requirements, list(model.experiment.quantities))
     errors = _of_the_runs(folder)
     result = assess_limits(model, model.surrogates(), specs, errors)
@@ -54,7 +54,7 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, noti
         "requirements": [_requirement(model, result, name) for name in requirements],
         "together": {**_combine(model, result), "whole": errors is not None},
         "runs": len(model.distinct_rows) + model.rest_count,
-        "further_runs": len(model.further),
+        "further_runs": len(model.refinements),
     }
     write_result(folder.requirements, json.dumps(rows, indent=1, allow_nan=False) + "\n")
 

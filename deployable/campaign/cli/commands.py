@@ -125,11 +125,11 @@ def _check(options: argparse.Namespace) -> int:
                 print(f"{path}: {campaign.name}, {len(campaign.cases)} cases, {takes}")
             folder = Path("results", campaign.name * bool(campaign.cases))
             for case, variant in variants(campaign):
-                _tell_variant(f"{path}: {case}", variant, folder)
+                _print_variant(f"{path}: {case}", variant, folder)
     return status
 
 
-def _tell_variant(prefix: str, campaign: Campaign, results: Path) -> None:
+def _print_variant(prefix: str, campaign: Campaign, results: Path) -> None:
     """Print what is to be known of a campaign, or of one of its cases, before it runs."""
     progress = describe_stored_runs(campaign, Folder(results / campaign.name))
     print(f"{prefix}{campaign.name}, {estimate(campaign)}{progress and '; '}{progress}")

@@ -42,7 +42,7 @@ from fpm import SceneError, structures
 from fpm.files.outcome import eventful
 from fpm.reading.constraint_forces import undetermined_forces
 from fpm.reading.quantity_definitions import parse
-from fpm.reading.shocks import doubt
+from fpm.reading.shocks import warn
 from fpm.structures.reading import read_text
 
 ADAPTIVE = "adaptive"
@@ -202,7 +202,7 @@ class Experiment:
         return experiment
 
     @property
-    def is_sought(self) -> bool:
+    def is_adaptive(self) -> bool:
         """Whether the config has an `accuracy`: rounds choose runs, mesh and step."""
         return bool(self.accuracy.tolerances)
 
@@ -253,7 +253,7 @@ class Experiment:
         quantities = [(q.name, q.response, q.is_instantaneous) for q in self.numbers if q.response]
         redundancies = undetermined_forces(self.nominal_scene, self.curves)
         reasons = {
-            name: (doubt(self.nominal_scene, response) if peak else "")
+            name: (warn(self.nominal_scene, response) if peak else "")
             or redundancies.get(response.name, "")
             for name, response, peak in curves + quantities
         }
@@ -414,7 +414,7 @@ def count_runs(experiment: Experiment) -> int:
     """Return the largest possible number of runs of a campaign (`experiment`), without further ones
     at bounds and limit-state surfaces; the nominal run counts even if it is one of the design."""
     design = experiment.design
-    if experiment.is_sought:
+    if experiment.is_adaptive:
         return experiment.accuracy.max_runs
     if design.method == "sobol":  # its points take a while to make, and their number is known
         return design.samples + 1

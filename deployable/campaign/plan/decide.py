@@ -135,7 +135,7 @@ class Need:
 
 
 @dataclass(frozen=True)
-class Standing:
+class RefinementState:
     """State after a finished round of runs, from which `decide` takes the next action. accuracy:
     tolerances of errors, and budget, of the config; shares: errors of responses and quantities by
     name and component (surrogate, step, mesh), as fractions of their widths; state: earlier rounds,
@@ -202,7 +202,7 @@ class Standing:
             action = self.needs[worst.name].action
             check = ("mesh",) if action == "mesh" else _PARTS
             return Decision(action, f"{worst}; the {action} is halved", check)
-        if reason := self._too_dear("runs"):
+        if reason := self._exceeds_budget("runs"):
             return self._end(reason)
         worst = max(self.reducible, key=lambda error: error.whole / error.aim)
         check = _PARTS if self._is_last() else ()
@@ -223,10 +223,10 @@ class Standing:
         is_first = all(record.action in ("mesh", "step") for record in self.state.rounds)
         if not error.discretization > (_INITIAL_SHARE if is_first else _FINAL_SHARE) * error.aim:
             return Need("runs", self._stagnation(error))
-        action, cause = error.larger, self._too_dear(error.larger)
+        action, cause = error.larger, self._exceeds_budget(error.larger)
         if not (self.accuracy.mesh if action == "mesh" else self.step_is_free):
             cause = f"the config keeps its {action}"
-        elif not cause and action == "mesh" and self._is_hopeless(error):
+        elif not cause and action == "mesh" and self._is_not_converging(error):
             cause = "a finer mesh does not get there within the budget"
         is_needed = not cause or error.discretization >= error.aim
         return Need(action, cause) if is_needed else Need("runs")
@@ -248,7 +248,7 @@ class Standing:
                     )
         return ""
 
-    def _too_dear(self, action: str) -> str:
+    def _exceeds_budget(self, action: str) -> str:
         """Why the budget does not allow an action; nothing where it does."""
         cost, budget = self.cost, self.accuracy
         runs, seconds = cost.need_of(action)
@@ -310,7 +310,7 @@ class Standing:
             f"{error.name} would take {' and '.join(texts) or 'more runs'}, about {time} of a core"
         )
 
-    def _is_hopeless(self, error: Errors) -> bool:
+    def _is_not_converging(self, error: Errors) -> bool:
         """Whether the mesh needed, by its last `_fall`, exceeds the budget, or it hardly fell."""
         if (fall := self._fall(error)) is None or fall < _HARDLY:
             return fall is not None

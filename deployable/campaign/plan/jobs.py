@@ -42,7 +42,7 @@ def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> 
     """Return the minutes of wall-clock time to ask a queue for, for a job of `runs` runs: those to
     start the program and twice the estimate, which `jobs.processes` (config) share; with an
     `accuracy` the estimate is its whole budget. time: step of the plan; None: chosen here."""
-    if campaign.experiment.is_sought:
+    if campaign.experiment.is_adaptive:
         minutes = campaign.experiment.accuracy.max_core_minutes
     else:
         minutes = math.ceil(runs / LANES) * LANES * seconds_of_run(campaign, time) / 60.0

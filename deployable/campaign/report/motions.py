@@ -59,20 +59,20 @@ def shown_runs(folder: str | Path) -> list[ShownRun]:
             (name, _extreme_runs(samples, i, _widest(bounds, i))) for i, name in enumerate(names)
         ]
         nominal = nominal_row(samples)
-        further, extra_ids = values[:0], []
+        extra_values, extra_ids = values[:0], []
         if numbers is not None and (folder / "further.nc").exists():
             with open_dataset(folder / "further.nc") as file:
-                further, extra_ids = file["value"].values, file["run_id"].values.tolist()
+                extra_values, extra_ids = file["value"].values, file["run_id"].values.tolist()
                 numbers = np.concatenate([numbers, file["quantities"].values])
         if numbers is not None:
             ends = [*_ends_of(samples["quantity"].values, numbers), *ends]
-        labels = _label_runs(ends, np.concatenate([values, further]), nominal)
+        labels = _label_runs(ends, np.concatenate([values, extra_values]), nominal)
         run_ids = ids(samples, rows := [run for run in labels if run < len(values)])
     of_sample = dict(zip(rows, run_ids, strict=True))
     return [
         ShownRun(of_sample[run], values[run], label, run)
         if run in of_sample
-        else ShownRun(extra_ids[run - len(values)], further[run - len(values)], label, None)
+        else ShownRun(extra_ids[run - len(values)], extra_values[run - len(values)], label, None)
         for run, label in labels.items()
     ]
 

@@ -71,11 +71,11 @@ def facts_of(
                     zip(data["parameter"][:].tolist(), map(_number, values), strict=True)
                 )
     facts |= _structure(experiment, facts["parameters"])
-    facts["quantities"], further = [], 0
+    facts["quantities"], refinements = [], 0
     if has_quantities:
         with open_netcdf(folder.quantities) as data:
             facts["quantities"] = quantity_rows(data, experiment.solver.duration)
-            further = int(data.further_runs)
+            refinements = int(data.further_runs)
         for row, quantity in zip(facts["quantities"], experiment.numbers, strict=True):
             row |= words_of(quantity)
             if not row["runs_with"] and (approach := _approach(quantity, experiment, folder)):
@@ -83,16 +83,16 @@ def facts_of(
         if requirements:
             assessment = read_json(folder.requirements)
             facts |= {name: assessment[name] for name in ("requirements", "together")}
-            further = assessment["further_runs"]
+            refinements = assessment["further_runs"]
         if choice:
             facts["choice"] = read_json(folder.choice)
     if measured:
         facts["measured"] = read_json(folder.measured)
-    facts["further_runs"] = further
+    facts["further_runs"] = refinements
     rows = [*facts["responses"], *facts["quantities"]]
     if (rounds := plan.adaptive) is not None:
         facts["adaptive"] = {"rounds": [asdict(r) for r in rounds.rounds]}
-    if experiment.is_sought:
+    if experiment.is_adaptive:
         for row in rows:
             row["errors"]["asked"] = experiment.accuracy.tolerances[row["name"]]
         facts["accuracy"] = _accuracy(plan, rows)

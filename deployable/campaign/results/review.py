@@ -440,9 +440,9 @@ class _Sheet:
             name for peer in self._margins.values() if peer["standard"] == margin["standard"]
             for name in peer["openings"]
         }  # fmt: skip
-        if stand := [name for name in margin["locked"] if name not in openings]:
-            is_not = "stands, is not" if len(stand) == 1 else "stand, are not"
-            reasons.append(f"{', '.join(stand)}, which {is_not} led")
+        if locks := [name for name in margin["locked"] if name not in openings]:
+            is_not = "stands, is not" if len(locks) == 1 else "stand, are not"
+            reasons.append(f"{', '.join(locks)}, which {is_not} led")
         if margin["weaker"]:
             reasons.append(f"the structure's file counts {', '.join(margin['weaker'])}")
         return reasons

@@ -55,7 +55,7 @@ class Stage:
 
     sections: names of the config sections that it depends on; takes: names of the result files that
     it reads; leaves: function of a campaign that returns the names of those it writes, `{batch}`
-    for the number of a batch; options: of its command, keys of `OPTIONS`; is_sought: True if only
+    for the number of a batch; options: of its command, keys of `OPTIONS`; is_adaptive: True if only
     campaigns with an `accuracy` have it, False if only others, None if all; draws: whether it only
     shows results.
     """
@@ -66,7 +66,7 @@ class Stage:
     takes: tuple[str, ...]
     leaves: Callable[[Campaign], Sequence[str]]
     options: tuple[str, ...] = ()
-    is_sought: bool | None = None
+    is_adaptive: bool | None = None
     draws: bool = False
 
     def work(self, folder: Folder, notify: Notify, **arguments: Any) -> None:
@@ -181,15 +181,15 @@ STAGES = {
     for stage in (
         Stage("rounds", "Make runs in rounds until an accuracy is met or its budget is spent.",
               ("experiment", "bounds", "verify", "jobs"), (), lambda _: (PLAN, *BOUNDS_FILES),
-              ("threads",), is_sought=True),
+              ("threads",), is_adaptive=True),
         Stage("plan", "Choose the runs of a campaign and the time step that serves them all.",
-              ("experiment",), (), lambda _: (PLAN,), is_sought=False),
+              ("experiment",), (), lambda _: (PLAN,), is_adaptive=False),
         Stage("simulate", "Simulate one batch of the planned runs, except those that are there.",
               ("jobs",), (PLAN,), lambda _: ("batches/{batch}.json",),
-              ("batch", "batches", "processes", "threads", "bundle"), is_sought=False),
+              ("batch", "batches", "processes", "threads", "bundle"), is_adaptive=False),
         Stage("bounds", "Gather the responses of all runs, fit the surrogate, take its bounds.",
               ("bounds", "verify", "jobs"), (PLAN,), lambda _: BOUNDS_FILES, ("threads", "bundles"),
-              is_sought=False),
+              is_adaptive=False),
         Stage("answers", "Find intervals of quantities, what meets the requirements, the choice.",
               ("requirements", "choose", "published", "review", "verify", "jobs", "measured"),
               (PLAN, SAMPLES, BOUNDS), _list_answers, ("threads",)),
@@ -209,5 +209,5 @@ def stages_of(campaign: Campaign) -> list[Stage]:
     cases, that which follows those of its cases."""
     if campaign.cases:
         return [STAGES["cases"]]
-    kinds = (None, campaign.experiment.is_sought)
-    return [s for s in STAGES.values() if s.is_sought in kinds and s.name != "cases"]
+    kinds = (None, campaign.experiment.is_adaptive)
+    return [s for s in STAGES.values() if s.is_adaptive in kinds and s.name != "cases"]

@@ -40,15 +40,13 @@ class Kriging:
 
     def evaluate(self, points: np.ndarray) -> np.ndarray:
         """Values (P, 1) of the corrected polynomial at `points` (P, k) in [-1, 1]^k."""
-        return (
-            self.trend.evaluate(points) + _fading(points, self.points, self.length) @ self.weights
-        )
+        return self.trend.evaluate(points) + _decay(points, self.points, self.length) @ self.weights
 
     def formula(self) -> Formula:
         """Write the function as a table that other programs can evaluate."""
         scales = np.full(self.points.shape[1], 1 / self.length)
-        fading = {"points": self.points, "scales": scales, "weights": self.weights[:, 0]}
-        return replace(polynomial(self.trend), kernel="fading", **fading)
+        correlation = {"points": self.points, "scales": scales, "weights": self.weights[:, 0]}
+        return replace(polynomial(self.trend), kernel="fading", **correlation)
 
 
 @dataclass(frozen=True)
@@ -99,7 +97,7 @@ def root_fit(
                    function=function)  # fmt: skip
 
 
-def _fading(x: np.ndarray, points: np.ndarray, length: float) -> np.ndarray:
+def _decay(x: np.ndarray, points: np.ndarray, length: float) -> np.ndarray:
     return np.exp(-scipy.spatial.distance.cdist(x, points) / length)
 
 
@@ -176,7 +174,7 @@ def _through_runs(fit: Fit) -> Fit:
         return fit
     directions = max(int((np.ptp(points, axis=0) > 0).sum()), 1)
     length = 2.0 * len(points) ** (-1.0 / directions)  # about how far apart runs are
-    weights = np.linalg.solve(_fading(points, points, length), rest[:, None])
+    weights = np.linalg.solve(_decay(points, points, length), rest[:, None])
     return replace(fit, function=Kriging(fit.function, points, weights, length))
 
 

@@ -51,33 +51,33 @@ class Occurrence:
 
     def evaluate(self, points: np.ndarray) -> np.ndarray:
         """Mask (P) of the `points` (P, k) in [-1, 1]^k at which the event occurs, by the
-        decision function (`certainty`)."""
-        return self.certainty(points) >= 0
+        decision function (`decision`)."""
+        return self.decision(points) >= 0
 
-    def certainty(self, points: np.ndarray) -> np.ndarray:
+    def decision(self, points: np.ndarray) -> np.ndarray:
         """Decision function (P), no probability, at `points` (P, k) in [-1, 1]^k: above 0
-        where the event occurs, below 0 where not, undecided where its size is below `doubt`.
+        where the event occurs, below 0 where not, undecided where its size is below `band`.
         Everywhere plus infinity if it occurs in all runs, minus infinity if in none."""
         points = np.asarray(points, dtype=float)
         if not self.is_mixed:
             return np.full(len(points), np.inf if self.happens.all() else -np.inf)
         return self._border(points)
 
-    def doubt(self, points: np.ndarray) -> np.ndarray:
+    def band(self, points: np.ndarray) -> np.ndarray:
         """Half-width (P) of the undecided band at `points` (P, k) in [-1, 1]^k: where the
-        decision function (`certainty`) is smaller in size, the runs do not determine whether the
+        decision function (`decision`) is smaller in size, the runs do not determine whether the
         event occurs; 0 if it occurs in all runs or in none."""
         if not self.is_mixed:
             return np.zeros(len(points))
-        certain = self._certain
+        decision = self._decision
         nearest = [
-            certain[kind][scipy.spatial.cKDTree(self.points[kind]).query(points)[1]]
+            decision[kind][scipy.spatial.cKDTree(self.points[kind]).query(points)[1]]
             for kind in (self.happens, ~self.happens)
         ]
         # Runs too close together, or too rough a border: some lie on the wrong side of it.
-        return np.maximum(np.minimum(*nearest), max(1.0, float(-certain.min())))
+        return np.maximum(np.minimum(*nearest), max(1.0, float(-decision.min())))
 
-    def run_certainty(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
+    def run_decision(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
         """Decision function (R) at R runs by their own results, to compare runs of two meshes: here
         NaN, as only whether the event occurs is known. numbers (R): values of the quantity; margins
         (R): event margins, above 0 where it occurs."""
@@ -88,7 +88,7 @@ class Occurrence:
         """Volume fraction of the box, estimated by 8192 points, where the runs do not determine
         whether the event occurs."""
         spread = self._spread()
-        return float((np.abs(self.certainty(spread)) < self.doubt(spread)).mean())
+        return float((np.abs(self.decision(spread)) < self.band(spread)).mean())
 
     def infill_points(self, count: int) -> np.ndarray:
         """Points (at most `count`, k) in [-1, 1]^k for further runs, near the border of where the
@@ -119,9 +119,9 @@ class Occurrence:
         spread = spread_points(self._free, _CANDIDATES)
         spread[:, ~self._free] = self.points[0, ~self._free]
         spread = np.concatenate([spread, self.points])
-        certain = self.certainty(spread)
-        highs = spread[certain > max(levels) * self._scale]
-        lows = spread[certain < min(levels) * self._scale]
+        decision = self.decision(spread)
+        highs = spread[decision > max(levels) * self._scale]
+        lows = spread[decision < min(levels) * self._scale]
         if not len(highs) or not len(lows):
             return spread[:0]
         lows, border_points = lows[scipy.spatial.cKDTree(lows).query(highs)[1]], []
@@ -129,7 +129,7 @@ class Occurrence:
             high, low = highs, lows
             for _ in range(30):
                 middle = (high + low) / 2
-                happens = (self.certainty(middle) >= level * self._scale)[:, None]
+                happens = (self.decision(middle) >= level * self._scale)[:, None]
                 high, low = np.where(happens, middle, high), np.where(happens, low, middle)
             border_points.append(high)
         return np.concatenate(border_points)
@@ -169,7 +169,7 @@ class Occurrence:
         return points[is_support], (weights * signs)[is_support]
 
     @cached_property
-    def _certain(self) -> np.ndarray:
+    def _decision(self) -> np.ndarray:
         """Size (N) of the border's function at the runs, below 0 on its wrong side."""
         return np.where(self.happens, 1.0, -1.0) * self._border(self.points)
 
@@ -218,11 +218,11 @@ class FittedOccurrence(Occurrence):
     def agrees(self, tolerance: float = 0.0) -> bool:
         """Whether the decision function has the right sign in every run: in runs with the event at
         least minus `error`, in those without below `tolerance` (in its unit)."""
-        certainty = self.certainty(self.points)
-        agreement = certainty[self.happens] >= -self.error
-        return bool(agreement.all() and (certainty[~self.happens] < tolerance).all())
+        decision = self.decision(self.points)
+        agreement = decision[self.happens] >= -self.error
+        return bool(agreement.all() and (decision[~self.happens] < tolerance).all())
 
-    def certainty(self, points: np.ndarray) -> np.ndarray:
+    def decision(self, points: np.ndarray) -> np.ndarray:
         """Decision function (P) at `points` (P, k) in [-1, 1]^k, above 0 where the event
         occurs: the fitted event margin, or, if of a time, the time left before `latest` (s)."""
         values = self.fit.evaluate(points)
@@ -233,12 +233,12 @@ class FittedOccurrence(Occurrence):
         formula = self.fit.formula()
         return formula if self.latest is None else formula.shortfall(self.latest)
 
-    def run_certainty(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
+    def run_decision(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
         """Decision function (R) at R runs by their own results: their event margins (R), or, if the
         fit is of a time, the time left before `latest` (s); numbers (R): that time (s)."""
         return margins if self.latest is None else self.latest - numbers
 
-    def doubt(self, points: np.ndarray) -> np.ndarray:
+    def band(self, points: np.ndarray) -> np.ndarray:
         """Half-width (P) of the undecided band at `points` (P, k): the error of the fit."""
         return np.full(len(points), self.error)
 

@@ -36,17 +36,17 @@ class Limit:
         [-1, 1]^k: a list of pairs of values (P) and errors (P), first of whether the quantity
         exists (or must not), then, where it has values, of its distance from the level."""
         surrogate = self.surrogate
-        certain = surrogate.occurrence.certainty(points)
-        doubt = surrogate.occurrence.doubt(points) + self.border
+        decision = surrogate.occurrence.decision(points)
+        band = surrogate.occurrence.band(points) + self.border
         if np.isinf(self.border):  # all runs agree, and finer ones do not
-            certain, doubt = np.sign(certain), np.full(len(points), 2.0)
+            decision, band = np.sign(decision), np.full(len(points), 2.0)
         if self.kind == "happens":
-            return [(certain if self.level else -certain, doubt)]
+            return [(decision if self.level else -decision, band)]
         if surrogate.fit is None:
-            return [(certain, doubt)]
+            return [(decision, band)]
         sign = 1.0 if self.kind == "at_most" else -1.0
         margin = sign * (self.level - surrogate.predict(points))
-        return [(certain, doubt), (margin, np.full(len(points), self.error))]
+        return [(decision, band), (margin, np.full(len(points), self.error))]
 
     @property
     def error(self) -> float:

@@ -80,11 +80,11 @@ class Pattern(NamedTuple):
 class Turns(NamedTuple):
     """Openings held exactly, t of them: shared by the joints' solver and the elements that hold.
     state (t, 5, lanes): -1 held or 1 free, target (rad; m), rate (rad/s; m/s), impulse of the step,
-    that of the last solution (N m s; N s); blow (1, 1, lanes): time of an impact in steps from the
-    start of this one, below 0 in the step after it; 0: none."""
+    that of the last solution (N m s; N s); impact (1, 1, lanes): time of an impact in steps from
+    the start of this one, below 0 in the step after it; 0: none."""
 
     state: np.ndarray  # (t, TURN, lanes)
-    blow: np.ndarray  # (1, 1, lanes) when a blow comes, in steps from the start of this one
+    impact: np.ndarray  # (1, 1, lanes) when a blow comes, in steps from the start of this one
 
 
 class Joints(NamedTuple):

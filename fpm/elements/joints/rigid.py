@@ -31,7 +31,7 @@ from importlib import import_module
 import numpy as np
 
 from fpm.elements.fields import index, number, topology, word
-from fpm.elements.joints.turn import HoldsHinge
+from fpm.elements.joints.turn import ExactConnector
 from fpm.elements.openings.friction import SWEEP_DEFLECTION, Friction
 from fpm.elements.openings.latch import SIDES, AnyLatch
 from fpm.elements.openings.motor import AnyMotor
@@ -58,7 +58,7 @@ RATE_TOL = 1e-11
 others leaves a tenth (AGREES in solver/start.py)."""
 
 
-class Rigid(HoldsHinge):
+class Rigid(ExactConnector):
     """Base class of motors, releases, latches and friction that hold an opening exactly, without a
     spring. `noun`: the type's word, as "latch"; its kernels are in rigid_<noun>_kernels."""
 
@@ -153,7 +153,7 @@ class RigidLatch(AnyLatch, Rigid):
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field `name` of the kernels' tuple RigidLatches, as
-        HoldsHinge.array; in "state", latches have searched (SEARCHED) up to the opening at the
+        ExactConnector.array; in "state", latches have searched (SEARCHED) up to the opening at the
         start. batch: the scenes simulated side by side."""
         array = super().array(name, batch)
         if name == "state":
@@ -194,8 +194,8 @@ class RigidFriction(Rigid):
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field `name` of the kernels' tuple RigidFrictions, as
-        HoldsHinge.array; "state" is 0 but for its field SIGN, the sign (1 or -1; 1 at rest) of the
-        hinge's rate at the start. batch: the scenes simulated side by side."""
+        ExactConnector.array; "state" is 0 but for its field SIGN, the sign (1 or -1; 1 at rest) of
+        the hinge's rate at the start. batch: the scenes simulated side by side."""
         if name != "state":
             return super().array(name, batch)
         kernels, count = cls.kernels(), len(cls.find(batch.scene))

@@ -57,8 +57,8 @@ def forces(part, world, timing):
     """Add the friction moment (N m) of each element that slips to the particles of its hinge. part:
     arrays of all rigid frictions; world: state of the solver, changed; timing: times of this step
     (s). The time of an impact, part.turns.blow, is then counted from this step's start."""
-    blow = load(part.turns.blow, 0, 0)
-    store(part.turns.blow, 0, 0, where_negative(-1.0 * blow, blow - 1.0, 0.0))
+    impact = load(part.turns.impact, 0, 0)
+    store(part.turns.impact, 0, 0, where_negative(-1.0 * impact, impact - 1.0, 0.0))
     for i in range(part.hinge.shape[0]):
         h = part.hinge[i]
         if timing.time > 0.0:
@@ -89,11 +89,11 @@ def turning(part, i, timing):
     old_fall = sign * load(part.rates, i, PREVIOUS_RATE) - last
     vertex = 0.5 * timing.step * (last - 0.5 * fall) * (last - 0.5 * fall) / fall
     jump = 0.5 * timing.kick * last * last / fall
-    blow = old_fall - 0.5 * fall
+    impact = old_fall - 0.5 * fall
     fraction = last / fall
     if timing.time > 0.0:
-        fraction = where_negative(blow, 0.5 + load(part.turns.blow, 0, 0), fraction)
-    return fraction, where_negative(-last, where_negative(blow, jump, vertex), 0.0)
+        fraction = where_negative(impact, 0.5 + load(part.turns.impact, 0, 0), fraction)
+    return fraction, where_negative(-last, where_negative(impact, jump, vertex), 0.0)
 
 
 @hook(RigidFrictions)
@@ -132,7 +132,7 @@ def slipping(part, i, full, timing):
     rigid frictions; timing: times of this step (s)."""
     if timing.time == 0.0:
         return full
-    delay = load(part.turns.blow, 0, 0)
+    delay = load(part.turns.impact, 0, 0)
     mean = (0.5 - delay) * full + (0.5 + delay) * load(part.state, i, WORKS + HOLD_MOMENT)
     is_slip = -absolute(load(part.state, i, LAST_BRAKE))
     return where_negative(is_slip, full, mean)

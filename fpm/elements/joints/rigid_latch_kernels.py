@@ -110,7 +110,7 @@ def decide(part, world, timing):
                         part.turns.state[t, HOLDS, s] = -1.0
                         part.turns.state[t, TARGET, s] = part.state[i, PLACE, s]
                         fraction = (part.state[i, CATCH_TIME, s] - timing.time) / timing.step
-                        part.turns.blow[0, 0, s] = fraction
+                        part.turns.impact[0, 0, s] = fraction
                         world.undecided[0] = 1
 
 
@@ -130,9 +130,9 @@ def work_after(part, world, timing):
         store(part.state, i, AGE, age)
         store(part.state, i, SEARCH_END, predict(part, i, timing))
         time = timing.time - 0.5 * timing.step - load(part.state, i, CATCH_TIME)
-        blow = where_negative(age - 2.5, impulse, -1.0 * time * moment)
-        blow = where_negative(age - 3.5, blow, 0.0)
-        store(part.state, i, IMPACT, load(part.state, i, IMPACT) + blow)
+        impact = where_negative(age - 2.5, impulse, -1.0 * time * moment)
+        impact = where_negative(age - 3.5, impact, 0.0)
+        store(part.state, i, IMPACT, load(part.state, i, IMPACT) + impact)
 
 
 @hook(RigidLatches)

@@ -49,7 +49,7 @@ def prepare(part, world, timing):
         if not part.by_rate[i]:
             bend = bend_after(world, part.curve[i], timing.time)
             if bend < timing.step:
-                store(part.turns.blow, 0, 0, bend / timing.step)
+                store(part.turns.impact, 0, 0, bend / timing.step)
         distance = travel(world, part.curve[i], part.by_rate[i], timing.time + timing.step)
         target = load(part.numbers, i, START) + distance * load(part.numbers, i, TRAVEL)
         store(part.turns.state, part.turn[i], TARGET, target)

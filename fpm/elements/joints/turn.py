@@ -17,21 +17,21 @@ from typing import ClassVar
 
 from fpm.elements.joints.joint_arrays import TURN, Turns
 from fpm.elements.kind import ElementType
-from fpm.elements.openings.opening import OnHinge, Opening
+from fpm.elements.openings.opening import Connector, Opening
 
 
 @dataclass(frozen=True)
 class Turn(ElementType):
     """Condition by which an opening (angle of a hinge, length of a slide) is held exactly; there is
-    one for every element that does so (HoldsHinge), and none is stated by itself."""
+    one for every element that does so (ExactConnector), and none is stated by itself."""
 
     cost = 200.0
 
     @classmethod
     def find(cls, scene):
-        """The elements (HoldsHinge) of a scene, of all types, that hold an opening exactly, a list;
-        the index of an element in it is also that of its row in Turns.state."""
-        holding = [kind for kind in scene.kinds if issubclass(kind, HoldsHinge)]
+        """The elements (ExactConnector) of a scene, of all types, that hold an opening exactly, a
+        list; the index of an element in it is also that of its row in Turns.state."""
+        holding = [kind for kind in scene.kinds if issubclass(kind, ExactConnector)]
         return [element for kind in holding for element in scene.kinds[kind]]
 
     @classmethod
@@ -56,11 +56,11 @@ class Turn(ElementType):
 
         return Turns(
             state=batch.stack(len(cls.find(batch.scene)), TURN, starts),
-            blow=batch.blank(1, 1),
+            impact=batch.blank(1, 1),
         )
 
 
-class HoldsHinge(OnHinge):
+class ExactConnector(Connector):
     """Base class of motors, releases, latches and friction that hold an opening (angle of a hinge,
     length of a slide) exactly, without a spring; each has the field `hinge`, an index."""
 
@@ -81,7 +81,7 @@ class HoldsHinge(OnHinge):
     def array(cls, name, batch):
         """Return the array for a field `name` of the named tuple of the type's kernels: "turns":
         state of all conditions that hold openings (Turns); "turn": index of each element's
-        condition among them; others as OnHinge.array. batch: the scenes simulated side by side."""
+        condition among them; others as Connector.array. batch: scenes simulated side by side."""
         match name:
             case "turns":
                 return batch.part(Turn)

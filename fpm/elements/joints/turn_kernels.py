@@ -157,7 +157,7 @@ def prepare(part, world, timing):
 @hook(TurnedJoints)
 def solve(part, world, timing):
     """Find the impulses of all joints, with the openings that are held now, and store the rates
-    they would give (`tell_rates`); called again where `decide` of an element then holds or frees
+    they would give (`store_rates`); called again where `decide` of an element then holds or frees
     one. part: arrays of all joints (TurnedJoints); world: solver state; timing: times (s)."""
     find_rows(part, world.state)
     build(part)
@@ -168,11 +168,11 @@ def solve(part, world, timing):
         r, gap = part.pattern.first[j], find_lock_gap(part, world.state, j)
         store(part.rows, r, RESIDUAL, load(part.rows, r, RESIDUAL) + (1.0 / timing.step) * gap)
     find_impulses(part, -1.0)
-    tell_rates(part, world.state)
+    store_rates(part, world.state)
 
 
 @kernel
-def tell_rates(part, state):
+def store_rates(part, state):
     """Store in part.turns.state the rates (rad/s, m/s) that openings will have after the impulses
     (RATE), and the impulses (N m s, N s) that hold them (SOLVED_IMPULSE). part: arrays of all
     joints; state: of the particles."""

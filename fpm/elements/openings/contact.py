@@ -9,11 +9,11 @@ import numpy as np
 
 from fpm.elements.fields import stiffness
 from fpm.elements.kind import Energy
-from fpm.elements.openings.opening import OnHinge, on_hinge
+from fpm.elements.openings.opening import Connector, on_hinge
 
 
 @dataclass(frozen=True)
-class Contact(OnHinge):
+class Contact(Connector):
     """Faces that touch where the opening of a revolute joint is below zero.
 
     hinge: index; stiffness: moment that opens it for each radian below zero (N m/rad)."""

@@ -19,7 +19,7 @@ from fpm.elements.fields import damping, number
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.kind import Energy, Watch
-from fpm.elements.openings.opening import JOINT_LOSS, OnHinge, on_hinge, softness, start_angles
+from fpm.elements.openings.opening import JOINT_LOSS, Connector, on_hinge, softness, start_angles
 from fpm.elements.openings.table_spring import bends, check_table, table_array
 from fpm.errors import SceneError
 
@@ -64,7 +64,7 @@ def _describe_imbalance(element: str) -> str:
 
 
 @dataclass(frozen=True)
-class Friction(OnHinge):
+class Friction(Connector):
     """Friction in a hinge by a bristle: a spring that slips at a moment.
 
     hinge: index; moment: at which it slips (N m, on slides N); bristle_deflection: how far the

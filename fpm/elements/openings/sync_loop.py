@@ -14,12 +14,12 @@ import numpy as np
 
 from fpm.elements.fields import index, number, stiffness, topology
 from fpm.elements.kind import Deformations, Energy, Series
-from fpm.elements.openings.opening import TURNING, OnHinges, relative_turn, softness
+from fpm.elements.openings.opening import TURNING, ConnectorElement, relative_turn, softness
 from fpm.errors import SceneError
 
 
 @dataclass(frozen=True)
-class SyncLoop(OnHinges):
+class SyncLoop(ConnectorElement):
     """A closed cable loop over pulleys on two hinges, which couples their openings.
 
     name: of its own; hinges: indices of both; radii: of the pulleys (m), opposite in sign where the
@@ -97,7 +97,7 @@ class SyncLoop(OnHinges):
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field `name` of the kernels' tuple Loops: "hinge": both hinges of
-        each loop; others as in OnHinges.array. batch: the scenes simulated side by side."""
+        each loop; others as in ConnectorElement.array. batch: the scenes simulated side by side."""
         if name == "hinge":
             return batch.integers((loop.hinges for loop in cls.find(batch.scene)), 2)
         return super().array(name, batch)

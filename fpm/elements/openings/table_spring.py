@@ -10,12 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.kind import Energy
-from fpm.elements.openings.opening import OnHinge, on_hinge
+from fpm.elements.openings.opening import Connector, on_hinge
 from fpm.errors import SceneError
 
 
 @dataclass(frozen=True)
-class TableSpring(OnHinge):
+class TableSpring(Connector):
     """Nonlinear spring on a hinge or slide, by a table. hinge: index; angles: two or more
     increasing openings (rad; m on slides); moments: there (N m; N on slides), linear between,
     constant beyond; positive ones open the hinge."""
@@ -68,8 +68,8 @@ class TableSpring(OnHinge):
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field `name` of the kernels' tuple TableSprings: "points": points
-        of all tables; "start": index of each spring's first; others as in OnHinge.array. batch: the
-        scenes that are simulated side by side."""
+        of all tables; "start": index of each spring's first; others as in Connector.array. batch:
+        the scenes that are simulated side by side."""
         if name not in ("start", "points"):
             return super().array(name, batch)
         return table_array(name, batch, cls, lambda s: bends(s.angles, s.moments))

@@ -81,10 +81,10 @@ def cache_folder(parts: tuple[type, ...] = (), entry: str = "loop") -> Path:
     pycache = Path(__file__).parent / "__pycache__"
     try:
         pycache.mkdir(exist_ok=True)
-        writable = os.access(pycache, os.W_OK)
+        is_writable = os.access(pycache, os.W_OK)
     except OSError:
-        writable = False
-    return (pycache if writable else sources.user_cache()) / name
+        is_writable = False
+    return (pycache if is_writable else sources.user_cache()) / name
 
 
 ENTRIES = {"loop": loop.run, "act": loop.act}

@@ -44,7 +44,7 @@ class Quantity:
     def is_instantaneous(self) -> bool:
         """Whether the quantity is a size of the response at an instant (largest, smallest, rms,
         overshoot), so that a shock that mesh and step do not resolve can decide it."""
-        return KINDS[self.kind].instantaneous
+        return KINDS[self.kind].is_instantaneous
 
     @property
     def is_time(self) -> bool:
@@ -150,10 +150,10 @@ def _root(time: np.ndarray, values: np.ndarray, i: int) -> float:
     """Where values (t,) vanish between the instants i and i + 1, at which they differ in sign."""
     cubic = cubic_through(time, values, i + 2)
     low, high = float(time[i]), float(time[i + 1])
-    rising = bool(values[i + 1] > 0)
+    is_rising = bool(values[i + 1] > 0)
     for _ in range(60):
         middle = 0.5 * (low + high)
-        if (cubic(middle) > 0) == rising:
+        if (cubic(middle) > 0) == is_rising:
             high = middle
         else:
             low = middle
@@ -222,7 +222,7 @@ class QuantityType(NamedTuple):
     """A kind of quantity, in the table KINDS. read(quantity, curves): returns its number in a run;
     text: template of its long name, in which {about} is the response's; mandatory, optional:
     further keys of its definition; unit: of the number, None: the response's; positive: whether it
-    is never below 0; instantaneous: whether it is a size of the response at an instant."""
+    is never below 0; is_instantaneous: whether it is a size of the response at an instant."""
 
     read: Callable[[Quantity, Curves], float]
     text: str
@@ -230,7 +230,7 @@ class QuantityType(NamedTuple):
     optional: tuple[str, ...] = ()
     unit: str | None = None
     positive: bool = False
-    instantaneous: bool = False
+    is_instantaneous: bool = False
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -240,20 +240,20 @@ class QuantityType(NamedTuple):
 
 KINDS = {
     "largest": QuantityType(
-        _of_values(lambda q, time, y: peak(y)), "largest {about}", instantaneous=True
+        _of_values(lambda q, time, y: peak(y)), "largest {about}", is_instantaneous=True
     ),
-    "smallest": QuantityType(_smallest, "smallest {about}", instantaneous=True),
+    "smallest": QuantityType(_smallest, "smallest {about}", is_instantaneous=True),
     "smallest_at": QuantityType(_place_of_smallest, "{place} of the smallest {about}"),
     "final": QuantityType(_of_values(lambda q, time, y: float(y[-1])), "final {about}"),
     "mean": QuantityType(_of_values(lambda q, time, y: _mean(time, y)), "mean {about}"),
     "rms": QuantityType(
         _of_values(lambda q, time, y: float(np.sqrt(_mean(time, y**2)))), "rms {about}",
-        positive=True, instantaneous=True,
+        positive=True, is_instantaneous=True,
     ),
     "value": QuantityType(_value, "{about} {moment}", ("at",)),
     "overshoot": QuantityType(
         _of_values(lambda q, time, y: _overshoot(y, q.target)), "overshoot of the {about}",
-        optional=("about",), positive=True, instantaneous=True,
+        optional=("about",), positive=True, is_instantaneous=True,
     ),
     "settling": QuantityType(
         _of_values(lambda q, time, y: settling(time, y, q.tolerance, q.target)),

@@ -179,12 +179,12 @@ class Expression:
         """The dimension of two values joined, from theirs; value: of the right one."""
         has_name = any(isinstance(part, ast.Name | ast.Attribute) for part in ast.walk(right))
         divisor = right.operand if isinstance(right, ast.UnaryOp) else right
-        guess = isinstance(divisor, ast.Name) and divisor.id in self._divisors
+        is_guess = isinstance(divisor, ast.Name) and divisor.id in self._divisors
         match op:
             case ast.Mult():
                 return product
             case ast.Div():
-                return lambda u, w: _quotient(u, w, guess)
+                return lambda u, w: _quotient(u, w, is_guess)
             case ast.Pow():
                 return lambda u, w: _power(u, w, None if has_name else value)
         verb = "added" if isinstance(op, ast.Add) else "subtracted"

@@ -237,7 +237,7 @@ def _read_keys(
     statement: Statement, slides: list[str], node: Node, line: int, place: Place
 ) -> dict[str, Value]:
     """What the keys of an entry mean, by their names in `it`; SkippedError if any is wrong."""
-    keys, sound, read, corrections = statement.sliding(slides), True, {}, set()
+    keys, is_sound, read, corrections = statement.sliding(slides), True, {}, set()
     allowed = [*(["type"] if statement.type else []), *keys]
     for key, entry in node.entries.items():
         if key in keys:
@@ -245,17 +245,17 @@ def _read_keys(
             try:
                 read[name] = kind.read(entry, place.child(key))
             except SkippedError:
-                sound = False
+                is_sound = False
         elif key not in allowed:
-            sound = False
+            is_sound = False
             likely_name, hint = _likely_key(key, statement.keys, allowed)
             corrections.add(likely_name)
             place.problems.no_key(node.lines[key], f"{place.key}.{key}", allowed, hint)
     for key, (_, kind) in keys.items():
         if kind.default is NO_VALUE and key not in node.entries and key not in corrections:
-            sound = False
+            is_sound = False
             place.problems.say(line, f"{place.key}.{key}: missing; allowed: {kind.allowed}")
-    if not sound:
+    if not is_sound:
         raise SkippedError(place.key)
     return read
 

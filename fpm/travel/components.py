@@ -135,7 +135,7 @@ def components_of(scene) -> list[Component]:
                 Component(name, _load_cases_of(scene, element), is_class, code in DRAGS)
             )
     for cable, smooth in zip(scene.cables, Cable.sweep_elements(scene), strict=True):
-        if cable.rubs:
+        if cable.has_friction:
             components.append(Component(_of_cable(scene, cable)[1], (cable,), "FR", True, smooth))
     return components
 

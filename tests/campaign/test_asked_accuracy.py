@@ -103,9 +103,9 @@ def test_what_the_config_keeps_is_not_changed_and_the_rest_is():
     step, mesh = ({"surrogate": 0.01, "mesh": 0.03, "step": 0.03, name: 0.2} for name in
                   ("step", "mesh"))  # fmt: skip
 
-    def action(parts, mesh_is_free, step_is_free):
+    def action(parts, mesh_is_free, is_step_free):
         aim = Accuracy({"x": 0.1}, 1000, 60.0, "n" if mesh_is_free else "")
-        found = RefinementState(aim, {"x": parts}, state, COST, step_is_free).decide()
+        found = RefinementState(aim, {"x": parts}, state, COST, is_step_free).decide()
         return found.action, "keeps its" in found.reason
 
     for free in (True, False):

@@ -181,7 +181,7 @@ def _parts(previous: Mapping, new: dict, row: Any, name: str, width: float) -> d
     return new
 
 
-def _standing(plan: Plan, shares: Mapping, step_is_free: bool = True) -> RefinementState:
+def _standing(plan: Plan, shares: Mapping, is_step_free: bool = True) -> RefinementState:
     """How things stand, with what the rounds up to this plan's took and the next one would."""
     target, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs())
     time = run_seconds(plan.experiment, plan.time)
@@ -205,7 +205,7 @@ def _standing(plan: Plan, shares: Mapping, step_is_free: bool = True) -> Refinem
     )
     elements = int(plan.experiment.scene.parameters.get(target.mesh, 0))
     cost = Resources(runs, seconds, nodes, 0, check_runs, time, elements, answers)
-    state = RefinementState(target, shares, plan.adaptive, cost, step_is_free)
+    state = RefinementState(target, shares, plan.adaptive, cost, is_step_free)
     return replace(state, cost=replace(cost, next_runs=add_runs(nodes, state.growth(), affordable)))
 
 

@@ -139,14 +139,14 @@ class RefinementState:
     """State after a finished round of runs, from which `decide` takes the next action. accuracy:
     tolerances of errors, and budget, of the config; shares: errors of responses and quantities by
     name and component (surrogate, step, mesh), as fractions of their widths; state: earlier rounds,
-    and the errors that this one was checked for; cost: resources spent and needed; step_is_free:
+    and the errors that this one was checked for; cost: resources spent and needed; is_step_free:
     whether the step may be halved, since the config does not give one."""
 
     accuracy: Accuracy
     shares: Shares
     state: Rounds
     cost: Resources
-    step_is_free: bool
+    is_step_free: bool
 
     @cached_property
     def unmet(self) -> list[Errors]:
@@ -224,7 +224,7 @@ class RefinementState:
         if not error.discretization > (_INITIAL_SHARE if is_first else _FINAL_SHARE) * error.aim:
             return Need("runs", self._stagnation(error))
         action, cause = error.larger, self._exceeds_budget(error.larger)
-        if not (self.accuracy.mesh if action == "mesh" else self.step_is_free):
+        if not (self.accuracy.mesh if action == "mesh" else self.is_step_free):
             cause = f"the config keeps its {action}"
         elif not cause and action == "mesh" and self._is_not_converging(error):
             cause = "a finer mesh does not get there within the budget"

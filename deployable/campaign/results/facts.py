@@ -166,7 +166,7 @@ def of_bounds(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict
             "nodes": count.nodes,
             "held_out": count.held_out,
             "runs": count.runs,
-            "nominal_among_them": count.nominal_among_them,
+            "nominal_among_them": count.has_nominal,
         },
         "bounds": bounds.bounds_kind,
         "time_step": float(bounds.time_step),

@@ -17,13 +17,13 @@ from deployable.campaign.plan.runs import namer
 @dataclass(frozen=True)
 class Counts:
     """How many different runs a campaign has: `runs`, all; `nodes`, those that were fitted;
-    `held_out`, those kept back to test the fit (and no nodes). nominal_among_them: whether the run
+    `held_out`, those kept back to test the fit (and no nodes). has_nominal: whether the run
     at nominal parameters is among the latter two, and so not counted beside them."""
 
     runs: int
     nodes: int
     held_out: int
-    nominal_among_them: bool
+    has_nominal: bool
 
 
 def keeps_extremes(samples: Any) -> bool:

@@ -63,10 +63,10 @@ def is_quiet(structure: Structure) -> bool:
     """Whether nothing happens before a curve or a release."""
     motions = entries(structure, "initial_velocities") or "gravity" in structure
     has_curves = all("curve" in load for load in entries(structure, "loads").values())
-    slack = all(_is_slack(structure, cable) for cable in entries(structure, "cables").values())
+    is_slack = all(_is_slack(structure, cable) for cable in entries(structure, "cables").values())
     actions = entries(structure, "actions").values()
-    at_rest = all(_is_at_rest(structure, action) for action in actions)
-    return not motions and has_curves and slack and at_rest
+    is_at_rest = all(_is_at_rest(structure, action) for action in actions)
+    return not motions and has_curves and is_slack and is_at_rest
 
 
 def _is_slack(structure: Structure, cable: dict) -> bool:

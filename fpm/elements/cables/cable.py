@@ -99,7 +99,7 @@ class Cable(ElementType):
             raise SceneError("cable", self.name, "a name that no other cable has")
         if self.reel and self.curve < 0:
             raise SceneError(f"reel {owner}", self.reel, "a finite length (m), with a curve")
-        if self.rubs and not self.lengths(scene).min() > 0:
+        if self.has_friction and not self.lengths(scene).min() > 0:
             raise SceneError(f"stretches {owner}", self.lengths(scene).tolist(), "points apart")
         if len({beam.particle for beam in self.beams}) < 2:
             raise SceneError(f"points {owner}", self.beams[0].particle, "points of two particles")
@@ -120,7 +120,7 @@ class Cable(ElementType):
         return float(self.rest - np.max(self.reel * factors))
 
     @property
-    def rubs(self) -> bool:
+    def has_friction(self) -> bool:
         """Whether the cable has friction, and points between its ends where it acts."""
         return self.friction is not None and len(self.beams) > 2
 
@@ -133,7 +133,7 @@ class Cable(ElementType):
         """Yield the parts of the cable that have one tension each, as pairs (virtual beams to its
         points, stiffness in N/m at the shortest): the whole one, or with friction each stretch."""
         shortest = self.shortest(scene)
-        if not self.rubs:
+        if not self.has_friction:
             yield self.beams, self.stiffness / shortest
             return
         lengths = self.lengths(scene)
@@ -143,7 +143,7 @@ class Cable(ElementType):
     def topology(self):
         """Return what must be equal in scenes simulated side by side: name, particles, curve, and
         whether it has friction."""
-        return self.name, tuple(beam.particle for beam in self.beams), self.curve, self.rubs
+        return self.name, tuple(beam.particle for beam in self.beams), self.curve, self.has_friction
 
     @classmethod
     def names_of(cls, scene) -> tuple[str, ...]:
@@ -194,7 +194,7 @@ class Cable(ElementType):
             log=batch.log_of(cls),
             track=batch.blank((batch.instants + 1) * count, 2),
         )
-        return _with_friction(part, batch) if any(cable.rubs for cable in cables) else part
+        return _with_friction(part, batch) if any(cable.has_friction for cable in cables) else part
 
     @classmethod
     def read_records(cls, part, scene, lane):
@@ -228,7 +228,7 @@ def _with_friction(part, batch):
     part.state[:, UNSTRAINED] = rests[:, 0]
     return RubbingCables(
         *part,
-        rubs=batch.integers(cable.rubs for cable in Cable.find(batch.scene)),
+        has_friction=batch.integers(cable.has_friction for cable in Cable.find(batch.scene)),
         friction=batch.table(Cable, 1, lambda cable: [cable.friction or 0.0]),
         slip=batch.stack(len(part.particle), SLIP_SIZE, material),
         loss=batch.loss_account(Cable),

@@ -51,8 +51,8 @@ from fpm.kernels.world import Log
 
 class RubbingCables(NamedTuple):
     """Arrays of all c cables, with p points, where some have friction. start, particle, curve,
-    arms, cables, stretches, state, account, peaks, rows, log, track: as in Cables; rubs (c,): 1
-    where a cable has friction; friction (c, 1, lanes): its coefficient; slip (p, 8, lanes): of
+    arms, cables, stretches, state, account, peaks, rows, log, track: as in Cables; has_friction
+    (c,): 1, else 0; friction (c, 1, lanes): its coefficient; slip (p, 8, lanes): of
     each point and the stretch that begins there, unstrained length (m) before slipping in this
     step, strain if nothing slipped over the point at its end, largest ratio of tensions, its
     inverse, unstrained length (m), tension (N), tension a step ago (N), unstrained length slipped
@@ -70,7 +70,7 @@ class RubbingCables(NamedTuple):
     rows: np.ndarray
     log: Log
     track: np.ndarray
-    rubs: np.ndarray  # (c,) whether each has friction
+    has_friction: np.ndarray  # (c,) whether each has friction
     friction: np.ndarray  # (c, 1, lanes) its coefficient
     slip: np.ndarray  # (p, SLIP_SIZE, lanes)
     loss: int  # number of the account of what friction takes
@@ -172,7 +172,7 @@ def forces(part, world, timing):
     """Add the forces (N) and moments (N m) of all cables to the particles they run over. part:
     arrays of all cables; world: state of the solver, changed; timing: times of this step (s)."""
     for c in range(part.curve.shape[0]):
-        if part.rubs[c]:
+        if part.has_friction[c]:
             find_tensions(part, world, timing, c)
         else:
             find_pull(part, world, timing, c)
@@ -194,7 +194,7 @@ def work_before(part, world, timing):
     unused."""
     work, loss = load(world.accounts, 0, part.account), load(world.accounts, 0, part.loss)
     for c in range(part.curve.shape[0]):
-        if not part.rubs[c]:
+        if not part.has_friction[c]:
             work = work + work_of_winch(part, c)
             continue
         first, soft = part.start[c], 1.0 / load(part.cables, c, EA)
@@ -212,7 +212,7 @@ def work_before(part, world, timing):
 def energy_of(part, world, c):
     """Return the strain energy (J) of cable c. part: arrays of all cables; world: not used."""
     total = energy_of_cable(part, c)
-    if part.rubs[c]:
+    if part.has_friction[c]:
         total = 0.0 * total
         for j in range(part.start[c], part.start[c + 1] - 1):
             tension = load(part.slip, j, TENSION)
@@ -228,7 +228,7 @@ def record(part, world, row):
     not used; row: index of the recorded instant."""
     count = part.curve.shape[0]
     for c in range(count):
-        if not part.rubs[c]:
+        if not part.has_friction[c]:
             record_cable(part, c, row * count + c)
             continue
         length = load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED)

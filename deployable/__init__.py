@@ -15,7 +15,7 @@ FILES = {path: path.stat() for path in Path(__file__).parent.rglob("*.py") if pa
 ROOMS = ("intervals", "campaign")
 
 
-def other_fpm() -> str:
+def check_fpm_module() -> str:
     """Check that the module `fpm` that Python finds is this program's, not that of Fortran's
     package manager; returns an error message with the remedy, or an empty text if it is."""
     spec = find_spec("fpm")

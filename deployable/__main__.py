@@ -4,7 +4,7 @@ import gc
 import os
 import sys
 
-from deployable import other_fpm
+from deployable import check_fpm_module
 from deployable.one_thread import set_environment
 
 set_environment()  # before numpy is loaded
@@ -15,7 +15,7 @@ gc.set_threshold(10_000)
 def program() -> int:
     """Run the command line (console script `deployable-intervals`) with `sys.argv`. Ends the
     process with the command's exit status; returns 1 if it cannot start or write output."""
-    if message := other_fpm():
+    if message := check_fpm_module():
         print(message, file=sys.stderr)
         return 1
     from deployable.campaign.stopping import end_on_ctrl_c, leave

@@ -59,12 +59,12 @@ def main(arguments: list[str] | None = None) -> int:
     study = STUDIES[options.study]
     module = importlib.import_module(f"evidence.{study.name}.study")
     folder = options.output or Path("results", study.name)
-    measured = read_parts(study, folder) if options.measured else measure(parts, options.quick)
+    answers = read_parts(study, folder) if options.measured else measure(parts, options.quick)
     if options.part:
-        text = results.as_json(measured[options.part])
+        text = results.as_json(answers[options.part])
         write_text(folder / "parts" / f"{options.part}.json", text)
         return 0
-    return notify(study, module.report(measured), folder, options.strict)
+    return notify(study, module.report(answers), folder, options.strict)
 
 
 def measure(parts: Mapping[str, Callable[[bool], Any]], quick: bool = False) -> dict[str, Any]:
@@ -73,12 +73,12 @@ def measure(parts: Mapping[str, Callable[[bool], Any]], quick: bool = False) -> 
     from evidence.linkage.runs import build
 
     fpm.warm_up(build())  # so that no part is charged for compiling
-    measured = {}
+    answers = {}
     for name, part in parts.items():
         start = time.perf_counter()
-        measured[name] = part(quick)
+        answers[name] = part(quick)
         print(f"{name}: {time.perf_counter() - start:.1f} s", flush=True)
-    return measured
+    return answers
 
 
 def read_parts(study: Study, folder: Path) -> dict[str, Any]:

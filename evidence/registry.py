@@ -46,8 +46,8 @@ class Study:
 
     def code(self) -> list[str]:
         """Digests of the code that decides what the study leaves, beside its measured parts."""
-        shared = (f"evidence/{name}.py" for name in ("rows", "results", "plots"))
-        telling = digest(*shared, f"evidence/{self.name}")
+        files = (f"evidence/{name}.py" for name in ("rows", "results", "plots"))
+        telling = digest(*files, f"evidence/{self.name}")
         return [telling] if self.parts else [telling, self.measuring_code()]
 
 

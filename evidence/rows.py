@@ -94,11 +94,11 @@ def refusal(name: str, error: object) -> Row:
     return Row(name, text, "", "", "a clear refusal", None, True, "the error's message")
 
 
-def skipped(name: str, reason: str, unit: str = "") -> Row:
+def skip_row(name: str, reason: str, unit: str = "") -> Row:
     """What cannot be measured here; `reason` says what would make it possible."""
     return Row(name, None, unit, skipped=reason)
 
 
-def grouped(group: str, rows: Iterable[Row]) -> list[Row]:
+def set_group(group: str, rows: Iterable[Row]) -> list[Row]:
     """The rows, as members of a group."""
     return [replace(row, group=group) for row in rows]

@@ -93,13 +93,13 @@ def did_you_mean(name: str, names: Iterable[str]) -> str:
         missing = "colon" if sign == " " else "space behind the colon"
         return f" (a {missing} is missing: `{head}: {value.strip()}`)"
     guess = likely(name, names)
-    return renamed(name, names) or (f" (did you mean {guess}?)" if guess else "")
+    return hint_new(name, names) or (f" (did you mean {guess}?)" if guess else "")
 
 
-def renamed(name: object, names: Iterable[str]) -> str:
-    """Return a hint for a message: " (it is now x)" if `name` is a former name (RENAMED) of x, one
-    of `names`, those allowed; else ""."""
-    name = RENAMED.get(name) if isinstance(name, str) else None
+def hint_new(name: object, names: Iterable[str]) -> str:
+    """Return a hint for a message: " (it is now x)" if `name` is a former name (NEW_NAMES) of x,
+    one of `names`, those allowed; else ""."""
+    name = NEW_NAMES.get(name) if isinstance(name, str) else None
     return f" (it is now {name})" if name in names else ""
 
 
@@ -107,14 +107,14 @@ def likely(name: str, names: Iterable[str]) -> str:
     """Return which of `names`, those allowed, an unknown name most likely means: its new name, a
     synonym, or one of like spelling; "" if there is none."""
     names = list(names)
-    close = [RENAMED[name]] if RENAMED.get(name) in names else []
+    close = [NEW_NAMES[name]] if NEW_NAMES.get(name) in names else []
     close += [word for word in names if word.lower() == name.lower()]
     close += [word for word in _WORDS.get(name.lower(), "").split() if word in names]
     close += difflib.get_close_matches(name, names, n=1)
     return close[0] if close else ""
 
 
-RENAMED = {
+NEW_NAMES = {
     "nodes_per_job": "runs_per_job", "scan": "sobol",
     "share": "tolerance", "of": "tolerance_by_name", "runs": "max_runs",
     "minutes": "max_core_minutes", "rounds": "max_iterations", "finer": "discretization",

@@ -9,7 +9,7 @@ import signal
 import sys
 from typing import NoReturn
 
-STOPPED = 130
+EXIT_CODE = 130
 """Exit status after Ctrl-C."""
 _WORDS = "stopped; finished runs are kept, the same command goes on from there\n"
 
@@ -36,4 +36,4 @@ def _raises() -> bool:
 
 def _end(*rest: object) -> None:
     os.write(2, _WORDS.encode())  # whatever is in the midst of printing
-    os._exit(STOPPED)
+    os._exit(EXIT_CODE)

@@ -65,16 +65,16 @@ class Box:
         `upper`; 0 where the width is zero."""
         values = np.asarray(values, dtype=float)
         width = np.where(self.free, self.upper - self.lower, 1.0)
-        unit = ((values - self.lower) - (self.upper - values)) / width
-        return np.where(self.free, unit, 0.0)
+        points = ((values - self.lower) - (self.upper - values)) / width
+        return np.where(self.free, points, 0.0)
 
-    def from_unit(self, unit: np.ndarray) -> np.ndarray:
-        """Parameter values (..., k) of normalized coordinates `unit` (..., k): -1 gives exactly
+    def from_unit(self, points: np.ndarray) -> np.ndarray:
+        """Parameter values (..., k) of normalized coordinates `points` (..., k): -1 gives exactly
         `lower`, 1 exactly `upper`, and equal coordinates give equal values to the last bit, as runs
         are recognised by their values; beyond [-1, 1] the map goes on."""
-        unit = np.asarray(unit, dtype=float)
-        values = self.lower * ((1.0 - unit) / 2.0) + self.upper * ((1.0 + unit) / 2.0)
-        in_cube = (np.abs(unit) <= 1.0) & self.free
+        points = np.asarray(points, dtype=float)
+        values = self.lower * ((1.0 - points) / 2.0) + self.upper * ((1.0 + points) / 2.0)
+        in_cube = (np.abs(points) <= 1.0) & self.free
         values = np.where(in_cube, np.clip(values, self.lower, self.upper), values)
         return np.where(self.free, values, self.lower)
 
@@ -133,20 +133,20 @@ def held_out_points(free: np.ndarray, count: int, avoid: np.ndarray | None = Non
     return np.array(picks)
 
 
-def _nearest(points: np.ndarray, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """For points (N, k) the index of the nearest of `unit` (R, k), else -1, and its distance."""
-    if not len(unit):
+def _nearest(points: np.ndarray, runs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """For points (N, k) the index of the nearest of `runs` (R, k), else -1, and its distance."""
+    if not len(runs):
         return np.full(len(points), -1), np.full(len(points), np.inf)
-    distances = (np.abs(unit - point).max(axis=1) for point in points)
+    distances = (np.abs(runs - point).max(axis=1) for point in points)
     nearest = np.array([(d.argmin(), d.min()) for d in distances]).reshape(-1, 2)
     return nearest[:, 0].astype(int), nearest[:, 1]
 
 
-def match_points(points: np.ndarray, unit: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
+def match_points(points: np.ndarray, runs: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
     """Find the run at each design point (N, k): returns indices (N) into the runs, or raises
-    IntervalError if a point has none. unit (R, k): points of the runs, in any order; tolerance:
+    IntervalError if a point has none. runs (R, k): points of the runs, in any order; tolerance:
     largest difference of a coordinate. All coordinates are normalized, -1 to 1."""
-    index, distance = _nearest(points, unit)
+    index, distance = _nearest(points, runs)
     missing = np.flatnonzero(distance > tolerance)
     if len(missing):
         first = np.round(points[missing[0]], 6).tolist()
@@ -158,8 +158,8 @@ def match_points(points: np.ndarray, unit: np.ndarray, tolerance: float = 1e-8) 
     return index
 
 
-def other_runs(unit: np.ndarray, points: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
+def find_other_runs(runs: np.ndarray, points: np.ndarray, tolerance: float = 1e-8) -> np.ndarray:
     """Find the runs that are at none of the design's points, which may test a fit to that design:
-    increasing indices into `unit` (R, k), normalized points of the runs; points (N, k): those of
+    increasing indices into `runs` (R, k), normalized points of the runs; points (N, k): those of
     the design; tolerance: largest difference of a coordinate between equal points."""
-    return np.flatnonzero(_nearest(unit, points)[1] > tolerance)
+    return np.flatnonzero(_nearest(runs, points)[1] > tolerance)

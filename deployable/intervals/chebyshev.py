@@ -135,15 +135,15 @@ class Surrogate:
         """Highest degree of the polynomial in each of the k directions (k)."""
         return self.multi_indices.max(axis=0)
 
-    def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P, ...) of the polynomial at points `unit` (P, k) in [-1, 1]^k; raises
+    def evaluate(self, points: np.ndarray) -> np.ndarray:
+        """Values (P, ...) of the polynomial at `points` (P, k) in [-1, 1]^k; raises
         IntervalError for an array of another shape."""
-        unit = np.asarray(unit, dtype=float)
-        if unit.ndim != 2 or unit.shape[1] != self.dimension:
-            raise IntervalError("unit", unit.shape, f"an array of shape (P, {self.dimension})")
+        points = np.asarray(points, dtype=float)
+        if points.ndim != 2 or points.shape[1] != self.dimension:
+            raise IntervalError("points", points.shape, f"an array of shape (P, {self.dimension})")
         flat = self.coefficients.reshape(len(self.coefficients), -1)
-        values = product_basis(unit, self.multi_indices) @ flat
-        return values.reshape(len(unit), *self.coefficients.shape[1:])
+        values = product_basis(points, self.multi_indices) @ flat
+        return values.reshape(len(points), *self.coefficients.shape[1:])
 
     def dense(self) -> np.ndarray:
         """Coefficients as a full tensor (n_1 + 1, ..., n_k + 1, ...) by degree, n_j being the
@@ -152,12 +152,12 @@ class Surrogate:
         full[tuple(self.multi_indices.T)] = self.coefficients
         return full
 
-    def restrict(self, direction: int, unit: np.ndarray) -> np.ndarray:
+    def restrict(self, direction: int, points: np.ndarray) -> np.ndarray:
         """Chebyshev coefficients (n_j + 1, ...) of the polynomial as a function of one coordinate,
-        of index j (`direction`), others held at those of the point `unit` (k) in [-1, 1]^k."""
+        of index j (`direction`), others held at those of the point `points` (k) in [-1, 1]^k."""
         cross_indices = self.multi_indices.copy()
         cross_indices[:, direction] = 0
-        weights = product_basis(np.asarray(unit, dtype=float)[None], cross_indices)[0]
+        weights = product_basis(np.asarray(points, dtype=float)[None], cross_indices)[0]
         line = np.zeros((int(self.degrees[direction]) + 1, *self.coefficients.shape[1:]))
         terms = weights.reshape(-1, *[1] * (self.coefficients.ndim - 1)) * self.coefficients
         np.add.at(line, self.multi_indices[:, direction], terms)

@@ -35,8 +35,8 @@ def effects_enclosure(c: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, n
         if len(rows):
             line = np.zeros((int(indices[rows, j].max()) + 1, c.shape[1]))
             line[indices[rows, j]] = c[rows]
-            low, high, _, _, slack = line_range(line)
-            lower, upper = lower + low - slack, upper + high + slack
+            low, high, _, _, rounding_error = line_range(line)
+            lower, upper = lower + low - rounding_error, upper + high + rounding_error
     return lower - rest, upper + rest
 
 
@@ -122,7 +122,7 @@ def _subdivide(dense, inner, tolerance, degrees):
         patches = _apply(_from_chebyshev(int(n)), patches, j)
         size = _apply(np.abs(_from_chebyshev(int(n))), size, j)
     rounding = 4 * np.finfo(float).eps * (degrees + 1).sum()
-    slack = rounding * size.reshape(-1, total).max(axis=0)
+    rounding_error = rounding * size.reshape(-1, total).max(axis=0)
     best, argument = inner.copy(), np.zeros((total, k))
     is_improved = np.zeros(total, dtype=bool)
     closed_bound = np.full(total, -np.inf)
@@ -156,7 +156,7 @@ def _subdivide(dense, inner, tolerance, degrees):
             patches, owner = patches[..., keep], owner[keep]
             centre, half = centre[keep], half[keep]
         patches, owner, centre, half = _halve(patches, owner, centre, half, degrees)
-    outer = np.maximum(np.maximum(closed_bound, best), inner) + slack
+    outer = np.maximum(np.maximum(closed_bound, best), inner) + rounding_error
     return outer, np.where(is_improved, best, -np.inf), argument
 
 

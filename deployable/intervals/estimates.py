@@ -5,7 +5,7 @@ are within e of those of f (Hausdorff distance). It is estimated, at every insta
 
 - the largest |f - s| over the held-out runs (blind between them), and
 - the tail that the decay of the Chebyshev coefficients foretells (blind to what the nodes miss),
-  unless there are enough held-out runs to overrule it (see `overruled`),
+  unless there are enough held-out runs to overrule it (see `limit_decay`),
 
 and then widened in time: the largest estimate within a short window counts. Two oscillations that
 differ in phase agree wherever they cross, so that an instant by itself can look right by accident;
@@ -32,7 +32,7 @@ RATIOS = 2.0, 16.0
 """Least and largest ratio of two changes, as a mesh or step is halved twice, that an error is
 continued by: those of the first and of the fourth order."""
 
-AVERAGED = 3
+MAX_DIRECTIONS = 3
 """Most directions in which the left-out errors of sought runs are averaged (see `usual`)."""
 
 _INDEPENDENT = 1e-3  # least singular value, beside the largest, of what held-out runs see
@@ -119,19 +119,20 @@ def decay_estimate(
     return _tail(level.astype(int), c)
 
 
-def overruled(
+def limit_decay(
     surrogate: Surrogate,
     points: np.ndarray,
-    unit: np.ndarray,
+    test_points: np.ndarray,
     residuals: np.ndarray,
     decay: np.ndarray,
     time: np.ndarray,
     window: float | None = None,
 ) -> np.ndarray:
     """Limit the extrapolated tail `decay` (..., T) of a polynomial to what validation runs allow,
-    and return it. points (N, k): of the fitted runs; unit (R, k): of the validation runs, which
-    were not fitted; residuals (R, ..., T): their values less the polynomial's; time (T): instants,
-    s; window: half width (s) of the time in which the largest counts, None: 0.5 % of the duration.
+    and return it. points (N, k): of the fitted runs; test_points (R, k): of the validation runs,
+    which were not fitted; residuals (R, ..., T): their values less the polynomial's; time (T):
+    instants, s; window: half width (s) of the time in which the largest counts, None: 0.5 % of the
+    duration.
 
     A decay cannot be told from order 1, nor where every second coefficient is zero; a polynomial
     that is exact then has a tail as large as its last coefficients. But the next two coefficients
@@ -145,15 +146,15 @@ def overruled(
         for j in np.flatnonzero(highest)
         for excess in (1, 2)
     ]
-    if not 0 < len(next_two) <= len(unit):
+    if not 0 < len(next_two) <= len(test_points):
         return decay
     new, terms = np.array(next_two), surrogate.multi_indices
     alias = np.linalg.lstsq(product_basis(points, terms), product_basis(points, new), rcond=None)[0]
-    residual_basis = product_basis(unit, new) - product_basis(unit, terms) @ alias
+    residual_basis = product_basis(test_points, new) - product_basis(test_points, terms) @ alias
     size = np.linalg.svd(residual_basis, compute_uv=False)
     if size[-1] < _INDEPENDENT * size[0]:
         return decay
-    coefficients = np.linalg.pinv(residual_basis) @ residuals.reshape(len(unit), -1)
+    coefficients = np.linalg.pinv(residual_basis) @ residuals.reshape(len(test_points), -1)
     size_sum = np.abs(coefficients).sum(axis=0).reshape(decay.shape)
     size_sum = np.maximum(size_sum, np.abs(residuals).max(axis=0))
     return np.minimum(decay, MAX_TAIL_RATIO * widen(time, size_sum, window))
@@ -163,10 +164,10 @@ def usual(left_out: np.ndarray, directions: int) -> np.ndarray:
     """Error (...) of a function fitted to adaptively sampled runs: a power mean of their
     leave-one-out errors `left_out` (N, ...), the power being the number of `directions` (parameters
     that vary). Any run may be next to the point that decides, and runs were placed where the fit
-    was in doubt, so that a mean counts. In more than 3 directions (`AVERAGED`), where few corners
-    have runs, the largest counts."""
+    was in doubt, so that a mean counts. In more than 3 directions (`MAX_DIRECTIONS`), where few
+    corners have runs, the largest counts."""
     size = np.abs(left_out)
-    if directions > AVERAGED:
+    if directions > MAX_DIRECTIONS:
         return size.max(axis=0)
     power = max(directions, 1)
     return (size**power).mean(axis=0) ** (1 / power)

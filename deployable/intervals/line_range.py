@@ -22,8 +22,8 @@ _ROUNDS = 60
 def line_range(coefficients: np.ndarray) -> tuple[np.ndarray, ...]:
     """Find the least and largest value on [-1, 1] of T Chebyshev sums of degree n, of coefficients
     (n + 1, T); leading zeros and constant sums are allowed. Returns low, high, x_low, x_high,
-    slack, (T) each: the extreme values, attained at the arguments x to rounding; no value lies
-    outside [low - slack, high + slack], `slack` being the bound on rounding errors."""
+    rounding_error, (T) each: the extreme values, attained at the arguments x to rounding; no value
+    lies outside [low - rounding_error, high + rounding_error]."""
     c = np.asarray(coefficients, dtype=float)
     degree, total = c.shape[0] - 1, c.shape[1]
     ranges = np.empty((5, total))
@@ -32,23 +32,23 @@ def line_range(coefficients: np.ndarray) -> tuple[np.ndarray, ...]:
         part = slice(start, start + step)
         wave = c[1:, part]
         waves = np.concatenate([-wave, wave], axis=1)
-        best, x, slack = _maximum(waves)
+        best, x, rounding_error = _maximum(waves)
         n = wave.shape[1]
         ranges[0, part] = c[0, part] - best[:n]
         ranges[1, part] = c[0, part] + best[n:]
         ranges[2, part], ranges[3, part] = x[:n], x[n:]
-        ranges[4, part] = slack[:n]
+        ranges[4, part] = rounding_error[:n]
     return tuple(ranges)
 
 
 def _maximum(c: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Largest value, its x and the rounding slack of sum_(k>=1) c[k-1] cos(k t), c of (n, T)."""
+    """Largest value, its x and the rounding error of sum_(k>=1) c[k-1] cos(k t), c of (n, T)."""
     degree, total = c.shape
     if degree == 0:
         return np.zeros(total), np.zeros(total), np.zeros(total)
     k = np.arange(1.0, degree + 1)
     size = np.abs(c).sum(axis=0)
-    slack = 4 * np.finfo(float).eps * (degree + 2) * size
+    rounding_error = 4 * np.finfo(float).eps * (degree + 2) * size
     third = (k**3) @ np.abs(c)
 
     cells = max(2 * degree, 4)
@@ -65,7 +65,7 @@ def _maximum(c: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     g = values[cells + 1 :]
     g1 = -(sine * k) @ c
     g2 = -(cosine * k**2) @ c
-    keep, newton = _classify(g, g1, g2, third, radius, best + slack)
+    keep, newton = _classify(g, g1, g2, third, radius, best + rounding_error)
 
     state = (c, best, angles)
     cell, column = np.nonzero(newton)
@@ -83,7 +83,7 @@ def _maximum(c: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         terms = 2 if turn < 2 else 5
         waves = _waves(c, column, centre, terms)
         _improve(state, column, centre, waves[0])
-        target = (best + slack)[column]
+        target = (best + rounding_error)[column]
         keep, newton = _classify(*waves[:3], third[column], radius, target)
         if terms > 2:
             bound = waves[0] + sixth[column] * (radius**6 / factorial(6))
@@ -92,7 +92,7 @@ def _maximum(c: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             keep &= bound > target
         _newton(state, column[newton], centre[newton], radius)
         column, centre = column[keep], centre[keep]
-    return best, np.cos(angles), slack
+    return best, np.cos(angles), rounding_error
 
 
 def _classify(g, g1, g2, third, radius, target):

@@ -7,18 +7,18 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
-from .box import match_points, other_runs
+from .box import find_other_runs, match_points
 from .designs import Design, fit
 from .estimates import (
-    AVERAGED,
+    MAX_DIRECTIONS,
     ErrorEstimate,
     decay_estimate,
     error_estimate,
-    overruled,
+    limit_decay,
     share_outside,
     usual,
 )
-from .ranges import Range, attained, surrogate_range
+from .ranges import Range, surrogate_range, to_range
 from .samples import Running, Samples
 from .spline_extremes import spline_range
 from .splines import check_spline_runs, fit_spline
@@ -68,9 +68,9 @@ class PolynomialModel(Model):
 
     def __init__(self, samples: Samples, design: Design, *, tolerance: float = 1e-3) -> None:
         self.samples, self.tolerance = samples, tolerance
-        self.test_rows = other_runs(samples.unit, design.points)
+        self.test_rows = find_other_runs(samples.points, design.points)
         self.design = design
-        self.surrogate = fit(design, samples.values[match_points(design.points, samples.unit)])
+        self.surrogate = fit(design, samples.values[match_points(design.points, samples.points)])
         self.attributes = {"design_runs": design.runs}
 
     def range(self) -> Range:
@@ -83,15 +83,15 @@ class PolynomialModel(Model):
         of coefficients; bounds: ignored; window: half width (s) of the time in which the largest
         counts, None: 0.5 % of the duration."""
         samples, surrogate = self.samples, self.surrogate
-        unit, time = samples.unit[self.test_rows], samples.time
-        residuals = samples.values[self.test_rows] - surrogate.evaluate(unit)
+        points, time = samples.points[self.test_rows], samples.time
+        residuals = samples.values[self.test_rows] - surrogate.evaluate(points)
         decay = decay_estimate(surrogate, time, window)
-        decay = overruled(surrogate, self.design.points, unit, residuals, decay, time, window)
+        decay = limit_decay(surrogate, self.design.points, points, residuals, decay, time, window)
         return error_estimate(time, np.abs(residuals).max(axis=0, initial=0.0), decay, window)
 
     def centre(self) -> np.ndarray:
         """Values (n, T) of the polynomials at the centre of the box."""
-        return self.surrogate.evaluate(np.zeros((1, self.samples.unit.shape[1])))[0]
+        return self.surrogate.evaluate(np.zeros((1, self.samples.points.shape[1])))[0]
 
 
 class ScanModel(Model):
@@ -109,16 +109,16 @@ class ScanModel(Model):
     kind = "least and largest sample"
 
     def __init__(self, samples: Samples, design: Design | None = None) -> None:
-        self.unit, total = samples.unit, None
+        self.points, total = samples.points, None
         totals = []
         for quarter in samples.quarters():
             total = quarter.merge(total) if quarter else total
             totals.append(total)
         self.total = total
         self.growth, self.growth_quarter = (_growth(part, total) for part in totals[1:3])
-        draws = len(self.unit) - _count_chosen(samples)
+        draws = len(self.points) - _count_corners(samples)
         self.attributes = {
-            "design_runs": len(self.unit),
+            "design_runs": len(self.points),
             "error_kind": "growth of the bounds from the first half of the samples to all",
             "drawn_runs": draws,
             "share_outside": share_outside(draws),
@@ -129,7 +129,9 @@ class ScanModel(Model):
         """Least and largest values (n, T) of all runs, as outer and as attained bounds, and the
         points (n, T, k) in [-1, 1]^k of these runs."""
         total = self.total
-        return attained(total.low, total.high, self.unit[total.low_run], self.unit[total.high_run])
+        return to_range(
+            total.low, total.high, self.points[total.low_run], self.points[total.high_run]
+        )
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
         """Growth (n, T) of the bounds from the first half of the runs to all of them, as an error;
@@ -149,10 +151,10 @@ def _growth(previous: Running | None, current: Running) -> np.ndarray:
     return np.maximum(previous.low - current.low, current.high - previous.high)
 
 
-def _count_chosen(samples: Samples) -> int:
+def _count_corners(samples: Samples) -> int:
     """Runs that were not drawn: the nominal one, and corners of the box."""
-    free = np.ptp(samples.unit, axis=0) > 0
-    corners = (np.abs(samples.unit[:, free]) == 1.0).all(axis=1)
+    free = np.ptp(samples.points, axis=0) > 0
+    corners = (np.abs(samples.points[:, free]) == 1.0).all(axis=1)
     if samples.nominal is not None:
         corners[samples.nominal] = True
     return int(corners.sum())
@@ -177,19 +179,19 @@ class SplineModel(Model):
     kind = "attained range of a spline through all runs"
 
     def __init__(self, samples: Samples, design: Design | None = None) -> None:
-        check_spline_runs(samples.unit)
+        check_spline_runs(samples.points)
         # Scales and extremes are looked for in one direction after the other: by name, so that the
         # order in which a dataset has its parameters does not matter.
         self.order = np.argsort(samples.source["parameter"].values, kind="stable")
-        unit = samples.unit[:, self.order]
-        self.samples, self.spline = samples, fit_spline(unit, samples.values)
+        normalized = samples.points[:, self.order]
+        self.samples, self.spline = samples, fit_spline(normalized, samples.values)
         points = self.spline.points
         tests_spline = (np.abs(points) < 1).all(axis=1)
         if design is not None:
-            tests_spline[other_runs(points, design.points[:, self.order])] = True
+            tests_spline[find_other_runs(points, design.points[:, self.order])] = True
         self.tests_spline = tests_spline if tests_spline.any() else ~tests_spline
         is_adaptive = design is not None and design.method == "adaptive"
-        self.averages = is_adaptive and (self.spline.scales > 0).sum() <= AVERAGED
+        self.averages = is_adaptive and (self.spline.scales > 0).sum() <= MAX_DIRECTIONS
         self.attributes = {
             "design_runs": len(points),
             "error_kind": f"{'mean' if self.averages else 'largest'} difference of a run and the "

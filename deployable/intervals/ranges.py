@@ -1,6 +1,6 @@
 """Ranges over the box: what bounds a function of the parameters, guaranteed or attained.
 
-`surrogate_range` is that of a polynomial, `attained` that of anything else.
+`surrogate_range` is that of a polynomial, `to_range` that of anything else.
 """
 
 from __future__ import annotations
@@ -37,13 +37,13 @@ class Range:
         return (self.inner_lower - self.lower) + (self.upper - self.inner_upper)
 
 
-def attained(low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.ndarray) -> Range:
+def to_range(low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.ndarray) -> Range:
     """Make the Range of a model without an enclosure: low, high (...) are attained values, which
     become outer bounds, too; argmin, argmax (..., k): their points in [-1, 1]^k."""
     return Range(low, high, low, high, argmin, argmax)
 
 
-def raised(bounds: Range, least: np.ndarray) -> Range:
+def raise_bounds(bounds: Range, least: np.ndarray) -> Range:
     """Copy of the range `bounds` with all bounds below `least` raised to it: the physical lower
     bound of the responses, of a shape that broadcasts to (...), -inf where there is none."""
     ends = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
@@ -65,10 +65,10 @@ def surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
         j = int(free[0]) if len(free) else 0
         line = np.zeros((int(indices[:, j].max()) + 1, c.shape[1]))
         np.add.at(line, indices[:, j], c)
-        low, high, x_low, x_high, slack = line_range(line)
+        low, high, x_low, x_high, rounding_error = line_range(line)
         argmin, argmax = np.zeros((c.shape[1], k)), np.zeros((c.shape[1], k))
         argmin[:, j], argmax[:, j] = x_low, x_high
-        lower, upper = low - slack, high + slack
+        lower, upper = low - rounding_error, high + rounding_error
     else:
         low, high, argmin, argmax = inner_range(c, indices)
         lower, upper = effects_enclosure(c, indices)

@@ -17,12 +17,12 @@ _CELLS = 8  # of each direction: places in one cell are told apart no further
 
 @dataclass(frozen=True)
 class BoundPoints:
-    """A few points `unit` (P, k) in [-1, 1]^k that stand for all points where bounds are attained:
-    runs are repeated there with a finer mesh or step, for the error of the bounds. `lower`, `upper`
-    (n, T): index in `unit` of the point nearest to where the lower, or the upper, bound of each of
-    n responses at T instants is attained."""
+    """A few `points` (P, k) in [-1, 1]^k that stand for all points where bounds are attained: runs
+    are repeated there with a finer mesh or step, for the error of the bounds. `lower`, `upper` (n,
+    T): index in `points` of the point nearest to where the lower, or the upper, bound of each of n
+    responses at T instants is attained."""
 
-    unit: np.ndarray
+    points: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
 
@@ -58,8 +58,8 @@ def deciding_places(
             break
         indices.append(best)
         nearest = np.minimum(nearest, distances[best])
-    unit = trial[indices]
-    return BoundPoints(unit, *(_nearest(x, unit) for x in (argmin, argmax)))
+    normalized = trial[indices]
+    return BoundPoints(normalized, *(_nearest(x, normalized) for x in (argmin, argmax)))
 
 
 def _one_of_each_cell(points: np.ndarray, weight: np.ndarray) -> np.ndarray:
@@ -70,14 +70,14 @@ def _one_of_each_cell(points: np.ndarray, weight: np.ndarray) -> np.ndarray:
     return points[order[first]]
 
 
-def _nearest(points: np.ndarray, unit: np.ndarray) -> np.ndarray:
+def _nearest(points: np.ndarray, candidates: np.ndarray) -> np.ndarray:
     """Index (n, T) of the place (P, k) nearest to each point (n, T, k)."""
-    distances = np.stack([((points - place) ** 2).sum(axis=-1) for place in unit])
+    distances = np.stack([((points - place) ** 2).sum(axis=-1) for place in candidates])
     return distances.argmin(axis=0)
 
 
 def seek_points(
-    unit: np.ndarray,
+    points: np.ndarray,
     values: np.ndarray,
     count: int,
     *,
@@ -89,7 +89,7 @@ def seek_points(
 
     Parameters
     ----------
-    unit, values
+    points, values
         Points (R, k) in [-1, 1]^k and responses (R, n, T) of the runs so far.
     count
         Largest number of points to be returned.
@@ -109,7 +109,7 @@ def seek_points(
     values = values[:, :, np.unique(instants)]
     width = np.ptp(values, axis=0).mean(axis=1)
     values = values[:, width > 0] / width[width > 0, None]
-    spline = fit_spline(unit, values)
+    spline = fit_spline(points, values)
     trial = spread_points(spline.scales > 0, candidates, seed)
     free = spline.scales > 0
     # a point next to a run tells nothing new, and two that nearly agree spoil the spline

@@ -88,13 +88,13 @@ def quarter_ends(runs: int) -> list[int]:
 class Samples:
     """R runs with n responses at T instants and k parameters, of a samples dataset (`samples.nc`).
     names (n): of the responses; rows (n): their indices along `response` in `source`, the dataset;
-    time (T): instants, s; unit (R, k): parameters of the runs, normalized to [-1, 1]; nominal:
+    time (T): instants, s; points (R, k): parameters of the runs, normalized to [-1, 1]; nominal:
     index of the run at nominal parameters, None without one."""
 
     names: list[str]
     rows: list[int]
     time: np.ndarray
-    unit: np.ndarray
+    points: np.ndarray
     nominal: int | None
     source: xr.Dataset
 
@@ -140,7 +140,7 @@ class Samples:
             yield from (None if (quarter.low_run < 0).any() else quarter for quarter in quarters)
             return
         step = max(_CHUNK // (len(self.time) * len(self.names)), 1)
-        for first, last in pairwise(quarter_ends(len(self.unit))):
+        for first, last in pairwise(quarter_ends(len(self.points))):
             running = None
             for start in range(first, last, step):
                 stop = min(start + step, last)
@@ -160,13 +160,13 @@ class Samples:
         """Function that maps normalized coordinates (..., k) in [-1, 1] to parameter values (...,
         k) in their units: the affine map that the runs' values follow."""
         value = np.asarray(self.source["value"].values, dtype=float)
-        middle, half = value.mean(axis=0), np.zeros(self.unit.shape[1])
-        for j, column in enumerate(self.unit.T):
+        middle, half = value.mean(axis=0), np.zeros(self.points.shape[1])
+        for j, column in enumerate(self.points.T):
             a, b = column.argmin(), column.argmax()
             if column[b] > column[a]:
                 half[j] = (value[b, j] - value[a, j]) / (column[b] - column[a])
                 middle[j] = value[a, j] - half[j] * column[a]
-        return lambda unit: middle + half * unit
+        return lambda points: middle + half * points
 
 
 def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) -> Samples:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .box import match_points, other_runs
+from .box import find_other_runs, match_points
 from .chebyshev import Surrogate
 from .designs import Design, fit
 from .estimates import decay_estimate, widen
@@ -86,7 +86,7 @@ def sensitivity_dataset(
     import xarray as xr
 
     data = read_samples(samples, responses)
-    surrogate = fit(design, data.values[match_points(design.points, data.unit)])
+    surrogate = fit(design, data.values[match_points(design.points, data.points)])
     error = _error(data, design, surrogate)
     influence = parameter_sensitivity(surrogate)
     width, first, total = (
@@ -117,10 +117,10 @@ def sensitivity_dataset(
 
 def _error(data: Samples, design: Design, surrogate: Surrogate) -> np.ndarray:
     """What the polynomial misses runs by that it was not fitted to, (n, T), widened in time."""
-    test_rows = other_runs(data.unit, design.points)
+    test_rows = find_other_runs(data.points, design.points)
     if not len(test_rows):
         return decay_estimate(surrogate, data.time)
-    residuals = np.abs(data.values[test_rows] - surrogate.evaluate(data.unit[test_rows]))
+    residuals = np.abs(data.values[test_rows] - surrogate.evaluate(data.points[test_rows]))
     return widen(data.time, residuals.max(axis=0))
 
 
@@ -153,7 +153,7 @@ def surrogate_dataset(
         "multi_index": (("term", "parameter"), indices, {"units": "1", "long_name": "degree"}),
     }
     if len(indices):
-        rows = match_points(design.points, data.unit)
+        rows = match_points(design.points, data.points)
         # one response after the other: products of larger matrices round in another way
         values = [fit(design, data.values[rows, i]).coefficients for i in range(len(data.names))]
         axes = ("response", "term", "time")

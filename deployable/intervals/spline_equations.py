@@ -131,10 +131,10 @@ class Polyharmonic:
         """Leave-one-out errors (N, T) at the runs of T splines, from their weights (N + m, T);
         infinite where the other runs give no spline."""
         count = len(self._cubes)
-        unit = self._rotate(np.eye(count))[self._extra :]
-        if not len(unit):
+        columns = self._rotate(np.eye(count))[self._extra :]
+        if not len(columns):
             return np.full((count, weights.shape[1]), np.inf)
-        unit = (scipy.linalg.solve_triangular(self._root, unit, lower=True) ** 2).sum(axis=0)
+        columns = (scipy.linalg.solve_triangular(self._root, columns, lower=True) ** 2).sum(axis=0)
         with np.errstate(divide="ignore", invalid="ignore"):
-            errors = weights[:count] / unit[:, None]
+            errors = weights[:count] / columns[:, None]
         return np.where(np.isfinite(errors), errors, np.inf)

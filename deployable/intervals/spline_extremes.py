@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from .designs import spread_points
-from .ranges import Range, attained
+from .ranges import Range, to_range
 from .splines import CHUNK, Spline
 
 CANDIDATES = 4096
@@ -51,7 +51,7 @@ def spline_range(spline: Spline, candidates: int = CANDIDATES) -> Range:
         x[run] = argument.reshape(-1, k)[run]
         sides += [(sign * value).reshape(shape), x.reshape(*shape, k)]
     low, x_low, high, x_high = sides
-    return attained(low, high, x_low, x_high)
+    return to_range(low, high, x_low, x_high)
 
 
 def _line_maximum(spline: Spline, flat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -72,9 +72,9 @@ def _line_maximum(spline: Spline, flat: np.ndarray) -> tuple[np.ndarray, np.ndar
         for t in (root_sum / a, c / root_sum):
             in_interval = (t > 0) & (t < 1)
             points.extend(np.where(in_interval, knots[:-1, None] + t * h, knots[:-1, None]))
-    unit = np.stack(points)  # (P, T)
+    rows = np.stack(points)  # (P, T)
     best, x = np.full(columns, -np.inf), np.repeat(spline.points[:1], columns, axis=0)
-    for row in unit:
+    for row in rows:
         trial = x.copy()
         trial[:, j] = row
         index, factor = spline.line_rows(trial)

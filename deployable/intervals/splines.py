@@ -62,26 +62,26 @@ class Spline:
         """Whether runs differ in one parameter only; `weights` are of another form then."""
         return len(self.points) > 1 and int((self.scales > 0).sum()) == 1
 
-    def line_rows(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def line_rows(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Weights on which a spline whose runs differ in one parameter only depends at points
-        `unit` (P, k) in [-1, 1]^k: indices (P, 4) into `weights`, and their factors (P, 4)."""
+        `points` (P, k) in [-1, 1]^k: indices (P, 4) into `weights`, and their factors (P, 4)."""
         j = int(np.argmax(self.scales > 0))
-        return line_rows(np.asarray(unit, dtype=float)[:, j], self.points[:, j])
+        return line_rows(np.asarray(points, dtype=float)[:, j], self.points[:, j])
 
-    def basis(self, unit: np.ndarray):
+    def basis(self, points: np.ndarray):
         """Matrix (P, len(weights)) whose product with the weights is the spline's values at points
-        `unit` (P, k) in [-1, 1]^k; a sparse one where the runs differ in one parameter only."""
+        `points` (P, k) in [-1, 1]^k; a sparse one where the runs differ in one parameter only."""
         if self.on_line:
-            index, factor = self.line_rows(unit)
+            index, factor = self.line_rows(points)
             ends = np.arange(0, 4 * len(index) + 1, 4)
             shape = (len(index), len(self.weights))
             return scipy.sparse.csr_array((factor.ravel(), index.ravel(), ends), shape=shape)
-        return _rows(np.asarray(unit, dtype=float), self.points, self.scales)
+        return _rows(np.asarray(points, dtype=float), self.points, self.scales)
 
-    def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P, ...) of the spline at points `unit` (P, k) in [-1, 1]^k."""
+    def evaluate(self, points: np.ndarray) -> np.ndarray:
+        """Values (P, ...) of the spline at `points` (P, k) in [-1, 1]^k."""
         flat = self.weights.reshape(len(self.weights), -1)
-        return (self.basis(unit) @ flat).reshape(len(unit), *self.weights.shape[1:])
+        return (self.basis(points) @ flat).reshape(len(points), *self.weights.shape[1:])
 
     def formula(self) -> Formula:
         """Write the spline of a single number (weights (N + 1 + f, 1), on a line (2 N, 1)) as a

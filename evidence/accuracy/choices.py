@@ -93,11 +93,11 @@ def phases_of(reference: fpm.Outcome) -> list[tuple[str, float, float]]:
     closings = reference.events[reference.events[:, 2] == 1, 0]
     openings = reference.events[reference.events[:, 2] == 0, 0]
     second = closings[closings > closings[0] + 0.1][0]
-    parted = openings[openings < second - 0.1].max()
+    largest = openings[openings < second - 0.1].max()
     last = max(openings.max(), second + 0.02)
     return [
         ("before", 0.0, closings[0] - 5e-3),
-        ("between", parted + 5e-3, second - 5e-3),
+        ("between", largest + 5e-3, second - 5e-3),
         ("after", last + 5e-3, DURATION),
     ]
 

@@ -22,7 +22,7 @@ from evidence.rows import Row, at_most
 
 
 @dataclass(frozen=True)
-class Measured:
+class Measurement:
     """All results, the reference's outcome and cpu time (s), and how far two equal runs part."""
 
     results: list[Result]
@@ -31,16 +31,16 @@ class Measured:
     difference: Phase
 
 
-def measure_all(quick: bool = False) -> Measured:
+def measure_all(quick: bool = False) -> Measurement:
     """Run all choices."""
     reference, cpu = simulate(Choice(REFERENCE))
-    return Measured(measure(CHOICES, reference), reference, cpu, reproducibility())
+    return Measurement(measure(CHOICES, reference), reference, cpu, reproducibility())
 
 
 PARTS = {"choices": measure_all}
 
 
-def report(parts: Mapping[str, Measured]) -> Report:
+def report(parts: Mapping[str, Measurement]) -> Report:
     """What the study claims, and every choice as a table and in a plot."""
     m = parts["choices"]
     extra = {
@@ -51,12 +51,12 @@ def report(parts: Mapping[str, Measured]) -> Report:
     return Report(claims(m), extra, text, {"errors": draw(m.results)})
 
 
-def claims(m: Measured) -> list[Row]:
+def claims(m: Measurement) -> list[Row]:
     """What the study claims, as rows."""
     by_choice = {result.choice: result for result in m.results}
     source = f"{REFERENCE} elements a link, step {m.reference.step:.2g} s"
 
-    def error_between(choice: Choice) -> float:
+    def find_error(choice: Choice) -> float:
         return by_choice[choice].phases[1].bd
 
     rows = [
@@ -68,10 +68,10 @@ def claims(m: Measured) -> list[Row]:
     ]  # fmt: skip
     for n in (8, 12):
         for kind in ("trapezium", "gregory-2"):
-            ratio = error_between(Choice(n)) / error_between(Choice(16, lumping=kind))
+            ratio = find_error(Choice(n)) / find_error(Choice(16, lumping=kind))
             name = f"{n} elements over 16 with {kind} masses: BD between"
             rows.append(at_most(name, ratio, 1.0, source))
-    ratio = error_between(Choice(12)) / error_between(Choice(12, safety=0.1))
+    ratio = find_error(Choice(12)) / find_error(Choice(12, safety=0.1))
     name = "step at 0.9 of the limit over 0.1: BD between"
     rows.append(at_most(name, ratio, 1.5, source, "the step costs nothing"))
     name = "two runs whose steps differ: BD after the second closure (m)"

@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 
 from deployable.campaign.files import write_text
-from evidence.attack.configs import attack_by_config, attack_by_running, mutated
+from evidence.attack.configs import attack_by_config, attack_by_running, mutate_config
 from evidence.attack.damage import attack_files
 from evidence.attack.ledger import Ledger
 from evidence.attack.metamorphic.attack import attack_by_pairs
@@ -35,7 +35,7 @@ def attack(
             end = time.monotonic() + 60.0 * minutes / len(kinds)
             while time.monotonic() < end:
                 _attack_once(kind, rng.choice(victims), place, ledger, hunt, rng)
-            print(f"{kind} done, {ledger.bad_count} bad so far", flush=True)
+            print(f"{kind} done, {ledger.count_bad} bad so far", flush=True)
             write_text(folder / "table.md", table(ledger, hunt))
     return ledger, hunt
 
@@ -52,9 +52,9 @@ def _attack_once(
     elif kind == "disks":
         attack_by_full_disk(victim, target, ledger, rng)
     elif kind == "configs":
-        text = mutated(rng)
-        if checked := attack_by_config(text, target, ledger, rng.random() < 0.05):
-            attack_by_running(checked, text, target, ledger)
+        text = mutate_config(rng)
+        if case := attack_by_config(text, target, ledger, rng.random() < 0.05):
+            attack_by_running(case, text, target, ledger)
     elif kind == "pairs":
         attack_by_pairs(ledger, rng)
     else:

@@ -47,7 +47,7 @@ COSTLY = 3e6
 _DUMPER = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
 
 
-def mutated(rng: random.Random) -> str:
+def mutate_config(rng: random.Random) -> str:
     """The text of a config that was changed in one to three places."""
     data = copy.deepcopy(rng.choice(BASES))
     for _ in range(rng.choice([1, 1, 2, 3])):
@@ -103,11 +103,11 @@ def attack_by_config(
     place.mkdir(parents=True, exist_ok=True)
     path = place / "mutated.yaml"
     path.write_text(text, encoding="utf-8", errors="surrogatepass")
-    accepted: list[Campaign] = []
+    campaigns: list[Campaign] = []
 
     def check() -> str:
         try:
-            accepted.append(load_config([path]))
+            campaigns.append(load_config([path]))
         except ConfigError as error:
             if len(str(error)) > 20_000:
                 raise RuntimeError(f"a message of {len(str(error))} letters") from None
@@ -115,25 +115,25 @@ def attack_by_config(
         return "right"
 
     ledger.attempt("config mutated", text, 10.0, check)
-    return accepted[0] if accepted and simulate and _is_cheap(accepted[0]) else None
+    return campaigns[0] if campaigns and simulate and _is_cheap(campaigns[0]) else None
 
 
-def _is_cheap(checked: Campaign) -> bool:
+def _is_cheap(case: Campaign) -> bool:
     """Whether a campaign takes seconds: its steps, as long as its nominal run lets them be, times
     its runs."""
-    experiment = checked.experiment
+    experiment = case.experiment
     if experiment.scene.parameters.get("elements", 12) > 4:
         return False
     steps = experiment.solver.duration / fpm.stable_step(experiment.nominal_scene).step
     return steps * count_runs(experiment) < COSTLY and experiment.solver.instants <= 5000
 
 
-def attack_by_running(checked: Campaign, text: str, place: Path, ledger: Ledger) -> None:
+def attack_by_running(case: Campaign, text: str, place: Path, ledger: Ledger) -> None:
     """Simulate what was accepted: bounds, or a sentence."""
 
     def run() -> str:
         try:
-            bounds = campaign.run(checked, place, figures=False, notify=silent)
+            bounds = campaign.run(case, place, figures=False, notify=silent)
         except CampaignError:
             return "refused"
         return "right" if bool((bounds["lower"] <= bounds["upper"]).all()) else "wrong"

@@ -93,10 +93,10 @@ def attack_files(
         return
     is_whole = rng.random() < 0.5
     detail = f"{path.relative_to(folder)}, {change}, keep: {victim.keep}, at once: {is_whole}"
-    ledger.attempt(harm, detail, 60.0, lambda: _lead_on(victim, folder, path, is_whole))
+    ledger.attempt(harm, detail, 60.0, lambda: _finish_run(victim, folder, path, is_whole))
 
 
-def _lead_on(victim: Victim, folder: Path, path: Path, is_whole: bool) -> str:
+def _finish_run(victim: Victim, folder: Path, path: Path, is_whole: bool) -> str:
     """What a whole run makes of a damaged folder, at once or after single stages.
 
     Whoever reads the file first has to name it.

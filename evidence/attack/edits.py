@@ -37,12 +37,12 @@ RAW = {
     },
     "quantities": {"top": {"largest": "BD"}, "worst": {"largest": "stress"}},
 }
-FITTED = {"design": {"method": "tensor_roots", "order": 1}, "held_out": 1}
-SCANNED = {"design": {"method": "sobol", "samples": 3}, "held_out": 0}
+FIT_SECTIONS = {"design": {"method": "tensor_roots", "order": 1}, "held_out": 1}
+SCAN_SECTIONS = {"design": {"method": "sobol", "samples": 3}, "held_out": 0}
 CAMPAIGNS = {
-    "kept-whole": {**RAW, **FITTED, "jobs": {"group": 2}},
-    "kept-responses": {**RAW, **FITTED, "jobs": {"keep": "responses", "group": 2}},
-    "kept-extremes": {**RAW, **SCANNED, "jobs": {"keep": "extremes", "group": 2}},
+    "kept-whole": {**RAW, **FIT_SECTIONS, "jobs": {"group": 2}},
+    "kept-responses": {**RAW, **FIT_SECTIONS, "jobs": {"keep": "responses", "group": 2}},
+    "kept-extremes": {**RAW, **SCAN_SECTIONS, "jobs": {"keep": "extremes", "group": 2}},
 }
 """Each way to keep runs, with what is always recorded and what is recorded on request."""
 
@@ -82,11 +82,11 @@ class Edits:
             [*child, str(place)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
             env=environment,
         )  # fmt: skip
-        _, compiled = self._run("first", compiled=True)
+        _, functions = self._run("first", compiled=True)
         (self.base,), calls = self._run("base", calls=True)
         if "failed" in self.base["numbers"]:
             raise RuntimeError(self.base["numbers"]["failed"])
-        self._executed_code = {tuple(item) for item in compiled + calls}
+        self._executed_code = {tuple(item) for item in functions + calls}
 
     def close(self) -> None:
         """End the process that runs campaigns."""
@@ -130,18 +130,18 @@ class Edits:
 
     def _lines(self, name: str, tree: ast.Module) -> set[int]:
         """Lines of functions that were called, or of none."""
-        inner, executed = set(), set()
+        inner, lines = set(), set()
         for node in ast.walk(tree):
             if isinstance(node, ast.FunctionDef | ast.Lambda):
                 span = set(range(node.lineno, node.end_lineno + 1))
                 inner |= span
                 first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", ()))])
-                executed |= span if (name, first) in self._executed_code else set()
-        return executed | (set(range(tree.body[-1].end_lineno + 1)) - inner)
+                lines |= span if (name, first) in self._executed_code else set()
+        return lines | (set(range(tree.body[-1].end_lineno + 1)) - inner)
 
-    def drawn(self, compiled: bool = False) -> tuple[str, int]:
-        """A place of any room, each as likely; compiled: of COMPILED, else of none of these."""
-        rooms = [room for room in sorted(self.places) if room.startswith(COMPILED) == compiled]
+    def drawn(self, is_kernel: bool = False) -> tuple[str, int]:
+        """A place of any room, each as likely; is_kernel: of KERNELS, else of none of these."""
+        rooms = [room for room in sorted(self.places) if room.startswith(KERNELS) == is_kernel]
         return self.rng.choice(self.places[self.rng.choice(rooms)])
 
     def text(self, name: str, number: int) -> tuple[str, dict[str, Any]]:
@@ -153,13 +153,13 @@ class Edits:
         """Change a place, and compare what a campaign, any of them, gives that was run before with
         what it gives from scratch."""
         text, record = self.text(name, number)
-        return record | self.compared({name: text}, self.rng.choice(sorted(CAMPAIGNS)))
+        return record | self.compare_texts({name: text}, self.rng.choice(sorted(CAMPAIGNS)))
 
-    def compared(self, texts: dict[str, str], prefix: str = "") -> dict[str, Any]:
+    def compare_texts(self, texts: dict[str, str], prefix: str = "") -> dict[str, Any]:
         """The same for files that have other texts; prefix: of one campaign."""
         shutil.rmtree(self.place / "again", ignore_errors=True)
         shutil.copytree(self.place / "base", self.place / "again")
-        with self._restored(texts):
+        with self._restore(texts):
             for name, text in texts.items():
                 (self.place / name).write_text(text, encoding="utf-8")
             old, new = self._compare("again", texts, prefix=prefix)
@@ -167,7 +167,7 @@ class Edits:
             "simulated": old["simulated"],
             "changed": not new["numbers"].items() <= self.base["numbers"].items(),
             # A program that fails where a folder is, or is not, there yet left nothing old.
-            "stale": [] if _only_failed(old, new) else _changed_names(old, new),
+            "stale": [] if _has_only_errors(old, new) else _changed_names(old, new),
         }
 
     def session(
@@ -184,7 +184,7 @@ class Edits:
             shutil.rmtree(self.place / name, ignore_errors=True)
         shutil.copytree(self.place / "numba", self.place / "numba-session")
         edits = {str(self.place / name): text for name, text in texts.items()}
-        with self._restored(texts):
+        with self._restore(texts):
             answers, _ = self._run(
                 *folders, **whole, cache="numba-session", texts=edits, after=runs,
                 imports=imports, holds=holds,
@@ -195,7 +195,7 @@ class Edits:
         return {"says": says, "stale": _changed_names(old, new)}
 
     @contextmanager
-    def _restored(self, names: Iterable[str]) -> Iterator[None]:
+    def _restore(self, names: Iterable[str]) -> Iterator[None]:
         """Have some files as they were in the end, whoever changes them."""
         paths = [self.place / name for name in names]
         originals = [(path, path.read_bytes(), path.stat()) for path in paths]
@@ -216,15 +216,15 @@ class Edits:
         serves the other one as well, but never in the place of what has been compiled before.
         """
         shutil.rmtree(self.place / "scratch", ignore_errors=True)
-        if not any(name.startswith(COMPILED) for name in names):
+        if not any(name.startswith(KERNELS) for name in names):
             return self._run(folder, "scratch", cache=cache, **options)[0] or [NO_ANSWER] * 2
         for name in ("numba-old", "numba-new"):
             shutil.rmtree(self.place / name, ignore_errors=True)
         new, _ = self._run("scratch", cache="numba-new", **options)
         shutil.copytree(self.place / cache, self.place / "numba-old")
-        for compiled in (self.place / "numba-new").glob("numba-*"):  # named after a digest
-            if not (self.place / "numba-old" / compiled.name).exists():
-                shutil.copytree(compiled, self.place / "numba-old" / compiled.name)
+        for cache_folder in (self.place / "numba-new").glob("numba-*"):  # named after a digest
+            if not (self.place / "numba-old" / cache_folder.name).exists():
+                shutil.copytree(cache_folder, self.place / "numba-old" / cache_folder.name)
         answers, _ = self._run(folder, cache="numba-old", **options)
         (old,), (new,) = answers or [NO_ANSWER], new or [NO_ANSWER]
         if _changed_names(old, new):  # an index may be beyond an array now, where anything may lie
@@ -235,7 +235,7 @@ class Edits:
         return [old, new]
 
 
-def _only_failed(old: dict, new: dict) -> bool:
+def _has_only_errors(old: dict, new: dict) -> bool:
     """Whether nothing comes from scratch but an error, and runs that were there were made again."""
     fails = set(new["numbers"]) == {"failed"}
     return fails and bool(old["simulated"]) and all(old["simulated"].values())
@@ -255,5 +255,5 @@ ROOMS = (
 )  # fmt: skip
 """Where something decides about runs, or what is kept of them."""
 
-COMPILED = ("fpm/kernels", "fpm/elements")
+KERNELS = ("fpm/kernels", "fpm/elements")
 """Where something is compiled: anew for every edit."""

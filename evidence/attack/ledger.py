@@ -56,7 +56,7 @@ class Ledger:
             self.note(attack, outcome, detail)
 
     @property
-    def bad_count(self) -> int:
+    def count_bad(self) -> int:
         """Number of bad outcomes."""
         return len(self.bad)
 

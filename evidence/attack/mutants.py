@@ -59,39 +59,39 @@ class Hunt:
             make_copy(place)
             self._place = place
         name, number = self.rng.choice(all_sites(self._patterns))
-        line, change, tree = change_at(parsed(name), number)
-        noticed = self.noticed_by(place, place / name, ast.unparse(tree), nearest(name))
-        self.mutants.append({"file": name, "line": line, "change": change, "noticed": noticed})
+        line, change, tree = change_at(parse_file(name), number)
+        detectors = self.find_detector(place, place / name, ast.unparse(tree), nearest(name))
+        self.mutants.append({"file": name, "line": line, "change": change, "noticed": detectors})
 
-    def noticed_by(self, place: Path, path: Path, text: str, tests: list[str]) -> str | None:
+    def find_detector(self, place: Path, path: Path, text: str, tests: list[str]) -> str | None:
         """What notices another text of a file in a copy: the first test that fails, or the time.
 
         Only files of tests count that pass as the code is.
         """
         content = path.read_bytes()
-        for marked, files in stages(tests):
-            self._try_unchanged(place, marked, files)
-            sound = [name for name in files if self._passes[marked, name]]
+        for mark, files in stages(tests):
+            self._try_original(place, mark, files)
+            sound = [name for name in files if self._passes[mark, name]]
             path.write_text(text, encoding="utf-8")
             try:
-                if sound and (noticed := failed_of(place, marked, sound, first=True)):
-                    return noticed[0]
+                if sound and (detectors := failed_of(place, mark, sound, first=True)):
+                    return detectors[0]
             finally:
                 path.write_bytes(content)
         return None
 
-    def _try_unchanged(self, place: Path, marked: str, tests: list[str]) -> None:
+    def _try_original(self, place: Path, mark: str, tests: list[str]) -> None:
         """Run files of tests of which it is not known whether they pass as the code is."""
-        if new := [name for name in tests if (marked, name) not in self._passes]:
-            failures = failed_of(place, marked, new)
+        if new := [name for name in tests if (mark, name) not in self._passes]:
+            failures = failed_of(place, mark, new)
             for name in new:
                 fails = any(failure == TIME or name in failure for failure in failures)
-                self._passes[marked, name] = not fails
+                self._passes[mark, name] = not fails
 
     def table(self) -> str:
         """The share noticed, and what was not."""
-        noticed = sum(mutant["noticed"] is not None for mutant in self.mutants)
-        lines = [f"{noticed} of {self.count} changes of the code were noticed by tests.", ""]
+        detectors = sum(mutant["noticed"] is not None for mutant in self.mutants)
+        lines = [f"{detectors} of {self.count} changes of the code were noticed by tests.", ""]
         if self.left_out:
             names = ", ".join(self.left_out)
             lines += [f"Not counted, as they fail without a change: {names}.", ""]
@@ -115,7 +115,7 @@ def nearest(name: str) -> list[str]:
     return [test for *_, test in sorted(rows)]
 
 
-def parsed(name: str) -> ast.Module:
+def parse_file(name: str) -> ast.Module:
     """The syntax tree of a file of the checkout."""
     return ast.parse((ROOT / name).read_text(encoding="utf-8"))
 
@@ -123,13 +123,13 @@ def parsed(name: str) -> ast.Module:
 def all_sites(patterns: tuple[str, ...] = ("*",)) -> list[tuple[str, int]]:
     """Every place that can be changed, in files of these patterns: file, and number in it."""
     names = sorted(str(p.relative_to(ROOT)) for room in ROOMS for p in (ROOT / room).rglob("*.py"))
-    mutated = [
+    files = [
         name
         for name in names
         if any(fnmatch(name, pattern) for pattern in patterns)
-        and not any(fnmatch(name, excluded) for excluded in LEFT_OUT)
+        and not any(fnmatch(name, glob) for glob in LEFT_OUT)
     ]
-    return [(name, number) for name in mutated for number in sites(parsed(name))]
+    return [(name, number) for name in files for number in sites(parse_file(name))]
 
 
 def make_copy(place: Path) -> None:
@@ -137,8 +137,8 @@ def make_copy(place: Path) -> None:
     shutil.rmtree(place, ignore_errors=True)
     place.mkdir(parents=True)
     for name in ("deployable", "fpm", "evidence", "tests", "config", "workflow", "docs"):
-        ignored = shutil.ignore_patterns("*.nb?", "numba-*", "__pycache__")
-        shutil.copytree(ROOT / name, place / name, ignore=ignored)
+        patterns = shutil.ignore_patterns("*.nb?", "numba-*", "__pycache__")
+        shutil.copytree(ROOT / name, place / name, ignore=patterns)
     for name in ("Snakefile", "pyproject.toml", "README.md"):
         shutil.copy(ROOT / name, place)
     (place / "profiles").symlink_to("workflow/profiles")
@@ -156,11 +156,11 @@ def stages(tests: list[str]) -> list[tuple[str, list[str]]]:
 TIME = "time"
 
 
-def failed_of(place: Path, marked: str, tests: list[str], first: bool = False) -> list[str]:
+def failed_of(place: Path, mark: str, tests: list[str], first: bool = False) -> list[str]:
     """Which tests fail in a copy, or only the first; `TIME` where they take too long."""
     option = "-x" if first else "--continue-on-collection-errors"
     try:
-        process = run_tests(place, [option, "-m", marked, *tests])
+        process = run_tests(place, [option, "-m", mark, *tests])
     except subprocess.TimeoutExpired:
         return [TIME]
     if process.returncode in (0, NO_TESTS):
@@ -186,7 +186,7 @@ def run_tests(place: Path, words: list[str]) -> subprocess.CompletedProcess:
     )  # fmt: skip
 
 
-_COMPARED = {
+_COMPARISONS = {
     ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq,
     ast.NotEq: ast.Eq, ast.In: ast.NotIn, ast.NotIn: ast.In, ast.Is: ast.IsNot, ast.IsNot: ast.Is,
 }  # fmt: skip
@@ -217,8 +217,8 @@ def change_at(tree: ast.Module, number: int) -> tuple[int, str, ast.Module]:
 
 def _change(node: ast.AST) -> bool:
     """Change a node itself; whether it was changed."""
-    if isinstance(node, ast.Compare) and type(node.ops[0]) in _COMPARED:
-        node.ops[0] = _COMPARED[type(node.ops[0])]()
+    if isinstance(node, ast.Compare) and type(node.ops[0]) in _COMPARISONS:
+        node.ops[0] = _COMPARISONS[type(node.ops[0])]()
     elif isinstance(node, ast.BinOp) and type(node.op) in _OPERATIONS and not _is_text(node):
         node.op = _OPERATIONS[type(node.op)]()
     elif isinstance(node, ast.BoolOp):

@@ -28,7 +28,7 @@ from evidence.rows import Row, at_most, info
 PAPER = "Wall time of a warm campaign on 2 cores: the paper's"
 SCAN = "Wall time of a warm campaign on 2 cores: a scan of 1,000 samples"
 LARGE = "Wall time of a warm campaign on 2 cores: a scan of 10,000 samples"
-COPIED = ("Snakefile", "workflow", "profiles", "config")
+CAMPAIGN_FILES = ("Snakefile", "workflow", "profiles", "config")
 IDLE = {
     "plan": (), "batch": ("plan",), "other": ("plan",), "samples": ("batch", "other"),
     "bounds": ("samples",), "figures": ("bounds",), "summary": ("bounds",), "page": ("summary",),
@@ -47,7 +47,7 @@ onsuccess:
 
 def copy_workflow(folder: Path) -> None:
     """The workflow in a folder of its own, so that no results of this checkout are touched."""
-    for name in COPIED:
+    for name in CAMPAIGN_FILES:
         source = ROOT / name
         if source.is_dir():
             shutil.copytree(source, folder / name)
@@ -84,7 +84,7 @@ def run_seconds(folder: Path, module: str, *arguments: str) -> float:
 
 
 @cache
-def snakemake_alone(cores: int) -> Row:
+def measure_snakemake(cores: int) -> Row:
     """What Snakemake takes itself of a campaign's wall time."""
     rules = [END, f"rule all:\n    input: {[*IDLE]}\n    localrule: True\n"]
     for rule, needs in IDLE.items():
@@ -116,7 +116,7 @@ def union(intervals: list[tuple[float, float]]) -> float:
     return total
 
 
-def timed(
+def time_campaign(
     samples: int | None = None, keep: str = "trajectories", cores: int = 2
 ) -> tuple[list[Row], float]:
     """Rows of the paper's campaign, or of a scan, once what it needs is warm; wall seconds first.
@@ -130,24 +130,24 @@ def timed(
         cpu = cpu_of_children() - cpu_start
         spans = jobs(folder)
         manifests = manifests_in(folder)
-    alone_row = snakemake_alone(cores)
+    snakemake_row = measure_snakemake(cores)
     first = spans[0][1] - origin if spans else wall
     busy_seconds = union([(start, end) for _, start, end in spans])
     runs = sum(manifest["runs"] for manifest in manifests)
     batch_seconds = sum(manifest["seconds"][0] for manifest in manifests) / cores
     arithmetic = integrating(manifests) / cores
-    shared = f"sum over the batches, shared by {cores} cores"
+    note = f"sum over the batches, shared by {cores} cores"
     rows = [
         info("all", wall, "s", f"{runs} runs in {len(manifests)} batches"),
         info("cpu time of all processes", cpu, "s"),
         info("a dry run: interpreter, imports, plan of the jobs", dry, "s"),
-        alone_row,
+        snakemake_row,
         info("until the first job starts", first, "s"),
         info("between jobs and at the end", wall - first - busy_seconds, "s"),
         *rules(spans),
-        info("batches inside their processes", batch_seconds, "s", shared),
+        info("batches inside their processes", batch_seconds, "s", note),
         info("integrating", arithmetic, "s",
-             f"cpu time, {shared}: {100 * arithmetic / wall:.0f} % of all"),
+             f"cpu time, {note}: {100 * arithmetic / wall:.0f} % of all"),
         info("integrating, undisturbed", arithmetic_seconds(runs) / cores, "s",
              "the same for a process that has the machine to itself"),
     ]  # fmt: skip
@@ -212,7 +212,7 @@ def arithmetic_seconds(runs: int) -> float:
 
 def paper() -> list[Row]:
     """The paper's campaign, warm."""
-    (first, *rows), _ = timed()
+    (first, *rows), _ = time_campaign()
     return [at_most(first.name, first.value, 15.0, note=first.note, unit="s"), *rows]
 
 
@@ -222,11 +222,11 @@ def scans(samples: int, most: float, *stores: str) -> list[Row]:
     such aim."""
     all_rows = []
     for keep in stores:
-        for suffix, measure in (("", timed), (", run", whole)):
+        for suffix, measure in (("", time_campaign), (", run", whole)):
             rows, share = measure(samples, keep)
             rest, unit = 100 * (1 - share), "% of all"
             name = "everything but integrating"
-            aimed = keep != "trajectories"
-            rows.append(at_most(name, rest, most, unit=unit) if aimed else info(name, rest, unit))
+            is_aim = keep != "trajectories"
+            rows.append(at_most(name, rest, most, unit=unit) if is_aim else info(name, rest, unit))
             all_rows += [replace(row, name=f"{keep}{suffix}: {row.name}") for row in rows]
     return all_rows

@@ -11,7 +11,7 @@ from evidence.benchmark.clock import best
 from evidence.benchmark.multiply_adds import functions, operands
 from evidence.benchmark.processes import python
 from evidence.benchmark.scenes import beam_count, linkages, runner
-from evidence.rows import Row, at_least, at_most, info, skipped
+from evidence.rows import Row, at_least, at_most, info, skip_row
 
 GROUP = "Kernel: the paper's linkage"
 UNIT = "ns per element, step and sample"
@@ -76,7 +76,7 @@ def cores(steps: int, repeats: int, samples: int = 16) -> list[Row]:
     """
     name, unit = "two cores against one", "x"
     if len(os.sched_getaffinity(0)) < 2:
-        return [skipped(name, "needs a machine with two cores", unit)]
+        return [skip_row(name, "needs a machine with two cores", unit)]
     scenes = linkages(samples)
     batch = runner(scenes, steps, stable(scenes))
     independent, *_ = functions()
@@ -118,17 +118,17 @@ def memory(steps: int, times: int = 10, instants: int = 2001) -> list[Row]:
     """Peak memory of runs of different length and of different numbers of instants."""
     name = f"memory of a run of {times} times as many steps, the same {instants} instants"
     if not os.path.exists("/proc/self/clear_refs"):
-        return [skipped(name, "needs Linux (/proc/self/clear_refs)", "MiB more")]
+        return [skip_row(name, "needs Linux (/proc/self/clear_refs)", "MiB more")]
     step = stable(linkages(1))
     steps = max(1, round(steps / (instants - 1))) * (instants - 1)
     short, _ = _measure_growth(instants, steps, step)
     long, base = _measure_growth(instants, times * steps, step)
     dense, _ = _measure_growth(times * (instants - 1) + 1, times * steps, step)
     note = f"{short / 1024:.1f} MiB for 8 samples, on top of {base / 1024:.0f} MiB of the process"
-    bytes_each = 1024 * (dense - long) / ((times - 1) * (instants - 1) * LANES)
+    item_bytes = 1024 * (dense - long) / ((times - 1) * (instants - 1) * LANES)
     return [
         at_most(name, (long - short) / 1024, 1.0, note=note, unit="MiB more"),
-        info("memory for what is recorded", bytes_each, "bytes per instant and sample"),
+        info("memory for what is recorded", item_bytes, "bytes per instant and sample"),
     ]
 
 

@@ -47,7 +47,7 @@ def run_as_python(operations: Mapping[str, Callable], in_part: Callable) -> None
     for name, value in list(vars(loop).items()):
         if isinstance(value, types.FunctionType) and value is not loop.run:
             setattr(loop, name, in_part(_name_of(value), value))
-    instead = {id(compiled.loop_for): lambda arguments: loop.run, **_overloaded()}
+    instead = {id(compiled.loop_for): lambda arguments: loop.run, **_find_overloads()}
     instead[id(references.by_reference)] = lambda value: value
     for name, operation in operations.items():
         instead[id(getattr(vectors if name == "vector" else lanes, name))] = operation
@@ -63,7 +63,7 @@ def _name_of(kernel: Callable) -> str:
     return f"{module}.{kernel.__name__}"
 
 
-def _overloaded() -> dict[int, Callable]:
+def _find_overloads() -> dict[int, Callable]:
     """For functions that are implemented by the types of their arguments (by id): Python's way."""
     from numba.core.typing.templates import builtin_registry
 

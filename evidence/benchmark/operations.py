@@ -146,7 +146,7 @@ def in_part(name: str, function):
 NAMES = ("fma", "multiply", "add", "divide", "root", "select", "load", "store")
 
 
-def per_step(elements: int = 12, steps: int = 50) -> dict:
+def count_operations(elements: int = 12, steps: int = 50) -> dict:
     """Operations per step of the linkage, and of its parts; the energy checks are included."""
     scenes = linkages(8, elements)
     step = stable(scenes)
@@ -166,4 +166,4 @@ def per_step(elements: int = 12, steps: int = 50) -> dict:
 
 if __name__ == "__main__":
     run_as_python(OPERATIONS, in_part)
-    print(json.dumps(per_step(*map(int, sys.argv[1:]))))
+    print(json.dumps(count_operations(*map(int, sys.argv[1:]))))

@@ -8,7 +8,7 @@ from evidence import plots
 from evidence.benchmark import campaigns, kernel, kinds, machine, overheads
 from evidence.benchmark.peers import compare, structures
 from evidence.results import Report
-from evidence.rows import Row, grouped
+from evidence.rows import Row, set_group
 
 _STORES = ("trajectories", "responses", "extremes")
 
@@ -34,7 +34,7 @@ _PARTS = {
 
 def _measure(part: str, quick: bool) -> list[Row]:
     group, rows = _PARTS[part]
-    return grouped(group, rows(10 if quick else 1))
+    return set_group(group, rows(10 if quick else 1))
 
 
 PARTS = {part: lambda quick, part=part: _measure(part, quick) for part in _PARTS}

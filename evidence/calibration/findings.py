@@ -16,7 +16,7 @@ COINCIDE = 0.05
 UNITS = {"BD": "m", "vBz": "m/s"}
 PAPER_SOURCE = "paper, section 4"
 RIGID_SOURCE = "rigid linkage, one degree of freedom (evidence/linkage/rigid.py)"
-OWN_SOURCE = "this study"
+STUDY_SOURCE = "this study"
 
 
 def near_to(name, value, reference, share, source, note="") -> Row:
@@ -41,7 +41,7 @@ def checks(scans: list[Scan]) -> list[Row]:
     name = "K_F of the scene against the least misfit of the default reading, 4.8 to 6 N/rad"
     return [
         *_against_the_paper(numbers),
-        close_to(name, k, best.K_F, 0.1, OWN_SOURCE),
+        close_to(name, k, best.K_F, 0.1, STUDY_SOURCE),
         *_against_finer(scans, numbers),
         *_against_rigid(main, numbers),
     ]
@@ -75,7 +75,7 @@ def _against_finer(scans: list[Scan], numbers: Numbers) -> list[Row]:
             finer = by_label[label].numbers_at(numbers.K_F)
             rows += [
                 near_to(f"{n}: largest difference, default against {label} ({UNITS[n]})",
-                        numbers.largest[n], finer.largest[n], tolerance, OWN_SOURCE)
+                        numbers.largest[n], finer.largest[n], tolerance, STUDY_SOURCE)
                 for n in PAPER
             ]  # fmt: skip
     return rows
@@ -84,8 +84,8 @@ def _against_finer(scans: list[Scan], numbers: Numbers) -> list[Row]:
 def _against_rigid(main: Scan, numbers: Numbers) -> list[Row]:
     """Closing times against the rigid linkage's and its law of scaling."""
     rigid, first = rigid_closings(default("K_F")), numbers.closure(0).mean()
-    scaled = np.array([n.closure(0).mean() * np.sqrt(n.K_F) for n in main.numbers])
-    departure = np.abs(scaled / (first * np.sqrt(numbers.K_F)) - 1).max()
+    products = np.array([n.closure(0).mean() * np.sqrt(n.K_F) for n in main.numbers])
+    departure = np.abs(products / (first * np.sqrt(numbers.K_F)) - 1).max()
     return [
         near_to("first closure, mean of the samples (s)", first, rigid[0], 0.02, RIGID_SOURCE,
                 "the real links bend, the reference's do not"),
@@ -141,11 +141,11 @@ def _share(scans: list[Scan]) -> np.ndarray:
 def _agreement(scans: list[Scan]) -> dict:
     """Where most starts and meshes agree."""
     share = _share(scans)
-    late_share = np.mean([s.fits & s.at_second_closure for s in _comparable(scans)], axis=0)
+    second_share = np.mean([s.fits & s.at_second_closure for s in _comparable(scans)], axis=0)
     return {
         "K_F that fits with at least 60 % of starts and meshes (N/rad)": spans(GRID, share >= 0.6),
         "the same, largest differences at the second closure (N/rad)": spans(
-            GRID, late_share >= 0.6
+            GRID, second_share >= 0.6
         ),
         "largest share of starts and meshes that fit": float(share.max()),
         "K_F of that (N/rad)": float(GRID[share.argmax()]),

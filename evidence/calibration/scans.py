@@ -24,7 +24,7 @@ SIDE, HALF_WIDTH, ORDER = 0.035, 0.01, 3
 DURATION, INSTANTS = 1.0, 2001
 CLOSE = 0.25
 """Share by which a number may miss the paper's and still count as fitting."""
-REOPENED = 0.5
+MAX_REOPENING = 0.5
 """Opening at B (rad) that must lie between two contacts for the second to be a new closure."""
 SAME_TIME = 0.05
 """Two instants (s) that are no further apart belong to the same closure."""
@@ -136,7 +136,7 @@ def closures(outcome: fpm.Outcome) -> tuple[float, ...]:
     opening, times, last = outcome.openings["B"], [], 0.0
     for time in np.sort(outcome.events[outcome.events[:, 2] == 1, 0]):
         span = opening[(outcome.time >= last) & (outcome.time <= time)]
-        if not times or span.max(initial=0.0) > REOPENED:
+        if not times or span.max(initial=0.0) > MAX_REOPENING:
             times.append(float(time))
         last = time
     return tuple(times)

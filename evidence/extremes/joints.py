@@ -204,17 +204,17 @@ def parallelogram(cranks: int, angle: float, offset: float = 0.0) -> fpm.Scene:
     return scene
 
 
-def rate_squared(cranks: int) -> float:
+def rate2(cranks: int) -> float:
     """g over the length of the simple pendulum that swings as a parallelogram does, 1/s²."""
     return G * (cranks / 2 + 1) / (cranks * (Rod(1, 1.0).inertia + 0.25) + 1)
 
 
-def pendulum(rate_squared: float, angle: float, time: np.ndarray) -> np.ndarray:
+def pendulum(rate2: float, angle: float, time: np.ndarray) -> np.ndarray:
     """Angles (t,) of a pendulum let go at `angle` (rad): 2 asin(k cd(ω t, k)), k = sin(angle/2)."""
     from scipy.special import ellipj
 
     k = np.sin(angle / 2)
-    _, cn, dn, _ = ellipj(np.sqrt(rate_squared) * time, k**2)
+    _, cn, dn, _ = ellipj(np.sqrt(rate2) * time, k**2)
     return 2 * np.arcsin(k * cn / dn)
 
 
@@ -224,7 +224,7 @@ def fall(name: str, cranks: int, angle: float, offset: float = 0.0, allowed: flo
     rows, label, outcome = attempt(name, parallelogram(cranks, angle, offset), duration)
     if outcome is None:
         return rows
-    exact = pendulum(rate_squared(cranks), angle, outcome.time)
+    exact = pendulum(rate2(cranks), angle, outcome.time)
     error = np.abs(outcome.openings["root 0"] - exact).max() / abs(angle)
     note = f"gap {widest(outcome):.1g} m, energy {balance(outcome):.1g}, {outcome.steps} steps"
     return [*rows, at_most(f"{label}: swing", float(error), allowed, "a pendulum's", note)]

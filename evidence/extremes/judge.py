@@ -25,14 +25,14 @@ DEFAULT = (12, 0.9)
 """Elements a link and share of the stable step."""
 
 REMEDIES = ((12, 0.45), (16, 0.2), (32, 0.2), (64, 0.2))
-STRAIGHT = (0.002, 0.05)
+LINE_ACCURACY = (0.002, 0.05)
 """Accuracy of BD and of B's velocity, as shares of their ranges: links that stay nearly straight.
 
 The velocity carries waves of all lengths, which the release of the springs starts, finer than any
 mesh; BD is their integral over time.
 """
 
-CURVED = (0.005, 0.05)
+CURVE_ACCURACY = (0.005, 0.05)
 """The same where the springs bend the links by some degrees."""
 
 WHIPPING = (0.05, 0.15)
@@ -97,19 +97,19 @@ def persist(name: str, duration: float, parameters: dict, **options):
 def judge(
     name: str,
     parameters: dict,
-    accuracy: tuple[float, float] = STRAIGHT,
+    accuracy: tuple[float, float] = LINE_ACCURACY,
     *,
     reference: str = "finer",
     duration: float | None = None,
-    past_closure: bool = False,
+    is_whole_run: bool = False,
 ) -> list[Row]:
     """Rows of one case; value: errors of BD (largest) and of B's velocity (root mean square) up to
     the first closure, as shares of their ranges; accuracy: how large they may be.
 
     reference: "rigid" (the equation of motion of one degree of freedom) or "finer" (twice the
-    elements, half the share of the step). past_closure: judge the whole run, impact and all.
+    elements, half the share of the step). is_whole_run: judge the whole run, impact and all.
     """
-    duration = duration or (1.25 if past_closure else 1.0) * closing_time(**parameters)
+    duration = duration or (1.25 if is_whole_run else 1.0) * closing_time(**parameters)
     rows, name, mesh, outcome = persist(name, duration, parameters)
     if outcome is None:
         return rows
@@ -123,5 +123,5 @@ def judge(
             return [*rows, Row(name, "no reference", passed=False, note=str(error))]
         expected, expected_closing = curves(finer), first_closing(finer)
         source = f"{2 * mesh[0]} elements, half the share of the limit"
-    end = duration if past_closure else 0.98 * min(closing, expected_closing)
+    end = duration if is_whole_run else 0.98 * min(closing, expected_closing)
     return rows + compare(name, outcome, expected, end, accuracy, source)

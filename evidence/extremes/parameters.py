@@ -1,7 +1,7 @@
 """Extremes of the linkage's parameters: materials, sections, lengths, stiffnesses."""
 
 import fpm
-from evidence.extremes.judge import CURVED, RATTLING, WHIPPING, judge
+from evidence.extremes.judge import CURVE_ACCURACY, RATTLING, WHIPPING, judge
 from evidence.linkage.runs import build
 from evidence.rows import Row, refusal
 
@@ -10,8 +10,8 @@ def materials() -> list[Row]:
     rows = []
     # Springs that bend a link double shut it long before the linkage closes.
     for modulus in (1e5, 3e5, 1e6):
-        rows += judge(f"E = {modulus:g} Pa", {"E": modulus}, WHIPPING, past_closure=True)
-    rows += judge("E = 1e+07 Pa", {"E": 1e7}, CURVED)
+        rows += judge(f"E = {modulus:g} Pa", {"E": modulus}, WHIPPING, is_whole_run=True)
+    rows += judge("E = 1e+07 Pa", {"E": 1e7}, CURVE_ACCURACY)
     for modulus in (1e8, 1e9, 1e10):
         rows += judge(f"E = {modulus:g} Pa", {"E": modulus})
     rows += judge("E = 2.1e+11 Pa", {"E": 2.1e11}, reference="rigid")
@@ -23,9 +23,9 @@ def materials() -> list[Row]:
 
 
 def sections() -> list[Row]:
-    rows = judge("a = 2 mm", {"a": 0.002}, RATTLING, past_closure=True)
-    rows += judge("a = 5 mm", {"a": 0.005}, WHIPPING, past_closure=True)
-    rows += judge("a = 10 mm", {"a": 0.01}, CURVED)
+    rows = judge("a = 2 mm", {"a": 0.002}, RATTLING, is_whole_run=True)
+    rows += judge("a = 5 mm", {"a": 0.005}, WHIPPING, is_whole_run=True)
+    rows += judge("a = 10 mm", {"a": 0.01}, CURVE_ACCURACY)
     for side in (0.02, 0.06, 0.12):
         rows += judge(f"a = {1e3 * side:g} mm", {"a": side})
     return rows + judge("a = 120 mm, E = 2.1e11 Pa", {"a": 0.12, "E": 2.1e11}, reference="rigid")
@@ -48,14 +48,14 @@ def stiffnesses() -> list[Row]:
     rows = []
     for contact in (0.0, 1.0, 100.0, 1e4):
         name = f"K_C = {contact:g} N/rad, through the impact"
-        rows += judge(name, {"K_C": contact}, past_closure=True)
+        rows += judge(name, {"K_C": contact}, is_whole_run=True)
     for contact in (1e6, 1e8):
         name = f"K_C = {contact:g} N/rad, through the impact"
-        rows += judge(name, {"K_C": contact}, past_closure=True, duration=0.36)
+        rows += judge(name, {"K_C": contact}, is_whole_run=True, duration=0.36)
     for spring in (0.1, 50.0):
         rows += judge(f"K_F = {spring:g} N/rad", {"K_F": spring})
-    rows += judge("K_F = 1000 N/rad", {"K_F": 1e3}, CURVED, past_closure=True)
-    return rows + judge("K_F = 10000 N/rad", {"K_F": 1e4}, WHIPPING, past_closure=True)
+    rows += judge("K_F = 1000 N/rad", {"K_F": 1e3}, CURVE_ACCURACY, is_whole_run=True)
+    return rows + judge("K_F = 10000 N/rad", {"K_F": 1e4}, WHIPPING, is_whole_run=True)
 
 
 def refusals() -> list[Row]:

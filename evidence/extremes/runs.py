@@ -46,7 +46,7 @@ def starts() -> list[Row]:
         stiff = {"start": degrees, "E": 2.1e11}
         rows += judge(f"{name}, E = 2.1e11 Pa", stiff, reference="rigid")
     name, close = "start 0.01° from closure", {"start": CLOSURE - 0.01}
-    options = {"duration": 0.02, "past_closure": True}
+    options = {"duration": 0.02, "is_whole_run": True}
     rows += judge(f"{name}, E = 2.1e11 Pa", {**close, "E": 2.1e11}, reference="rigid", **options)
     rows += judge(name, close, WAVES, **options)
     rows.append(rest("start at closure", {"start": CLOSURE}))
@@ -146,13 +146,13 @@ def precision() -> list[Row]:
     energy_error = imbalance(single)
     failure = fpm.simulate(scenes[0], duration=duration, instants=401, dtype=np.float32)[0].failure
     source = "the same 16 runs in 64 bits"
-    saved = 1 - cost[np.float32] / cost[np.float64]
+    saving = 1 - cost[np.float32] / cost[np.float64]
     note = f"velocity of B {velocity:.2g}, energy from nowhere {energy_error:.2g}"
     row = at_most("32-bit floats: error of BD", position, 1e-4, source, note)
     good = row.passed and energy_error <= BALANCE
     rows = [
         replace(row, passed=bool(good or failure)),
-        info("32-bit floats: share of cpu time saved", saved, note="half is the most there is"),
+        info("32-bit floats: share of cpu time saved", saving, note="half is the most there is"),
     ]
     if failure:
         rows.append(refusal("32-bit floats", failure))

@@ -64,9 +64,9 @@ def contacts(fast: bool) -> Iterator[Case]:
     for stiffness in (1e5, 1e8) if fast else (1e4, 1e5, 1e6, 1e7, 1e8):
         for elements in (2, 4, 8) if fast else (2, 4, 8, 16):
             common = {"start": 120.0, "elements": elements}
-            tested = disturb(bennett(K_C=0.0, K_F=stiffness, **common), 1e-3)
+            trial_scene = disturb(bennett(K_C=0.0, K_F=stiffness, **common), 1e-3)
             name = f"shut contact, K_C = {stiffness:g} N/rad, {elements} elements a link"
-            yield name, bennett(K_C=stiffness, K_F=0.0, **common), tested
+            yield name, bennett(K_C=stiffness, K_F=0.0, **common), trial_scene
 
 
 def arms(fast: bool) -> Iterator[Case]:
@@ -113,9 +113,9 @@ def study(fast: bool = False) -> list[Row]:
     """Rows: ratio of the estimate to the true limit; allowed from 0.7 to 1 (and the resolution)."""
     rows = []
     for cases in (bars, linkages, contacts, arms, slides):
-        for name, scene, tested in cases(fast):
+        for name, scene, trial_scene in cases(fast):
             stable = fpm.stable_step(scene)
-            limit = true_limit(tested, RESOLUTION)
+            limit = true_limit(trial_scene, RESOLUTION)
             ratio = float(stable.step / limit)
             is_met = LOWEST <= ratio <= HIGHEST + 1.5 * RESOLUTION
             name, sense = f"stable step: {name}", f"{LOWEST} to"

@@ -17,7 +17,7 @@ from evidence.extremes import (
     stable_step,
 )
 from evidence.results import Report
-from evidence.rows import Row, grouped
+from evidence.rows import Row, set_group
 
 GROUPS: dict[str, Callable[[], list[Row]]] = {
     "stable-step": stable_step.study,
@@ -42,7 +42,7 @@ GROUPS: dict[str, Callable[[], list[Row]]] = {
 
 
 def _measure(group: str, quick: bool) -> list[dict]:
-    return [row.plain() for row in grouped(group.replace("-", " "), GROUPS[group]())]
+    return [row.plain() for row in set_group(group.replace("-", " "), GROUPS[group]())]
 
 
 PARTS = {group: partial(_measure, group) for group in GROUPS}

@@ -234,8 +234,8 @@ class BennettGeometry:
         hinge = columns(zero, np.cos(beta), np.sin(beta))
         normal = columns(1.0 + zero, zero, zero)
         cosine, sine = np.cos(0.5 * psi)[..., None], np.sin(0.5 * psi)[..., None]
-        rotated = cosine * normal - sine * cross(hinge, normal)
-        world = columns(hinge, rotated, cross(hinge, rotated))
+        side = cosine * normal - sine * cross(hinge, normal)
+        world = columns(hinge, side, cross(hinge, side))
         local_hinge, local_normal = self.axis_b, self.face_normal_b
         local = columns(local_hinge, local_normal, cross(local_hinge, local_normal))
         rotation = world @ local.T

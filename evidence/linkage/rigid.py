@@ -112,10 +112,10 @@ class RigidBennett:
         rotation = np.stack([ha, hb, cross], axis=-1) @ self.from_link
 
         # A on the plane y = 0, B on x = 0; z is measured from A, or from the centre of mass.
-        moved_a, moved_b = rotation @ self.hinge_a, rotation @ self.hinge_b
-        moved_centre = rotation @ self.centre
-        datum = moved_a if self.supports == "plane" else moved_centre
-        shift = -np.stack([moved_b[:, 0], moved_a[:, 1], datum[:, 2]], axis=-1)
+        axis_a, axis_b = rotation @ self.hinge_a, rotation @ self.hinge_b
+        centre = rotation @ self.centre
+        datum = axis_a if self.supports == "plane" else centre
+        shift = -np.stack([axis_b[:, 0], axis_a[:, 1], datum[:, 2]], axis=-1)
 
         # The end faces lie in the mirror planes when deployed; their turn about the axes since
         # then is half an opening, and its sense is that of a bar leaving the plane.
@@ -123,9 +123,9 @@ class RigidBennett:
         opening_b = -2.0 * _angle(rotation @ _X, hb @ _BESIDE_X, _X)
         return {
             "rotation": rotation,
-            "centre": moved_centre + shift,
-            "A": moved_a + shift,
-            "B": moved_b + shift,
+            "centre": centre + shift,
+            "A": axis_a + shift,
+            "B": axis_b + shift,
             "axis_a": ha,
             "axis_b": hb,
             "opening_a": opening_a,
@@ -222,13 +222,13 @@ class RigidBennett:
             )  # fmt: skip
             if solution.status < 0:
                 raise RuntimeError(f"rigid linkage: {solution.message} at t = {solution.t[-1]} s")
-            ended = solution.t[-1]
-            rows = (times >= time) & (times <= ended)
+            end_time = solution.t[-1]
+            rows = (times >= time) & (times <= end_time)
             if rows.any():
                 states[rows] = solution.sol(times[rows]).T
-            time = ended
+            time = end_time
             if solution.status == 1:
-                (openings if is_closed else closings).append(float(ended))
+                (openings if is_closed else closings).append(float(end_time))
                 state = np.array([self.beta_deployed, solution.y[1, -1]])
         return {
             "time": times,

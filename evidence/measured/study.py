@@ -62,10 +62,10 @@ def find(config: Mapping) -> dict[str, Any]:
 def swing(seed: int, lack: str = "") -> tuple[np.ndarray, dict[str, float]]:
     """Instants and angles (2, T) that a sensor has of an arm, and the hidden values."""
     rng = np.random.default_rng(seed)
-    hidden = {name: float(rng.uniform(*ends.values())) for name, ends in INTERVALS.items()}
+    truth = {name: float(rng.uniform(*ends.values())) for name, ends in INTERVALS.items()}
     start = rng.uniform([1.9, -0.2], [2.1, 0.2])
     delay, gain, offset = rng.uniform([0, 0.995, -0.005], [0.02, 1.005, 0.005])
-    distance, viscous = hidden.values()
+    distance, viscous = truth.values()
     inertia = INERTIA + MASS * distance**2
 
     def rates(time: float, state: np.ndarray) -> list[float]:
@@ -86,12 +86,12 @@ def swing(seed: int, lack: str = "") -> tuple[np.ndarray, dict[str, float]]:
     if lack == "backlash":
         angles = angles - 0.01 * np.sign(speeds)
     noise = rng.uniform(-0.9, 0.9, len(times)) * BAND
-    return np.array([times, gain * angles + offset + noise]), hidden
+    return np.array([times, gain * angles + offset + noise]), truth
 
 
 def measure_synthetic(seed: int, lack: str = "") -> dict[str, Any]:
     """What is found of a synthetic test: whether the truth is left, or whether it is refuted."""
-    curves, hidden = swing(seed, lack)
+    curves, truth = swing(seed, lack)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "swing.csv")
         np.savetxt(path, curves.T, "%.6f", ",", header="t [s],angle [rad]", comments="")
@@ -102,10 +102,10 @@ def measure_synthetic(seed: int, lack: str = "") -> dict[str, Any]:
         }  # fmt: skip
         facts = find(config_of("synthetic", INTERVALS, 3.0, {"swing": test}))
     is_left = not facts["refuted"] and all(
-        p["after"][0] <= hidden[p["name"]] <= p["after"][1] for p in facts["parameters"]
+        p["after"][0] <= truth[p["name"]] <= p["after"][1] for p in facts["parameters"]
     )
     names = ("refuted", "least", "attained", "explained", "left", "runs", "parameters")
-    return {"lack": lack, "is_left": is_left, "hidden": hidden, **{n: facts[n] for n in names}}
+    return {"lack": lack, "is_left": is_left, "hidden": truth, **{n: facts[n] for n in names}}
 
 
 def measure_truths(quick: bool = False) -> list[dict[str, Any]]:
@@ -188,8 +188,8 @@ def report(parts: Mapping[str, Any]) -> Report:
     for name in MODELS:
         facts = parts.get(f"arm-{name}")
         if facts is None:
-            skipped = "no measured curves; set MEASURED to their folder"
-            rows.append(Row(f"least band, {name} model of the arm", None, "mrad", skipped=skipped))
+            reason = "no measured curves; set MEASURED to their folder"
+            rows.append(Row(f"least band, {name} model of the arm", None, "mrad", skipped=reason))
             continue
         rows.append(info(f"least band, {name} model of the arm", facts["attained"], "mrad"))
         lines = [(p["name"], *p["before"], p["best"], *(p["after"] or ("none", "none")))

@@ -9,8 +9,8 @@ PAIRS = 50
 LANES = 8
 
 
-def pairs(coupled: bool) -> fpm.Scene:
-    """Free pairs of turning rigid bodies; coupled: their hinges are joints of the one system."""
+def pairs(is_coupled: bool) -> fpm.Scene:
+    """Free pairs of turning rigid bodies; is_coupled: their hinges are joints of the one system."""
     scene = fpm.Scene("pairs")
     for k in range(PAIRS):
         x = 3.0 * k
@@ -18,7 +18,7 @@ def pairs(coupled: bool) -> fpm.Scene:
         spin = np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
         velocity = [(0, 0, -0.5), (0, 0, -0.5)]
         pair = scene.add_particles(places, 1.0, 0.1, velocity=velocity, spin=spin)
-        if coupled:
+        if is_coupled:
             scene.add_joint(f"pin {k}", "revolute", pair, (x, 0, 0), (0, 1, 0))
         else:
             scene.add_hinge(f"pin {k}", pair, (x, 0, 0), (0, 1, 0))
@@ -39,8 +39,8 @@ def chain(bodies: int) -> fpm.Scene:
 def measure(steps: int = 5000, repeats: int = 3) -> dict[str, float]:
     """Seconds of cpu a step, joint and sample, by case."""
     cases = {
-        "hinges alone": pairs(coupled=False),
-        "the same as joints": pairs(coupled=True),
+        "hinges alone": pairs(is_coupled=False),
+        "the same as joints": pairs(is_coupled=True),
         "a chain of 51 bodies": chain(PAIRS + 1),
         "a chain of 501 bodies": chain(10 * PAIRS + 1),
     }

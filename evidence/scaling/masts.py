@@ -48,7 +48,7 @@ def measure(units=UNITS, steps: int = 8000, repeats: int = 3) -> list[Size]:
 
 def _size(units: int, build, steps: int, repeats: int) -> Size:
     copies: list[fpm.Scene] = []
-    building = best({"build": lambda: copies.append(_checked(build()))}, repeats)["build"]
+    building = best({"build": lambda: copies.append(_check_scene(build()))}, repeats)["build"]
     scene = copies[-1]
     step = 0.9 * fpm.stable_step(scene).step
     scenes, instants = [scene] * LANES, 41
@@ -84,6 +84,6 @@ def _widest(outcome: fpm.Outcome, suffix: str) -> float:
     return float(max(outcome.records[n].values.max() for n in names if n in outcome.records))
 
 
-def _checked(scene: fpm.Scene) -> fpm.Scene:
+def _check_scene(scene: fpm.Scene) -> fpm.Scene:
     fpm.stable_step(scene)
     return scene

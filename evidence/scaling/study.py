@@ -9,7 +9,7 @@ import numpy as np
 
 from evidence import plots
 from evidence.results import Report, table
-from evidence.rows import Row, at_most, grouped, info
+from evidence.rows import Row, at_most, info, set_group
 from evidence.scaling import joints, masts
 from evidence.scaling.masts import Size
 
@@ -24,32 +24,32 @@ MOST_BALANCE = 1e-4
 MOST_GAP, MOST_TILT = 1e-11, 1e-9
 """Of joints, m and rad: what the linkage keeps as a rule (fpm/elements/joints/hinge_arrays.py)."""
 
-MOST_COUPLED = 4.0
+MAX_PAIRS = 4.0
 """Times what a hinge costs that is solved alone."""
 
 
 @dataclass(frozen=True)
-class Measured:
+class CostMeasurement:
     """The linkage and the masts, and seconds a step, joint and sample by case."""
 
     sizes: list[Size]
     joints: dict[str, float]
 
 
-def measure_all(quick: bool = False) -> Measured:
+def measure_all(quick: bool = False) -> CostMeasurement:
     """Run all sizes and cases."""
     if quick:
-        return Measured(masts.measure((1, 10, 20), 1000, 1), joints.measure(2000, 1))
-    return Measured(masts.measure(), joints.measure())
+        return CostMeasurement(masts.measure((1, 10, 20), 1000, 1), joints.measure(2000, 1))
+    return CostMeasurement(masts.measure(), joints.measure())
 
 
 PARTS = {"sizes": measure_all}
 
 
-def report(parts: Mapping[str, Measured]) -> Report:
+def report(parts: Mapping[str, CostMeasurement]) -> Report:
     """What the study claims, all sizes as a table, and a plot."""
     m = parts["sizes"]
-    rows = [*grouped("masts", mast_rows(m.sizes)), *grouped("joints", joint_rows(m.joints))]
+    rows = [*set_group("masts", mast_rows(m.sizes)), *set_group("joints", joint_rows(m.joints))]
     extra = {"sizes": [asdict(size) for size in m.sizes], "joints": m.joints}
     text = "\n## Sizes\n\n" + sizes_table(m.sizes)
     return Report(rows, extra, text, {"cost": draw(m.sizes)})
@@ -91,7 +91,7 @@ def joint_rows(costs: Mapping[str, float]) -> list[Row]:
     rows = [info(name, 1e9 * single, "ns per joint, step and sample")]
     for name, cost in rest:
         note = f"{1e9 * cost:.3g} ns per joint, step and sample"
-        rows.append(at_most(f"{name}, over hinges alone", cost / single, MOST_COUPLED, "", note))
+        rows.append(at_most(f"{name}, over hinges alone", cost / single, MAX_PAIRS, "", note))
     return rows
 
 

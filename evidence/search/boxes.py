@@ -35,16 +35,16 @@ class Box:
     def true_bounds(self) -> tuple[float, float]:
         """The least and largest value, by dense points and searches from the best of them."""
         generator, k = np.random.default_rng(0), self.dimension
-        unit = generator.uniform(-1, 1, (DRAWS, k))
-        unit = np.concatenate([unit, list(itertools.product([-1.0, 1.0], repeat=k))])
-        values = self.function(unit)[0]
-        return tuple(self._extreme(sign, unit, values, generator) for sign in (-1.0, 1.0))
+        points = generator.uniform(-1, 1, (DRAWS, k))
+        points = np.concatenate([points, list(itertools.product([-1.0, 1.0], repeat=k))])
+        values = self.function(points)[0]
+        return tuple(self._extreme(sign, points, values, generator) for sign in (-1.0, 1.0))
 
     def _extreme(
-        self, sign: float, unit: np.ndarray, values: np.ndarray, generator: np.random.Generator
+        self, sign: float, x: np.ndarray, values: np.ndarray, generator: np.random.Generator
     ) -> float:
         rows = np.argsort(np.where(np.isfinite(values), -sign * values, np.inf))[:BEST]
-        points, best = unit[rows], sign * values[rows]
+        points, best = x[rows], sign * values[rows]
         for number in range(ROUNDS):
             sizes = 0.1 * 0.82**number * generator.choice([1, 0.1, 0.01], (BEST, TRIALS, 1))
             steps = sizes * generator.normal(size=(BEST, TRIALS, self.dimension))
@@ -184,7 +184,7 @@ def smooth_8(u: np.ndarray) -> np.ndarray:
     return np.sqrt(4 + linear + 0.3 * u[:, 0] * u[:, 1])
 
 
-def stopped(u: np.ndarray) -> np.ndarray:
+def cut_off(u: np.ndarray) -> np.ndarray:
     """What a stop ends."""
     return np.minimum(1 + 0.5 * u[:, 0] + 0.2 * u[:, 1] ** 2 - 0.1 * u[:, 2], 1.2)
 
@@ -217,7 +217,7 @@ BOXES = (
     Box("two humps", 2, silent(humps)),
     Box("resonance of 1", 1, silent(lambda u: resonance(u, 0.05))),
     Box("resonance of 2", 2, silent(lambda u: resonance(u, 0.06 + 0.03 * u[:, 1]))),
-    Box("stop", 3, silent(stopped)),
+    Box("stop", 3, silent(cut_off)),
     Box("slack", 2, silent(lambda u: np.maximum(0.3 * u[:, 0] - 0.2 * u[:, 1] + 0.05, 0.0))),
     Box("wave", 1, silent(lambda u: np.sin(14 * u[:, 0]) * (1 + 0.3 * u[:, 0]))),
     Box("interior", 3, silent(interior)),

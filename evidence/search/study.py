@@ -22,13 +22,13 @@ CLOSE = 0.01  # fraction of the width within which a bound is close
 
 
 @dataclass(frozen=True)
-class Searched:
+class BoxCheck:
     """The bounds of a box: true, reported, of the runs and their errors (2 each), and the runs."""
 
     name: str
     runs: int
     true: tuple[float, float]
-    reported: tuple[float, float]
+    outer_bounds: tuple[float, float]
     attained: tuple[float, float]
     errors: tuple[float, float]
 
@@ -39,7 +39,7 @@ class Searched:
 
     def misses(self) -> np.ndarray:
         """Distances (2) of the reported bounds from the true ones."""
-        return np.abs(np.subtract(self.reported, self.true))
+        return np.abs(np.subtract(self.outer_bounds, self.true))
 
 
 class _BoxEvaluator(ModelEvaluator):
@@ -48,15 +48,15 @@ class _BoxEvaluator(ModelEvaluator):
     def __init__(self, box: Box):
         k = box.dimension
         quantity = SimpleNamespace(is_time=box.is_time, least=None)
-        sides = SimpleNamespace(free=np.ones(k, bool), from_unit=lambda unit: unit)
+        sides = SimpleNamespace(free=np.ones(k, bool), from_unit=lambda points: points)
         experiment = SimpleNamespace(
             numbers=[quantity], box=sides, solver=SimpleNamespace(duration=10.0)
         )
         self.plan, self.function = SimpleNamespace(experiment=experiment), box.function
-        self.unit = np.concatenate([np.zeros((1, k)), scan_points(np.ones(k, bool), 8 * k - 1)])
-        self.numbers, self.margins = self.evaluate(self.plan, self.unit)
+        self.points = np.concatenate([np.zeros((1, k)), scan_points(np.ones(k, bool), 8 * k - 1)])
+        self.numbers, self.margins = self.evaluate(self.plan, self.points)
 
-    further = ()
+    refinements = ()
 
     def evaluate(self, plan: Any, points: Any) -> tuple[np.ndarray, np.ndarray]:
         """Values and margins (P, 1) at unit points (P, k)."""
@@ -68,21 +68,21 @@ class _BoxEvaluator(ModelEvaluator):
         for point in points:
             if self.nearest(point)[1] > 1e-6:
                 values, margins = self.evaluate(self.plan, [point])
-                self.unit = np.vstack([self.unit, point])
+                self.points = np.vstack([self.points, point])
                 self.numbers = np.vstack([self.numbers, values])
                 self.margins = np.vstack([self.margins, margins])
 
 
-def search(box: Box) -> Searched:
+def search(box: Box) -> BoxCheck:
     """Search the bounds of a box as a campaign does."""
     model = _BoxEvaluator(box)
     (bounds,) = converge_bounds(model, ITERATIONS)
     errors = tuple(max(e.error, bounds.surrogate.usual_error) for e in bounds.estimates)
     attained = bounds.lower, bounds.upper
-    return Searched(box.name, len(model.unit), box.true_bounds(), bounds.outer, attained, errors)
+    return BoxCheck(box.name, len(model.points), box.true_bounds(), bounds.outer, attained, errors)
 
 
-def measure_all(quick: bool = False) -> list[Searched]:
+def measure_all(quick: bool = False) -> list[BoxCheck]:
     """Search all boxes; some with `quick`."""
     return [search(box) for box in (BOXES[:3] if quick else BOXES)]
 
@@ -90,10 +90,10 @@ def measure_all(quick: bool = False) -> list[Searched]:
 PARTS = {"boxes": measure_all}
 
 
-def report(parts: Mapping[str, list[Searched]]) -> Report:
+def report(parts: Mapping[str, list[BoxCheck]]) -> Report:
     """What the study claims, and all boxes as a table."""
     boxes = parts["boxes"]
-    covered = [b.misses() <= np.add(b.errors, FLOOR * b.width) for b in boxes]
+    coverage = [b.misses() <= np.add(b.errors, FLOOR * b.width) for b in boxes]
     is_close = [miss <= CLOSE * b.width for b in boxes for miss in b.misses()]
     worse = [
         miss > abs(run - true) + 1e-9 * b.width
@@ -101,12 +101,12 @@ def report(parts: Mapping[str, list[Searched]]) -> Report:
         for miss, run, true in zip(b.misses(), b.attained, b.true, strict=True)
     ]
     rows: list[Row] = [
-        at_least("true bounds within the reported error", float(np.mean(covered)), 0.95),
+        at_least("true bounds within the reported error", float(np.mean(coverage)), 0.95),
         at_least(f"bounds within {CLOSE:.0%} of the width", float(np.mean(is_close)), 0.8),
         at_most("reported bounds worse than those of the runs", float(np.sum(worse)), 0.0),
     ]
     lines = [
-        (b.name, b.runs, *(f"{v:.4g}" for v in (*b.true, *b.reported)),
+        (b.name, b.runs, *(f"{v:.4g}" for v in (*b.true, *b.outer_bounds)),
          *(100 * b.misses() / b.width), *(100 * np.divide(b.errors, b.width)))
         for b in boxes
     ]  # fmt: skip

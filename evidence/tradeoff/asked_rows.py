@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from evidence.results import table
-from evidence.rows import Row, at_least, at_most, skipped
+from evidence.rows import Row, at_least, at_most, skip_row
 
 TRUE = "this study: a scan on a finer mesh"
 MIN_SHARE, MAX_RATIO, MAX_COST = 0.9, 3.0, 0.4
@@ -42,7 +42,7 @@ def _cost_row(name: str, case: dict, row: dict) -> Row:
     error = _worst(row)
     rivals = [rival for rival in case["rivals"] if _worst(rival) <= error]
     if not rivals:
-        return skipped(text, f"none of those tried is as accurate ({error:.2g} of the width)")
+        return skip_row(text, f"none of those tried is as accurate ({error:.2g} of the width)")
     best = min(rivals, key=lambda rival: rival["cpu"])
     note = f"{row['cpu']:.3g} s for {error:.2g}; {best['name']}: {best['cpu']:.3g} s for "
     return at_most(text, row["cpu"] / best["cpu"], MAX_COST, TRUE, f"{note}{_worst(best):.2g}")

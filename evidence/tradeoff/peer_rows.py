@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from evidence.rows import Row, at_least, at_most, skipped
+from evidence.rows import Row, at_least, at_most, skip_row
 
 PARALLEL = "measured side by side"
 
@@ -24,7 +24,7 @@ def peer_rows(peers: dict) -> list[Row]:
 def _fit_rows(row: dict, fit: dict) -> list[Row]:
     text = f"{row['case']}: fit of {fit['fits']} curves' points, {row['by']} over ours"
     if "skipped" in row:
-        return [skipped(text, row["skipped"])]
+        return [skip_row(text, row["skipped"])]
     note = (
         f"{row['seconds']:.2g} s and {fit['seconds']:.2g} s; error on unseen runs "
         f"{row['error']:.4g} and {fit['error']:.4g} of the spread; version {row['version']}"
@@ -40,7 +40,7 @@ def _fit_rows(row: dict, fit: dict) -> list[Row]:
 def _bound_rows(row: dict, bounds: list[dict]) -> list[Row]:
     """A peer's bounds against ours of each model, from as many runs at most."""
     if "skipped" in row:
-        return [skipped(f"one: bounds of a few instants, {row['by']}", row["skipped"])]
+        return [skip_row(f"one: bounds of a few instants, {row['by']}", row["skipped"])]
     rows = []
     for model in ("polynomial", "spline"):
         fewer = [m for m in bounds if m["calls"] <= row["calls"] and m["model"] == model]

@@ -90,7 +90,7 @@ def _estimate_rows(case: dict) -> list[Row]:
 
 
 def _estimate_row(case: dict, kind: str, estimates: list[dict]) -> Row:
-    covered = sum(row["covered"] for row in estimates) / len(estimates)
+    coverage = sum(row["covered"] for row in estimates) / len(estimates)
     ratios = sorted(row["ratio"] for row in estimates)
     note = (
         f"estimate over truth, integrated: median {ratios[len(ratios) // 2]:.2g}, "
@@ -100,8 +100,8 @@ def _estimate_row(case: dict, kind: str, estimates: list[dict]) -> Row:
     name = f"{case['case']}: instants at which the error estimate covers the error, {kind}"
     if kind == "scans":
         note += "; the growth of a scan tells its size, it is no bound"
-        return at_most(name, covered, 0.9, SCAN, note)
-    return at_least(name, covered, 0.9, SCAN, note)
+        return at_most(name, coverage, 0.9, SCAN, note)
+    return at_least(name, coverage, 0.9, SCAN, note)
 
 
 def _lane_row(case: dict) -> Row:

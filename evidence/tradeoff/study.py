@@ -8,7 +8,7 @@ from dataclasses import replace
 from evidence.results import Report
 from evidence.tradeoff.asked_rows import asked_rows, asked_text
 from evidence.tradeoff.figures import draw_pareto
-from evidence.tradeoff.measure.asked import measure_asked
+from evidence.tradeoff.measure.asked import measure_targets
 from evidence.tradeoff.measure.asked_cases import ACCURACY_CASES
 from evidence.tradeoff.measure.cases import CASES
 from evidence.tradeoff.measure.peers import measure_peers
@@ -20,7 +20,7 @@ from evidence.tradeoff.tables import case_text
 PARTS = {case.name: lambda quick, case=case: measure_case(case) for case in CASES}
 PARTS["peers"] = lambda quick: measure_peers()
 PARTS |= {
-    f"asked-{case.name}": lambda quick, case=case: measure_asked(case) for case in ACCURACY_CASES
+    f"asked-{case.name}": lambda quick, case=case: measure_targets(case) for case in ACCURACY_CASES
 }
 
 

@@ -35,7 +35,7 @@ class Bench:
 
     def simulate(self, scenes, **options) -> list[fpm.Outcome]:
         """``fpm.simulate``, with its cost noted; raises the failure of a run that broke down."""
-        with self.timed():
+        with self.time_solver():
             outcomes = fpm.simulate(scenes, **options)
         for outcome in outcomes:
             if outcome.failure is not None:
@@ -44,7 +44,7 @@ class Bench:
         return outcomes
 
     @contextmanager
-    def timed(self) -> Iterator[None]:
+    def time_solver(self) -> Iterator[None]:
         """Count the cpu time of the block as solver time."""
         start = time.process_time()
         yield

@@ -42,16 +42,16 @@ def rigid_linkage(bench: Bench) -> None:
     for pair, outcome in zip(angles, outcomes, strict=True):
         name = f"λ = {pair[0]:g}°, μ = {pair[1]:g}°"
         rigid = RigidBennett(lambda_deg=pair[0], mu_deg=pair[1])
-        expected, measured = rigid.simulate(5.0, times), curves(outcome)
+        expected, result = rigid.simulate(5.0, times), curves(outcome)
         closing = expected["closings"][0]
         bench.check(f"{name}: first closure (s)", outcome.events[0, 0], closing, 2e-3, SOURCE)
         early = times < min(closing, outcome.events[0, 0])
         for key in ("BD", "velocity_Bz"):
             reach = np.ptp(expected[key][early])
-            worst = np.abs(measured[key] - expected[key])[early].max() / reach
+            worst = np.abs(result[key] - expected[key])[early].max() / reach
             bench.check_small(f"{name}: {key} before closure", worst, 0.005, SOURCE, "its range")
         # Kinematics alone: at each instant, the rigid linkage that is open as much at B.
-        rows = [rigid.motion(rigid.beta_at(x)) for x in measured["opening_b"][early][::20]]
+        rows = [rigid.motion(rigid.beta_at(x)) for x in result["opening_b"][early][::20]]
         shape = {
             "BD": [2 * abs(m["B"][0, 1]) for m in rows],
             "AC": [2 * abs(m["A"][0, 0]) for m in rows],
@@ -59,12 +59,12 @@ def rigid_linkage(bench: Bench) -> None:
             "opening_a": [m["opening_a"][0] for m in rows],
         }
         worst = max(
-            np.abs(measured[key][early][::20] - values).max() / np.ptp(values)
+            np.abs(result[key][early][::20] - values).max() / np.ptp(values)
             for key, values in shape.items()
         )
         bench.check_small(f"{name}: shape at the same opening", worst, 0.005,
                           "sin β sin γ = const", "their ranges")  # fmt: skip
-        figure.curve(times[early], measured["BD"][early], name)
+        figure.curve(times[early], result["BD"][early], name)
         figure.curve(times[early], expected["BD"][early], f"{name}, rigid", True)
 
 
@@ -78,9 +78,9 @@ def flexibility(bench: Bench) -> None:
         (outcome,) = bench.simulate(
             linkage(ANGLES[0], modulus=modulus), duration=times[-1], instants=times.size
         )
-        measured = curves(outcome)
+        result = curves(outcome)
         errors.append(
-            [np.abs(measured[k] - rigid[k]).max() / np.ptp(rigid[k]) for k in ("BD", "velocity_Bz")]
+            [np.abs(result[k] - rigid[k]).max() / np.ptp(rigid[k]) for k in ("BD", "velocity_Bz")]
         )
     errors = np.array(errors)
     # The release sets off bending vibration; its velocity is deflection times frequency.

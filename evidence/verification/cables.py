@@ -153,8 +153,8 @@ def reeling(bench: Bench) -> None:
     (outcome,) = bench.simulate(scene, duration=duration, instants=401, step=2e-4)
     strain = mass * G / EA
     z = outcome.points["mass"][0][:, 2]
-    lifted = z[-1] - z[0]
-    bench.check("lifted (m)", lifted, reel * (1 + strain), 1e-3, "reel (1 + m g / EA)")
+    height = z[-1] - z[0]
+    bench.check("lifted (m)", height, reel * (1 + strain), 1e-3, "reel (1 + m g / EA)")
     # The strain energy that leaves on the drum is not the structure's: m g reel (1 + e/2).
     exact = mass * G * reel * (1 + strain / 2)
     bench.check("work of the winch (J)", outcome.energies["reel"][-1], exact, 1e-3,

@@ -70,7 +70,7 @@ def interval_of_a_latch(bench: Bench) -> None:
     """The shipped campaign of a panel with a latch: t = √(J/k) arccos((ψ - θ)/ψ) over the box."""
     from deployable import campaign
 
-    with TemporaryDirectory() as folder, bench.timed():
+    with TemporaryDirectory() as folder, bench.time_solver():
         campaign.run(CONFIG / "latch.yaml", folder, figures=False, notify=lambda text: None)
         with xarray.open_dataset(Path(folder, "latch", "quantities.nc")) as file:
             row = file.sel(quantity="t_latch").load()

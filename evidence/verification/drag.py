@@ -44,7 +44,7 @@ def fall(bench: Bench) -> None:
     source = "v∞ tanh(g t/v∞), v∞² = 2 m g/(ρ Cd A)"
     bench.check_small("speed at 5 ms", errors[-1], 1e-4, source, "v∞")
     bench.check_at_least("order of the speed", observed_orders(errors).min(), 1.95, source)
-    bench.check_small("energy balance", _unbalanced(outcomes[-1]), 1e-12, "required", "energy")
+    bench.check_small("energy balance", _balance_error(outcomes[-1]), 1e-12, "required", "energy")
 
 
 def spin(bench: Bench) -> None:
@@ -59,7 +59,7 @@ def spin(bench: Bench) -> None:
     work = 0.5 * INERTIA * (25 - (5 / (1 + 5 * rate * 4)) ** 2)
     bench.check("work of the drag (J)", outcomes[-1].energies["damping_work"][-1], work, 1e-3,
                 "energy of the rod")  # fmt: skip
-    bench.check_small("energy balance", _unbalanced(outcomes[-1]), 1e-3, "required", "energy")
+    bench.check_small("energy balance", _balance_error(outcomes[-1]), 1e-3, "required", "energy")
 
 
 def pendulum(bench: Bench) -> None:
@@ -79,7 +79,7 @@ def pendulum(bench: Bench) -> None:
     source = "J θ'' = m g L/2 cos θ - ρ Cd b L⁴/8 θ'|θ'|, DOP853"
     bench.check_small("angle at 5 ms (rad)", errors[-1] / np.pi, 1e-3, source, "π")
     bench.check_at_least("order of the angle", observed_orders(errors).min(), 1.9, source)
-    bench.check_small("energy balance", _unbalanced(outcomes[-1]), 1e-3, "required", "energy")
+    bench.check_small("energy balance", _balance_error(outcomes[-1]), 1e-3, "required", "energy")
     figure = bench.figure("Pendulum in air", "time (s)", "angle (°)")
     figure.curve(outcomes[-1].time, np.degrees(swings[-1]), "computed")
     figure.curve(outcomes[-1].time, np.degrees(exact), "DOP853", True)
@@ -89,7 +89,7 @@ def _run(bench: Bench, scene, duration: float, step: float):
     return bench.simulate(scene, duration=duration, instants=101, step=step)[0]
 
 
-def _unbalanced(outcome) -> float:
+def _balance_error(outcome) -> float:
     energies = dict(outcome.energies)
     balance = np.abs(energies.pop("balance")).max()
     return float(balance / max(np.abs(energy).max() for energy in energies.values()))

@@ -226,9 +226,9 @@ def free_bodies(bench: Bench) -> None:
         watch(scene)
         step = 0.9 * fpm.stable_step(scene).step
         steps = 100_000 if bench.quick else 1_000_000
-        per_instant = steps // (instants - 1)
+        output_steps = steps // (instants - 1)
         (outcome,) = bench.simulate(
-            scene, duration=step * per_instant * (instants - 1), instants=instants, step=step
+            scene, duration=step * output_steps * (instants - 1), instants=instants, step=step
         )
         linear, angular, centre = momenta(outcome)
         source = f"free body, {outcome.steps:.0e} steps"

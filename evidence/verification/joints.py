@@ -75,8 +75,8 @@ def spring_oscillator(bench: Bench) -> None:
     (outcome,) = bench.simulate(scene, duration=10.0, instants=4001, step=1e-3)
     exact = 2 * np.pi * np.sqrt(ABOUT_HINGE / stiffness)
     swing = outcome.openings["O"] - 0.2
-    measured = period(outcome.time, swing)
-    bench.check("period, fixed hinge (s)", measured, exact, 1e-3, "T = 2 π √(I / k)")
+    result = period(outcome.time, swing)
+    bench.check("period, fixed hinge (s)", result, exact, 1e-3, "T = 2 π √(I / k)")
     size = (swing.max() - swing.min()) / 2
     bench.check("amplitude (rad)", size, 0.5, 1e-3, "start at rest, 0.5 rad off")
 
@@ -88,10 +88,8 @@ def spring_oscillator(bench: Bench) -> None:
     scene.add_torsion_spring(hinge, stiffness)
     (outcome,) = bench.simulate(scene, duration=10.0, instants=4001, step=1e-3)
     exact = 2 * np.pi * np.sqrt(first * second / (first + second) / stiffness)
-    measured = period(outcome.time, outcome.openings["O"])
-    bench.check(
-        "period, two free bodies (s)", measured, exact, 1e-3, "T = 2 π √(I₁ I₂ / (I₁+I₂) k)"
-    )
+    result = period(outcome.time, outcome.openings["O"])
+    bench.check("period, two free bodies (s)", result, exact, 1e-3, "T = 2 π √(I₁ I₂ / (I₁+I₂) k)")
 
 
 def contact_bounce(bench: Bench) -> None:

@@ -149,8 +149,8 @@ def tables(bench: Bench) -> None:
     worst = np.abs(kinetic - np.interp(opening, grid, work)).max() / work.max()
     bench.check_small("kinetic energy along the way", worst, 1e-5, "integral of the table", "most")
     time = np.sqrt(2 * J * (1.5 - np.radians(12)) / 0.2)
-    measured = _first(outcome.time, opening, 1.5 - np.radians(12))
-    bench.check("enters the peak at (s)", measured, time, 1e-6, "√(2 J θ/M)")
+    result = _first(outcome.time, opening, 1.5 - np.radians(12))
+    bench.check("enters the peak at (s)", result, time, 1e-6, "√(2 J θ/M)")
 
 
 def _first(time, values, level) -> float:

@@ -27,7 +27,7 @@ def folded_panels(stiffness: float) -> fpm.Scene:
     return scene
 
 
-def synchronised(bench: Bench) -> None:
+def open_z_fold(bench: Bench) -> None:
     """Two panels of a z-fold that springs open together: M(q) = 2/3 + 2 cos² q for the root's q."""
     stiffnesses = (1e5, 1e6) if bench.quick else (1e5, 1e6, 1e7)
     scenes = [folded_panels(stiffness) for stiffness in stiffnesses]
@@ -124,4 +124,4 @@ def motors(bench: Bench) -> None:
         figure.curve(time, 2 * time - openings["A"], f"c = {damping:g} N m s/rad")
 
 
-PROBLEMS = {"synchronised panels": synchronised, "motors and releases": motors}
+PROBLEMS = {"synchronised panels": open_z_fold, "motors and releases": motors}

@@ -150,15 +150,15 @@ def elastic(bench: Bench) -> None:
         tips.append(place[:, 1] * np.cos(angle) - place[:, 0] * np.sin(angle))
     bench.check_small("energy lost with 32 elements", losses[-1], 1e-3, "all is vibration", "all")
     bench.check_at_least("order in the mesh", observed_orders(losses).min(), 0.9, "lumped inertia")
-    elapsed, series = outcome.time - outcome.events[0, 0], np.zeros(len(outcome.time))
+    duration, series = outcome.time - outcome.events[0, 0], np.zeros(len(outcome.time))
     for z in ROOTS:
         ratio = (np.cosh(z) + np.cos(z)) / (np.sinh(z) + np.sin(z))
         mode = np.cosh(z * x) - np.cos(z * x) - ratio * (np.sinh(z * x) - np.sin(z * x))
         share = np.trapezoid(x * mode, x) / np.trapezoid(mode**2, x)
         omega = z**2 / L**2 * np.sqrt(stiff / heavy)
-        series += rate * L * share * mode[-1] * np.sin(omega * elapsed) / omega
-    series[elapsed < 0] = 0.0
-    is_caught = elapsed >= 0
+        series += rate * L * share * mode[-1] * np.sin(omega * duration) / omega
+    series[duration < 0] = 0.0
+    is_caught = duration >= 0
     worst = np.abs(tips[-1] - series)[is_caught].max() / np.abs(series).max()
     bench.check_small("deflection of the tip over a period", worst, 0.01, "modes of a cantilever",
                       "the largest")  # fmt: skip

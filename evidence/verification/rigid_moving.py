@@ -152,13 +152,13 @@ def light_coupler(bench: Bench) -> None:
         angle, delta = 10 * outcome.time, 1e-3
         low, exact, high = (rocker(angle + k * delta) for k in (-1, 0, 1))
         moment = 0.8 * (high - low) / (2 * delta) * (high - 2 * exact + low) / delta**2 * 100
-        measured = outcome.records["motor_moment"].values[:, 0]
+        result = outcome.records["motor_moment"].values[:, 0]
         name = f"step {1e3 * step:g} ms"
         worst = np.abs(outcome.openings["rocker"] - exact).max()
         bench.check_small(f"rocker, {name} (rad)", worst, 1e-8, "its geometry", "1 rad")
-        worst = np.abs(measured - moment).max() / np.abs(moment).max()
+        worst = np.abs(result - moment).max() / np.abs(moment).max()
         bench.check_small(f"moment, {name}", worst, 3e-4, "J ψ' ψ'' w²", "the largest")
-        bench.check(f"first moment, {name} (N m)", measured[0], moment[0], 3e-4,
+        bench.check(f"first moment, {name} (N m)", result[0], moment[0], 3e-4,
                     "J ψ' ψ'' w²")  # fmt: skip
 
 

@@ -174,7 +174,7 @@ def heavy_top(bench: Bench) -> None:
         figure.curve(tip[:, 0], tip[:, 1], name)
 
 
-def pulled(bench: Bench) -> None:
+def pull_rod(bench: Bench) -> None:
     """A free rod, pulled by its tip: a pendulum about its centre, which falls evenly."""
     from scipy.integrate import solve_ivp
 
@@ -204,5 +204,5 @@ PROBLEMS = {
     "rigid motion": rigid_motion,
     "tumbling body": tumbling,
     "heavy top": heavy_top,
-    "pulled rod": pulled,
+    "pulled rod": pull_rod,
 }

@@ -12,7 +12,7 @@ X, Y = np.eye(3)[:2]
 SLOPE = np.array([0.6, 0.64, 0.48])
 J = np.array([0.02, 0.03, 0.05])  # kg m²
 FREE = (2.0, 1.0)  # kg, of two bodies that nothing else holds
-REDUCED = 2.0 / 3.0
+MASS_RATIO = 2.0 / 3.0
 
 
 def _ground(name: str) -> fpm.Scene:
@@ -99,15 +99,15 @@ def slides(bench: Bench) -> None:
     mass, stiffness, damping = 2.0, 50.0, 1.5
     omega, rest = np.sqrt(stiffness / mass), 0.2 - mass * G * SLOPE[1] / stiffness
     decay = damping / (2 * mass)
-    damped = np.sqrt(omega**2 - decay**2)
+    omega_d = np.sqrt(omega**2 - decay**2)
     start = 0.05 - rest
     exact = rest + np.exp(-decay * time) * (
-        start * np.cos(damped * time) + (0.3 + decay * start) / damped * np.sin(damped * time)
+        start * np.cos(omega_d * time) + (0.3 + decay * start) / omega_d * np.sin(omega_d * time)
     )
     curve("swing", exact, 1e-6, "m s'' = -k (s - l) - c s' + m g·a")
     figure.curve(time, opening["swing"], "spring and damper")
     figure.curve(time, exact, "exact", True)
-    omega = np.sqrt(60.0 / REDUCED)
+    omega = np.sqrt(60.0 / MASS_RATIO)
     exact = 0.1 * (1 - np.cos(omega * time)) + 0.5 / omega * np.sin(omega * time)
     curve("pair", exact, 1e-5, "ω² = k (1/m + 1/M)")
     for name, k, inertia in (("first_axis", 0.2, J[0]), ("second_other", 0.5, J[1])):
@@ -156,7 +156,7 @@ def _check_exact_holds(bench: Bench, outcome: fpm.Outcome) -> None:
     bench.check_small("caught: opening (m)", np.abs(opening["caught"] - exact).max(), 1e-9,
                       "v t, then held", "1 m")  # fmt: skip
     impulse = records["slide_latch_impact"].values[-1, 0]
-    bench.check("caught: impulse (N s)", impulse, -REDUCED, 1e-6, "-v m M/(m + M)")
+    bench.check("caught: impulse (N s)", impulse, -MASS_RATIO, 1e-6, "-v m M/(m + M)")
     angle = np.minimum(2.0 * time, 0.7)
     worst = np.abs(opening["crossed_other"] - angle).max()
     bench.check_small("crossed: angle (rad)", worst, 1e-9, "w t, then held", "1 rad")

@@ -31,7 +31,7 @@ from typing import NamedTuple, NoReturn
 
 import numpy as np
 
-from fpm.assembly.conditions import Conditions, ParticlePoses, conditions_of, scaled, tilts
+from fpm.assembly.conditions import Conditions, ParticlePoses, conditions_of, scale_matrix, tilts
 from fpm.assembly.elastic import Elastic, elastic_of
 from fpm.elements.bars.beam_limits import BEND, STRAIN
 from fpm.elements.openings.opening import opening_at
@@ -97,7 +97,7 @@ def assemble(scene, hold: Sequence[str] = ()) -> None:
     conditions, elastic = conditions_of(scene, hold), elastic_of(scene)
     search = _RestSearch(scene, start, conditions, elastic, hold)
     with np.errstate(over="ignore", invalid="ignore"):  # what grows beyond all numbers is refused
-        poses, rounds = search.settle()
+        poses, rounds = search.relax()
     flips = {name: angle for name, angle in tilts(scene, poses, hold).items() if angle > np.pi / 2}
     if flips:  # the residuals, cosines of right angles, are 0 there too
         allowed = "directions of both parts that agree; reverse that of one part"
@@ -106,7 +106,7 @@ def assemble(scene, hold: Sequence[str] = ()) -> None:
         scene.unstrained, scene.unstrained_position = scene.frame, scene.position
     scene.position, scene.frame = poses.position, poses.frame
     openings = tuple(hinge.opening for hinge in scene.hinges)
-    scene.hinges = [_reopened(scene, hinge) for hinge in scene.hinges]
+    scene.hinges = [_reopen(scene, hinge) for hinge in scene.hinges]
     scene.assembly = Assembly(elastic.energy(poses), *search.open_before, rounds, openings)
 
 
@@ -140,7 +140,7 @@ class _RestSearch:
         angle = tilts(self._scene, poses, self._hold).get(name, np.nan)
         return name, gap, angle if tilt > 0 and np.isfinite(angle) else tilt
 
-    def settle(self) -> tuple[ParticlePoses, int]:
+    def relax(self) -> tuple[ParticlePoses, int]:
         """The stable poses, and the number of rounds; raises MisfitError where none are found."""
         if not len(self._free) and self._gap(self._start) <= GAP_TOL:
             return self._start, 0
@@ -151,8 +151,8 @@ class _RestSearch:
             return state, count
         sides = [self._follow(state, impulses, direction) for direction in (step, -step)]
         sides = sorted((side for side in sides if side), key=lambda side: side[0])
-        energy_here = self._elastic.energy(state)
-        if sides and not self._differ(sides, energy_here):
+        energy = self._elastic.energy(state)
+        if sides and not self._differ(sides, energy):
             self._check_strains(sides[0][1])
             return sides[0][1], count + sum(side[2] for side in sides)
         requirement = "a stable position; this one snaps, and none was found downhill of it"
@@ -162,7 +162,7 @@ class _RestSearch:
                 "a straight bar pressed beyond its buckling load: `curvature` of the bar says to "
                 "which"
             )
-        raise MisfitError("assembly", f"{energy_here:.4g} J in an unstable position", requirement)
+        raise MisfitError("assembly", f"{energy:.4g} J in an unstable position", requirement)
 
     def _differ(self, sides: Sequence[tuple], energy: float) -> bool:
         """Whether both sides, lower first, end in different poses of one energy below `energy`."""
@@ -172,7 +172,7 @@ class _RestSearch:
 
     def _system(self, poses, bars, impulses, ratio):
         rules = self._scales, self._free, self._weight
-        return linearised(self._scene, poses, self._conditions, bars, impulses, *rules, ratio=ratio)
+        return linearise(self._scene, poses, self._conditions, bars, impulses, *rules, ratio=ratio)
 
     def _lacks(self, poses) -> np.ndarray:
         return -self._weight * self._conditions.gaps(poses)
@@ -311,7 +311,7 @@ def _negative(apply, count: int) -> np.ndarray:
     return np.array(images).T @ vectors[:, values < 0]
 
 
-def linearised(
+def linearise(
     scene, poses, conditions, elastic, impulses, scales, free, weight, ease=None, ratio=MASS_SHARE
 ):
     """Set up the linear equations of a Newton step towards static balance; returns a function
@@ -333,14 +333,14 @@ def linearised(
     gradient, stiffness = elastic.derivatives(poses)
     rows, curvature = conditions.derivatives(poses, weight * impulses)
     stiffness, gradient = stiffness + curvature, gradient + rows.T @ (weight * impulses)
-    stiffness = scaled(stiffness, scales, scales)
-    mass = scaled(masses(scene, poses), scales, scales)
+    stiffness = scale_matrix(stiffness, scales, scales)
+    mass = scale_matrix(masses(scene, poses), scales, scales)
     largest = abs(stiffness).max() if stiffness.nnz else 0.0
     if ease is None:
         ease = ratio * largest if largest > 0 else 1.0
     unit = max(largest, ease)
     inner = (stiffness / unit + mass * (ease / unit / mass.max())).tocsc()[free][:, free]
-    rows = scaled(rows, weight, scales)[:, free]
+    rows = scale_matrix(rows, weight, scales)[:, free]
     matrix = bmat([[inner, rows.T], [rows, -EASE * identity(len(weight))]], format="csc")
     try:
         solver = splu(matrix)
@@ -373,7 +373,7 @@ def masses(scene, poses: ParticlePoses):
     return matrix
 
 
-def _reopened(scene, hinge):
+def _reopen(scene, hinge):
     """A hinge with the opening of the scene's current poses."""
     return replace(hinge, opening=opening_at(scene, hinge))
 

@@ -37,7 +37,7 @@ class ParticlePoses(NamedTuple):
         """Return the poses of some particles, in the order of their indices `particles` (k,)."""
         return ParticlePoses(self.position[particles], self.frame[particles])
 
-    def nudged(self, first: int) -> "ParticlePoses":
+    def perturb(self, first: int) -> "ParticlePoses":
         """Return 12 complex copies (12, n, ...) of these poses for `slopes`: copies first to first
         + 5 shifted by i 1e-30 along, then turned about, each global axis, the others unchanged."""
         position = np.tile(self.position.astype(complex), (12, 1, 1))
@@ -54,7 +54,7 @@ def slopes(function, first: ParticlePoses, second: ParticlePoses) -> np.ndarray:
     global axes. function(first, second): returns values (..., e, k); it takes complex poses and
     must be analytic: no abs (whose derivative would come out as 0), conj or casts to real numbers.
     first, second: poses of the e first and second particles."""
-    values = function(first.nudged(0), second.nudged(6))
+    values = function(first.perturb(0), second.perturb(6))
     return np.moveaxis(values.imag / STEP, 0, -1)
 
 
@@ -88,7 +88,7 @@ def dependence(rows: np.ndarray) -> tuple[int, np.ndarray]:
     return rank, np.linalg.norm(vectors[:, rank:], axis=1)
 
 
-def scaled(matrix, rows: np.ndarray, columns: np.ndarray):
+def scale_matrix(matrix, rows: np.ndarray, columns: np.ndarray):
     """Return a copy of a sparse matrix (r, c) with each row times its factor in `rows` (r,), and
     each column times that in `columns` (c,), to make its entries dimensionless."""
     matrix = matrix.tocsc(copy=True)

@@ -48,8 +48,8 @@ class Elastic(NamedTuple):
         shape = self._shape(*self._ends(poses))
         turns = shape.sines + shape.sines**3 / 6
         rest = self.stiffness[:, :1]
-        curved = np.abs(turns[:, 2:] - turns[:, :2]) / rest
-        strain = np.abs(shape.length / rest[:, 0] - 1) + (curved * self.half).sum(axis=1)
+        curvatures = np.abs(turns[:, 2:] - turns[:, :2]) / rest
+        strain = np.abs(shape.length / rest[:, 0] - 1) + (curvatures * self.half).sum(axis=1)
         bend = np.abs(np.column_stack([shape.sines, shape.twist]))
         return float(bend.max(initial=0.0)), float(strain.max(initial=0.0))
 
@@ -62,9 +62,9 @@ class Elastic(NamedTuple):
         return gradient, sparse_matrix(slopes(self._gradient, *ends), self.nodes, count)
 
     @property
-    def unstressed(self) -> "Unstressed":
+    def unstressed(self) -> "UnstressedBeams":
         """The same elements, with a Hessian that leaves out stress: no negative eigenvalue."""
-        return Unstressed(self)
+        return UnstressedBeams(self)
 
     def _ends(self, poses: ParticlePoses) -> tuple[ParticlePoses, ParticlePoses]:
         return poses.select(self.nodes[:, 0]), poses.select(self.nodes[:, 1])
@@ -115,7 +115,7 @@ class Elastic(NamedTuple):
         return np.concatenate(ends, axis=-1)
 
 
-class Unstressed(NamedTuple):
+class UnstressedBeams(NamedTuple):
     """Beam elements with the Gauss-Newton Hessian: no negative eigenvalue. bars: the elements."""
 
     bars: Elastic

@@ -243,7 +243,7 @@ class Batch:
             failed_cause=np.zeros(width, np.int64),
             failed_row=np.zeros(width, np.int64),
             failed_balance=np.zeros(width, dtype),
-            failed_watched=np.zeros((self.watches.count, width), dtype),
+            failed_peaks=np.zeros((self.watches.count, width), dtype),
             scale=self._least_scale(step, steps),
         )
 

@@ -130,8 +130,8 @@ def topology(default: Any = MISSING) -> Any:
 def specs(kind: type) -> dict[str, FieldSpec]:
     """Return the specs (FieldSpec: unit, limits, words) of the fields of an element type `kind`, by
     field name, for checks and packing; fields declared without one are left out."""
-    keyed = [f for f in fields(kind) if _KEY in f.metadata]
-    return {f.name: replace(f.metadata[_KEY], name=f.name) for f in keyed}
+    key_fields = [f for f in fields(kind) if _KEY in f.metadata]
+    return {f.name: replace(f.metadata[_KEY], name=f.name) for f in key_fields}
 
 
 def numbers_in(value: Any) -> Sequence[float]:

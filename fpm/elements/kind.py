@@ -37,7 +37,7 @@ class Watch(NamedTuple):
     fraction of the scene's size (m); unconditional: whether it is named as the cause even where the
     energy balance is wrong, too (else that is the cause); failure(values): returns cause and
     remedy, two texts; values: largest value of each criterion of the element type, by name;
-    unbalanced(element): returns the remedy where the energy does not balance and the element of
+    remedy(element): returns the remedy where the energy does not balance and the element of
     that name is the worst; None: there is none."""
 
     name: str
@@ -45,7 +45,7 @@ class Watch(NamedTuple):
     unconditional: bool
     failure: Callable[[dict[str, float]], tuple[str, str]]
     of_size: bool = False
-    unbalanced: Callable[[str], str] | None = None
+    remedy: Callable[[str], str] | None = None
 
 
 class Series(NamedTuple):
@@ -92,7 +92,7 @@ class Deformations(NamedTuple):
     element: np.ndarray
 
 
-SHARED = {
+BATCH_ARRAYS = {
     "rows": Batch.rows_of,
     "log": Batch.log_of,
     "peaks": Batch.peaks_of,
@@ -277,8 +277,8 @@ class ElementType:
                 return batch.blank((batch.instants + 1) * len(elements), cls.kernels().TRACK)
             case "account":
                 return (batch.work_account if cls.gives else batch.loss_account)(cls)
-            case _ if name in SHARED:
-                return SHARED[name](batch, cls)
+            case _ if name in BATCH_ARRAYS:
+                return BATCH_ARRAYS[name](batch, cls)
         return batch.integers(getattr(element, name) for element in elements)
 
     @classmethod

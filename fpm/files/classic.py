@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-BROKEN = (OSError, ValueError, TypeError, KeyError, IndexError, AssertionError, OverflowError)
+FILE_ERRORS = (OSError, ValueError, TypeError, KeyError, IndexError, AssertionError, OverflowError)
 """What scipy's reader may raise on a file that is not whole."""
 
 
@@ -64,7 +64,7 @@ def read(
             return _attributes(file), variables
     except FileNotFoundError:
         raise
-    except BROKEN:
+    except FILE_ERRORS:
         raise OSError(f"{os.fspath(path)} is not a whole file in netCDF's classic format") from None
 
 
@@ -83,9 +83,9 @@ def _column(
         values = values.astype(np.int32)
     if values.dtype.kind != "U":
         return NetcdfVariable(tuple(dims), values, attributes)
-    encoded = np.char.encode(values.ravel(), "utf-8")
-    width = max(1, encoded.dtype.itemsize)
-    characters = encoded.astype(f"S{width}").view("S1").reshape(*values.shape, width)
+    letters = np.char.encode(values.ravel(), "utf-8")
+    width = max(1, letters.dtype.itemsize)
+    characters = letters.astype(f"S{width}").view("S1").reshape(*values.shape, width)
     return NetcdfVariable(
         (*dims, f"{name}_width"), characters, {**attributes, "_Encoding": "utf-8"}
     )

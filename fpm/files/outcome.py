@@ -69,7 +69,7 @@ class Outcome(Curves):
     @property
     def tensions(self) -> dict[str, np.ndarray]:
         """Tensions (t,), N, of all cables by name, at the recorded instants."""
-        return self.labelled("cable_tension")
+        return self.select_columns("cable_tension")
 
     @property
     def gap(self) -> np.ndarray:

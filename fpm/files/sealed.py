@@ -99,7 +99,7 @@ def read_bytes(path: str | os.PathLike, most: int = _MOST) -> bytes:
 _NONBLOCK = getattr(os, "O_NONBLOCK", 0)
 
 
-def unsealed(path: str | os.PathLike) -> bytes:
+def unseal(path: str | os.PathLike) -> bytes:
     """Return the sealed file at `path` without its seal; DamagedError if not as it was written."""
     content = read_bytes(path)
     check_content(path, content)

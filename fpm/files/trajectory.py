@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from fpm.elements.cross import columns as stacked
+from fpm.elements.cross import columns as stack_columns
 from fpm.elements.kind import Eventful
 from fpm.files import classic, sealed
 
@@ -58,7 +58,7 @@ class Curves:
     instants (s); points: (position (t, 3) m, velocity (t, 3) m/s) by name; energies: (t,) J by
     name; columns: further values (t,) by (variable, label); events (e, 3): time (s), index into
     `eventful`, index among that element's `events`; eventful: elements that have events;
-    events_dropped: number of events that were not kept; step: time step (s); codes: of variables
+    dropped_events: number of events that were not kept; step: time step (s); codes: of variables
     that were recorded on request and read from a file, digest of the code that computed each."""
 
     time: np.ndarray
@@ -67,16 +67,16 @@ class Curves:
     columns: Mapping[Column, np.ndarray]
     events: np.ndarray
     eventful: tuple[Eventful, ...]
-    events_dropped: int
+    dropped_events: int
     step: float
     codes: Mapping[str, str] = field(default_factory=dict, kw_only=True)
 
     @property
     def openings(self) -> dict[str, np.ndarray]:
         """Openings (joint coordinates) (t,) of all hinges by name: rad, of slides m."""
-        return {**self.labelled("opening"), **self.labelled("slide_opening")}
+        return {**self.select_columns("opening"), **self.select_columns("slide_opening")}
 
-    def labelled(self, variable: str) -> dict[str, np.ndarray]:
+    def select_columns(self, variable: str) -> dict[str, np.ndarray]:
         """Return the columns (t,) of a recorded variable by label: "cable_tension" by its cable."""
         return {label: x for (name, label), x in self.columns.items() if name == variable}
 
@@ -100,7 +100,7 @@ class Curves:
             event_pairs = zip(events, starts, strict=True)
             numbers = [labels.index(number_of(e)) if e else -1 for labels, e in event_pairs]
             selection = np.flatnonzero(self.events[:, 2] == np.array(numbers, int)[element])
-            blocks.append(stacked(self.events[selection, 0], index[element[selection]], flag))
+            blocks.append(stack_columns(self.events[selection, 0], index[element[selection]], flag))
         rows = np.concatenate(blocks)
         # In order of time; what begins and ends at once begins first.
         rows = rows[np.lexsort((rows[:, 1], -rows[:, 2], rows[:, 0]))]
@@ -137,7 +137,7 @@ def contents(outcome, responses=(), attributes=None, parameters=None) -> Content
         "responses": " ".join(response.name for response in responses),
         "time_step": outcome.step,
         "steps": outcome.steps,
-        "events_dropped": outcome.events_dropped,
+        "events_dropped": outcome.dropped_events,
     }
     if outcome.scene.assembly is not None:
         assembly = outcome.scene.assembly
@@ -322,7 +322,7 @@ def read_curves(path: str | os.PathLike, run: str | None = None) -> Curves:
                 Eventful(name, tuple(text.split(" ")))
                 for name, text in zip(names("event_element"), names("event_names"), strict=True)
             ),
-            events_dropped=int(attributes.get("events_dropped", 0)),
+            dropped_events=int(attributes.get("events_dropped", 0)),
             step=float(attributes["time_step"]),
             codes={n: v.attributes[CODE] for n, v in variables.items() if CODE in v.attributes},
         )

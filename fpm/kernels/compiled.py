@@ -25,11 +25,11 @@ from numba.core.dispatcher import Dispatcher
 from fpm.errors import ChangedError
 from fpm.kernels import run as loop
 from fpm.kernels import sources
-from fpm.kernels.hooks import IMPORTED, KERNELS
+from fpm.kernels.hooks import HASHES, KERNELS
 from fpm.kernels.vectors import OPTIONS
 
 
-def own_sources(parts: tuple[type, ...]) -> dict[Path, str]:
+def find_user_sources(parts: tuple[type, ...]) -> dict[Path, str]:
     """Return digests, by path, of the files outside of the package fpm on which the compiled code
     of some element types depends: where their arrays and kernels are defined, and files beside
     these that they import. parts: classes of the named tuples that their kernels take. Raises
@@ -38,7 +38,7 @@ def own_sources(parts: tuple[type, ...]) -> dict[Path, str]:
     digests = {}
     for part, definition in [*((part, part) for part in parts), *kernels]:
         digests |= sources.digests(sources.file_of(definition))
-        for path, digest in IMPORTED.get(part, {}).items():
+        for path, digest in HASHES.get(part, {}).items():
             if digests.get(path, digest) != digest:
                 raise ChangedError(str(path))
     return digests
@@ -49,7 +49,7 @@ def source_digest(parts: tuple[type, ...] = ()) -> str:
     """Return a digest (16 hex digits) of numba's version, the kernel sources of fpm, and the
     sources of element types from outside of fpm, after which the folder of compiled code is named.
     parts: classes of the named tuples that the types' kernels take."""
-    digests = [digest for _, digest in sorted(own_sources(parts).items())]
+    digests = [digest for _, digest in sorted(find_user_sources(parts).items())]
     text = repr([numba.__version__, sources.kernels(), digests])
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
@@ -81,10 +81,10 @@ def cache_folder(parts: tuple[type, ...] = (), entry: str = "loop") -> Path:
     pycache = Path(__file__).parent / "__pycache__"
     try:
         pycache.mkdir(exist_ok=True)
-        writable = os.access(pycache, os.W_OK)
+        is_writable = os.access(pycache, os.W_OK)
     except OSError:
-        writable = False
-    return (pycache if writable else sources.user_cache()) / name
+        is_writable = False
+    return (pycache if is_writable else sources.user_cache()) / name
 
 
 ENTRIES = {"loop": loop.run, "act": loop.act}
@@ -125,14 +125,14 @@ def loop_for(arguments: tuple, entry: str = "loop") -> Callable:
     if ready not in READY:  # to find the whole signature takes milliseconds
         with THREADS, _one_at_a_time(folder := cache_folder(kinds, entry)) as is_locked:
             run = _loop(kinds, entry, is_cached=is_locked)
-            if is_locked and (bad_files := _damaged_files(folder)):
+            if is_locked and (files := _damaged_files(folder)):
                 logging.getLogger(__name__).warning(
                     "%s: compiled code that is not as it was written; it is made again",
-                    ", ".join(str(folder / name) for name in bad_files),
+                    ", ".join(str(folder / name) for name in files),
                 )
                 for path in _cache_files(folder):
                     path.unlink(missing_ok=True)
-            with _seldom_collected():
+            with _collect_seldom():
                 run.compile(tuple(map(numba.typeof, arguments)))
             if is_locked:
                 with suppress(OSError):  # a full disk, say
@@ -142,7 +142,7 @@ def loop_for(arguments: tuple, entry: str = "loop") -> Callable:
 
 
 @contextmanager
-def _seldom_collected() -> Iterator[None]:
+def _collect_seldom() -> Iterator[None]:
     """With fewer searches for circles, which take a tenth of a compiler's time."""
     threshold = gc.get_threshold()
     gc.set_threshold(20_000)

@@ -5,7 +5,7 @@ from fpm.kernels.lanes import store
 from fpm.kernels.layout import BALANCE, ENERGY_SIZE
 from fpm.kernels.vectors import kernel
 
-UNBALANCED = -1
+IMBALANCE = -1
 """Cause of a failure: no watched quantity, but the energy balance."""
 
 
@@ -24,13 +24,13 @@ def find_failures(parts, world, record, row, n, tolerance):
         energy = world.sums[0, ENERGY_SIZE, s]
         if energy > record.scale[s]:
             record.scale[s] = energy
-        balanced = abs(record.energies[row, BALANCE, s]) <= tolerance * record.scale[s]
-        is_valid, cause = balanced, UNBALANCED
+        is_balanced = abs(record.energies[row, BALANCE, s]) <= tolerance * record.scale[s]
+        is_valid, cause = is_balanced, IMBALANCE
         for k in range(world.most.shape[0]):
             if not world.peaks[0, k, s] <= world.most[k, s]:
                 is_valid = False
                 # Mostly, only what happens while the energy balances is the cause.
-                if balanced or world.unconditional[k]:
+                if is_balanced or world.unconditional[k]:
                     cause = k
         if not is_valid:
             record.failed_step[s] = n
@@ -38,7 +38,7 @@ def find_failures(parts, world, record, row, n, tolerance):
             record.failed_balance[s] = record.energies[row, BALANCE, s]
             # They grow on while other lanes run.
             for k in range(world.most.shape[0]):
-                record.failed_watched[k, s] = world.peaks[0, k, s]
+                record.failed_peaks[k, s] = world.peaks[0, k, s]
             record.failed_row[s] = worst_row(parts, world, record.failed_cause[s], s)
             running -= 1
     return running == 0
@@ -48,19 +48,19 @@ def find_failures(parts, world, record, row, n, tolerance):
 def worst_row(parts, world, cause, s):
     """Return the index in World.rows, one number an element, of the element to blame for the
     failure of sample s (its lane): that of the first number not finite, else of the largest; -1:
-    none. cause: UNBALANCED, then the numbers are stored energies (J) of elements of all types; or
+    none. cause: IMBALANCE, then the numbers are stored energies (J) of elements of all types; or
     index of a watched quantity, then what `list_excess` stores for elements of the type that
     watches it. parts: arrays of each element type; world: solver state, rows overwritten."""
     rows = world.rows
     for e in range(rows.shape[0]):
         store(rows, e, 0, -1.0)
     first, end = 0, rows.shape[0]
-    if cause == UNBALANCED:
+    if cause == IMBALANCE:
         hooks.list_energies(parts, world)
     else:
         hooks.list_excess(parts, world)
         first, end = world.watch_rows[cause, 0], world.watch_rows[cause, 1]
-    worst = UNBALANCED
+    worst = IMBALANCE
     for e in range(first, end):
         if not abs(rows[e, 0, s]) < float("inf"):
             return e

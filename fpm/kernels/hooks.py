@@ -17,12 +17,12 @@ from fpm.errors import SceneError
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import ACCOUNTS, X
 from fpm.kernels.sources import digests, file_of
-from fpm.kernels.vectors import INLINED, kernel
+from fpm.kernels.vectors import INLINE, kernel
 
 KERNELS: dict[tuple[type, str], Callable] = {}
 """The kernel for a named tuple and the name of a hook."""
 
-IMPORTED: dict[type, dict[Path, str]] = {}
+HASHES: dict[type, dict[Path, str]] = {}
 """Of a named tuple the files outside of the mechanics that its kernels come from, with their
 digests when these were imported."""
 
@@ -40,17 +40,17 @@ def hook(arrays: type, name: str | None = None) -> Callable:
         hook_name = name or function.__name__
         if hook_name not in NAMES:
             raise ValueError(f"{hook_name} is no hook; expected one of {', '.join(NAMES)}")
-        compiled = function if hasattr(function, "py_func") else kernel(function)
-        kernels = {hook_name: compiled}
+        routine = function if hasattr(function, "py_func") else kernel(function)
+        kernels = {hook_name: routine}
         if hook_name == "energy_of":
-            kernels |= {"sum_energies": _sum(compiled), "list_energies": _list(compiled)}
+            kernels |= {"sum_energies": _sum(routine), "list_energies": _list(routine)}
         for key, entry in kernels.items():
             if (arrays, key) in KERNELS:
                 raise ValueError(f"{arrays.__name__} has a kernel for {key} already")
             KERNELS[arrays, key] = entry
         with suppress(SceneError):  # typed in: refused when it is to be compiled
-            IMPORTED.setdefault(arrays, digests(file_of(getattr(compiled, "py_func", compiled))))
-        return compiled
+            HASHES.setdefault(arrays, digests(file_of(getattr(routine, "py_func", routine))))
+        return routine
 
     return register
 
@@ -75,7 +75,7 @@ def _list(energy_of: Callable) -> Callable:
     return list_energies
 
 
-def _unrolled(line: str | None = None) -> Callable:
+def _unroll(line: str | None = None) -> Callable:
     """Make a hook of an empty function of (parts, ...). line: what is done for each kind, if not
     just a call of its `kernel` with its `part` for the parts; {j} counts those with a kernel."""
 
@@ -103,7 +103,7 @@ def _unrolled(line: str | None = None) -> Callable:
         # Numba wants to see the same arguments in both functions.
         namespace = {"choose": lambda parts: unroll([part.instance_class for part in parts.types])}
         exec(f"def typed(parts, {', '.join(arguments)}): return choose(parts)", namespace)
-        overload(call, jit_options=INLINED)(namespace["typed"])
+        overload(call, jit_options=INLINE)(namespace["typed"])
         return call
 
     return declare
@@ -112,33 +112,33 @@ def _unrolled(line: str | None = None) -> Callable:
 # In the order of a step. `timing` is the StepTime, `world` the World.
 
 
-@_unrolled()
+@_unroll()
 def forces(parts, world, timing):
     """Add the forces (N) and moments (N m) of all element types at timing.time to those of
     particles. parts: arrays of each element type; world: solver state; timing: step times (s)."""
 
 
-@_unrolled()
+@_unroll()
 def note_events(parts, world, timing):
     """Write the events of the step that ends now into logs, by `events.note`; not called at the
     start. parts: arrays of each element type; world: solver state; timing: step times (s)."""
 
 
-@_unrolled()
+@_unroll()
 def work_before(parts, world, timing):
     """Add to World.accounts the work (J) of the half step that ends now, by forces of now and
     velocities in its middle; not called at the start. parts: arrays of each element type; world:
     solver state (World); timing: times of this step (s)."""
 
 
-@_unrolled()
+@_unroll()
 def restrain(parts, world, timing):
     """Change summed forces and momenta of particles before they act, as supports and damping do,
     and add to World.accounts the work (J) of the half step that begins. parts: arrays of each
     element type; world: solver state (World); timing: times of this step (s)."""
 
 
-@_unrolled()
+@_unroll()
 def prepare(parts, world, timing):
     """Add the impulses of the forces, over timing.kick (s), to momenta of joints' bodies, and those
     that keep the joints closed, unless `solve` finds these (World.undecided is set then); rigid
@@ -146,7 +146,7 @@ def prepare(parts, world, timing):
     (World), changed; timing: times of this step (s)."""
 
 
-@_unrolled()
+@_unroll()
 def decide(parts, world, timing):
     """Hold or free openings in this step (as rigid latches and rigid friction do), by the impulses
     that `solve` found. Where anything changed, World.undecided is set, and `solve` and `decide` are
@@ -154,26 +154,26 @@ def decide(parts, world, timing):
     type; world: solver state (World); timing: times of this step (s)."""
 
 
-@_unrolled()
+@_unroll()
 def solve(parts, world, timing):
     """Find the impulses of joints and other constraints in this step; called while World.undecided
     is set. parts: arrays of each element type; world: solver state; timing: step times (s)."""
 
 
-@_unrolled()
+@_unroll()
 def move(parts, world, timing):
     """Move the particles that an element type moves itself over timing.step (s). parts: arrays of
     each element type; world: solver state (World), changed; timing: times of this step (s)."""
 
 
-@_unrolled()
+@_unroll()
 def look_back(parts, world, timing):
     """In the first step, correct the momenta half a step before the start in World.start_state,
     which mirror those after it, and the impulses of that step. parts: arrays of each element type;
     world: solver state (World); timing: times of this step (s)."""
 
 
-@_unrolled()
+@_unroll()
 def work_after(parts, world, timing):
     """Add to World.accounts the work (J) of the half step after timing.time, or of the whole step.
     parts: arrays of each element type; world: solver state (World); timing: step times (s)."""
@@ -182,9 +182,7 @@ def work_after(parts, world, timing):
 # At checks and instants, with the positions of timing.time.
 
 
-@_unrolled(
-    "store(energies, row, ACCOUNTS + world.accounts.shape[1] + {j}, {kernel}({part}, world))"
-)
+@_unroll("store(energies, row, ACCOUNTS + world.accounts.shape[1] + {j}, {kernel}({part}, world))")
 def sum_energies(parts, world, energies, row):
     """Store the energy (J, lanes) of all elements of each type in its column of row `row` of
     `energies`, the recorded ones. The kernel that a type registers takes (part, world) and returns
@@ -192,20 +190,20 @@ def sum_energies(parts, world, energies, row):
     type; world: solver state (World)."""
 
 
-@_unrolled()
+@_unroll()
 def work_of_place(parts, world, energies, row):
     """Add work (J) that depends on positions only, as of weight, to recorded energies. parts:
     arrays of each type; world: solver state; energies: Record.energies; row: instant's index."""
 
 
-@_unrolled()
+@_unroll()
 def record(parts, world, row):
     """Write what each element type records at an instant into its arrays, and raise its watched
     quantities (World.peaks), by which runs fail. parts: arrays of each element type; world:
     solver state (World); row: index of the recorded instant in them."""
 
 
-@_unrolled()
+@_unroll()
 def record_points(parts, world, points, row, timing):
     """Overwrite the recorded velocities (m/s) of named points on particles that an element type
     moves without momenta, as drives do. parts: arrays of each element type; world: solver state;
@@ -213,14 +211,14 @@ def record_points(parts, world, points, row, timing):
     the recorded instant, whose point n is points[row p + n]; timing: times of this step (s)."""
 
 
-@_unrolled()
+@_unroll()
 def work_due(parts, world, energies, row):
     """Add to recorded energies the work (J), up to the instant, of impulses found in the step after
     it. parts: arrays of each element type; world: solver state (World); energies: Record.energies;
     row: index of the recorded instant."""
 
 
-@_unrolled()
+@_unroll()
 def record_step(parts, world, row, timing):
     """Write what each type records of the step that begins at an instant into its arrays. parts:
     arrays of each element type; world: solver state, World.start_state that at the step's start;
@@ -237,13 +235,13 @@ NAMES.append("energy_of")
 # When a lane fails.
 
 
-@_unrolled()
+@_unroll()
 def list_energies(parts, world):
     """After a failure, store every element's energy (J) in its row of World.rows, to name the
     worst. parts: arrays of each element type; world: solver state (World)."""
 
 
-@_unrolled()
+@_unroll()
 def list_excess(parts, world):
     """After a failure, store in World.rows, in the rows of each type, how large every element's
     watched quantity is. parts: arrays of each element type; world: solver state (World)."""

@@ -11,7 +11,7 @@ from numba.core.registry import CPUDispatcher
 from numba.core.typing.context import BaseContext
 
 
-class _Inlined(JITCodeLibrary):
+class _InlinedLibrary(JITCodeLibrary):
     """The code of a kernel, of which no machine code is made."""
 
     def _optimize_final_module(self):
@@ -38,10 +38,10 @@ class InlinedCompiler(Compiler):
     numba passes them; library is replaced."""
 
     def __init__(self, typing: BaseContext, target, library, *rest):
-        super().__init__(typing, target, _Inlined(target.codegen(), "inlined"), *rest)
+        super().__init__(typing, target, _InlinedLibrary(target.codegen(), "inlined"), *rest)
 
 
-class Inlined(CPUDispatcher):
+class InlinedKernel(CPUDispatcher):
     """A compiled kernel, as numba sees it: compiled once for all constant arguments of a type."""
 
     def get_call_template(self, args, kws):

@@ -11,7 +11,7 @@ P = 12  # angular momentum in global components (3), half a step behind
 F = 15  # force (3)
 M = 18  # moment (3)
 STATE = 21
-SAVED = 15  # fields that recording needs from the start of a step: X, D2, D3, V, P
+START_FIELDS = 15  # fields that recording needs from the start of a step: X, D2, D3, V, P
 
 # Constants of a particle. The inverses are zero where a particle is held.
 IM = 0  # inverse mass

@@ -11,7 +11,7 @@ from fpm.kernels.layout import (
     KINETIC,
     MASS,
     POSITION,
-    SAVED,
+    START_FIELDS,
     TOTAL,
     VELOCITY,
     P,
@@ -21,7 +21,7 @@ from fpm.kernels.layout import (
 from fpm.kernels.rotation import frame
 from fpm.kernels.vectors import cross, dot, get3, kernel, put3, times, to_global, to_local
 
-NOTICED = 1e-6
+IMBALANCE_SHARE = 1e-6
 """Share of a kick's energy that counts in what the balance is compared with: far above rounding,
 and so little that a growing mode, whose kicks are all that it has, is none the less noticed."""
 
@@ -31,7 +31,7 @@ def keep(world):
     """Copy positions, axes and momenta of all particles from World.state to World.start_state,
     before a step that is recorded. world: solver state (World)."""
     for i in range(world.state.shape[0]):
-        for k in range(SAVED):
+        for k in range(START_FIELDS):
             store(world.start_state, i, k, load(world.state, i, k))
 
 
@@ -130,4 +130,4 @@ def balance(world, energies, row, kick):
         store(world.sums, 0, TOTAL, total)
     else:
         store(energies, row, BALANCE, total - load(world.sums, 0, TOTAL))
-    store(world.sums, 0, ENERGY_SIZE, size + NOTICED * kick)
+    store(world.sums, 0, ENERGY_SIZE, size + IMBALANCE_SHARE * kick)

@@ -35,7 +35,7 @@ def half_turn(body, rate):
 
 
 @kernel
-def put_turned(state, i, axes, half):
+def turn_frame(state, i, axes, half):
     """Turn the axes of particle i and store them in state (n, STATE, lanes), of all particles.
     axes: the three before, global; half: half the rotation vector (rad), along these axes."""
     x, y, z = half.x, half.y, half.z

@@ -9,7 +9,7 @@ from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import HALF, IJ, IM, KICK, F, M, P, V, X
 from fpm.kernels.record import keep, record_after, record_before, reflect
 from fpm.kernels.references import by_reference
-from fpm.kernels.rotation import frame, half_turn, normalise, put_turned
+from fpm.kernels.rotation import frame, half_turn, normalise, turn_frame
 from fpm.kernels.vectors import get3, kernel, put3, to_local
 from fpm.kernels.world import StepTime
 
@@ -56,15 +56,15 @@ def turn(state, particles, i, p):
     axes = frame(state, i)
     body = to_local(axes, p)
     half = half_turn(body, get3(particles, i, HALF))
-    put_turned(state, i, axes, half)
+    turn_frame(state, i, axes, half)
     return body, half
 
 
 @kernel
-def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
+def run(parts, world, record, step, steps, output_steps, check_steps, tolerance):
     """Integrate `steps` steps of `step` s; returns the number done, fewer where all samples failed.
     parts: arrays of each element type; world: solver state, changed; record: arrays of the run
-    (Record), written; per_instant: steps between recorded instants; per_check: steps between checks
+    (Record), written; output_steps: steps between recorded instants; check_steps: between checks
     that the energy balance is off by at most `tolerance` times the largest energy so far."""
     parts, world, record = by_reference(parts), by_reference(world), by_reference(record)
     state, free = world.state, world.free
@@ -75,8 +75,8 @@ def run(parts, world, record, step, steps, per_instant, per_check, tolerance):
         if n > 0:
             hooks.note_events(parts, world, timing)
             hooks.work_before(parts, world, timing)
-        check = n % per_check == 0
-        row = n // per_instant if n % per_instant == 0 else spare
+        check = n % check_steps == 0
+        row = n // output_steps if n % output_steps == 0 else spare
         if n % NORMALISE_EVERY == 0:
             normalise(state)
         if check:

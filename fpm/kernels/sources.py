@@ -1,7 +1,7 @@
 """A digest of source code that changes with what the code does, not with how it is written.
 
 Numbers come from code in memory, names from files: so the files of a package are noted before they
-are imported (`Imported`), and one that has changed since is refused where something is named."""
+are imported (`PackageFiles`); one that has changed since is refused where something is named."""
 
 import ast
 import hashlib
@@ -32,7 +32,7 @@ made again with every page. Everything else of the mechanics counts in the names
 CODE = (".py", ".html", ".jinja", ".css", ".js", ".yaml", ".json")
 """Files of a package that decide about results, by how they end."""
 
-SHIPPED = "shipped/"
+LINKS = "shipped/"
 """Folders that end so hold what does not decide: workflow and campaigns that are shipped along."""
 
 VERSION = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:8]
@@ -47,7 +47,7 @@ def state_of(stat: os.stat_result) -> State:
     return stat.st_ino, stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns
 
 
-class Imported:
+class PackageFiles:
     """Files of a package as they are when this object is made, which has to be before their import:
     a digest of them is one of the code in memory then, and a later change is found. folder: of the
     package; files in it are named by their paths below it. files: None, or, if the package was
@@ -59,7 +59,7 @@ class Imported:
         if files is not None:
             data = {n: state for n, state in self._states.items() if not n.endswith(".py")}
             stats = {path.relative_to(folder): state_of(stat) for path, stat in files.items()}
-            code = {p.as_posix(): s for p, s in stats.items() if SHIPPED not in p.parent.as_posix()}
+            code = {p.as_posix(): s for p, s in stats.items() if LINKS not in p.parent.as_posix()}
             self._states = data | code
         self._digests: dict[str, str] = {}
         self._digests_of: dict[tuple, str] = {}
@@ -125,7 +125,7 @@ class Imported:
 def _states(folder: str | Path, prefix: str = "") -> Iterator[tuple[str, State]]:
     for entry in os.scandir(folder):
         if entry.is_dir(follow_symlinks=False):
-            if entry.name != "__pycache__" and not prefix.endswith(SHIPPED):
+            if entry.name != "__pycache__" and not prefix.endswith(LINKS):
                 yield from _states(entry.path, f"{prefix}{entry.name}/")
         elif entry.name.endswith(CODE):
             with suppress(FileNotFoundError):  # a dangling link, as editors leave them for a lock
@@ -141,7 +141,7 @@ def _short(data: object) -> str:
     return hashlib.sha256(repr(data).encode()).hexdigest()[:16]
 
 
-MECHANICS = Imported(PACKAGE)
+MECHANICS = PackageFiles(PACKAGE)
 """Files of the package fpm, which imports this module before all others, as they were then."""
 
 
@@ -160,7 +160,7 @@ def kernels() -> str:
     return MECHANICS.digest(include=("elements", "kernels"))
 
 
-def own_sources(*starts: Path) -> set[Path]:
+def find_user_sources(*starts: Path) -> set[Path]:
     """Return the Python files `starts`, all files outside fpm that they import from beside or below
     them, directly or not, and for each the file beside it named with `_kernels` behind (its
     kernels). Imports within branches count too. Raises SceneError for a start that is no file."""
@@ -174,7 +174,7 @@ def own_sources(*starts: Path) -> set[Path]:
         if path not in files:
             files.add(path)
             roots = {start.resolve().parent for start in starts}
-            candidates = (*_imported(path, roots), path.with_name(f"{path.stem}_kernels.py"))
+            candidates = (*_find_imports(path, roots), path.with_name(f"{path.stem}_kernels.py"))
             neighbours = (file.resolve() for file in candidates if file.is_file())
             queue += [file for file in neighbours if PACKAGE not in file.parents]
     return files
@@ -182,10 +182,10 @@ def own_sources(*starts: Path) -> set[Path]:
 
 def digests(path: Path) -> dict[Path, str]:
     """Return digests, by path, of a file outside of fpm and of the files beside it that it imports
-    (`own_sources`), as they are now; {} for a file of fpm, whose code has its own digest."""
+    (`find_user_sources`), as they are now; {} for a file of fpm, whose code has its own digest."""
     if PACKAGE in path.parents:
         return {}
-    return {file: tree_digest(file) for file in own_sources(path)}
+    return {file: tree_digest(file) for file in find_user_sources(path)}
 
 
 def file_of(definition: Callable) -> Path:
@@ -201,10 +201,10 @@ def _no_file(source: str) -> SceneError:
     return SceneError("source of a structure or kind", source, allowed)
 
 
-def _imported(path: Path, roots: Iterable[Path] = ()) -> Iterator[Path]:
+def _find_imports(path: Path, roots: Iterable[Path] = ()) -> Iterator[Path]:
     """Files beside a file, or below the folders `roots`, that its imports would name, whether they
     exist or not; of a package `__init__.py`, too."""
-    for name, level in _names_imported(path.read_bytes(), str(path)):
+    for name, level in _list_imports(path.read_bytes(), str(path)):
         parts = name.split(".")
         yield from _sibling_files(path.parent, parts, level)
         for root in [path.parent, *path.parents][level : level + 1] if level else roots:
@@ -215,15 +215,15 @@ def _imported(path: Path, roots: Iterable[Path] = ()) -> Iterator[Path]:
                     yield place / "__init__.py"
 
 
-def packages_imported(path: Path) -> set[str]:
+def list_packages(path: Path) -> set[str]:
     """Return the first parts of the names that the Python file at `path` imports ("numpy" of
     numpy.linalg), without relative imports; and `__import__`, if it uses that."""
-    names = _names_imported(path.read_bytes(), str(path))
+    names = _list_imports(path.read_bytes(), str(path))
     return {name.partition(".")[0] for name, level in names if not level}
 
 
 @cache
-def _names_imported(content: bytes, path: str) -> list[tuple[str, int]]:
+def _list_imports(content: bytes, path: str) -> list[tuple[str, int]]:
     """Names in the imports of a file with this content, each with its number of leading dots."""
     imports = []
     for node in ast.walk(ast.parse(content, path)):

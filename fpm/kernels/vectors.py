@@ -17,7 +17,7 @@ from numba.extending import (
     register_model,
 )
 
-from fpm.kernels.inlining import Inlined, InlinedCompiler
+from fpm.kernels.inlining import InlinedCompiler, InlinedKernel
 from fpm.kernels.lanes import ALL_LANES, Lane, load, store, where_negative
 
 OPTIONS = {"error_model": "numpy", "boundscheck": False, "nogil": True, "_nrt": False}
@@ -25,7 +25,7 @@ OPTIONS = {"error_model": "numpy", "boundscheck": False, "nogil": True, "_nrt": 
 
 Without allocation nothing counts references: a look into a tuple of arrays costs nothing."""
 
-INLINED = {
+INLINE = {
     **OPTIONS,
     "forceinline": True,
     "no_cpython_wrapper": True,
@@ -40,8 +40,10 @@ def kernel(function: Callable) -> Callable:
     only. Called by itself it would be slower and might round otherwise."""
     if config.DISABLE_JIT:
         return function
-    options = {"nopython": True, **INLINED}
-    return Inlined(function, pipeline_class=options.pop("pipeline_class"), targetoptions=options)
+    options = {"nopython": True, **INLINE}
+    return InlinedKernel(
+        function, pipeline_class=options.pop("pipeline_class"), targetoptions=options
+    )
 
 
 class Vector(types.Type):
@@ -70,7 +72,7 @@ def _components(builder, value):
     return [builder.extract_value(value, k) for k in range(3)]
 
 
-def _packed(context, builder, vector, components):
+def _pack(context, builder, vector, components):
     value = ir.Constant(context.get_value_type(vector), ir.Undefined)
     for k, component in enumerate(components):
         value = builder.insert_value(value, component, k)
@@ -86,7 +88,7 @@ def _register_sum(op):
             lane = vector.lane
             function = context.get_function(op, lane(lane, lane))
             pairs = zip(*(_components(builder, arg) for arg in args), strict=True)
-            return _packed(context, builder, vector, [function(builder, pair) for pair in pairs])
+            return _pack(context, builder, vector, [function(builder, pair) for pair in pairs])
 
     cases = [signature(vector, vector, vector) for vector in VECTORS]
     infer_global(op)(type(f"Vector_{op.__name__}", (ConcreteTemplate,), {"cases": cases}))
@@ -103,7 +105,7 @@ def _register_product():
             def lower(context, builder, sig, args, vector=vector, factor=factor):
                 function = context.get_function(operator.mul, vector.lane(factor, vector.lane))
                 values = [function(builder, (args[0], v)) for v in _components(builder, args[1])]
-                return _packed(context, builder, vector, values)
+                return _pack(context, builder, vector, values)
 
     infer_global(operator.mul)(type("Vector_mul", (ConcreteTemplate,), {"cases": cases}))
 
@@ -120,7 +122,7 @@ def vector(typingctx, x, y, z):
         return None
 
     def codegen(context, builder, sig, args):
-        return _packed(context, builder, sig.return_type, args)
+        return _pack(context, builder, sig.return_type, args)
 
     return Vector(x)(x, x, x), codegen
 

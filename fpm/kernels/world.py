@@ -73,7 +73,7 @@ class Record(NamedTuple):
     sample's first failed check, (lanes,): failed_step: its step, -1: none failed, and the rest does
     not count; failed_cause: index of the watched quantity above its limit or not finite, -1: energy
     balance; failed_row: index in World.rows of the element of which that quantity, or the stored
-    energy, is largest or not finite, -1: none; failed_balance: error (J); failed_watched (w,
+    energy, is largest or not finite, -1: none; failed_balance: error (J); failed_peaks (w,
     lanes): World.peaks of all w watched quantities. scale (lanes,): largest energy so far, at least
     what rounding can hold (J)."""
 
@@ -83,5 +83,5 @@ class Record(NamedTuple):
     failed_cause: np.ndarray  # (lanes,) what was watched and is too large; -1: the balance
     failed_row: np.ndarray  # (lanes,) the worst element, a row of World.rows; -1: none
     failed_balance: np.ndarray  # (lanes,) J
-    failed_watched: np.ndarray  # (w, lanes) World.peaks then
+    failed_peaks: np.ndarray  # (w, lanes) World.peaks then
     scale: np.ndarray  # (lanes,) largest energy so far

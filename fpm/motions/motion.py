@@ -19,7 +19,7 @@ from fpm.reading.bars import bends_of
 from fpm.scenes.scene import Scene
 from fpm.solver.simulate import simulate
 
-MOST_RECORDED = 1e8  # numbers of one pass; larger scenes are run in several passes
+MAX_RECORDS = 1e8  # numbers of one pass; larger scenes are run in several passes
 
 _ARMS = {"place": (0.0, 0.0, 0.0), "second axis": (0.0, 1.0, 0.0), "third axis": (0.0, 0.0, 1.0)}
 _STEEPEST_MITRE = 0.3  # least cosine between a bar and the normal of the face that cuts it
@@ -59,9 +59,9 @@ def whole_motion(
     arguments |= {"energy_tolerance": energy_tolerance, "record": tuple(record)}
     count = len(scenes[0].position)
     points = len(_ARMS) * 6 * instants * 8  # numbers of one particle, with 8 runs side by side
-    passes = max(1, round(np.ceil(count * points / MOST_RECORDED)))
+    passes = max(1, round(np.ceil(count * points / MAX_RECORDS)))
     runs: list[list[tuple]] = [[] for _ in scenes]
-    rows = chosen_instants(duration, instants, frames, times)
+    rows = choose_instants(duration, instants, frames, times)
     for particles in np.array_split(np.arange(count), min(passes, count)):
         outcomes = simulate([_with_points(s, particles) for s in scenes], **arguments)
         for parts, outcome in zip(runs, outcomes, strict=True):
@@ -81,13 +81,13 @@ def whole_motion(
     return datasets
 
 
-def chosen_instants(duration: float, instants: int, frames: int, times=()) -> np.ndarray:
+def choose_instants(duration: float, instants: int, frames: int, times=()) -> np.ndarray:
     """Return the indices (k,), increasing, of the recorded instants that `whole_motion` returns:
     `frames` evenly spread ones, and those nearest to `times` (s). duration: of the run (s);
     instants: number of recorded ones, evenly spread from 0 to `duration`."""
-    even = np.linspace(0, instants - 1, min(frames, instants)).round().astype(int)
+    spread = np.linspace(0, instants - 1, min(frames, instants)).round().astype(int)
     nearest = np.round(np.asarray(times, float) / duration * (instants - 1)).astype(int)
-    return np.unique(np.concatenate([even, nearest.clip(0, instants - 1)]))
+    return np.unique(np.concatenate([spread, nearest.clip(0, instants - 1)]))
 
 
 def element_strains(
@@ -150,14 +150,14 @@ def _contact_faces(scene: Scene) -> dict[int, list[tuple[np.ndarray, np.ndarray]
 def _with_points(scene: Scene, particles: np.ndarray) -> Scene:
     """The scene with named points at particles and at arms along their axes."""
     result = copy(scene)
-    named = {
+    points = {
         f"{name} of particle {p}": VirtualBeam(int(p), np.array(arm))
         for p in particles
         for name, arm in _ARMS.items()
     }
-    if clash := set(named) & set(scene.points):
+    if clash := set(points) & set(scene.points):
         raise SceneError("point", sorted(clash)[0], "a name that is not one of a particle's axes")
-    result.points = {**scene.points, **named}
+    result.points = {**scene.points, **points}
     return result
 
 

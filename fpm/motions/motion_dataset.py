@@ -91,7 +91,7 @@ def to_dataset(motion: RecordedMotion, corners: np.ndarray, attributes: dict) ->
         "contact": [scene.hinges[contact.hinge].name for contact in scene.contacts],
     }
     time = {"units": "s", "long_name": "time", "standard_name": "time", "axis": "T"}
-    variables = _moving(motion, len(shapes.names)) | _fixed(scene, shapes) | _events(outcome)
+    variables = _moving(motion, len(shapes.names)) | _layout(scene, shapes) | _events(outcome)
     if scene.cables:
         names["cable"] = [cable.name for cable in scene.cables]
         variables |= _cables(motion)
@@ -122,10 +122,10 @@ def _moving(motion: RecordedMotion, elements: int) -> dict[str, tuple]:
     rows = motion.rows
     stress = np.zeros((len(motion.position), elements))  # none in rigid bodies, which come last
     if beams := motion.scene.beams:
-        found_stress = element_stress(
+        stresses = element_stress(
             motion.scene, beams, lambda p: motion.position[:, p], lambda p: motion.frame[:, p]
         )
-        stress[:, : found_stress.shape[1]] = found_stress
+        stress[:, : stresses.shape[1]] = stresses
     vector, element = ("time", "particle", "axis"), ("time", "element")
     points = [motion.outcome.points[name][0][rows] for name in motion.scene.points]
     places = np.stack(points, axis=1) if points else np.zeros((len(rows), 0, 3))
@@ -143,7 +143,7 @@ def _moving(motion: RecordedMotion, elements: int) -> dict[str, tuple]:
     }
 
 
-def _fixed(scene: Scene, shapes: Shapes) -> dict[str, tuple]:
+def _layout(scene: Scene, shapes: Shapes) -> dict[str, tuple]:
     """Connections and sizes; vectors in the frames of the particles."""
     points, hinges = list(scene.points.values()), scene.hinges
 

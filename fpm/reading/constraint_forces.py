@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fpm.assembly.conditions import ParticlePoses, conditions_of, dependence, scaled
+from fpm.assembly.conditions import ParticlePoses, conditions_of, dependence, scale_matrix
 from fpm.elements import kinds_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.joints.hinge import Hinge
@@ -125,9 +125,9 @@ def reaction(run: Recording, name: str) -> tuple[np.ndarray, np.ndarray]:
 
 def _is_ground(scene: Scene, particle: int) -> bool:
     """Whether a particle represents the ground."""
-    on_bars = any(particle in beams.nodes for beams in scene.beams)
+    is_on_bars = any(particle in beams.nodes for beams in scene.beams)
     has_role = (
-        on_bars or particle in scene.bodies.values() or particle in Drive.moved_particles(scene)
+        is_on_bars or particle in scene.bodies.values() or particle in Drive.moved_particles(scene)
     )
     return bool(scene.fixed[particle].all()) and not has_role
 
@@ -147,7 +147,7 @@ def undetermined_forces(scene: Scene, responses: Iterable[Any]) -> dict[str, str
         elif response.kind.startswith("reaction_"):
             holders = reactions_of(scene)[response.subjects[0]].holders
             joints.append((response, {f"{h}{end}" for h in holders for end in ("", SUPPORT)}))
-    names = undetermined(scene) if joints else set()
+    names = find_indeterminate(scene) if joints else set()
     return {
         response.name: f"conditions of {response.subjects[0]} depend on those of other joints of "
         "rigid parts, so that only the sum of their forces is determined: let a part between them "
@@ -156,7 +156,7 @@ def undetermined_forces(scene: Scene, responses: Iterable[Any]) -> dict[str, str
     }  # fmt: skip
 
 
-def undetermined(scene: Scene) -> set[str]:
+def find_indeterminate(scene: Scene) -> set[str]:
     """Return names of joints and supports of a scene whose forces the motion does not determine, at
     the start: their conditions depend on those of others, with no elastic part between, as in a
     planar loop of rigid bodies on hinges. Only sums of such forces are determined."""
@@ -167,7 +167,7 @@ def undetermined(scene: Scene) -> set[str]:
     size = float(np.ptp(scene.position, axis=0).max()) or 1.0
     scales = np.tile(np.repeat([size, 1.0], 3), len(scene.position))
     places = ParticlePoses(scene.position, scene.frame)
-    rows = scaled(conditions.jacobian(places), conditions.weight(size), scales)
+    rows = scale_matrix(conditions.jacobian(places), conditions.weight(size), scales)
     rows = rows[:, np.flatnonzero(free)].tocsr()
     joints: set[str] = set()
     count, groups = connected_components(abs(rows) @ abs(rows).T, directed=False)

@@ -22,29 +22,29 @@ MIN_STEPS = 5
 touches: a step before the later one, SPREAD after the earlier one, and up to one to the first."""
 
 
-def value_at(curves: Curves, response: Response, instant: float, event: bool) -> float:
+def value_at(curves: Curves, response: Response, instant: float, is_event: bool) -> float:
     """Return the value of a response in one run at `instant` (s). curves: the run's recorded
-    series; event: whether something jumps then, as at an impact, so that the value just before is
+    series; is_event: whether something jumps then, as at an impact: the value just before is
     meant. That is found by values and rates of three instants where rates are recorded (Hermite);
     else, and without an event, by a cubic at most through the nearest instants with no other event
     between. With fewer than two such instants nothing is extrapolated: just before an event it is
     the value at the last instant a step before, else linear interpolation."""
     time, step, values = curves.time, curves.step, response.evaluate(curves)
     times = np.sort(curves.events[:, 0])
-    if event:  # those that a few steps cannot tell apart are one
+    if is_event:  # those that a few steps cannot tell apart are one
         instant = float(times[np.searchsorted(times, instant - MIN_STEPS * step)])
-    later_events = times[np.searchsorted(times, instant, side="left" if event else "right") :]
-    past_events = times[times < instant] if event else times[times <= instant]
+    later_events = times[np.searchsorted(times, instant, side="left" if is_event else "right") :]
+    earlier_events = times[times < instant] if is_event else times[times <= instant]
     upper = np.inf if not len(later_events) else later_events[0] - step
-    lower = -np.inf if not len(past_events) else past_events[-1] + SPREAD * step
+    lower = -np.inf if not len(earlier_events) else earlier_events[-1] + SPREAD * step
     rounding = 1e-6 * step  # of times
     indices = np.flatnonzero((time >= lower - rounding) & (time <= upper + rounding))
-    if event and (value := _continued(curves, response, indices[-5:], instant)) is not None:
+    if is_event and (value := _extrapolate(curves, response, indices[-5:], instant)) is not None:
         return value
     if len(indices) > 1:
         middle = np.searchsorted(time[indices], instant, side="left")
         return cubic_through(time[indices], values[indices], middle + 1)(instant)
-    if event:
+    if is_event:
         return values[max(np.searchsorted(time, upper + rounding, side="right") - 1, 0)]
     return np.interp(instant, time, values)
 
@@ -57,7 +57,7 @@ def cubic_through(time: np.ndarray, values: np.ndarray, last: int) -> np.polynom
     return np.polynomial.Polynomial.fit(time[window], values[window], len(time[window]) - 1)
 
 
-def _continued(curves: Curves, response: Response, rows, t: float) -> float | None:
+def _extrapolate(curves: Curves, response: Response, rows, t: float) -> float | None:
     """Value of a response at t (s) after the instants `rows`, extrapolated by rates of
     constituents; None where these are not recorded, or predict the last of five instants no better
     than a cubic (a constituent trembles between the instants, or jumps)."""
@@ -69,8 +69,8 @@ def _continued(curves: Curves, response: Response, rows, t: float) -> float | No
         return None
     points = {name: (value, value) for name, value in values.items()}
     columns = {("opening", name): value[:, 0] for name, value in values.items()}
-    continued = replace(curves, time=np.array([t]), points=points, columns=columns)
-    return float(response.evaluate(continued)[0])
+    extrapolation = replace(curves, time=np.array([t]), points=points, columns=columns)
+    return float(response.evaluate(extrapolation)[0])
 
 
 def _with_rates(curves: Curves, kind: str, name: str) -> tuple[np.ndarray, np.ndarray] | None:
@@ -93,8 +93,8 @@ def _continue(time: np.ndarray, values: np.ndarray, rates: np.ndarray, t: float)
     if len(time) < 5:
         return None
     cubic = np.polynomial.polynomial.polyfit(time[:4] - time[4], values[:4], 3)[0]
-    predicted = _hermite(time[1:4], values[1:4], rates[1:4], time[4])
-    error, limit = (np.linalg.norm(value - values[4]) for value in (predicted, cubic))
+    prediction = _hermite(time[1:4], values[1:4], rates[1:4], time[4])
+    error, limit = (np.linalg.norm(value - values[4]) for value in (prediction, cubic))
     rounding = 1e-12 * np.abs(values).max()
     return _hermite(time[2:], values[2:], rates[2:], t) if error <= limit + rounding else None
 

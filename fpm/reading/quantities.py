@@ -19,22 +19,23 @@ class Quantity:
     """Definition of a named number of a run, such as a peak or the time of an event.
 
     kind: how it is read, a key of KINDS, as "largest"; unit (UDUNITS) and long_name: of the number;
-    response: the function of time that it is read off, None for events; at: of a value, its time
-    (s) or the quantity that gives it; about: target of settling or overshoot, None: the last value;
-    within: largest deviation from it after settling; level, way ("rising", "falling", "either"): of
-    a crossing; number: n, from 1, of the nth crossing or event; event: its name; places: names of
-    the elements whose events count, (): none. about, within, level: in the response's unit."""
+    response: the function of time that it is read off, None for events; instant: of a value, its
+    time (s) or the quantity that gives it; target: target of settling or overshoot, None: the last
+    value; tolerance: largest deviation from it after settling; level, direction ("rising",
+    "falling", "either"): of a crossing; number: n, from 1, of the nth crossing or event; event: its
+    name; places: names of the elements whose events count, (): none. target, tolerance, level: in
+    the response's unit."""
 
     name: str
     kind: str
     unit: str
     long_name: str
     response: Response | None = None
-    at: Union["Quantity", float, None] = None
-    about: float | None = None
-    within: float = 0.0
+    instant: Union["Quantity", float, None] = None
+    target: float | None = None
+    tolerance: float = 0.0
     level: float = 0.0
-    way: str = "either"
+    direction: str = "either"
     number: int = 1
     event: str = ""
     places: tuple[str, ...] = ()
@@ -43,12 +44,12 @@ class Quantity:
     def is_instantaneous(self) -> bool:
         """Whether the quantity is a size of the response at an instant (largest, smallest, rms,
         overshoot), so that a shock that mesh and step do not resolve can decide it."""
-        return KINDS[self.kind].instantaneous
+        return KINDS[self.kind].is_instantaneous
 
     @property
     def is_time(self) -> bool:
         """Whether the quantity is the time (s) of a crossing, event or settling, which lies between
-        0 and the run's end, and can be another's `at`; not that of a smallest value."""
+        0 and the run's end, and can be another's `instant`; not that of a smallest value."""
         return KINDS[self.kind].unit == "s"
 
     @property
@@ -62,17 +63,17 @@ class Quantity:
     def decider(self) -> "Quantity | None":
         """The quantity whose `margin` tells by how much this one exists: itself (crossing, settling
         to a target), or of a value that giving its time; None: runs only tell whether it does."""
-        if isinstance(self.at, Quantity):
-            return self.at.decider
-        settles = self.kind == "settling" and self.about is not None
+        if isinstance(self.instant, Quantity):
+            return self.instant.decider
+        settles = self.kind == "settling" and self.target is not None
         return self if self.kind == "crossing" or settles else None
 
     def margin(self, values: np.ndarray) -> np.ndarray:
         """Return by how much (...) a crossing or settling occurs, in the response's unit, > 0 if it
         does, else < 0, continuous. values (..., t): of the response. Only for a `decider`."""
         if self.kind == "settling":
-            return self.within - np.abs(values[..., -1] - self.about)
-        return crossing_margin(values - self.level, self.way, self.number)
+            return self.tolerance - np.abs(values[..., -1] - self.target)
+        return crossing_margin(values - self.level, self.direction, self.number)
 
     def evaluate(self, curves: Curves) -> float:
         """Return the quantity's value in one run; NaN if it does not exist there, as where an event
@@ -149,10 +150,10 @@ def _root(time: np.ndarray, values: np.ndarray, i: int) -> float:
     """Where values (t,) vanish between the instants i and i + 1, at which they differ in sign."""
     cubic = cubic_through(time, values, i + 2)
     low, high = float(time[i]), float(time[i + 1])
-    rising = bool(values[i + 1] > 0)
+    is_rising = bool(values[i + 1] > 0)
     for _ in range(60):
         middle = 0.5 * (low + high)
-        if (cubic(middle) > 0) == rising:
+        if (cubic(middle) > 0) == is_rising:
             high = middle
         else:
             low = middle
@@ -197,8 +198,8 @@ def _overshoot(values: np.ndarray, target: float | None) -> float:
 
 
 def _value(quantity: Quantity, curves: Curves) -> float:
-    instant = quantity.at if isinstance(quantity.at, Quantity) else None
-    time = instant.evaluate(curves) if instant else quantity.at
+    instant = quantity.instant if isinstance(quantity.instant, Quantity) else None
+    time = instant.evaluate(curves) if instant else quantity.instant
     if not np.isfinite(time) or not curves.time[0] <= time <= curves.time[-1]:
         return float("nan")
     event = instant is not None and instant.kind == "event"
@@ -209,9 +210,9 @@ def _event(quantity: Quantity, curves: Curves) -> float:
     times = curves.times(quantity.event, quantity.places)
     if len(times) >= quantity.number:
         return float(times[quantity.number - 1])
-    if curves.events_dropped:
+    if curves.dropped_events:
         raise ValueError(
-            f"{quantity.name}: a run has {curves.events_dropped} events more than are kept; "
+            f"{quantity.name}: a run has {curves.dropped_events} events more than are kept; "
             f"{quantity.long_name} may be among them"
         )
     return float("nan")
@@ -221,7 +222,7 @@ class QuantityType(NamedTuple):
     """A kind of quantity, in KINDS. read(quantity, curves): returns its number in a run; text:
     template of its long name, in which {about} is the response's; mandatory, optional: further keys
     that a definition must or may have; unit: of the number, None: the response's; positive: whether
-    it is never below 0; instantaneous: whether it is a size of the response at an instant."""
+    it is never below 0; is_instantaneous: whether it is a size of the response at an instant."""
 
     read: Callable[[Quantity, Curves], float]
     text: str
@@ -229,7 +230,7 @@ class QuantityType(NamedTuple):
     optional: tuple[str, ...] = ()
     unit: str | None = None
     positive: bool = False
-    instantaneous: bool = False
+    is_instantaneous: bool = False
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -239,27 +240,27 @@ class QuantityType(NamedTuple):
 
 KINDS = {
     "largest": QuantityType(
-        _of_values(lambda q, time, y: peak(y)), "largest {about}", instantaneous=True
+        _of_values(lambda q, time, y: peak(y)), "largest {about}", is_instantaneous=True
     ),
-    "smallest": QuantityType(_smallest, "smallest {about}", instantaneous=True),
+    "smallest": QuantityType(_smallest, "smallest {about}", is_instantaneous=True),
     "smallest_at": QuantityType(_place_of_smallest, "{place} of the smallest {about}"),
     "final": QuantityType(_of_values(lambda q, time, y: float(y[-1])), "final {about}"),
     "mean": QuantityType(_of_values(lambda q, time, y: _mean(time, y)), "mean {about}"),
     "rms": QuantityType(
         _of_values(lambda q, time, y: float(np.sqrt(_mean(time, y**2)))), "rms {about}",
-        positive=True, instantaneous=True,
+        positive=True, is_instantaneous=True,
     ),
     "value": QuantityType(_value, "{about} {moment}", ("at",)),
     "overshoot": QuantityType(
-        _of_values(lambda q, time, y: _overshoot(y, q.about)), "overshoot of the {about}",
-        optional=("about",), positive=True, instantaneous=True,
+        _of_values(lambda q, time, y: _overshoot(y, q.target)), "overshoot of the {about}",
+        optional=("about",), positive=True, is_instantaneous=True,
     ),
     "settling": QuantityType(
-        _of_values(lambda q, time, y: settling(time, y, q.within, q.about)),
+        _of_values(lambda q, time, y: settling(time, y, q.tolerance, q.target)),
         "time from which the {about} stays within {within:.6g}", ("within",), ("about",), "s",
     ),
     "crossing": QuantityType(
-        _of_values(lambda q, time, y: crossing(time, y, q.level, q.way, q.number)),
+        _of_values(lambda q, time, y: crossing(time, y, q.level, q.direction, q.number)),
         "time of the {nth}crossing of {level:.6g}{way} by the {about}",
         ("level",), ("way", "number"), "s",
     ),

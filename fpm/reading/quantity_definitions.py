@@ -12,6 +12,8 @@ from fpm.reading.quantities import KINDS, Quantity
 from fpm.reading.responses import Response
 
 DIRECTIONS = ("rising", "falling", "either")
+_FIELDS = {"at": "instant", "about": "target", "within": "tolerance", "way": "direction"}
+"""Fields of `Quantity` that some keys of a definition are; the others have the key's name."""
 
 
 def parse(
@@ -49,7 +51,7 @@ def _parse(name, definition, responses, elements, quantities) -> Quantity:
         number = _whole(f"{key}.number", definition.get("number", 1))
         places = _places(key, target, definition.get("of"), elements)
         quantity = Quantity(name, kind, "s", "", number=number, event=target, places=places)
-        return _named(quantity, definition.get("of", ""))
+        return _add_long_name(quantity, definition.get("of", ""))
     response = responses[_one_of(f"{key}.{kind}", target, responses)]
     read = {
         **dict.fromkeys(("level", "about"), lambda key, value: _real(key, value, response.unit)),
@@ -58,15 +60,15 @@ def _parse(name, definition, responses, elements, quantities) -> Quantity:
         "way": lambda key, value: _one_of(key, value, DIRECTIONS),
         "at": lambda key, value: _moment(key, value, quantities),
     }
-    keys = [field for field in KINDS[kind].keys if field in definition]
-    fields = {field: read[field](f"{key}.{field}", definition[field]) for field in keys}
+    names = [name for name in KINDS[kind].keys if name in definition]
+    fields = {_FIELDS.get(n, n): read[n](f"{key}.{n}", definition[n]) for n in names}
     unit = KINDS[kind].unit or response.unit
     if kind == "smallest_at":
         unit = response.along.unit if response.along else "s"
     if response.along and KINDS[kind].mandatory:
         allowed = "a response over time, or largest, smallest, smallest_at, mean of this one"
         raise SceneError(f"{key}.{kind}", target, allowed)
-    return _named(Quantity(name, kind, unit, "", response, **fields))
+    return _add_long_name(Quantity(name, kind, unit, "", response, **fields))
 
 
 def _kind_of(key: str, definition: object) -> str:
@@ -102,15 +104,15 @@ def _places(key: str, event: object, target: object, elements: list[Eventful]) -
     return tuple(matches or joint_names or [_one_of(f"{key}.of", target, places)])
 
 
-def _named(quantity: Quantity, target: str = "") -> Quantity:
+def _add_long_name(quantity: Quantity, target: str = "") -> Quantity:
     """The quantity with its long name."""
-    time, places, response = quantity.at, quantity.places, quantity.response
+    time, places, response = quantity.instant, quantity.places, quantity.response
     text = KINDS[quantity.kind].text.format(
         about=response.long_name if response else "",
         nth="first " if quantity.number == 1 else f"{_ordinal(quantity.number)} ",
         level=quantity.level,
-        way="" if quantity.way == "either" else f" {quantity.way}",
-        within=quantity.within,
+        way="" if quantity.direction == "either" else f" {quantity.direction}",
+        within=quantity.tolerance,
         moment=f"at {time.name}" if isinstance(time, Quantity) else f"at {time or 0.0:.6g} s",
         event=quantity.event,
         place=response.along.words if response and response.along else "time",

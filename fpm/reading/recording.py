@@ -122,7 +122,7 @@ class Recording:
         turning = self._angular(particle, change - gyroscopic)
         return self._column(particle, "ACCELERATION"), turning
 
-    def _in_own_axes(self, particle: int, vector: np.ndarray, change: Callable) -> np.ndarray:
+    def _turn_components(self, particle: int, vector: np.ndarray, change: Callable) -> np.ndarray:
         """A vector (t, 3) after a change of its components along the particle's axes."""
         axes = self.axes(particle)
         return np.einsum("tij,tj->ti", axes, change(np.einsum("tij,ti->tj", axes, vector)))
@@ -130,7 +130,7 @@ class Recording:
     def _angular(self, particle: int, momentum: np.ndarray) -> np.ndarray:
         """Inverse inertia of a particle times a momentum (t, 3), about axes it may turn about."""
         inertia = turns_of(self.scene).inertia[particle]
-        rotation = self._in_own_axes(particle, momentum, lambda local: local / inertia)
+        rotation = self._turn_components(particle, momentum, lambda local: local / inertia)
         return rotation * ~self.scene.fixed[particle, 3:]
 
     def inertia(self, particle: int) -> tuple[np.ndarray, np.ndarray]:
@@ -139,7 +139,7 @@ class Recording:
         (change, turning), spin = self.acceleration(particle), self.spin(particle)
         inertia = self.scene.inertia[particle]
         momentum, moment = (
-            self._in_own_axes(particle, v, lambda x: x * inertia) for v in (spin, turning)
+            self._turn_components(particle, v, lambda x: x * inertia) for v in (spin, turning)
         )
         return self.scene.mass[particle] * change, moment + np.cross(spin, momentum)
 

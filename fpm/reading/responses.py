@@ -13,7 +13,7 @@ import numpy as np
 from fpm.elements import Latch, RigidLatch, energies_of, kinds_of
 from fpm.elements.openings.latch import SERIES
 from fpm.elements.openings.opening import SLIDING
-from fpm.errors import SceneError, did_you_mean, renamed
+from fpm.errors import SceneError, did_you_mean, hint_new
 from fpm.files.trajectory import Column, Curves
 from fpm.reading import bars, margins
 from fpm.reading.margins import Abscissa
@@ -85,7 +85,7 @@ def parse(name: str, definition: Mapping[str, Any], scene: Scene) -> Response:
         keys = f" and {', '.join(mandatory)}" if mandatory else ""
         options = f", perhaps with {', '.join(optional)}" if optional else ""
         lone = "" if mandatory or optional else " alone"
-        hints = ((key, renamed(key, optional)) for key in definition)
+        hints = ((key, hint_new(key, optional)) for key in definition)
         text = f"{kind}{keys}{options}{lone}{''.join(f'; {key}{h}' for key, h in hints if h)}"
         raise SceneError(f"responses.{name}", dict(definition), text)
     return KINDS[kind].read(Definition(name, kind, definition, scene))
@@ -286,7 +286,7 @@ def _power(response: Response, run: Curves) -> np.ndarray:
     return rate * np.sum([np.zeros_like(rate), *columns], axis=0)
 
 
-def _lost_energy(response: Response, run: Curves) -> np.ndarray:
+def _dissipated_energy(response: Response, run: Curves) -> np.ndarray:
     """Energy (t,) J lost so far: by all, an account of the balance, or what a part of the moments
     has neither done as work on the hinges nor stored."""
     kind, energies = response.subjects[0], run.energies
@@ -327,7 +327,7 @@ FORMS = {
 """How definitions name columns of variables, and the other keys that it takes."""
 
 
-def _as_recorded(variable: Variable) -> ResponseType:
+def _read_record(variable: Variable) -> ResponseType:
     """The response type of a variable by itself."""
     read, mandatory = FORMS[variable.form]
     return ResponseType(read, mandatory=mandatory, positive=variable.positive, shock=variable.shock)
@@ -361,10 +361,10 @@ KINDS = {
                    lambda response, run: run.energies[response.subjects[0]],
                    positive=("strain", "spring", "contact")),
     **{name: ResponseType(_latch, shock=name == "latch_moment") for name in SERIES},
-    **{name: _as_recorded(variable) for name, variable in VARIABLES.items() if variable.form},
+    **{name: _read_record(variable) for name, variable in VARIABLES.items() if variable.form},
     "opening_rate": ResponseType(partial(_opening, unit="rad s-1", words="rate of the opening")),
     "joint_moment": ResponseType(_moment, _sum, optional=("part",), shock=True),
     "joint_power": ResponseType(_moment, _power, optional=("part",), shock=True),
-    "loss": ResponseType(_loss, _lost_energy),
+    "loss": ResponseType(_loss, _dissipated_energy),
     "margin": ResponseType(margins.read, margins.values, ("to", "standard"), margins.OPTIONAL),
 }  # fmt: skip

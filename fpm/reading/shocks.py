@@ -16,22 +16,22 @@ _HOLDING = ("sum", "latch", "motor", "release")
 others follow from openings and their rates."""
 
 
-def doubt(scene: Scene, response: Response) -> str:
+def warn(scene: Scene, response: Response) -> str:
     """Return a warning, with the remedy, that peaks of a response do not converge as mesh and step
     are refined in a scene, since a latch or a sudden load gives a shock; "" where they do."""
-    jumps = KINDS[response.kind].shock
+    has_shock = KINDS[response.kind].shock
     if response.kind in ("joint_moment", "joint_power"):
-        jumps = response.subjects[1] in _HOLDING
-    if not jumps:
+        has_shock = response.subjects[1] in _HOLDING
+    if not has_shock:
         return ""
     if latches := [latch.label(scene) for latch in RigidLatch.find(scene)]:
         return (
-            f"{_listed(latches)} without `stiffness` stops the joint within one step, an impact "
+            f"{_join(latches)} without `stiffness` stops the joint within one step, an impact "
             "as large as mesh and step make it: state the `stiffness` of the latch, or of what "
             "bears it"
         )
-    sudden = any(_sudden(scene, load) for load in Load.find(scene))
-    if scene.beams and sudden and not any(viscosity.share for viscosity in Viscosity.find(scene)):
+    starts = any(_is_sudden(scene, load) for load in Load.find(scene))
+    if scene.beams and starts and not any(viscosity.share for viscosity in Viscosity.find(scene)):
         return (
             "a load begins at once, and the wave that it sends through the bars rings in the last "
             "mode of the mesh, a quarter too high and more the finer it is: state "
@@ -41,7 +41,7 @@ def doubt(scene: Scene, response: Response) -> str:
     return ""
 
 
-def _listed(latches: list[str]) -> str:
+def _join(latches: list[str]) -> str:
     """`latch a`, `latches a and b`, `latches a, b and 4 more`."""
     if len(latches) == 1:
         return f"latch {latches[0]}"
@@ -49,7 +49,7 @@ def _listed(latches: list[str]) -> str:
     return f"latches {' and '.join(names)}"
 
 
-def _sudden(scene: Scene, load: Load) -> bool:
+def _is_sudden(scene: Scene, load: Load) -> bool:
     """Whether a load is there from the start on."""
     first = 1.0
     if load.curve >= 0:

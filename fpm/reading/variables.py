@@ -301,7 +301,7 @@ VARIABLES = {
 }  # fmt: skip
 
 
-def prepared(scene: Scene, columns: Iterable[Column]) -> Scene:
+def add_probe(scene: Scene, columns: Iterable[Column]) -> Scene:
     """Return a copy of a scene with the probe, the element that makes the time loop record
     `columns`, pairs (variable, label); the scene itself if there are none. variable: key of
     VARIABLES; SceneError for a label that the scene does not have of it."""
@@ -336,7 +336,7 @@ def numbers(scene: Scene, columns: Iterable[Column]) -> int:
     scene to record `columns`, pairs (variable, label)."""
     from fpm.elements.particles import probe_kernels
 
-    probe = Probe.of_scene(prepared(scene, columns))
+    probe = Probe.of_scene(add_probe(scene, columns))
     count = probe_kernels.FRAME * len(probe.frames) + probe_kernels.FORCES * len(probe.forces)
     joints = len(Hinge.find(scene)) + len(Joint.find(scene))
     moments = 2 * len(PARTS) * len(scene.hinges)

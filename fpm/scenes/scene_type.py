@@ -13,7 +13,7 @@ from fpm.kernels import sources
 from fpm.scenes.scene import Scene
 
 
-def one_line(text: str) -> str:
+def join_lines(text: str) -> str:
     """Return a text as one line without control characters, as comments and tables need it."""
     return "".join(c for c in " ".join(text.split()) if c.isprintable())
 
@@ -38,7 +38,7 @@ class Parameter:
     kind: str = "real"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "description", one_line(self.description))
+        object.__setattr__(self, "description", join_lines(self.description))
 
     @property
     def allowed(self) -> str:
@@ -106,7 +106,7 @@ class SceneType:
         return ("kinetic", *names, "balance")
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "description", one_line(self.description))
+        object.__setattr__(self, "description", join_lines(self.description))
 
     @property
     def digest(self) -> str:

@@ -67,8 +67,8 @@ def deformation_modes(
     if not blocks:
         no_rows, no_index = np.zeros((0, 12)), np.zeros(0, int)
         return Deformations(no_rows.astype(int), no_rows, no_rows[:, 0], no_index), no_index, []
-    merged = Deformations(*(np.concatenate(x) for x in zip(*blocks, strict=True)))
-    return merged, np.concatenate(kind_of), names
+    modes = Deformations(*(np.concatenate(x) for x in zip(*blocks, strict=True)))
+    return modes, np.concatenate(kind_of), names
 
 
 def scaled_modes(scene: Scene):
@@ -77,10 +77,10 @@ def scaled_modes(scene: Scene):
     each row's element; inverse masses and inertias (dofs,), 0 where held. Rows: deformations D of
     elements, of stiffnesses K; columns: six degrees of freedom of each particle, of masses M."""
     deformations = deformation_modes(scene)[0]
-    return _scaled(scene, deformations)
+    return _scale_modes(scene, deformations)
 
 
-def _scaled(scene: Scene, deformations: Deformations):
+def _scale_modes(scene: Scene, deformations: Deformations):
     from scipy.sparse import csr_matrix
 
     dofs, values, stiffness, element = deformations
@@ -132,14 +132,14 @@ def stable_step(scene: Scene) -> StableStep:
 def _limit(scene: Scene, step: float = np.inf) -> StableStep:
     """The limit, if the dampers are the springs that they are at a step (s)."""
     deformations, kind_of, names = deformation_modes(scene, step)
-    modes, element, inverse = _scaled(scene, deformations)
+    modes, element, inverse = _scale_modes(scene, deformations)
     kinds = kinds_of([scene])
-    blocked = {
+    blocked_columns = {
         n: kind.blocked_motions(scene, inverse) for n, kind in enumerate(kinds) if kind is Contact
     }
-    acting = ~np.isin(kind_of, list(blocked))
+    acting = ~np.isin(kind_of, list(blocked_columns))
     cases = [(modes[acting], element[acting])]
-    for number, columns in blocked.items():
+    for number, columns in blocked_columns.items():
         acts = acting | (kind_of == number)
         active = modes[acts]
         cases.append((active - (active @ columns) @ columns.T, element[acts]))

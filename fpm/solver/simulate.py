@@ -9,7 +9,7 @@ import numpy as np
 from fpm.errors import SceneError
 from fpm.files.outcome import Outcome
 from fpm.files.trajectory import Column
-from fpm.reading.variables import prepared
+from fpm.reading.variables import add_probe
 from fpm.scenes.scene import Scene
 from fpm.scenes.timestep import SAFETY, stable_step
 from fpm.solver import pack
@@ -21,12 +21,12 @@ CHECK_EVERY = 50
 
 
 class Division(NamedTuple):
-    """Division of a run into equal steps. step: length (s); per_instant: number of steps from one
-    recorded instant to the next; per_check: from one check of the energy balance to the next."""
+    """Division of a run into equal steps. step: length (s); output_steps: number of steps from one
+    recorded instant to the next; check_steps: from one check of the energy balance to the next."""
 
     step: float
-    per_instant: int
-    per_check: int
+    output_steps: int
+    check_steps: int
 
 
 def divide_time(duration: float, instants: int, max_step: float) -> Division:
@@ -41,8 +41,8 @@ def divide_time(duration: float, instants: int, max_step: float) -> Division:
     # The tiny allowance keeps a step that was given as an exact share of the interval.
     steps = max(1, math.ceil(interval / max_step * (1 - 1e-12)))
     checks = math.ceil(steps / CHECK_EVERY)
-    per_check = math.ceil(steps / checks)
-    return Division(interval / (per_check * checks), per_check * checks, per_check)
+    check_steps = math.ceil(steps / checks)
+    return Division(interval / (check_steps * checks), check_steps * checks, check_steps)
 
 
 def simulate(
@@ -81,7 +81,7 @@ def simulate(
         return []
     record = tuple(dict.fromkeys(record))
     if record:
-        scenes = [prepared(scene, record) for scene in scenes]
+        scenes = [add_probe(scene, record) for scene in scenes]
     if not 0 < duration < np.inf:
         raise SceneError("duration", duration, "a positive number (s)")
     if instants < 2:
@@ -121,11 +121,20 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
     from fpm.kernels.compiled import loop_for
 
     batch = pack.pack(scenes, width, dtype, instants, room)
-    step, per_instant, per_check = division
-    steps = per_instant * (instants - 1)
+    step, output_steps, check_steps = division
+    steps = output_steps * (instants - 1)
     parts, world, record = batch.parts(), batch.world(), batch.record(step, steps)
     # A whole number would be another type, for which the loop would be compiled again.
-    arguments = parts, world, record, step, steps, per_instant, per_check, float(tolerance)
+    arguments = (
+        parts,
+        world,
+        record,
+        step,
+        steps,
+        output_steps,
+        check_steps,
+        float(tolerance),
+    )
     loop_for(arguments)(*arguments)
     return batch, parts, world, record
 

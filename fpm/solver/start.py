@@ -40,7 +40,7 @@ EASE, ROUNDS = 1e-13, 30
 MASS_RATIO = 1e6
 """How many times as heavy as another a body may be without a closer look."""
 
-RESOLVED, REDUNDANT = 1e-8, 1e-24
+MIN_RANK_RATIO, REDUNDANT = 1e-8, 1e-24
 """Eigenvalues of the matrix of all conditions, its diagonal being one: above the first they are a
 hundred times what eases the joints (EASE in joint.py), so that a first solution is right to 1 % and
 the correction after it to 1e-4; below the second they are those of conditions that others imply."""
@@ -82,9 +82,9 @@ def check_masses(scene: Scene) -> None:
     masses = scene.mass[~scene.fixed.all(axis=1)]
     if masses.max(initial=0.0) <= MASS_RATIO * masses.min(initial=np.inf):
         return
-    rows = _scaled(scene, _rows(scene, conditions_of(scene)))[0]
+    rows = _scale_rows(scene, _rows(scene, conditions_of(scene)))[0]
     values = np.linalg.svd(rows.toarray(), compute_uv=False) ** 2
-    if np.any((values > REDUNDANT) & (values < RESOLVED)):
+    if np.any((values > REDUNDANT) & (values < MIN_RANK_RATIO)):
         raise SceneError(
             "masses of joined bodies (kg)",
             [float(masses.min()), float(masses.max())],
@@ -98,7 +98,7 @@ def _rows(scene: Scene, conditions: Conditions):
     return conditions.jacobian(ParticlePoses(scene.position, scene.frame))
 
 
-def _scaled(scene: Scene, rows):
+def _scale_rows(scene: Scene, rows):
     """Rows of unit length, by motions times the roots of masses; inverse roots of the masses (6n,
     6n); and factors (c,), the length by which each row was divided."""
     from scipy.sparse import block_diag, diags
@@ -123,7 +123,7 @@ def _least_change(scene: Scene, rows, residual: np.ndarray, most: float) -> np.n
     from scipy.sparse import bmat, identity
     from scipy.sparse.linalg import splu
 
-    rows, root, scale = _scaled(scene, rows)
+    rows, root, scale = _scale_rows(scene, rows)
     count, residual = len(residual), scale * residual
     matrix = bmat([[identity(root.shape[0]), rows.T], [rows, -EASE * identity(count)]])
     solver = splu(matrix.tocsc())

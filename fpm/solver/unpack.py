@@ -23,7 +23,7 @@ def outcome_of(
     None where a step was given; extra: columns (variable, label) that were recorded on request."""
     batch, parts, world, record = run
     scene, instants = batch.scenes[lane], len(times)
-    steps = division.per_instant * (instants - 1)
+    steps = division.output_steps * (instants - 1)
     tracks = record.points[:, :, lane].reshape(instants + 1, len(scene.points), 6)[:instants]
     points = {name: (tracks[:, n, :3], tracks[:, n, 3:]) for n, name in enumerate(scene.points)}
     for name, beam in scene.points.items():
@@ -42,7 +42,7 @@ def outcome_of(
         except SceneError as error:  # this sample cannot do what is to be recorded of it
             failure = error
     watches = [watch for kind in batch.kinds for watch in kind.watches]
-    values = record.failed_watched[:, lane] if is_failed else world.peaks[0, :, lane]
+    values = record.failed_peaks[:, lane] if is_failed else world.peaks[0, :, lane]
     largest = {watch.name: float(x) for watch, x in zip(watches, values, strict=True)}
     if is_failed:
         limit = limit or stable_step(scene)
@@ -58,7 +58,7 @@ def outcome_of(
         columns=columns_of(records),
         events=batch.events[: min(event_count, len(batch.events)), :, lane],
         eventful=eventful(scene, batch.eventful.slices),
-        events_dropped=max(0, event_count - len(batch.events)),
+        dropped_events=max(0, event_count - len(batch.events)),
         step=division.step,
         steps=steps,
         limit=limit,
@@ -100,7 +100,7 @@ def _failure(run, lane, largest, step: float, limit: StableStep) -> InstabilityE
     names = [(name, kind) for kind in batch.rows.slices for name in kind.names(scene)]
     row, cause = record.failed_row[lane], record.failed_cause[lane]
     element, worst = names[row] if row >= 0 else ("none", None)
-    remedies = [w.unbalanced(element) for w in (worst.watches if worst else ()) if w.unbalanced]
+    remedies = [w.remedy(element) for w in (worst.watches if worst else ()) if w.remedy]
     if step > limit.step and not np.isfinite(balance):
         element = limit.element  # all elements broke down since the last check; this began it
     watches = [watch for kind in batch.kinds for watch in kind.watches]

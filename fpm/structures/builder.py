@@ -96,7 +96,7 @@ class Builder:
         except KeyError:
             raise SkippedError(name) from None
 
-    def only_part_with(self, point: str, key: str) -> Body:
+    def find_part(self, point: str, key: str) -> Body:
         """Return the only bar or body that has a point (its full name); SceneError if none or
         several have it. key: dotted path of the key that names the point, for the error."""
         parts = [value for (group, _), value in self._values.items() if group == "parts"]

@@ -52,7 +52,7 @@ class CurvesFile:
         if table is None or table.shape[1] != len(names) or not np.isfinite(table).all():
             raise CurvesFileError(_row_problem(str(path), lines, len(names)))
         pairs = zip(names, units, table.T, strict=True)
-        columns = {name: own_unit.si(column) for name, own_unit, column in pairs}
+        columns = {name: unit.si(column) for name, unit, column in pairs}
         times = columns.pop(names[0])
         reversals = np.flatnonzero(np.diff(times) <= 0)
         if len(reversals):

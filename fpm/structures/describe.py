@@ -32,8 +32,8 @@ def describe(structure: SceneType, duration: float = 1.0) -> str:
         "",
         *_table([["parameter", "default", "unit", "allowed", "description"], *rows]),
         "",
-        *_listed("points", points or ["none"]),
-        *(line for title, names in _lists(scene) if names for line in _listed(title, names)),
+        *_list_names("points", points or ["none"]),
+        *(line for title, names in _lists(scene) if names for line in _list_names(title, names)),
         "",
         *(f"{title:14}{text}" for title, text in _facts(structure, scene, duration) if text),
         *(f"warning       {text}" for text in warnings(scene)),
@@ -70,7 +70,7 @@ def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tupl
     conditions = f"{mobility.conditions} conditions, {mobility.redundant} of them redundant"
     yield "mobility", f"{freedom} to move: {parts}, {conditions}"
     yield "redundant", ", ".join(report.redundant(scene))
-    yield "assembled", _forced(scene) if scene.assembly is not None else ""
+    yield "assembled", _describe_misfit(scene) if scene.assembly is not None else ""
     yield "stable step", _step(cost)
     yield "", _remedy(structure, scene, cost)
     steps = f"{cost.steps} steps for {duration:g} s, {cost.element_steps:.3g} steps of elements"
@@ -78,11 +78,13 @@ def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tupl
     yield "a run", f"{len(scene.elements)} elements, {steps}, {seconds}"
 
 
-def _opening(hinge: Hinge, given_opening: float) -> str:
+def _opening(hinge: Hinge, specified_opening: float) -> str:
     """The opening of a hinge at the start, and the stated one if parts were forced to another."""
     kind = {"prismatic": "slide, ", "universal": "universal, ", "cross": "universal, "}
-    text, given_text = (opening_text(hinge, opening) for opening in (hinge.opening, given_opening))
-    suffix = f", stated as {given_text}" if text != given_text else ""
+    text, specified_text = (
+        opening_text(hinge, opening) for opening in (hinge.opening, specified_opening)
+    )
+    suffix = f", stated as {specified_text}" if text != specified_text else ""
     return f"{kind.get(hinge.type, '')}opening {text}{suffix}"
 
 
@@ -149,7 +151,7 @@ def _numbers(element: ElementType, scene: Scene) -> Iterator[str]:
         yield f"{name.replace('_', ' ')} {value:.4g} {unit}"
 
 
-def _forced(scene: Scene) -> str:
+def _describe_misfit(scene: Scene) -> str:
     """What forced the parts together."""
     joint, gap, tilt = scene.assembly[1:4]
     parts = [f"{gap:.4g} m"] * (gap > 0) + [f"{tilt:.4g} rad"] * (tilt > 0)
@@ -206,6 +208,6 @@ def _table(rows: list[list[str]]) -> list[str]:
     ]
 
 
-def _listed(title: str, names: Iterable[str]) -> list[str]:
+def _list_names(title: str, names: Iterable[str]) -> list[str]:
     """Names under a title, one a line."""
     return [title, *(f"  {name}" for name in names)]

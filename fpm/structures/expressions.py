@@ -21,7 +21,7 @@ from fpm.structures.units import BARE, CHAIN, NUMBER, Dimension, power, product,
 LONGEST = 500
 """Number of characters that an expression may have."""
 
-_SUFFIXED = re.compile(
+_SUFFIX = re.compile(
     rf"(?P<before>(?:\*\*|/)\s*[-+]?\s*)?(?<![\w.])"
     rf"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>{CHAIN})(?P<after>\s*\*\*)?"
 )
@@ -57,7 +57,7 @@ _FUNCTIONS: dict[str, tuple[Callable, int, int]] = {  # with the least and large
     "max": (max, 2, 20),
     "interpolate": (_interpolate, 5, 41),
 }
-RESERVED = (*_FUNCTIONS, "pi")
+RESERVED_NAMES = (*_FUNCTIONS, "pi")
 ALLOWED = f"numbers with units, names, + - * / ** ( ), pi and {', '.join(_FUNCTIONS)}"
 
 Value = Callable[[Mapping[str, float]], float]
@@ -82,7 +82,7 @@ class Expression:
         if len(text) > LONGEST:
             raise ExpressionError(f"longer than {LONGEST} characters; allowed: several under `let`")
         try:
-            tree = ast.parse(_SUFFIXED.sub(self._quantity, text).strip(), mode="eval").body
+            tree = ast.parse(_SUFFIX.sub(self._quantity, text).strip(), mode="eval").body
             self._value, self.dimension = self._compile(tree)
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
             if isinstance(error, ExpressionError):
@@ -122,9 +122,9 @@ class Expression:
             )
         if prefix.startswith("**"):
             raise ExpressionError(f"**{number} {chain}: an exponent is a number without unit")
-        measured = unit(chain)
-        self._quantities[name] = measured.si(float(number)), measured.dimension
-        if prefix and measured.si(1.0) != 1.0:
+        chain_unit = unit(chain)
+        self._quantities[name] = chain_unit.si(float(number)), chain_unit.dimension
+        if prefix and chain_unit.si(1.0) != 1.0:
             self._divisors.add(name)
         return f"{prefix} {name} "
 
@@ -136,7 +136,7 @@ class Expression:
                 constant = float(str(number))  # infinite where an integer has too many digits
                 return (lambda names: constant), (lambda names: BARE)
             case ast.Name() | ast.Attribute():
-                return self._name(_dotted(node))
+                return self._name(_join_names(node))
             case ast.UnaryOp(op=op, operand=operand) if type(op) in _OPERATORS:
                 sign, (u, measure) = _OPERATORS[type(op)], self._compile(operand)
                 return (lambda names: sign(u(names))), measure
@@ -177,16 +177,16 @@ class Expression:
 
     def _combine(self, op: ast.AST, right: ast.AST, value: Value) -> Callable[..., Dimension]:
         """The dimension of two values joined, from theirs; value: of the right one."""
-        named = any(isinstance(part, ast.Name | ast.Attribute) for part in ast.walk(right))
+        has_name = any(isinstance(part, ast.Name | ast.Attribute) for part in ast.walk(right))
         divisor = right.operand if isinstance(right, ast.UnaryOp) else right
-        guess = isinstance(divisor, ast.Name) and divisor.id in self._divisors
+        is_guess = isinstance(divisor, ast.Name) and divisor.id in self._divisors
         match op:
             case ast.Mult():
                 return product
             case ast.Div():
-                return lambda u, w: _quotient(u, w, guess)
+                return lambda u, w: _quotient(u, w, is_guess)
             case ast.Pow():
-                return lambda u, w: _power(u, w, None if named else value)
+                return lambda u, w: _power(u, w, None if has_name else value)
         verb = "added" if isinstance(op, ast.Add) else "subtracted"
         return lambda u, w: _common_dimension((u, w), verb)
 
@@ -239,7 +239,7 @@ def _common_dimension(values: Sequence[Dimension], verb: str) -> Dimension:
     return min(values, key=lambda dimension: dimension.bare)
 
 
-def _dotted(node: ast.AST) -> str:
+def _join_names(node: ast.AST) -> str:
     """`bay1.P.x` of names joined by points."""
     parts = []
     while isinstance(node, ast.Attribute):

@@ -14,7 +14,7 @@ import numpy as np
 from fpm.elements.joints.hinge import ANGLES
 from fpm.elements.kind import AXES
 from fpm.elements.openings.opening import SLIDING
-from fpm.errors import SceneError, renamed
+from fpm.errors import SceneError, hint_new
 from fpm.structures.builder import Builder
 from fpm.structures.curves_file import CurvesFile, CurvesFileError
 from fpm.structures.names import Bound, Context, Place
@@ -80,7 +80,7 @@ class NumberKey(Key):
 
     def read(self, node, place):
         bound = place.number(node, unit(self.unit).dimension, self.allowed, self.unit == "rad")
-        return _checked(bound, place, self.allowed, self._allows)
+        return _check(bound, place, self.allowed, self._allows)
 
     def _allows(self, value: float) -> bool:
         low = self.least is not None and value < self.least
@@ -96,11 +96,11 @@ class WholeKey(Key):
 
     def read(self, node, place):
         value = place.whole(node, self.allowed)
-        checked = _checked(value, place, self.allowed, lambda x: x == round(x) and 1 <= x <= MOST)
-        return lambda build: round(checked(build))
+        number = _check(value, place, self.allowed, lambda x: x == round(x) and 1 <= x <= MOST)
+        return lambda build: round(number(build))
 
 
-def _checked(bound: Bound, place: Place, allowed: str, right: Callable[[float], bool]) -> Value:
+def _check(bound: Bound, place: Place, allowed: str, right: Callable[[float], bool]) -> Value:
     """The value of an expression, which must be right."""
 
     def value(build: Builder) -> float:
@@ -245,7 +245,7 @@ class PointKey(Key):
         if not isinstance(node.value, str):
             place.refuse(node, self.allowed)
         point = place.reference(node, "points")
-        return lambda build: (build.only_part_with(point, place.key), build.get("points", point))
+        return lambda build: (build.find_part(point, place.key), build.get("points", point))
 
 
 @dataclass(frozen=True)
@@ -380,7 +380,7 @@ class ChoiceKey(Key):
 
     def read(self, node, place):
         if node.text not in self.options:
-            place.refuse(node, self.allowed + renamed(node.text, self.options))
+            place.refuse(node, self.allowed + hint_new(node.text, self.options))
         return lambda build: node.text
 
 

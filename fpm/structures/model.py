@@ -14,7 +14,7 @@ from fpm.scenes.scene import Scene
 from fpm.structures.expressions import ExpressionError
 from fpm.structures.keys import COMMA, MOST, AssemblyKey, NumberKey, VectorKey, WholeKey
 from fpm.structures.names import NEIGHBOURS, Context, NamedNumber, Names, Place
-from fpm.structures.reading import Node, SkippedError, check_keys, dotted, table_at
+from fpm.structures.reading import Node, SkippedError, check_keys, join_key, table_at
 from fpm.structures.statement import PARTS, Entry, read_entry, statement
 from fpm.structures.statements import GROUPS
 from fpm.structures.units import NUMBER, unit
@@ -153,7 +153,7 @@ class FileStatements:
         for group in ("let", "points", *GROUPS):
             node = table_at(sheet.table, group, sheet.key, self.problems)
             for name, line in node.lines.items():
-                key = dotted(sheet.key, group, name)
+                key = join_key(sheet.key, group, name)
                 if self.names.allows(name, key, line, number=group == "let"):
                     self._name(sheet.context.prefix, name, group, key, line)
                 if group == "joints":
@@ -199,7 +199,7 @@ class FileStatements:
             node = sheet.table.entries.get(group, Node({}))
             for name, entry in node.entries.items():
                 full = context.prefix + name
-                place = Place(dotted(sheet.key, group, name), context, self.names)
+                place = Place(join_key(sheet.key, group, name), context, self.names)
                 if group == "let":
                     self._tie(place, [full], [entry])
                 elif len(entry.items) == 3:
@@ -239,7 +239,7 @@ class FileStatements:
                     full = sheet.context.prefix + name
                     if full not in self.names.groups.get(group, {}):
                         continue
-                    place = Place(dotted(sheet.key, group, name), sheet.context, self.names)
+                    place = Place(join_key(sheet.key, group, name), sheet.context, self.names)
                     entry = read_entry(kinds, full, entry_node, node.lines[name], place)
                     if entry is not None:
                         yield entry

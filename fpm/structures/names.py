@@ -12,8 +12,8 @@ from pathlib import Path
 
 from fpm.errors import did_you_mean
 from fpm.structures.curves_file import CurvesFile
-from fpm.structures.expressions import RESERVED, Expression, ExpressionError, parse
-from fpm.structures.reading import Node, Problems, SkippedError, commas, dotted, show
+from fpm.structures.expressions import RESERVED_NAMES, Expression, ExpressionError, parse
+from fpm.structures.reading import Node, Problems, SkippedError, commas, join_key, show
 from fpm.structures.units import NUMBER, Dimension, is_unit
 
 NEIGHBOURS = ("next", "previous")
@@ -125,12 +125,12 @@ class Names:
     def allows(self, name: str, key: str, line: int, number: bool = False) -> bool:
         """Return whether something may be called `name`; else a problem is noted. key, line: its
         dotted path and line; number: whether it is a number, then names of units are refused."""
-        reserved = name in (*NEIGHBOURS, "first", "last", "ground")
-        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or reserved:
+        is_reserved = name in (*NEIGHBOURS, "first", "last", "ground")
+        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or is_reserved:
             hint = "letters, digits and _ after a letter; not ground, next, previous, first, last"
         elif number and is_unit(name):
             hint = "a name that is not a unit"
-        elif name in RESERVED or iskeyword(name):
+        elif name in RESERVED_NAMES or iskeyword(name):
             hint = "a name that is no function and no word of Python's"
         else:
             return True
@@ -210,7 +210,7 @@ class Place:
 
     def child(self, *keys: str) -> "Place":
         """Return the place of a key below this one. keys: names on the way to it, its own last."""
-        return replace(self, key=dotted(self.key, *keys))
+        return replace(self, key=join_key(self.key, *keys))
 
     def refuse(self, node: Node, allowed: str) -> None:
         """Note that the value of `node` at this place is not allowed, and raise SkippedError.

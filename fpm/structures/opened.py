@@ -23,10 +23,10 @@ from typing import Any
 from fpm.errors import ChangedError, SceneError
 from fpm.kernels import sources
 
-SEEN_PACKAGES = {"numpy", "scipy", "numba", "fpm"}
+TRACED_PACKAGES = {"numpy", "scipy", "numba", "fpm"}
 """Packages beside Python's own whose compiled code opens files by Python only."""
 
-UNSEEN = {
+READERS = {
     "__import__", "asyncio", "concurrent", "ctypes", "dbm", "importlib", "multiprocessing", "runpy",
     "shelve", "socket", "subprocess", "threading",
 }  # fmt: skip
@@ -52,7 +52,7 @@ class FileRecord:
     def __init__(self, path: Path):
         self.path, self.folder = path, path.parent
         self.files: dict[Path, str] = {}
-        self.unseen: list[str] = []
+        self.hidden_reads: list[str] = []
         self.modules: dict[str, ModuleType] = {}
         self.data: tuple[str, ...] | None = None
         self._states: dict[Path, sources.State | None] = {}
@@ -67,8 +67,8 @@ class FileRecord:
         and modules that are not installed are imported afresh, out of sight of other structures."""
         _hook()
         outer, _THREAD.record = current_record(), self
-        own_modules = _own_modules()
-        for name in own_modules:
+        user_modules = _find_user_modules()
+        for name in user_modules:
             del sys.modules[name]
         sys.modules.update(self.modules)
         sys.meta_path.insert(0, finder := _Finder(self))
@@ -76,10 +76,10 @@ class FileRecord:
             yield
         finally:
             sys.meta_path.remove(finder)
-            self.modules = _own_modules()
+            self.modules = _find_user_modules()
             for name in self.modules:
                 del sys.modules[name]
-            sys.modules.update(own_modules)
+            sys.modules.update(user_modules)
             _THREAD.record = outer
 
     def note(self, file: Any, flags: int) -> None:
@@ -98,7 +98,7 @@ class FileRecord:
         elif flags & os.O_ACCMODE != os.O_WRONLY and path not in self._outputs:
             self._states_now.setdefault(path, _state(path))
 
-    def imported(self, path: Path, content: bytes) -> None:
+    def add_import(self, path: Path, content: bytes) -> None:
         """Note an imported file's `path` and content; ChangedError if other content was noted."""
         path = Path(os.path.realpath(path))
         self._states_now.pop(path, None)
@@ -113,7 +113,7 @@ class FileRecord:
         structure's digest, 16 hex digits. data: its DATA, glob patterns of the files that it reads;
         None if it has none. Raises ChangedError if a file changed since it was read."""
         self.data = None if data is None else tuple(data)
-        code = sources.own_sources(self.path, *(p for p in self.files if p.suffix == ".py"))
+        code = sources.find_user_sources(self.path, *(p for p in self.files if p.suffix == ".py"))
         for path in (*code, *self._states_now, *self._data_files()):
             self.files.setdefault(path, _digest(path))
         for path, state in self._states_now.items():
@@ -129,8 +129,8 @@ class FileRecord:
         parameters' by name, for messages. Raises SceneError for a file not in the sealed record, or
         where files may have been read unseen and there is no DATA; ChangedError if one changed."""
         paths, self._states_now = {*self._states_now, *self._data_files()}, {}
-        if self.unseen and self.data is None:
-            raise SceneError(f"{self.path.name} at {dict(values)}", self.unseen, DATA_HINT)
+        if self.hidden_reads and self.data is None:
+            raise SceneError(f"{self.path.name} at {dict(values)}", self.hidden_reads, DATA_HINT)
         for path in sorted(paths):
             if path not in self.files:
                 allowed = "files that it opens at its default values, too, or names in "
@@ -171,15 +171,15 @@ class FileRecord:
         other's."""
         self._states_now |= {p: record._states[p] for p in record.files if p not in self.files}
 
-    def hidden(self) -> list[str]:
+    def list_hidden_reads(self) -> list[str]:
         """Return the ways in which the structure's code may read files that cannot be noted, as
         texts such as "import ctypes"; [] if it states its files (DATA)."""
         if self.data is not None:
             return []
-        readers = sorted(set(self.unseen))
-        names = (n for p in self.files if p.suffix == ".py" for n in sources.packages_imported(p))
-        for name in sorted(set(names) - SEEN_PACKAGES):
-            if name in UNSEEN or (name not in sys.stdlib_module_names and _is_installed(name)):
+        readers = sorted(set(self.hidden_reads))
+        names = (n for p in self.files if p.suffix == ".py" for n in sources.list_packages(p))
+        for name in sorted(set(names) - TRACED_PACKAGES):
+            if name in READERS or (name not in sys.stdlib_module_names and _is_installed(name)):
                 readers.append(f"import {name}")
         return readers
 
@@ -213,7 +213,7 @@ class _Finder:
         is_file = spec and spec.has_location
         if is_file and not is_installed(os.path.realpath(spec.origin)):
             if isinstance(spec.loader, ExtensionFileLoader):
-                self.record.unseen.append(f"import {name}")
+                self.record.hidden_reads.append(f"import {name}")
             elif isinstance(spec.loader, SourceFileLoader):
                 spec.loader = Loader(name, spec.origin, self.record)
         return spec
@@ -234,7 +234,7 @@ class Loader(SourceFileLoader):
     def get_data(self, path: str) -> bytes:
         """Return the bytes of the source at `path`, which are noted in the record."""
         content = super().get_data(path)
-        self.record.imported(Path(path), content)
+        self.record.add_import(Path(path), content)
         return content
 
 
@@ -259,7 +259,7 @@ def _hook() -> None:
         elif event == "sqlite3.connect":
             record.note(arguments[0], os.O_RDONLY)
         elif event in EVENTS:
-            record.unseen.append(event)
+            record.hidden_reads.append(event)
 
     sys.addaudithook(note)
 
@@ -283,7 +283,7 @@ def is_installed(file: str) -> bool:
 _PACKAGES = re.compile(r"[/\\](site|dist)-packages[/\\]")
 
 
-def _own_modules() -> dict[str, ModuleType]:
+def _find_user_modules() -> dict[str, ModuleType]:
     """Modules in memory that are not installed."""
     modules = {}
     for name, module in list(sys.modules.items()):

@@ -74,8 +74,8 @@ def _start(scene: Scene) -> Iterator[str]:
 
 def _kinetic_energy(scene: Scene, velocity: np.ndarray, spin: np.ndarray) -> float:
     """Kinetic energy (J) of velocities (n, 3) m/s and spins (n, 3) rad/s of all particles."""
-    own_spin = np.einsum("nji,nj->ni", scene.frame, spin)
-    return float((scene.mass @ velocity**2).sum() + (scene.inertia * own_spin**2).sum()) / 2
+    body_spin = np.einsum("nji,nj->ni", scene.frame, spin)
+    return float((scene.mass @ velocity**2).sum() + (scene.inertia * body_spin**2).sum()) / 2
 
 
 def _sizes(scene: Scene) -> Iterator[str]:

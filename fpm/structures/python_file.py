@@ -7,7 +7,7 @@ from pathlib import Path
 from types import ModuleType
 
 from fpm.errors import SceneError
-from fpm.kernels.sources import own_sources
+from fpm.kernels.sources import find_user_sources
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
 from fpm.structures.opened import DATA_HINT, Build, FileRecord, Loader, current_record
@@ -54,12 +54,12 @@ def _load(path: Path, record: FileRecord) -> SceneType:
     for pattern in patterns:
         if not record.files_of(pattern):
             _refuse(path, f"DATA: {pattern!r} stands for no file; allowed: patterns of files")
-    if hidden := record.hidden():
-        _refuse(path, f"{', '.join(hidden)}: {HIDDEN}; allowed: {DATA_HINT}")
+    if reads := record.list_hidden_reads():
+        _refuse(path, f"{', '.join(reads)}: {HIDDEN_READS}; allowed: {DATA_HINT}")
     return replace(structure, function=Build(structure.function, record), content=content)
 
 
-HIDDEN = "what this reads is not seen, and results are named after all that a structure reads"
+HIDDEN_READS = "what this reads is not seen, and results are named after all that a structure reads"
 
 
 def _build_type(path: Path, module: ModuleType) -> SceneType:
@@ -115,7 +115,7 @@ def _run(path: Path, record: FileRecord) -> ModuleType:
 def _check_imports(path: Path, record: FileRecord) -> None:
     """Refuse a file that has another module for one beside it, of which its digest is made."""
     folder = path.resolve().parent
-    for source in own_sources(path) - {path.resolve()}:
+    for source in find_user_sources(path) - {path.resolve()}:
         if folder not in source.parents:
             continue
         parts = source.relative_to(folder).with_suffix("").parts

@@ -151,7 +151,7 @@ def commas(names: Iterable[str], most: int = 12, rest: str = ", and {} more") ->
     return text if len(names) <= most else text + rest.format(len(names) - most)
 
 
-def dotted(*parts: str) -> str:
+def join_key(*parts: str) -> str:
     """Return `parts` joined by dots, without empty ones: the path of a key, "joints.knee.axis"."""
     return ".".join(part for part in parts if part)
 
@@ -246,7 +246,7 @@ def table_at(node: Node, name: str, key: str, problems: Problems) -> Node:
     is noted in `problems`, it is no table. key: dotted path of `node`, for messages."""
     table = node.entries.get(name, Node({}))
     if not table.is_table:
-        problems.refuse(table.line, dotted(key, name), table.plain, "a mapping from names")
+        problems.refuse(table.line, join_key(key, name), table.plain, "a mapping from names")
     return table if table.is_table else Node({})
 
 
@@ -255,7 +255,7 @@ def check_keys(node: Node, key: str, keys: tuple[str, ...], problems: Problems) 
     `node`, for messages; keys: those allowed."""
     for name in node.entries.keys() - set(keys):
         hint = did_you_mean(name, keys)
-        problems.no_key(node.lines[name], dotted(key, name), keys, hint)
+        problems.no_key(node.lines[name], join_key(key, name), keys, hint)
 
 
 def as_meant(node: Node, keys: tuple[str, ...], problems: Problems) -> Node:

@@ -46,7 +46,7 @@ def bodies(scene: Scene) -> np.ndarray:
     return connected_components(links, directed=False)[1]
 
 
-def _own_particles(scene: Scene) -> np.ndarray:
+def _mask_particles(scene: Scene) -> np.ndarray:
     """Which particles (n,) are the structure's own: the ground's stands for no mass."""
     on_beams = np.zeros(len(scene.position), bool)
     for beams in scene.beams:
@@ -57,12 +57,12 @@ def _own_particles(scene: Scene) -> np.ndarray:
 def mass(scene: Scene) -> float:
     """Return the total mass (kg) of a scene's structure: of all particles but the ground, that is
     those with all six freedoms fixed that no beam element joins (clamped ends of bars count)."""
-    return float(scene.mass[_own_particles(scene)].sum())
+    return float(scene.mass[_mask_particles(scene)].sum())
 
 
 def centre(scene: Scene) -> np.ndarray:
     """Return a scene's centre of mass (3,), m, at the start, without the ground (as in `mass`)."""
-    particles = _own_particles(scene)
+    particles = _mask_particles(scene)
     return scene.mass[particles] @ scene.position[particles] / scene.mass[particles].sum()
 
 

@@ -136,15 +136,15 @@ def acting(
     kind: type[ElementType],
     text: str = "",
     /,
-    excluded: Container[str] = (),
+    exclusions: Container[str] = (),
     default_texts: Mapping[str, str] | None = None,
     **extra: Key,
 ) -> Callable:
     """Return a decorator that makes a Statement of `actions` for the element type `kind`, with its
     fields as keys, required ones first, and registers it. text: what it is, "": the first line of
-    the function's docstring; excluded: fields that are no keys; default_texts: by field without
+    the function's docstring; exclusions: fields that are no keys; default_texts: by field without
     default, what leaving its key out means; extra: Keys to add, or to replace those of fields."""
-    names = [name for name in specs(kind) if name not in excluded]
+    names = [name for name in specs(kind) if name not in exclusions]
     table = {name: key_of(kind, name, (default_texts or {}).get(name, "")) for name in names}
     keys = {"joint": table.pop("hinge")} if "hinge" in table else {}
     keys |= {**{name: key for name, key in extra.items() if name not in table}, **table, **extra}
@@ -237,7 +237,7 @@ def _read_keys(
     statement: Statement, slides: list[str], node: Node, line: int, place: Place
 ) -> dict[str, Value]:
     """What the keys of an entry mean, by their names in `it`; SkippedError if any is wrong."""
-    keys, sound, read, corrected = statement.sliding(slides), True, {}, set()
+    keys, is_sound, read, corrections = statement.sliding(slides), True, {}, set()
     allowed = [*(["type"] if statement.type else []), *keys]
     for key, entry in node.entries.items():
         if key in keys:
@@ -245,17 +245,17 @@ def _read_keys(
             try:
                 read[name] = kind.read(entry, place.child(key))
             except SkippedError:
-                sound = False
+                is_sound = False
         elif key not in allowed:
-            sound = False
+            is_sound = False
             likely_name, hint = _likely_key(key, statement.keys, allowed)
-            corrected.add(likely_name)
+            corrections.add(likely_name)
             place.problems.no_key(node.lines[key], f"{place.key}.{key}", allowed, hint)
     for key, (_, kind) in keys.items():
-        if kind.default is NO_VALUE and key not in node.entries and key not in corrected:
-            sound = False
+        if kind.default is NO_VALUE and key not in node.entries and key not in corrections:
+            is_sound = False
             place.problems.say(line, f"{place.key}.{key}: missing; allowed: {kind.allowed}")
-    if not sound:
+    if not is_sound:
         raise SkippedError(place.key)
     return read
 

@@ -31,7 +31,7 @@ from fpm.structures.sample import build_sample
 from fpm.structures.units import Unit, UnitError, unit
 
 NAME = re.compile(r"\w[\w .+()-]{0,63}")
-NAMED = "up to 64 letters, digits, spaces and . + - _ ( ), beginning with a letter or digit"
+NAME_RULE = "up to 64 letters, digits, spaces and . + - _ ( ), beginning with a letter or digit"
 """Names of structures: files are called after them."""
 
 
@@ -115,7 +115,7 @@ def loads(text: str, source: str = "structure") -> SceneType:
     values = _parameters(parameters, problems)
     name, description, mesh = (_text(table, key, problems) for key in TEXTS)
     if name and not NAME.fullmatch(name):
-        problems.refuse(table.lines["name"], "name", name, NAMED)
+        problems.refuse(table.lines["name"], "name", name, NAME_RULE)
     if mesh:
         _check_mesh(table.entries["mesh"], values, parameters.entries, problems)
     if len(values) < len(parameters.entries):
@@ -179,24 +179,24 @@ def _parameter(key: str, line: int, node: Node, problems: Problems) -> GivenPara
     if (whole := texts.get("whole", "false")) not in ("true", "false"):
         problems.refuse(node.lines["whole"], f"{key}.whole", whole, "true or false")
     try:
-        measured = unit(texts.get("unit", ""))
+        parameter_unit = unit(texts.get("unit", ""))
     except UnitError as error:
         problems.say(node.lines["unit"], f"{key}.unit: {error}")
-        measured = None
+        parameter_unit = None
     ends = _range(f"{key}.range", node.entries.get("range"), problems)
-    if value is None or measured is None or ends is None:
+    if value is None or parameter_unit is None or ends is None:
         return None
     kind = "integer" if whole == "true" else "real"
     if kind == "integer" and value == round(value):
         value = round(value)
     description = texts.get("description", "")
-    parameter = Parameter(value, measured.udunits, description, *ends, kind=kind)
+    parameter = Parameter(value, parameter_unit.udunits, description, *ends, kind=kind)
     try:
         parameter.check(key, value)
     except SceneError as error:
         problems.refuse(line, f"{key}.value", value, error.allowed)
         return None
-    return GivenParameter(parameter, measured, line)
+    return GivenParameter(parameter, parameter_unit, line)
 
 
 def _number(key: str, node: Node, problems: Problems) -> float | None:

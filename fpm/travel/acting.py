@@ -30,12 +30,14 @@ class ElementForces:
     bristle's deflection, goes on from call to call."""
 
     def __init__(self, scene, elements: list):
-        own_scene, kind = copy(scene), type(elements[0])
-        own_scene.kinds = {Hinge: scene.hinges, kind: elements}
+        part_scene, kind = copy(scene), type(elements[0])
+        part_scene.kinds = {Hinge: scene.hinges, kind: elements}
         kinds = [*kind.reads, kind]
-        batch = Batch([own_scene], kinds, energies_of(kinds), lanes_of_register(), np.float64, 1, 1)
+        batch = Batch(
+            [part_scene], kinds, energies_of(kinds), lanes_of_register(), np.float64, 1, 1
+        )
         self.parts, self.world = batch.parts(), batch.world()
-        deformations = kind.deformations(own_scene)
+        deformations = kind.deformations(part_scene)
         self._stiff = np.zeros(0, int) if deformations is None else np.unique(deformations.dofs)
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
 

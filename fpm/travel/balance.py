@@ -34,7 +34,7 @@ class Balance:
         by_kind: dict[type, list] = {}
         for part in components_of(scene):
             if not part.drags:
-                by_kind.setdefault(type(part.balanced), []).append(part.balanced)
+                by_kind.setdefault(type(part.element), []).append(part.element)
         self.acting = [ElementForces(scene, elements) for elements in by_kind.values()]
 
     def strain(self, poses: ParticlePoses) -> float:

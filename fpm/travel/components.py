@@ -37,7 +37,7 @@ def parts_of(scene) -> dict[str, str]:
 def springs_of(scene) -> list[str]:
     """Return names of a scene's components of virtual work that are joint springs (class "S")."""
     springs = [part for part in components_of(scene) if part.resists_as == "S"]
-    return [p.name for p in springs if isinstance(p.balanced, TorsionSpring | TableSpring)]
+    return [p.name for p in springs if isinstance(p.element, TorsionSpring | TableSpring)]
 
 
 def classes_of_kinds(scene) -> dict[str, str]:
@@ -46,13 +46,13 @@ def classes_of_kinds(scene) -> dict[str, str]:
     states; only a spring by a table is of class "S" where the file says so."""
     classes = {bearing_name(scene, hinge): "FR" for hinge in scene.bearings}
     for part in components_of(scene):
-        classes[part.name] = "FR" if part.baseline else type(part.balanced).resists_as
-        if isinstance(part.balanced, TableSpring) and part.resists_as == "S":
+        classes[part.name] = "FR" if part.baseline else type(part.element).resists_as
+        if isinstance(part.element, TableSpring) and part.resists_as == "S":
             classes[part.name] = "S"
     return classes
 
 
-def reeled(scene) -> list[str]:
+def find_reels(scene) -> list[str]:
     """Return the names of components of a scene that no slow motion of an opening can follow, as
     they depend on time: cables that a curve of time reels in or out, and their friction."""
     names = [name for c in scene.cables if c.curve >= 0 and c.reel for name in _of_cable(scene, c)]
@@ -76,7 +76,7 @@ class Component(NamedTuple):
     baseline: ElementType | None = None
 
     @property
-    def balanced(self) -> ElementType:
+    def element(self) -> ElementType:
         """The last of `elements`, which stands for the component when equilibrium is solved."""
         return self.elements[-1]
 
@@ -135,7 +135,7 @@ def components_of(scene) -> list[Component]:
                 Component(name, _load_cases_of(scene, element), is_class, code in DRAGS)
             )
     for cable, smooth in zip(scene.cables, Cable.sweep_elements(scene), strict=True):
-        if cable.rubs:
+        if cable.has_friction:
             components.append(Component(_of_cable(scene, cable)[1], (cable,), "FR", True, smooth))
     return components
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from fpm.assembly import FARTHEST, MisfitError, linearised
-from fpm.assembly.conditions import NORMAL, Conditions, ParticlePoses, conditions_of, scaled
+from fpm.assembly import FARTHEST, MisfitError, linearise
+from fpm.assembly.conditions import NORMAL, Conditions, ParticlePoses, conditions_of, scale_matrix
 from fpm.elements.openings.opening import opening_at, rate_at
 from fpm.errors import SceneError
 from fpm.travel.balance import MAX_ITERATIONS, TINY, Balance, forces_with_friction
@@ -56,16 +56,16 @@ class Path:
     """Moves a joint coordinate (opening) of a scene slowly, through static equilibria, and holds
     the state reached: `poses` of n particles, the `opening` (rad, m), and `tangent`, the motion
     (6n,), m, rad, of all particles per unit of it. openings: names of hinges or slides that move
-    together, the first by the `opening`; stand: names of hinges locked as at the start."""
+    together, the first by the `opening`; locks: names of hinges locked as at the start."""
 
-    def __init__(self, scene, openings: Sequence[str], stand: Sequence[str]):
+    def __init__(self, scene, openings: Sequence[str], locks: Sequence[str]):
         self.scene, self._key = scene, f"opening {openings[0]}"
         by_name = {hinge.name: hinge for hinge in scene.hinges}
         self._hinges, self.balance = [by_name[name] for name in openings], Balance(scene)
         self.opening = self._start = float(self._hinges[0].opening)
         self.poses = ParticlePoses(scene.position.copy(), scene.frame.copy())
-        self._conditions = conditions_of(scene, [*stand, *openings])
-        self._leading = len(stand) + len(openings)
+        self._conditions = conditions_of(scene, [*locks, *openings])
+        self._leading = len(locks) + len(openings)
         self._zeros = self._conditions.gaps(self.poses)[-len(openings) :]
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
         self._scales = np.tile(np.repeat([self._size, 1.0], 3), len(scene.position))
@@ -74,7 +74,7 @@ class Path:
         self._free = self._moving(self.poses)
         self.tangent = np.zeros(len(self._scales))
         self._tangents: list[np.ndarray] = []
-        self._halved = 0
+        self._halvings = 0
         self._jumps: list[float] = []  # openings at which it left its way
         self._openings = [float(hinge.opening) for hinge in scene.hinges]
         self._ease = self.balance.ease(self.poses, self._scales)
@@ -98,8 +98,8 @@ class Path:
                 raise
         self.restore(state)
         self._tangents = tangents
-        self._halved += 1
-        if self._halved > MAX_HALVED_MOTIONS:
+        self._halvings += 1
+        if self._halvings > MAX_HALVED_MOTIONS:
             allowed = "a way on which motions agree with the rates at their ends; here they jump"
             raise SceneError(self._key, f"{value:.6g}", f"{allowed} from place to place")
         self.move_to(0.5 * (state[1] + value), depth + 1)
@@ -124,7 +124,7 @@ class Path:
 
     def _derivatives(self, poses: ParticlePoses) -> np.ndarray:
         """Derivatives (c, f) of the conditions, scaled."""
-        rows = scaled(self._conditions.jacobian(poses), self._weight, self._scales)
+        rows = scale_matrix(self._conditions.jacobian(poses), self._weight, self._scales)
         return rows[:, self._free].toarray()
 
     def _step(self, value: float) -> None:
@@ -227,9 +227,9 @@ class Path:
     def check(self) -> None:
         """Check that the moved opening alone determines the motion of everything else, which is so
         if that motion does not change with the masses; raises SceneError if not."""
-        scene, uneven = self.scene, np.linspace(1.0, 3.0, len(self.scene.mass))
+        scene, masses = self.scene, np.linspace(1.0, 3.0, len(self.scene.mass))
         self.scene = copy(scene)
-        self.scene.mass, self.scene.inertia = scene.mass * uneven, scene.inertia / uneven[:, None]
+        self.scene.mass, self.scene.inertia = scene.mass * masses, scene.inertia / masses[:, None]
         solve = self._equations(self.poses, self._conditions_at(self.opening), self._ease)[0]
         self.scene = scene
         rows = conditions_of(scene, [hinge.name for hinge in scene.hinges]).jacobian(self.poses)
@@ -250,9 +250,9 @@ class Path:
         drift[:, :3, :3] = drift[:, 3:, 3:] = np.eye(3)
         drift[:, :3, 3:] = np.cross(np.eye(3), offset[:, None] / self._size).swapaxes(1, 2)
         drift = drift.reshape(-1, 6)  # lengths by the size
-        rows = scaled(self._conditions.jacobian(poses), self._weight, self._scales)
-        ruled_out = np.vstack([rows @ drift, drift[is_held]])
-        _, sizes, directions = np.linalg.svd(ruled_out)
+        rows = scale_matrix(self._conditions.jacobian(poses), self._weight, self._scales)
+        constraints = np.vstack([rows @ drift, drift[is_held]])
+        _, sizes, directions = np.linalg.svd(constraints)
         free = directions[np.sum(sizes > DRIFT_TOLERANCE * sizes.max(initial=1.0)) :]
         if len(free):
             first = 6 * int(np.argmax(self.scene.mass))
@@ -262,7 +262,7 @@ class Path:
 
     def _equations(self, poses, conditions, ease):
         rules = self._scales, self._free, self._weight, ease
-        return linearised(self.scene, poses, conditions, self.balance, self._impulses, *rules)
+        return linearise(self.scene, poses, conditions, self.balance, self._impulses, *rules)
 
     def _motion(self, solve) -> np.ndarray:
         """The motion (6n,) per unit of the opening."""

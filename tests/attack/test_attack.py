@@ -55,7 +55,7 @@ def test_a_file_of_tests_that_fails_anyway_notices_nothing(tmp_path, text):
     test = "import mine\ndef test_c():\n    assert mine.x == 2\n"
     (tmp_path / "test_c.py").write_text(test, encoding="utf-8")
     hunt, tests = Hunt(1), ["test_a.py", "test_b.py", "test_c.py"]
-    noticed = hunt.noticed_by(tmp_path, code, text, tests)
+    noticed = hunt.find_detector(tmp_path, code, text, tests)
     assert noticed == (None if text == "x = 2\n" else "FAILED test_c.py::test_c")
     assert hunt.left_out == ["test_a.py", "test_b.py"]
     assert "Not counted, as they fail without a change: test_a.py, test_b.py." in hunt.table()
@@ -67,7 +67,7 @@ def test_tests_that_take_too_long_without_a_change_notice_nothing(tmp_path, monk
     code.touch()
     monkeypatch.setattr(mutants, "failed_of", lambda *_, **__: [mutants.TIME])
     hunt = Hunt(1)
-    assert hunt.noticed_by(tmp_path, code, "x", ["test_a.py"]) is None
+    assert hunt.find_detector(tmp_path, code, "x", ["test_a.py"]) is None
     assert hunt.left_out == ["test_a.py"]
 
 

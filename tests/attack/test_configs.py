@@ -9,7 +9,7 @@ import random
 
 import pytest
 
-from evidence.attack.configs import attack_by_config, attack_by_running, mutated
+from evidence.attack.configs import attack_by_config, attack_by_running, mutate_config
 from evidence.attack.ledger import Ledger
 
 COUNT, RUNS = 600, 20
@@ -19,7 +19,7 @@ COUNT, RUNS = 600, 20
 def test_mutated_configs_are_refused_or_run(tmp_path):
     rng, ledger, ran = random.Random(20), Ledger(), 0
     for _ in range(COUNT):
-        text = mutated(rng)
+        text = mutate_config(rng)
         if found := attack_by_config(text, tmp_path, ledger, ran < RUNS):
             ran += 1
             attack_by_running(found, text, tmp_path / str(ran), ledger)

@@ -13,11 +13,11 @@ import pytest
 
 from evidence.attack.metamorphic import families
 from evidence.attack.metamorphic.attack import ALL
-from evidence.attack.metamorphic.ballast import ballasted
+from evidence.attack.metamorphic.ballast import add_ballast
 from evidence.attack.metamorphic.image import Image
 from evidence.attack.metamorphic.pairs import Trial
 from evidence.attack.metamorphic.runs import scene_of
-from evidence.attack.metamorphic.space import rotated
+from evidence.attack.metamorphic.space import rotate
 from fpm.elements import KINDS, Probe, kinds_of
 
 PENDULUM = {
@@ -45,7 +45,7 @@ def outcomes(names):
 
 def test_a_pair_that_is_alike_is_right_and_any_other_wrong(monkeypatch):
     def without_gravity(structure, rng):
-        image = rotated(structure, rng)
+        image = rotate(structure, rng)
         return Image(
             {**image.structure, "gravity": structure["gravity"]}, image.matrix, image.shift
         )
@@ -63,7 +63,7 @@ def test_a_pair_that_is_alike_is_right_and_any_other_wrong(monkeypatch):
 
 def test_the_ballast_has_all_kinds():
     """So that one loop serves all structures of the attack; a probe is there where it is asked."""
-    assert set(kinds_of([scene_of(ballasted({}))])) == set(KINDS) - {Probe}
+    assert set(kinds_of([scene_of(add_ballast({}))])) == set(KINDS) - {Probe}
 
 
 @pytest.mark.slow

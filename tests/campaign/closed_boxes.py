@@ -75,18 +75,18 @@ class ClosedBench(ModelEvaluator):
     def __init__(self, closed, count):
         box = Box(list("abcdef"[: closed.k]), [0.0] * closed.k, [1.0] * closed.k)
         late = closed.kind == "late"
-        number = SimpleNamespace(name="t", unit="s", is_time=late, least=None, at=None,
+        number = SimpleNamespace(name="t", unit="s", is_time=late, least=None, instant=None,
                                  kind="crossing" if closed.kind == "margin" else "event",
                                  decider=closed.kind == "margin" or None)  # fmt: skip
         if closed.kind == "limit":
             number.kind = "largest"
-        self.of, self.plan, self.further, self.unfitted = closed, (1.0, 1.0), [], 0
+        self.of, self.plan, self.refinements, self.rest_count = closed, (1.0, 1.0), [], 0
         self.around = SimpleNamespace(
             box=box, numbers=[number], quantities={"t": {}}, nominal=np.full(closed.k, 0.5),
             solver=SimpleNamespace(duration=LATEST), intervals={}, name="closed",
         )  # fmt: skip
-        self.unit = scan_points(np.ones(closed.k, dtype=bool), count)
-        self.numbers, self.margins = self.evaluate(self.plan, self.unit)
+        self.points = scan_points(np.ones(closed.k, dtype=bool), count)
+        self.numbers, self.margins = self.evaluate(self.plan, self.points)
         self.notify = lambda text: None
 
     @property

@@ -18,7 +18,7 @@ from deployable.campaign.files import open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.ranges import FittedRuns, draw_ranges, ranges, runs_of
 from deployable.intervals.scalars import fit_scalar
-from fpm.files.sealed import unsealed
+from fpm.files.sealed import unseal
 
 
 @pytest.fixture(scope="module")
@@ -91,12 +91,12 @@ def test_the_ends_are_simulated_and_found_again(tmp_path):
         np.testing.assert_allclose(one["fixed"].sel(parameter=["k", "mass"]), fixed, rtol=2e-3)
         halved = exact_time(0.0975, 1.02) - exact_time(0.1025, 0.98)
         assert float(one["halved"].sel(parameter="k")) == pytest.approx(halved, rel=2e-3)
-    before = unsealed(folder.quantities)
+    before = unseal(folder.quantities)
     again = run(raw, tmp_path)
     assert set(again.runs("trajectories").iterdir()) == trajectories
     with xr.open_dataset(again.quantities) as found:
         assert found.attrs["further_runs"] == 2
-    assert unsealed(again.quantities) == before
+    assert unseal(again.quantities) == before
 
 
 def test_runs_that_keep_responses_only_have_the_same_numbers(opened, tmp_path):
@@ -235,18 +235,20 @@ def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
     """Where every round asks for another one."""
 
     class Bench:
-        unit = np.zeros((0, 1))
+        points = np.zeros((0, 1))
         experiment = SimpleNamespace(numbers=[None])
 
         def surrogates(self):
             return [None]
 
         def add(self, points):
-            self.unit = np.vstack([self.unit, points])
+            self.points = np.vstack([self.points, points])
 
-    monkeypatch.setattr(quantity_bounds, "_bounds", lambda bench, q, surrogate, _: len(bench.unit))
+    monkeypatch.setattr(
+        quantity_bounds, "_bounds", lambda bench, q, surrogate, _: len(bench.points)
+    )
     monkeypatch.setattr(quantity_bounds, "_infill", lambda end: [np.array([float(end)])])
     monkeypatch.setattr(quantity_bounds, "_mispredictions", lambda bench, bounds, known: known)
     bench = Bench()
     assert quantity_bounds.converge_bounds(bench, rounds) == [rounds]
-    assert len(bench.unit) == rounds
+    assert len(bench.points) == rounds

@@ -15,8 +15,8 @@ from deployable import campaign
 from deployable.campaign.config.check import check_config
 from deployable.campaign.config.sections import Accuracy
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.accuracy import _places, added
-from deployable.campaign.plan.decide import Resources, Standing
+from deployable.campaign.plan.accuracy import _places, add_runs
+from deployable.campaign.plan.decide import RefinementState, Resources
 from deployable.campaign.plan.plan import Round, Rounds
 from deployable.campaign.results.facts import _accuracy
 from deployable.campaign.results.templates import sentence
@@ -35,7 +35,7 @@ def test_a_number_is_the_share_of_everything(asked):
     found = check_config(asked)
     assert found.experiment.accuracy.tolerances == {"BD": 0.1, "vBz": 0.1, "top": 0.1}
     assert found.experiment.scene.parameters == {"elements": 6}
-    assert found.experiment.is_sought
+    assert found.experiment.is_adaptive
     assert (found.bounds.model, found.verify.discretization) == ("spline", True)
     asked["accuracy"] = {"tolerance": 0.2, "tolerance_by_name": {"top": 0.01}, "max_runs": 50}
     found = check_config(asked).experiment.accuracy
@@ -50,14 +50,14 @@ def test_a_mesh_of_the_config_is_kept(asked):
 
 
 COST = Resources(
-    runs=24, seconds=1.0, nodes=16, next_runs=8, checked=8, run_seconds=0.01, elements=6
+    runs=24, seconds=1.0, nodes=16, next_runs=8, check_runs=8, run_seconds=0.01, elements=6
 )
 AIM = Accuracy({"x": 0.1}, 1000, 60.0, "n")
 
 
 def decided(parts, *rounds, check=("mesh",), aim=AIM, cost=COST):
     state = Rounds(rounds, (), check=check)
-    return Standing(aim, {"x": parts}, state, cost, True).decide()
+    return RefinementState(aim, {"x": parts}, state, cost, True).decide()
 
 
 def done(action, elements=6, **parts):
@@ -103,9 +103,9 @@ def test_what_the_config_keeps_is_not_changed_and_the_rest_is():
     step, mesh = ({"surrogate": 0.01, "mesh": 0.03, "step": 0.03, name: 0.2} for name in
                   ("step", "mesh"))  # fmt: skip
 
-    def action(parts, mesh_is_free, step_is_free):
+    def action(parts, mesh_is_free, is_step_free):
         aim = Accuracy({"x": 0.1}, 1000, 60.0, "n" if mesh_is_free else "")
-        found = Standing(aim, {"x": parts}, state, COST, step_is_free).decide()
+        found = RefinementState(aim, {"x": parts}, state, COST, is_step_free).decide()
         return found.action, "keeps its" in found.reason
 
     for free in (True, False):
@@ -125,7 +125,7 @@ def test_what_a_round_takes_fits_the_budget_or_it_is_not_begun(what):
     # Half the step costs twice, a mesh twice as fine four times; what is checked is run as it is
     # from then on, with half its step, and on a mesh twice as fine. There is room for the last
     # check, of step and mesh.
-    n, c, last = COST.nodes, COST.checked, (2 + 4) * COST.checked
+    n, c, last = COST.nodes, COST.check_runs, (2 + 4) * COST.check_runs
     assert runs == 2 * c + {"runs": COST.next_runs, "check": 0, "step": n, "mesh": n + c}[what]
     worth = {"runs": COST.next_runs + last, "check": last, "step": 2 * (n + last),
              "mesh": 4 * (n + 4 * c + last)}[what]  # fmt: skip
@@ -152,7 +152,7 @@ def test_a_mesh_that_hardly_helps_is_refined_no_further():
 def test_what_half_a_step_would_take_is_told_of_the_step_and_what_is_no_number_is_left():
     aim = Accuracy({"x": 0.1, "y": 0.1}, 20, 60.0, "")
     shares = {"x": {"surrogate": 0.01, "step": 0.3}, "y": {"surrogate": float("nan")}}
-    found = Standing(aim, shares, Rounds((), (), check=("step",)), COST, True).decide()
+    found = RefinementState(aim, shares, Rounds((), (), check=("step",)), COST, True).decide()
     assert found.action == "stop"
     assert "x would take a step 8 times as fine" in found.reason
 
@@ -167,7 +167,7 @@ def test_what_no_mesh_settles_is_set_aside_and_the_rest_goes_on():
     def after(x, check=("mesh",)):
         shares = {"x": {"surrogate": x, "mesh": 0.01}, "y": {"surrogate": 0.5, "mesh": 0.29}}
         state = Rounds((before,), (), check=check)
-        standing = Standing(aim, shares, state, finer, True)
+        standing = RefinementState(aim, shares, state, finer, True)
         return standing.needs, standing.decide()
 
     needs, found = after(0.2)
@@ -225,7 +225,7 @@ def test_runs_become_as_many_as_errors_are_expected_to_need():
     def factor(surrogate, *rounds, nodes=32, **parts):
         shares = {"x": {"surrogate": surrogate, **parts}}
         cost = replace(COST, nodes=nodes)
-        return Standing(AIM, shares, Rounds(rounds, ()), cost, True).growth()
+        return RefinementState(AIM, shares, Rounds(rounds, ()), cost, True).growth()
 
     assert factor(0.101) == 1.25
     assert factor(0.12) == pytest.approx((1.2 / 0.75) ** (1 / 1.5))
@@ -235,10 +235,10 @@ def test_runs_become_as_many_as_errors_are_expected_to_need():
     assert factor(0.12, runs_of(16, surrogate=0.12)) == pytest.approx((1.2 / 0.75) ** (1 / 0.75))
     # Less is left for the surrogate beside an error of the mesh.
     assert factor(0.07, mesh=0.05) == pytest.approx((0.07 / 0.75 / 0.05) ** (1 / 1.5))
-    assert added(32, 1.25, 99) == 8
-    assert added(32, 2.0, 99) == 32
-    assert added(32, 2.0, 30) == 24
-    assert added(32, 2.0, 0) == 8  # which the budget then refuses
+    assert add_runs(32, 1.25, 99) == 8
+    assert add_runs(32, 2.0, 99) == 32
+    assert add_runs(32, 2.0, 30) == 24
+    assert add_runs(32, 2.0, 0) == 8  # which the budget then refuses
 
 
 def test_what_should_be_the_last_runs_are_checked_at_once_where_that_is_cheap():
@@ -248,7 +248,7 @@ def test_what_should_be_the_last_runs_are_checked_at_once_where_that_is_cheap():
     assert decided(parts, cost=COST).check == ()  # more than half a second
     far = {"surrogate": 0.9, "mesh": 0.02}
     assert decided(far, cost=cheap).check == ()
-    few = Accuracy({"x": 0.1}, cheap.runs + cheap.next_runs + 2 * cheap.checked - 1, 60.0, "n")
+    few = Accuracy({"x": 0.1}, cheap.runs + cheap.next_runs + 2 * cheap.check_runs - 1, 60.0, "n")
     assert decided(parts, cost=cheap, aim=few).action == "check"  # runs would leave no room for it
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from deployable import campaign
-from deployable.campaign.answers.estimate import runs_there
+from deployable.campaign.answers.estimate import describe_stored_runs
 from deployable.campaign.folder import Folder
 from fpm.files.trajectory import read_curves
 from fpm.kernels import sources
@@ -35,20 +35,20 @@ def test_what_was_not_recorded_is_simulated_again_once_and_keeps_the_rest(raw, t
     folder = Folder(tmp_path / "test")
     config, told = run(raw, tmp_path)
     assert "simulated again" not in told
-    assert runs_there(config, folder) == "5 of them are there"
+    assert describe_stored_runs(config, folder) == "5 of them are there"
     files = sorted(folder.runs("trajectories").glob("*.nc"))
     plain = {path: read_curves(path) for path in files}
     assert not recorded(*plain.values())
 
     asking = campaign.check_config({**raw, "responses": {**raw["responses"], **STRESS}})
-    said = runs_there(asking, folder)
+    said = describe_stored_runs(asking, folder)
     assert said.startswith(
         "0 of them are there; 5 more lack stress of all as this version reads it and"
     )
     assert "simulated again, all in all about" in said
     _, told = run(raw, tmp_path, **STRESS)
     assert "lack stress of all as this version reads it; they are simulated again" in told
-    assert runs_there(asking, folder) == "5 of them are there"
+    assert describe_stored_runs(asking, folder) == "5 of them are there"
 
     _, told = run(raw, tmp_path, **SPIN)
     assert "lack angular velocity of B x, B y, B z as" in told
@@ -85,7 +85,8 @@ def test_with_responses_only_they_are_there_too(raw, tmp_path):
     bounds = campaign.run(raw, tmp_path, figures=False, notify=lambda text: None)
     assert bounds["response_units"].sel(response="stress") == "Pa"
     assert (
-        runs_there(campaign.check_config(raw), Folder(tmp_path / "test")) == "5 of them are there"
+        describe_stored_runs(campaign.check_config(raw), Folder(tmp_path / "test"))
+        == "5 of them are there"
     )
 
 

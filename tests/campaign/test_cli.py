@@ -14,7 +14,7 @@ import yaml
 from deployable.campaign.cli import main
 from deployable.campaign.folder import Folder
 from deployable.campaign.stages import STAGES, Stage
-from fpm.files.sealed import unsealed
+from fpm.files.sealed import unseal
 
 ROOT = Path(__file__).parents[2]
 
@@ -101,7 +101,7 @@ def test_a_campaign_runs_stage_by_stage_as_in_one_call(finished, file, tmp_path,
         assert log.read_text() == capsys.readouterr().err
     assert "| BD |" in log.read_text()
     for path in (folder.plan, folder / "summary.json"):
-        assert unsealed(path) == unsealed(finished / path.name)
+        assert unseal(path) == unseal(finished / path.name)
     assert main(["figures", str(folder.path), "--config", file]) == 0
     assert (folder.figures / "vBz.pdf").read_bytes().startswith(b"%PDF")
 

@@ -10,7 +10,7 @@ import xarray as xr
 
 from deployable.campaign.answers.discretization import MAX_POINTS
 from deployable.campaign.config.check import check_config
-from deployable.campaign.plan.accuracy import _halved, _standing, first_plan, next_plan
+from deployable.campaign.plan.accuracy import _halve, _standing, first_plan, next_plan
 from deployable.campaign.plan.jobs import run_seconds
 from deployable.campaign.plan.plan import Round
 from fpm.files.sealed import whole_file
@@ -44,7 +44,7 @@ def test_the_first_round_costs_its_runs_and_its_check(experiment):
     cost, nodes = _standing(plan, SHARES).cost, len(plan.unique_runs())
     each = run_seconds(plan.experiment, plan.time)
     checked = MAX_POINTS + 2 + 2  # of the quantity both ends; an order of either
-    assert (cost.nodes, cost.checked, cost.run_seconds) == (nodes, checked, each)
+    assert (cost.nodes, cost.check_runs, cost.run_seconds) == (nodes, checked, each)
     assert cost.next_runs % 8 == 0 < cost.next_runs
     assert plan.adaptive.check == ("mesh",)
     assert cost.runs == nodes + checked
@@ -63,9 +63,9 @@ def test_costs_of_rounds_add_up(experiment, action, new):
     assert cost.runs == 16 + new
     assert cost.seconds == pytest.approx(2.0 + whole(new) * cost.run_seconds)
     both = _standing(after(plan, action, before, check=("step", "mesh")), SHARES).cost
-    assert both.runs - cost.runs == 2 * cost.checked
+    assert both.runs - cost.runs == 2 * cost.check_runs
     assert both.seconds - cost.seconds == pytest.approx(
-        (2 + 4) * whole(cost.checked) * cost.run_seconds
+        (2 + 4) * whole(cost.check_runs) * cost.run_seconds
     )
 
 
@@ -135,7 +135,7 @@ def test_a_step_that_instants_set_is_halved_too(experiment):
     """Half of safety would leave it as it is."""
     plan = first_plan(experiment)
     limit = 100 * plan.time.step
-    safety = _halved(plan.experiment.solver, replace(plan.time, step_limit=limit))
+    safety = _halve(plan.experiment.solver, replace(plan.time, step_limit=limit))
     assert safety * limit == pytest.approx(plan.time.step / 2)
 
 

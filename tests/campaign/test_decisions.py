@@ -11,7 +11,7 @@ import yaml
 from opening_panel import PANEL, exact_time, panel, run
 
 from deployable import campaign
-from deployable.campaign.answers.choice import doubted
+from deployable.campaign.answers.choice import recheck
 from deployable.campaign.cli import main
 from deployable.campaign.cli.commands import UNMET
 from deployable.campaign.config.sections import Choose
@@ -102,7 +102,7 @@ def test_a_run_that_fails_bounds_the_largest_box(monkeypatch):
 
     monkeypatch.setattr(scalars, "Limit", Kept)
     model = SimpleNamespace(
-        unit=np.array([[0.0, 0.0], [0.9, 0.1], [0.25, -0.5], [0.8, 0.8], [-1.0, 1.0]]),
+        points=np.array([[0.0, 0.0], [0.9, 0.1], [0.25, -0.5], [0.8, 0.8], [-1.0, 1.0]]),
         numbers=np.array([[1.0, 1.0], [np.nan, 1.0], [np.nan, 1.0], [np.nan, 1.0], [2.0, 1.0]]),
         nominal=np.array([0.0, 0.0]),
         experiment=SimpleNamespace(box=SimpleNamespace(free=np.array([True, True]))),
@@ -264,5 +264,5 @@ def test_better_choices_that_only_the_nearest_run_speaks_against_are_looked_at()
     best = tried(0.5, 3.0, 1.0, np.inf)
     others = [tried(0.1, 1.0, 1.0, -np.inf), tried(0.4, 2.0, 1.0, -np.inf),
               tried(0.3, 1.5, -1.0, np.inf), tried(0.6, 4.0, 1.0, -np.inf), best]  # fmt: skip
-    found = doubted(best, others, choose)
+    found = recheck(best, others, choose)
     np.testing.assert_array_equal(found, [[0.4, 0.4], [0.1, 0.1]])

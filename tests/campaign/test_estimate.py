@@ -60,7 +60,7 @@ def test_the_time_foretold_is_what_is_taken(name):
 
     seconds()  # compiles
     taken = min(seconds() for _ in range(5))
-    steps = step.steps_per_instant * (instants - 1)
+    steps = step.output_steps * (instants - 1)
     expected = LANES * machine() * _of(experiment, steps, instants)
     assert expected / RIGHT < taken < RIGHT * BUSY * expected
 

@@ -15,8 +15,8 @@ import pytest
 from deployable.campaign.cli import main
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.templates import summary_text
-from deployable.campaign.text.numbers import escaped
-from fpm.files.sealed import check, seal, unsealed
+from deployable.campaign.text.numbers import escape_text
+from fpm.files.sealed import check, seal, unseal
 
 EVIL = (
     "<script>alert(1)</script>",
@@ -94,7 +94,7 @@ def test_a_page_of_hostile_texts_has_the_tags_that_it_has(rich, tmp_path):
     seal(path, {"name": path.name, "plan": f"-->{EVIL[0]}"})
     for path in place.path.glob("*.nc"):
         known = check(path)
-        path.write_bytes(unsealed(path))
+        path.write_bytes(unseal(path))
         with netCDF4.Dataset(path, "a") as file:
             for name, variable in file.variables.items():
                 if variable.dtype is str and re.search("units|long_name|contact|fit", name):
@@ -116,4 +116,4 @@ def test_a_page_of_hostile_texts_has_the_tags_that_it_has(rich, tmp_path):
 
 @pytest.mark.parametrize("evil", EVIL)
 def test_a_text_is_escaped_whatever_it_is(evil):
-    assert "\n" not in escaped(evil) and not raw_in(escaped(evil))
+    assert "\n" not in escape_text(evil) and not raw_in(escape_text(evil))

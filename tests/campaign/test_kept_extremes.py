@@ -18,7 +18,7 @@ from deployable.campaign.errors import ConfigError
 from deployable.campaign.plan.jobs import batch_count
 from deployable.campaign.plan.plan import make_plan
 from deployable.campaign.report.read import from_results
-from deployable.campaign.results.which import MOST_FITTED, fitted_rows
+from deployable.campaign.results.which import MAX_FIT_RUNS, fitted_rows
 from deployable.campaign.runs import batch, extremes
 from deployable.campaign.runs.batch import run_batch
 from deployable.campaign.runs.store import open_store
@@ -192,14 +192,14 @@ def test_a_million_runs_are_refused_where_the_disk_has_no_room(scan, monkeypatch
 
 
 def test_surrogates_of_large_scans_see_the_runs_that_decide():
-    numbers = np.random.default_rng(0).random((MOST_FITTED + 5, 2))
+    numbers = np.random.default_rng(0).random((MAX_FIT_RUNS + 5, 2))
     numbers[9000:9010, 1] = np.nan
     rows = fitted_rows(numbers)
-    assert len(rows) < MOST_FITTED / 2
+    assert len(rows) < MAX_FIT_RUNS / 2
     for column in numbers.T:
         assert {np.nanargmin(column), np.nanargmax(column)} <= set(rows.tolist())
     assert 9000 in rows
-    assert len(fitted_rows(numbers[:MOST_FITTED])) == MOST_FITTED
+    assert len(fitted_rows(numbers[:MAX_FIT_RUNS])) == MAX_FIT_RUNS
 
 
 @pytest.mark.parametrize(

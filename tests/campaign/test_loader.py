@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from deployable.campaign.config.loader import load, parse, retyped
+from deployable.campaign.config.loader import load, parse, restore_types
 from deployable.campaign.errors import ConfigError
 
 
@@ -60,4 +60,4 @@ def test_an_absent_file_is_told(tmp_path):
 def test_text_from_the_command_line_becomes_numbers_again():
     given = {"a": {"b": "0.2", "c": ["1e9", "x"], "d": 3}, "e": "auto", "f": ""}
     wanted = {"a": {"b": 0.2, "c": [1e9, "x"], "d": 3}, "e": "auto", "f": ""}
-    assert retyped(given) == wanted
+    assert restore_types(given) == wanted

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from deployable.campaign.cli import main
 from deployable.campaign.folder import Folder
-from fpm.files.sealed import check, seal, unsealed
+from fpm.files.sealed import check, seal, unseal
 
 READ = {
     "plan.json": ("simulate", "bounds", "answers", "figures"),
@@ -71,7 +71,7 @@ def foreign(path, rng):
 
 def flip(path, rng):
     """Bytes of the file itself, sealed again: what the library makes of them."""
-    facts, content = check(path), bytearray(unsealed(path))
+    facts, content = check(path), bytearray(unseal(path))
     for _ in range(rng.choice([1, 8])):
         content[rng.randrange(len(content))] ^= 1 << rng.randrange(8)
     if path.suffix == ".json" and not content.startswith(b"{\n"):
@@ -95,7 +95,7 @@ OTHERS = (None, True, -1, 0, 1e308, 10**30, "", "x", "a\nb|<b>\x1b[31m", [], {},
 
 
 def edit(path, rng):
-    facts, data = check(path), json.loads(unsealed(path))
+    facts, data = check(path), json.loads(unseal(path))
     holder, key = rng.choice(nodes(data))
     if rng.random() < 0.3:
         del holder[key]
@@ -107,7 +107,7 @@ def edit(path, rng):
 
 def edit_config(path, rng):
     facts = check(path)
-    path.write_bytes(unsealed(path))
+    path.write_bytes(unseal(path))
     with netCDF4.Dataset(path, "a") as file:
         data = json.loads(file.config)
         holder, key = rng.choice(nodes(data))
@@ -118,7 +118,7 @@ def edit_config(path, rng):
 
 def attribute(path, rng):
     facts = check(path)
-    path.write_bytes(unsealed(path))
+    path.write_bytes(unseal(path))
     with netCDF4.Dataset(path, "a") as file:
         holder = rng.choice([file, file, *file.variables.values()])
         name = rng.choice(["scale_factor", "units", *holder.ncattrs()])
@@ -134,7 +134,7 @@ def attribute(path, rng):
 
 def values(path, rng):
     facts = check(path)
-    path.write_bytes(unsealed(path))
+    path.write_bytes(unseal(path))
     with netCDF4.Dataset(path, "a") as file:
         file.set_auto_mask(False)
         variable = file[rng.choice([n for n, v in file.variables.items() if v.size])]
@@ -155,7 +155,7 @@ def values(path, rng):
 def variable(path, rng):
     """A variable that is absent, of another type, or over other or absurd dimensions."""
     facts = check(path)
-    path.write_bytes(unsealed(path))
+    path.write_bytes(unseal(path))
     with netCDF4.Dataset(path, "a") as file:
         name = rng.choice(list(file.variables))
         old = file.variables[name]

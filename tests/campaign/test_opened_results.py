@@ -25,7 +25,7 @@ from deployable.campaign.plan.plan import read_plan
 from deployable.campaign.results.figures import save
 from deployable.campaign.stages import STAGES
 from deployable.campaign.stages.workflow import Workflow, run
-from fpm.files.sealed import DamagedError, check, seal, unsealed
+from fpm.files.sealed import DamagedError, check, seal, unseal
 
 PAGE = ["--config", as_json(figures=FigureChoice())]
 PROGRAM = "import pathlib\npathlib.Path(__file__).with_suffix('.run').touch()\n"
@@ -41,7 +41,7 @@ def theirs(finished, tmp_path) -> Folder:
 def changed(path: Path, change) -> None:
     """Change a sealed file: an open netCDF file, or the data of JSON."""
     facts = {k: v for k, v in check(path).items() if k != "digest"}
-    content = unsealed(path)
+    content = unseal(path)
     if path.suffix == ".json":
         change(data := json.loads(content))
         path.write_text(json.dumps(data, indent=1), encoding="utf-8")
@@ -112,7 +112,7 @@ def test_results_of_two_campaigns_are_not_told_as_those_of_one(rich, tmp_path, r
     place = Folder(tmp_path / "rich")
     shutil.copytree(whole.path, place.path)
     facts = check(place.bounds)
-    place.bounds.write_bytes(unsealed(tmp_path / "other" / "rich" / "bounds.nc"))
+    place.bounds.write_bytes(unseal(tmp_path / "other" / "rich" / "bounds.nc"))
     seal(place.bounds, {key: value for key, value in facts.items() if key != "digest"})
     for command in ("answers", "figures", "page"):
         assert main([command, str(place.path), "--config", sections[command]]) == 1
@@ -137,7 +137,7 @@ def test_jobs_of_a_workflow_are_told_the_program_that_its_config_names(
     path.write_text(json.dumps(raw), encoding="utf-8")
     jobs = Workflow.from_files([path]).sections("page")
     changed(theirs.plan, names_program(program))
-    monkeypatch.setattr(sections, "_TRUSTED", set())  # as in the job's process
+    monkeypatch.setattr(sections, "_TRUSTED_FILES", set())  # as in the job's process
     with pytest.raises(CampaignError, match="was not run"):
         read_plan(theirs.plan).experiment.scene_type  # noqa: B018
     STAGES["page"].sections_in(jobs)

@@ -121,8 +121,8 @@ def test_the_step_is_stable_at_every_corner_and_divides_the_interval(raw):
     ]
     assert plan.time.step_limit == pytest.approx(min(limits))
     assert plan.time.step <= 0.9 * min(limits)
-    assert plan.time.step * plan.time.steps_per_instant == pytest.approx(0.004 / 8, rel=1e-14)
-    assert plan.time.step > 0.9 * min(limits) * (1 - 2 / plan.time.steps_per_instant)
+    assert plan.time.step * plan.time.output_steps == pytest.approx(0.004 / 8, rel=1e-14)
+    assert plan.time.step > 0.9 * min(limits) * (1 - 2 / plan.time.output_steps)
 
 
 def test_a_step_of_ones_own_is_kept(raw):

@@ -25,7 +25,7 @@ from deployable.campaign.results.figures import draw_envelopes
 from deployable.campaign.results.summary import summarise
 from deployable.campaign.results.templates import sentence, summary_text
 from deployable.campaign.text.numbers import pretty
-from fpm.files.sealed import unsealed
+from fpm.files.sealed import unseal
 from fpm.scenes.scene_type import SceneType
 
 ROOT = Path(__file__).parents[2]
@@ -86,7 +86,7 @@ def test_the_summary_has_the_largest_difference_and_its_time(finished, tmp_path)
         assert row["ratio_to_published"] == pytest.approx(float(width.max()) / 0.063)
     assert summary["responses"][1]["published"] is None
     assert summary["design"]["runs"] == 5
-    assert text == unsealed(tmp_path / "summary.md").decode() == summary_text(summary)
+    assert text == unseal(tmp_path / "summary.md").decode() == summary_text(summary)
     outside = {r["name"]: r["runs_outside_by"] for r in summary["responses"]}
     with xr.open_dataset(finished.bounds) as bounds:
         for name, most in outside.items():
@@ -134,7 +134,7 @@ def test_figures_are_drawn_in_three_forms_and_are_the_same_again(finished, tmp_p
         folder = beside(finished, tmp_path / place)
         draw_envelopes(folder.bounds, 0.1, folder.figures)
         draw_nominal(folder, 5)
-        found.append({path.name: unsealed(path) for path in folder.figures.rglob("*.*")})
+        found.append({path.name: unseal(path) for path in folder.figures.rglob("*.*")})
     first, second = found
     kinds = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}
     assert set(first) == {f"{n}.{k}" for n in ("BD", "vBz", "moments") for k in kinds}

@@ -13,7 +13,7 @@ from deployable import campaign
 from deployable.campaign import provenance
 from deployable.campaign.config.sections import as_json
 from deployable.campaign.stages import OPTIONS, STAGES, stages_of
-from fpm.kernels.sources import Imported
+from fpm.kernels.sources import PackageFiles
 
 ROOT = Path(__file__).parents[2]
 
@@ -22,13 +22,13 @@ def test_any_change_of_the_program_counts_and_a_remark_does_not(tmp_path):
     nothing = shutil.ignore_patterns("__pycache__", "shipped")
     copied = shutil.copytree(ROOT / "deployable", tmp_path / "deployable_copied", ignore=nothing)
     for file in ("campaign/report/page.html", "intervals/box.py", "campaign/runs/progress.py"):
-        before, path = Imported(copied).digest(), copied / file
+        before, path = PackageFiles(copied).digest(), copied / file
         with path.open("a") as end:
             end.write("" if path.suffix == ".html" else "\n# A remark.\n")
-        assert Imported(copied).digest() == before
+        assert PackageFiles(copied).digest() == before
         with path.open("a") as end:
             end.write("\nMORE = 1\n")
-        assert Imported(copied).digest() != before
+        assert PackageFiles(copied).digest() != before
 
 
 def test_results_are_of_all_of_the_program(monkeypatch):

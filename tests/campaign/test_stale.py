@@ -141,7 +141,7 @@ def test_an_edit_anywhere_leaves_no_number_as_it_was(edits):
 def test_an_edit_of_what_is_compiled_leaves_no_number_as_it_was(edits):
     """One drawn of kernels and kinds of elements, compiled anew; COMPILED says of more."""
     count = int(os.environ.get("COMPILED", 1))
-    found = [edits.try_edit(*edits.drawn(compiled=True)) for _ in range(count)]
+    found = [edits.try_edit(*edits.drawn(is_kernel=True)) for _ in range(count)]
     print(*found, sep="\n")
     assert not [each for each in found if each["stale"]]
 
@@ -185,5 +185,5 @@ def test_edits_of_words_prices_and_progress_make_no_run_again(edits):
     files |= {f"deployable/{name}" for name in provenance.LOG_CODE}
     files |= {"fpm/motions/motion.py", "deployable/campaign/results/review.py"}
     texts = {name: (edits.place / name).read_text() + "\nMORE = 1\n" for name in files}
-    found = edits.compared(texts)
+    found = edits.compare_texts(texts)
     assert found == {"simulated": dict.fromkeys(CAMPAIGNS, 0), "changed": False, "stale": []}

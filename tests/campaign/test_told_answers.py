@@ -198,8 +198,8 @@ def test_what_a_finer_model_changes_is_told_of_both_ends(monkeypatch):
 
 def test_the_nearest_run_is_the_nearest():
     model = object.__new__(ModelEvaluator)
-    model.unit = np.array([[0.0, 0.0], [1.0, 1.0], [-0.5, 0.9]])
-    for at, point in enumerate(model.unit):
+    model.points = np.array([[0.0, 0.0], [1.0, 1.0], [-0.5, 0.9]])
+    for at, point in enumerate(model.points):
         assert model.nearest(point) == (at, 0.0)
     assert model.nearest(np.array([0.8, 0.9])) == (1, pytest.approx(0.2))
 
@@ -230,7 +230,7 @@ def test_a_bound_is_unconverged_where_the_surrogate_exceeds_all_runs(
     extremes = Extremes(low, high, np.array([-1.0]), np.array([1.0]))
     surrogate = SimpleNamespace(range=lambda: extremes)
     numbers = np.array([[1.5], [2.0], [np.nan], [1.0]])
-    model = SimpleNamespace(numbers=numbers, unit=np.array([[0.0], [0.3], [0.5], [-0.4]]))
+    model = SimpleNamespace(numbers=numbers, points=np.array([[0.0], [0.3], [0.5], [-0.4]]))
     bounds = _bounds(model, 0, surrogate, np.zeros(2))
     assert bounds.unconverged == unconverged
     assert (bounds.lower, bounds.upper) == (1.0, 2.0)
@@ -242,7 +242,7 @@ def test_what_mesh_and_step_decide_is_told_beside_its_numbers(raw, tmp_path, mon
     """By check, summary and page; of the response that is in doubt, and the peak of it alone."""
     why = "nothing softens it: state a `stiffness`"
     monkeypatch.setattr(
-        sections, "doubt", lambda scene, response: why if response.name == "BD" else ""
+        sections, "warn", lambda scene, response: why if response.name == "BD" else ""
     )
     raw["quantities"] = {
         name: {kind: "BD"} for name, kind in (("top", "largest"), ("end", "final"))
@@ -350,7 +350,7 @@ def test_a_parameter_that_no_quantity_depends_on_is_not_told_as_their_cause():
 def choices(worth, kept, places):
     """Tried choices with their worth: a goal where all requirements are kept, else a slack."""
     return [
-        SimpleNamespace(values=np.array(at), is_allowed=kept, goals=[value], slack=value)
+        SimpleNamespace(values=np.array(at), is_allowed=kept, goals=[value], margin=value)
         for at, value in zip(places, worth, strict=True)
     ]
 

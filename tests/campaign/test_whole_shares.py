@@ -110,7 +110,7 @@ def test_a_border_moves_to_where_finer_runs_cease_to_differ():
     """Of what happens above x = 0, and by finer runs above 0.3: twice the certainty there, as the
     rest of the way counts as much again."""
     x = np.linspace(-1, 1, 21)[:, None]
-    model = SimpleNamespace(unit=x, numbers=np.where(x > 0.01, 1.0, np.nan), margins=np.nan * x)
+    model = SimpleNamespace(points=x, numbers=np.where(x > 0.01, 1.0, np.nan), margins=np.nan * x)
 
     def told(plan, points):
         x = np.array(points)
@@ -119,7 +119,7 @@ def test_a_border_moves_to_where_finer_runs_cease_to_differ():
     model.evaluate = told
     occurrence = Occurrence(x, np.isfinite(model.numbers[:, 0]))
     found, _ = limit_states.estimate_limit_state_error(model, 0, occurrence, None)
-    there = float(occurrence.certainty(np.array([[0.3]]))[0])
+    there = float(occurrence.decision(np.array([[0.3]]))[0])
     assert found == pytest.approx(2 * there, rel=0.05)
     limit = Limit(SimpleNamespace(occurrence=occurrence), "happens", 1.0, border=found)
     share, open_ = share_of_box([limit], np.ones(1))
@@ -154,7 +154,7 @@ def test_a_border_moves_to_the_farthest_of_several_stretches():
     size = limit_states._bisect_segments(
         model, 0, occurrence, None, np.full((2, 1), 0.1), np.full((2, 1), 0.95)
     )
-    exact = float(occurrence.certainty(np.array([[0.75]]))[0])
+    exact = float(occurrence.decision(np.array([[0.75]]))[0])
     assert size == pytest.approx(abs(exact), rel=0.1)
 
 
@@ -183,7 +183,7 @@ def test_a_limit_is_described_by_its_own_kind_of_level(monkeypatch):
 def test_a_number_that_finer_runs_lose_everywhere_leaves_all_open():
     """All runs have it, and that at an end no longer with half the step."""
     model = ClosedBench(Closed("latch", 1, 11, 0.0), 9)
-    model.numbers[:] = 1.0 + model.unit
+    model.numbers[:] = 1.0 + model.points
     model.evaluate = lambda plan, points: (np.full((len(points), 1), np.nan),) * 2
     ends = converge_bounds(model, 0)
     beyond = np.array(
@@ -199,7 +199,7 @@ def verdict(kind, numbers, margins=np.nan, asked=HAPPENS, beyond=(0.0, 0.0), fre
     model = ClosedBench(Closed(kind, 1, 0, 0.0), 9)
     model.around.box = Box(["a"], [0.0], [free])
     model.around.nominal = np.array([free / 2])
-    model.unit, model.numbers = unit, np.array(numbers, dtype=float)[:, None]
+    model.points, model.numbers = unit, np.array(numbers, dtype=float)[:, None]
     model.margins = np.broadcast_to(margins, len(numbers))[:, None]
     found = assess_limits(model, model.surrogates(), [asked], np.array(beyond)[:, None])
     return requirements._met(model, found, [0])["met"]
@@ -249,12 +249,12 @@ def test_what_happened_in_all_runs_is_no_proof_without_a_margin():
 )
 def test_what_no_run_breaks_is_sure_beyond_the_errors(free, slack, kind, margins, sure):
     """Of the number, 0.1, and of where it exists, 0.2."""
-    number = SimpleNamespace(at=None, decider=None, kind=kind)
+    number = SimpleNamespace(instant=None, decider=None, kind=kind)
     box = SimpleNamespace(free=np.array(free))
     model = SimpleNamespace(
         experiment=SimpleNamespace(box=box, numbers=[number]),
         margins=np.array(margins)[:, None],
-        unit=np.linspace(-1, 1, len(margins))[:, None],
+        points=np.linspace(-1, 1, len(margins))[:, None],
     )
     limit = SimpleNamespace(kind="at_most", error=0.1, border=0.2)
     assess_limits = SimpleNamespace(
@@ -275,11 +275,11 @@ def test_what_no_run_breaks_is_sure_beyond_the_errors(free, slack, kind, margins
     ],
 )
 def test_what_no_run_keeps_is_refuted_beyond_the_errors(kind, level, margins, refuted):
-    number = SimpleNamespace(at=None, decider=None, kind="event")
+    number = SimpleNamespace(instant=None, decider=None, kind="event")
     model = SimpleNamespace(
         experiment=SimpleNamespace(box=SimpleNamespace(free=np.array([True])), numbers=[number]),
         margins=np.array(margins)[:, None],
-        unit=np.linspace(-1, 1, 3)[:, None],
+        points=np.linspace(-1, 1, 3)[:, None],
     )
     limit = SimpleNamespace(kind=kind, level=level, border=0.2, surrogate=SimpleNamespace(fit=None))
     result = SimpleNamespace(limits=[limit], specs=[SimpleNamespace(quantity=0)])
@@ -320,7 +320,7 @@ def test_the_largest_box_ends_at_the_nearest_failure(kind, level, odd, share, pl
     numbers = np.concatenate([x, np.array(odd).reshape(-1, 2)[:, 1:]])
     box = SimpleNamespace(free=np.array([True]))
     model = SimpleNamespace(
-        experiment=SimpleNamespace(box=box), nominal=np.array([0.4]), unit=points, numbers=numbers
+        experiment=SimpleNamespace(box=box), nominal=np.array([0.4]), points=points, numbers=numbers
     )
     found = assess_limits(model, [surrogate], [LimitSpec("r", 0, kind, level)])
     assert found.largest[0] == pytest.approx(share, abs=1e-5)
@@ -330,4 +330,4 @@ def test_the_largest_box_ends_at_the_nearest_failure(kind, level, odd, share, pl
         assert found.failure_point == pytest.approx([place], abs=1e-4) and found.largest[1] == 0
         assert found.points[-1] is found.failure_point
     expected = level - numbers[:, 0] if kind == "at_most" else numbers[:, 0] - level
-    assert found.slack[0] == pytest.approx(expected)
+    assert found.margins[0] == pytest.approx(expected)

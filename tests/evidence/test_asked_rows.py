@@ -10,7 +10,7 @@ import xarray as xr
 
 from evidence.registry import STUDIES
 from evidence.tradeoff.asked_rows import asked_rows, asked_text
-from evidence.tradeoff.measure.asked import judge, measure_asked
+from evidence.tradeoff.measure.asked import judge, measure_targets
 from evidence.tradeoff.measure.asked_cases import ACCURACY_CASES, AccuracyCase, scan
 
 
@@ -74,7 +74,7 @@ def test_a_small_case_is_measured():
     small = AccuracyCase(
         "small", "Small", config, {"scan": scan(8, links)}, scan(16, links), (0.2,)
     )
-    found = json.loads(json.dumps(measure_asked(small, lambda text: None), allow_nan=False))
+    found = json.loads(json.dumps(measure_targets(small, lambda text: None), allow_nan=False))
     (asked,), (rival,) = found["asked"], found["rivals"]
     assert asked["met"]
     assert asked["errors"][0]["share"] < 0.2

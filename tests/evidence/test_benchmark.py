@@ -21,7 +21,7 @@ from evidence.benchmark.peers import compare, structures
 from evidence.benchmark.peers.description import describe
 from evidence.benchmark.scenes import beam_count, linkages
 from evidence.results import write
-from evidence.rows import Row, at_most, info, skipped
+from evidence.rows import Row, at_most, info, skip_row
 from fpm.structures import load, report
 
 
@@ -44,7 +44,7 @@ def test_every_element_kind_is_timed_and_the_report_tells_the_machine_and_draws_
     assert len(rows) == len(kinds.CASES) + 1
     found = {
         "kinds": rows,
-        "cost": [at_most("b", 2.0, 1.0), skipped("c", "pip install c", "x"), info("d", 1.0, "s")],
+        "cost": [at_most("b", 2.0, 1.0), skip_row("c", "pip install c", "x"), info("d", 1.0, "s")],
     }
     write(tmp_path, "benchmark", study.report(found))
     summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
@@ -123,7 +123,7 @@ def test_the_structures_are_what_peers_are_told():
     for case in structures.CASES:
         structure = load(structures.FOLDER / f"{case.name}.yaml")
         scene = structure.build(**case.parameters)
-        found = describe(scene, case.omitted)
+        found = describe(scene, case.ignore)
         json.dumps(found)
         assert case.point in found["points"] and len(found["hinges"]) == len(scene.hinges)
         mass = sum(body["mass"] for body in found["bodies"])
@@ -162,7 +162,7 @@ def test_ratios_are_of_runs_that_agree():
 
 def test_the_description_of_the_linkage_fits_together():
     scene = linkages(1, 3)[0]
-    told_scene = describe(scene, omitted=("Contact",))
+    told_scene = describe(scene, ignore=("Contact",))
     assert len(told_scene["elements"]) == beam_count(scene) == 12
     position, frame = np.array(told_scene["position"]), np.array(told_scene["frame"])
     for hinge in told_scene["hinges"]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from evidence.extremes import joints, parameters, runs
-from evidence.extremes.judge import STRAIGHT, WHIPPING, compare, judge
+from evidence.extremes.judge import LINE_ACCURACY, WHIPPING, compare, judge
 from evidence.extremes.study import GROUPS
 from evidence.linkage.runs import closing_time, curves, first_closing, simulate
 
@@ -21,17 +21,17 @@ def test_a_wrong_curve_fails():
     duration = closing_time()
     right, wrong, far = (simulate(duration, a=a, elements=4) for a in (0.035, 0.03535, 0.0385))
     until = 0.98 * min(first_closing(right), first_closing(wrong), duration)
-    same = compare("same", right, curves(right), until, STRAIGHT, "itself")
+    same = compare("same", right, curves(right), until, LINE_ACCURACY, "itself")
     assert all(row.passed for row in same)
-    other = compare("other", right, curves(wrong), until, STRAIGHT, "another")
+    other = compare("other", right, curves(wrong), until, LINE_ACCURACY, "another")
     assert not other[0].passed
-    other = compare("far", right, curves(far), until, STRAIGHT, "another")
+    other = compare("far", right, curves(far), until, LINE_ACCURACY, "another")
     assert not any(row.passed for row in other)
 
 
 @pytest.mark.slow
 def test_a_refused_run_is_a_passed_row_and_its_remedy_is_tried():
-    rows = judge("K_F = 1e4", {"K_F": 1e4}, WHIPPING, past_closure=True)
+    rows = judge("K_F = 1e4", {"K_F": 1e4}, WHIPPING, is_whole_run=True)
     assert str(rows[0].value).startswith("refused: unstable")
     assert "refine the mesh" in rows[0].value
     assert len(rows) == 3
@@ -40,7 +40,7 @@ def test_a_refused_run_is_a_passed_row_and_its_remedy_is_tried():
 
 @pytest.mark.slow
 def test_a_refusal_that_no_mesh_helps_is_the_last_word():
-    rows = judge("E = 1e5", {"E": 1e5}, WHIPPING, past_closure=True)
+    rows = judge("E = 1e5", {"E": 1e5}, WHIPPING, is_whole_run=True)
     assert "refine the mesh" in rows[0].value
     assert "no mesh or step helps" in rows[-1].value
     assert all(row.passed and isinstance(row.value, str) for row in rows)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from evidence.scaling import joints, masts
-from evidence.scaling.study import Measured, growth, joint_rows, mast_rows, report
+from evidence.scaling.study import CostMeasurement, growth, joint_rows, mast_rows, report
 
 LINEAR = [
     masts.Size(n, 8 * max(n, 6), n, 1e-5, 8000, 1e-6 * max(n, 6), 0.1, 1e-8, 1e-16, 0.0)
@@ -32,7 +32,7 @@ def test_masts_that_are_worse_than_they_may_be_fail(what, value):
 
 
 def test_what_is_told_has_every_size_and_case():
-    found = report({"sizes": Measured(LINEAR, {"alone": 1e-7, "chain": 5e-7})})
+    found = report({"sizes": CostMeasurement(LINEAR, {"alone": 1e-7, "chain": 5e-7})})
     assert failed(found.rows) == ["chain, over hinges alone"]
     assert "the linkage" in found.text and "| 100 |" in found.text
     assert list(found.figures) == ["cost"]

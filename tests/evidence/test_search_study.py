@@ -31,5 +31,5 @@ def test_crossings_with_margins_are_exact(searched):
 
 
 def test_bounds_that_are_wrong_fail(searched):
-    wrong = [replace(box, reported=(box.true[0] - 1, box.true[1] + 1)) for box in searched]
+    wrong = [replace(box, outer_bounds=(box.true[0] - 1, box.true[1] + 1)) for box in searched]
     assert len(failed(wrong)) == 3

@@ -7,22 +7,22 @@ import pytest
 
 from evidence import plots
 from evidence.results import Report, write
-from evidence.rows import Row, at_least, at_most, close_to, grouped, info, refusal, skipped
+from evidence.rows import Row, at_least, at_most, close_to, info, refusal, set_group, skip_row
 
-ROWS = grouped(
+ROWS = set_group(
     "one",
     [
         close_to("one: right", 1.0, 1.0, 1e-3, "book"),
         close_to("one: wrong", 2.0, 1.0, 1e-3, "book"),
         close_to("one: not a number", math.nan, 1.0, 1e-3, "book"),
     ],
-) + grouped(
+) + set_group(
     "two",
     [
         info("speed", 7.5, "m/s"),
         at_most("cost", 7.0, 6.0, unit="s"),
         refusal("case", "too thin"),
-        skipped("peer", "not installed: pip install peer", "x"),
+        skip_row("peer", "not installed: pip install peer", "x"),
     ],
 )
 
@@ -38,7 +38,7 @@ def test_rows_pass_fail_or_are_not_judged():
 def test_how_much_of_its_allowance_a_row_takes():
     assert close_to("n", 1.5, 1.0, 2.0).utilization == pytest.approx(0.25)
     assert at_most("n", 3.0, 6.0).utilization == pytest.approx(0.5)
-    for row in (info("n", 1.0), refusal("n", "why"), skipped("n", "why"), at_least("n", 1.0, 2.0)):
+    for row in (info("n", 1.0), refusal("n", "why"), skip_row("n", "why"), at_least("n", 1.0, 2.0)):
         assert math.isnan(row.utilization)
 
 

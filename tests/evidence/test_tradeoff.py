@@ -95,14 +95,14 @@ def test_rounds_widen_the_reference_more_than_a_longer_scan(monkeypatch):
     phases = phases_of(runs)
     last, rounds = reference.seek_runs(level, runs)
     assert len(rounds) == 4
-    assert len(last.unit) == len(last.values) == len(last.events) <= 60
-    assert len(np.unique(np.round(last.unit, 12), axis=0)) == len(last.unit)
+    assert len(last.points) == len(last.values) == len(last.events) <= 60
+    assert len(np.unique(np.round(last.points, 12), axis=0)) == len(last.points)
     both = hull(last.with_runs(many))
 
     def short(found):
         return distance(runs.time, hull(found), both, phases)[0]["all"]["hausdorff_integrated"]
 
-    longer = simulate(case, 2, 0.9, points_of(case, (), len(last.unit)))
+    longer = simulate(case, 2, 0.9, points_of(case, (), len(last.points)))
     assert short(last) < 0.2 * short(longer)
     told = reference.missing(case, level, rounds, phases)[0]["all"]
     # with three rounds the rest is told to a power of ten, and not as nothing

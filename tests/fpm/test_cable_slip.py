@@ -12,9 +12,9 @@ from fpm.elements.cables.cable_slip_kernels import (
     FREE_STRAIN,
     INVERSE,
     RATIO,
-    RUBBED,
+    SLIP_SIZE,
     START,
-    find_alone,
+    find_free_strains,
     strain_before,
 )
 from fpm.kernels.lanes import load, store
@@ -25,15 +25,15 @@ ROUNDING = 1e-13
 
 class Chain(NamedTuple):
     stretches: np.ndarray
-    rubbed: np.ndarray
+    slip: np.ndarray
     rest: np.ndarray
 
 
 @njit(error_model="numpy")
 def settle(part, found):
     last = found.shape[0]
-    find_alone(part, 0, last, CLOSE * load(part.rest, 0, 0))
-    strain = load(part.rubbed, last - 1, FREE_STRAIN)
+    find_free_strains(part, 0, last, CLOSE * load(part.rest, 0, 0))
+    strain = load(part.slip, last - 1, FREE_STRAIN)
     for j in range(last - 1, -1, -1):
         store(found, j, 0, strain)
         if j > 0:
@@ -43,9 +43,9 @@ def settle(part, found):
 def strains(lengths, material, ratios) -> np.ndarray:
     """Of all stretches (stretches, lanes), once it has slipped; ratios (stretches - 1, lanes)."""
     count = len(lengths)
-    part = Chain(*(np.zeros((count + 1, k, LANES)) for k in (STRETCH, RUBBED, 1)))
-    part.stretches[:-1, LENGTH], part.rubbed[:-1, START] = lengths, material
-    part.rubbed[1:-1, RATIO], part.rubbed[1:-1, INVERSE] = ratios, 1 / ratios
+    part = Chain(*(np.zeros((count + 1, k, LANES)) for k in (STRETCH, SLIP_SIZE, 1)))
+    part.stretches[:-1, LENGTH], part.slip[:-1, START] = lengths, material
+    part.slip[1:-1, RATIO], part.slip[1:-1, INVERSE] = ratios, 1 / ratios
     part.rest[0, 0] = material.sum(0)
     found = np.zeros((count, 1, LANES))
     settle(part, found)

@@ -30,7 +30,7 @@ def copied(tmp_path, monkeypatch, cache):
 def digests(folder) -> tuple[str, str]:
     """Of what computes runs, and of what reads further numbers off them, as a process that starts
     now would have them."""
-    code = sources.Imported(folder)
+    code = sources.PackageFiles(folder)
     return code.digest(exclude=sources.READ + sources.DISPLAY), code.digest(include=sources.READ)
 
 
@@ -91,7 +91,7 @@ def test_what_counts_imports_nothing_that_does_not():
             continue
         imports = {
             each.removeprefix("fpm.").replace(".", "/")
-            for each, _ in sources._names_imported(path.read_bytes(), str(path))
+            for each, _ in sources._list_imports(path.read_bytes(), str(path))
         }
         without = [*(t.removesuffix(".py") for t in sources.DISPLAY if t != "errors.py")]
         without += [*sources.READ] if level == 1 and name not in ASK else []
@@ -109,7 +109,7 @@ def package(tmp_path, monkeypatch):
     for name in ("__init__", "one", "two"):
         (folder / f"{name}.py").write_text("VALUE = 1\n")
     monkeypatch.syspath_prepend(str(tmp_path))
-    yield folder, sources.Imported(folder)
+    yield folder, sources.PackageFiles(folder)
     for name in [name for name in sys.modules if name.partition(".")[0] == folder.name]:
         del sys.modules[name]
 
@@ -139,7 +139,7 @@ def test_a_file_that_changes_after_it_was_imported_and_named_does_not_matter(pac
     before = code.digest()
     (folder / "one.py").write_text("VALUE = 2\n")
     assert code.digest() == before
-    assert sources.Imported(folder).digest() != before
+    assert sources.PackageFiles(folder).digest() != before
     importlib.reload(sys.modules["package_of_two.one"])  # as notebooks do
     with pytest.raises(fpm.SceneError, match=r"one\.py changed since"):
         code.digest()
@@ -150,11 +150,11 @@ def test_a_file_that_changed_before_the_package_was_noted_is_refused(package):
     folder, _ = package
     files = {path: path.stat() for path in folder.glob("*.py")}
     importlib.import_module("package_of_two.one")
-    sources.Imported(folder, files).check()
-    assert sources.Imported(folder, files).digest() == sources.Imported(folder).digest()
+    sources.PackageFiles(folder, files).check()
+    assert sources.PackageFiles(folder, files).digest() == sources.PackageFiles(folder).digest()
     (folder / "one.py").write_text("VALUE = 2\n")
     with pytest.raises(fpm.SceneError, match=r"one\.py changed since"):
-        sources.Imported(folder, files).check()
+        sources.PackageFiles(folder, files).check()
 
 
 def test_at_the_start_of_a_campaign_files_are_what_is_in_memory(package):
@@ -195,10 +195,10 @@ def test_kernels_from_elsewhere_that_changed_are_not_compiled(tmp_path, monkeypa
     )
     monkeypatch.syspath_prepend(str(tmp_path))
     parts = (importlib.import_module("tether_kernels").Tethers,)
-    assert [found.name for found in compiled.own_sources(parts)] == [path.name]
+    assert [found.name for found in compiled.find_user_sources(parts)] == [path.name]
     edit(path, "pass", "return")
     with pytest.raises(fpm.SceneError, match=r"tether_kernels\.py changed since it was imported"):
-        compiled.own_sources(parts)
+        compiled.find_user_sources(parts)
 
 
 def test_a_structure_s_own_file_counts_for_it_alone():
@@ -247,7 +247,7 @@ def test_own_sources_are_the_files_beside_that_are_imported(tmp_path, imports):
     for name, text in others.items():
         (room / f"{name}.py").write_text(text)
     (room / "mast.py").write_text(imports)
-    found = {path.name for path in sources.own_sources(room / "mast.py")}
+    found = {path.name for path in sources.find_user_sources(room / "mast.py")}
     assert found - {"between.py", "__init__.py"} == {"mast.py", "helper.py"}
 
 
@@ -257,13 +257,13 @@ def test_own_sources_are_the_files_beside_that_are_imported(tmp_path, imports):
 def test_a_file_beside_of_the_same_name_is_not_one_from_elsewhere(tmp_path, imports):
     (tmp_path / "helper.py").write_text("")
     (tmp_path / "mast.py").write_text(imports)
-    assert sources.own_sources(tmp_path / "mast.py") == {(tmp_path / "mast.py").resolve()}
+    assert sources.find_user_sources(tmp_path / "mast.py") == {(tmp_path / "mast.py").resolve()}
 
 
 def test_kernels_beside_a_kind_count_with_it(tmp_path):
     for name in ("spring", "spring_kernels", "other_kernels"):
         (tmp_path / f"{name}.py").write_text("")
-    found = {path.name for path in sources.own_sources(tmp_path / "spring.py")}
+    found = {path.name for path in sources.find_user_sources(tmp_path / "spring.py")}
     assert found == {"spring.py", "spring_kernels.py"}
 
 
@@ -272,9 +272,9 @@ def test_code_that_is_in_no_file_is_refused(tmp_path):
     exec("def build(): pass\nclass Arrays: pass", names)
     for thing in (names["build"], names["Arrays"]):
         with pytest.raises(fpm.SceneError, match="expected code in a Python file"):
-            sources.own_sources(sources.file_of(thing))
+            sources.find_user_sources(sources.file_of(thing))
     with pytest.raises(fpm.SceneError, match="expected code in a Python file"):
-        sources.own_sources(tmp_path)
+        sources.find_user_sources(tmp_path)
 
 
 def test_digests_kept_by_another_version_are_not_met(tmp_path, monkeypatch):

@@ -10,7 +10,7 @@ import fpm
 from fpm.elements import Friction
 from fpm.errors import SceneError
 from fpm.structures import loads
-from fpm.travel import lead, parts_of
+from fpm.travel import parts_of, sweep
 
 INERTIA = 1.1  # kg m², of the sheet about its hinge
 SHEET = """
@@ -48,7 +48,7 @@ def test_the_mean_is_a_spring_and_the_rest_resists_both_ways(first, last):
         "tape (spring h)": "HA",
         "tape (hysteresis h)": "HY",
     }  # no class is stated
-    found = lead(scene, "h", first, last)
+    found = sweep(scene, "h", first, last)
     way = np.sign(last - first)
     mean = way * (0.03 - 0.03 * found.opening)
     assert found.work["tape (spring h)"] == pytest.approx(mean, abs=1e-9)
@@ -67,14 +67,14 @@ def test_a_harness_with_a_set_resists_as_one():
     assert parts_of(scene) == {"tape (spring h)": "HA", "tape (hysteresis h)": "HA"}
     spring = loads(harness.replace("class: HA", "class: S")).build()
     assert parts_of(spring) == {"tape (spring h)": "S", "tape (hysteresis h)": "HY"}
-    found = lead(scene, "h", 0.0, 1.0)
+    found = sweep(scene, "h", 0.0, 1.0)
     both = found.work["tape (spring h)"] + found.work["tape (hysteresis h)"]
     assert both == pytest.approx(0.05 * (0.3 - found.opening), abs=1e-8)
     assert found.work["tape (hysteresis h)"] == pytest.approx(-0.02, rel=1e-6)
 
 
 def test_without_hysteresis_both_branches_are_one():
-    found = lead(loads(SHEET).build(half=0.0), "h", 0.0, 1.0)
+    found = sweep(loads(SHEET).build(half=0.0), "h", 0.0, 1.0)
     assert found.work["tape (hysteresis h)"] == pytest.approx(0.0, abs=1e-15)
     assert found.work["tape (spring h)"] == pytest.approx(0.03 - 0.03 * found.opening, abs=1e-9)
 

@@ -20,7 +20,7 @@ from fpm.elements import (
     RigidRelease,
     fields,
 )
-from fpm.elements.kind import SHARED, ElementType
+from fpm.elements.kind import BATCH_ARRAYS, ElementType
 from fpm.files.outcome import eventful
 from fpm.kernels import hooks
 from fpm.reading.responses import parts_on
@@ -106,5 +106,5 @@ def test_the_page_names_all_that_a_kind_may_state():
         if name[0] != "_" and "_field(" in inspect.getsource(made)
     }
     assert makes >= {"number", "word", "index", "topology"}
-    for name in (*own, *makes, *SHARED, *hooks.NAMES):
+    for name in (*own, *makes, *BATCH_ARRAYS, *hooks.NAMES):
         assert f"`{name}`" in section or f"`{name}(" in section, name

@@ -114,7 +114,7 @@ def test_its_own_code_has_its_own_cache(outcome):
     from ground_spring_kernels import GroundSprings
 
     parts = (GroundSprings,)
-    names = {path.name for path in compiled.own_sources(parts)}
+    names = {path.name for path in compiled.find_user_sources(parts)}
     assert names == {"ground_spring_kernels.py"}
     assert compiled.cache_folder(parts) != compiled.cache_folder()
 

@@ -4,7 +4,7 @@ import pytest
 
 import fpm
 from deployable.campaign.config.sections import scene_type
-from fpm.reading.variables import VARIABLES, numbers, prepared
+from fpm.reading.variables import VARIABLES, add_probe, numbers
 from fpm.solver.pack import pack
 
 
@@ -25,5 +25,5 @@ def test_numbers_are_those_of_the_arrays(variable):
     if not labels:
         pytest.skip("the linkage has none of it")
     asked = [(variable, labels[0])]
-    more = kept(prepared(scene, asked)) - kept(scene)
+    more = kept(add_probe(scene, asked)) - kept(scene)
     assert numbers(scene, asked) == more > 0

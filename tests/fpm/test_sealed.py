@@ -9,7 +9,7 @@ import time
 import pytest
 
 from fpm.files import sealed
-from fpm.files.sealed import DamagedError, check, check_content, seal, sweep, unsealed, whole_file
+from fpm.files.sealed import DamagedError, check, check_content, seal, sweep, unseal, whole_file
 
 CONTENT = {
     ".nc": bytes(range(256)) * 20,
@@ -34,7 +34,7 @@ def test_a_seal_tells_what_a_file_is(path):
     assert facts == check_content(path, path.read_bytes(), "it")
     with pytest.raises(DamagedError, match=rf"{path.name}.*it is it, not another"):
         check(path, "another")
-    assert unsealed(path) == CONTENT[path.suffix]
+    assert unseal(path) == CONTENT[path.suffix]
     if path.suffix == ".json":
         assert json.loads(path.read_text())["b"] == [1, 2]
 

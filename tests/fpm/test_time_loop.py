@@ -73,7 +73,7 @@ def test_contacts_close_where_the_opening_crosses_zero(batch):
     _, together = batch
     outcome = together[0]
     assert len(outcome.events) >= 4
-    assert outcome.events_dropped == 0
+    assert outcome.dropped_events == 0
     time, contact, closing = outcome.events[0]
     opening = outcome.openings[outcome.scene.hinges[int(contact)].name]
     assert closing == 1
@@ -251,9 +251,9 @@ def test_no_event_is_dropped_where_there_is_little_room(batch, monkeypatch):
     crowded = fpm.simulate(scenes[:3], duration=0.4, instants=81, step=4e-5)
     for one, other in zip(crowded, together, strict=False):
         np.testing.assert_array_equal(one.events, other.events)
-        assert one.events_dropped == 0
+        assert one.dropped_events == 0
         assert equal(one, other)
     monkeypatch.setattr(fpm.solver.pack, "MOST_ROOM", 3)
     (short,) = fpm.simulate(scenes[0], duration=0.4, instants=81, step=4e-5)
     assert len(short.events) == 3
-    assert short.events_dropped == len(together[0].events) - 3
+    assert short.dropped_events == len(together[0].events) - 3

@@ -74,7 +74,7 @@ def test_latch_and_stop_lose_what_the_account_of_all_has():
     )  # fmt: skip
     time, found, outcome = curves(scene, DEFINITIONS, **TIMES)
     energy = 0.5 * J * 2.0**2
-    assert outcome.events_dropped == 0 and len(outcome.events) > 1
+    assert outcome.dropped_events == 0 and len(outcome.events) > 1
     lost = {part: found[f"lost {part}"] for part in LOSING}
     np.testing.assert_allclose(sum(lost.values()), found["account"], atol=1e-4 * energy)
     np.testing.assert_array_equal(found["all"], found["account"])

@@ -85,7 +85,7 @@ def continued(scene: fpm.Scene, outcome: fpm.Outcome, direction: float) -> fpm.S
     """
     remembering = {Friction, Latch, Release, RigidFriction, RigidLatch, RigidRelease}
     remembering &= scene.kinds.keys()
-    assert not remembering and not any(cable.rubs for cable in scene.cables), remembering
+    assert not remembering and not any(cable.has_friction for cable in scene.cables), remembering
     out, final = copy(scene), outcome.final
     out.unstrained = scene.frame if scene.unstrained is None else scene.unstrained
     out.position, out.frame = final.position, final.frame

@@ -98,7 +98,10 @@ def splines() -> Iterator:
         to_unit = BOXES[box].to_unit
         at = [to_unit(bounds[name].values) for name in ("argmin", "argmax")]
         places = intervals.deciding_places(*at, width, 6)
-        yield places.unit.shape, places.errors(RNG.normal(size=(len(places.unit), *width.shape)))
+        yield (
+            places.points.shape,
+            places.errors(RNG.normal(size=(len(places.points), *width.shape))),
+        )
         chosen, growth = intervals.seek_points(
             runs["normalized"].values, runs["values"].values, 5, candidates=512, seed=2
         )
@@ -138,7 +141,7 @@ def scalars() -> Iterator:
         for one in found:
             yield one.evaluate(trial), one.error, one.usual_error, one.occurrence.open
             border = one.occurrence
-            yield border.certainty(trial), border.doubt(trial), border.infill_points(4)
+            yield border.decision(trial), border.band(trial), border.infill_points(4)
             yield one.find_presence(*part) is None, one.find_absence(*part) is None
             if not border.is_mixed:  # a search that ends at a border is as good as its last step
                 wide = one.range(), one.range(*part)
@@ -158,7 +161,7 @@ def scalars() -> Iterator:
             yield req.share_of_box(some, free), req.share_of_box(some, free, *part)
             yield req.largest_share(some, nominal - 0.5)[:2]
             yield [(limit.worst(*part)[0], limit.best(*part)[0]) for limit in some]
-        yield [limit.slack_of(np.array([0.1, np.nan, 3.0])) for limit in limits]
+        yield [limit.find_margins(np.array([0.1, np.nan, 3.0])) for limit in limits]
         yield req.share_reaching(nominal, trial)
         yield from choices(k, found, limits)
 
@@ -173,7 +176,7 @@ def choices(k: int, found: list, limits: list) -> Iterator:
 
     for goal in (req.Goal(found[0], "upper"), req.Goal(found[1], "lower", -1.0)):
         best, first = req.best_choice([goal], limits[:2], [(-0.8, 0.8)] * k, box)
-        yield best.goals, best.slack, [each.slack for each in first], len(first)
+        yield best.goals, best.margin, [each.margin for each in first], len(first)
     if k == 1:
         width = req.Goal(found[3], "width")
         yield req.best_choice([width], [], [(-0.5, 0.5)], box)[0].goals

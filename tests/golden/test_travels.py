@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fpm import structures
-from fpm.travel import classes_of_kinds, lead, parts_of, springs_of
+from fpm.travel import classes_of_kinds, parts_of, springs_of, sweep
 
 ROOT = Path(__file__).parents[2]
 BEFORE = Path(__file__).parent / "travels.json"
@@ -45,7 +45,7 @@ def travel_of(file, name, first, last, parameters):
     scene = structure.build(**parameters)
     hinge = next(hinge for hinge in scene.hinges if name in (None, hinge.name))
     start = 0.0 if name else float(hinge.opening)
-    travel = lead(scene, hinge.name, start + first, start + last)
+    travel = sweep(scene, hinge.name, start + first, start + last)
     order = np.argsort(travel.opening, kind="stable")
     places = start + np.linspace(first, last, 5)[1:-1]
 

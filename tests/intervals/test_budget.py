@@ -13,9 +13,9 @@ def test_places_follow_where_bounds_are_attained():
     """Bounds that are attained at one end, then at the other: these are the places."""
     argmin = np.where(np.arange(50) < 30, -1.0, 1.0).reshape(1, 50, 1)
     places = intervals.deciding_places(argmin, -argmin, np.ones((1, 50)), 8)
-    assert sorted(places.unit[:, 0]) == [-1.0, 1.0]
-    assert (places.unit[places.lower, 0] == argmin[..., 0]).all()
-    assert (places.unit[places.upper, 0] == -argmin[..., 0]).all()
+    assert sorted(places.points[:, 0]) == [-1.0, 1.0]
+    assert (places.points[places.lower, 0] == argmin[..., 0]).all()
+    assert (places.points[places.upper, 0] == -argmin[..., 0]).all()
 
 
 def test_few_places_are_spread_by_the_weight_of_the_instants(rng_seed=3):
@@ -25,12 +25,12 @@ def test_few_places_are_spread_by_the_weight_of_the_instants(rng_seed=3):
     width[:, :200] = 1e-3
     attained[:, 200:] = 0.1 * attained[:, 200:] + 0.5
     one = intervals.deciding_places(attained, attained, width, 1)
-    assert abs(one.unit - 0.5).max() < 0.1
+    assert abs(one.points - 0.5).max() < 0.1
     spread = []
     for count in (1, 4, 8):
         places = intervals.deciding_places(attained, attained, width, count)
-        assert len(places.unit) == count
-        apart = np.linalg.norm(attained - places.unit[places.lower], axis=-1)
+        assert len(places.points) == count
+        apart = np.linalg.norm(attained - places.points[places.lower], axis=-1)
         spread.append(float((apart * width).sum()))
     assert spread == sorted(spread, reverse=True)
 
@@ -41,7 +41,7 @@ def test_a_response_without_width_decides_no_places():
     still = np.concatenate([np.full((1, 60, 2), 0.9), attained])
     width = np.concatenate([np.zeros((1, 60)), np.ones((1, 60))])
     both = intervals.deciding_places(still, -still, width, 5)
-    np.testing.assert_array_equal(both.unit, alone.unit)
+    np.testing.assert_array_equal(both.points, alone.points)
     np.testing.assert_array_equal(both.lower[1], alone.lower[0])
     np.testing.assert_array_equal(both.upper[1], alone.upper[0])
 

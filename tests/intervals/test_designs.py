@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from deployable.intervals import Box, IntervalError, fit, held_out_points, make_design
-from deployable.intervals.box import match_points, other_runs
+from deployable.intervals.box import find_other_runs, match_points
 from deployable.intervals.chebyshev import (
     count_smolyak,
     lobatto,
@@ -124,7 +124,7 @@ def test_other_runs_are_those_at_no_point_of_the_design(dimension):
     others = held_out_points(np.ones(dimension, dtype=bool), 5, nodes)
     others = np.concatenate([others, nodes[:1] * [*[1.0] * (dimension - 1), 0.5]])
     unit = np.concatenate([others[:2], nodes + 1e-12, others[2:]])
-    found = other_runs(unit, nodes)
+    found = find_other_runs(unit, nodes)
     np.testing.assert_array_equal(unit[found], others)
     assert match_points(nodes, unit).tolist() == list(range(2, 2 + len(nodes)))
 

@@ -1,6 +1,7 @@
 """No name of a value is only a participle, a pronoun, a preposition or an adverb."""
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -42,8 +43,26 @@ ALLOWED = {
 }
 """Terms of the field, with the reason; `path:name` allows it there."""
 
+ENDING = re.compile(r"(?!(is|has|was|are|needs)_)\w*(ed|en)")
+"""Names that say what was done to a value, if they are no statement: `rubbed`, `runs_taken`."""
+
+_TERMS = """
+nouns: children codegen green len need red seed speed token
+verbs of functions: flatten reopen tighten widen
+plain English for the value: allowed expected fixed open squared
+of a material, a contact: one_sided unstrained unstressed
+of bounds (docs/terms.md): attained simulated unconverged undecided
+keys of configs, rows and results: analysed halved measured normalized not_analysed passed
+    published skipped trusted weighted
+of numba: finalized
+"""
+TERMS = frozenset(_TERMS.split())
+"""Names with this ending, or whose last word is one, that stay."""
+
+NOT_YET = ("deployable/intervals/calibration.py",)
+"""Files whose names are not yet held to the ending."""
+
 MEMBERS = {
-    **dict.fromkeys(("about", "at", "within", "way"), "keys of quantities, docs/quantities.md"),
     "along": "key of margins, docs/responses.md; what a response lies along",
     "above": "exclusive lower bound of a number, docs/mechanics.md",
 }
@@ -90,7 +109,12 @@ def words(source, path=""):
     for node, name in bindings(tree):
         bare = name.strip("_").rstrip("0123456789").casefold()
         allowed = {*ALLOWED, *(MEMBERS if id(node) in fields else ())}
-        if bare in NEVER and not {bare, f"{path}:{bare}"} & allowed:
+        if bare in NEVER:
+            is_wrong = not {bare, f"{path}:{bare}"} & allowed
+        else:
+            is_wrong = ENDING.fullmatch(bare) and path not in NOT_YET
+            is_wrong = is_wrong and bare not in TERMS and bare.rpartition("_")[2] not in TERMS
+        if is_wrong:
             yield node.lineno, name
 
 
@@ -120,9 +144,9 @@ PLANTED = {
     "_given, before2 = 1, 2": "_given before2",
     "def here(it, *, told=1, **others): pass": "here it told others",
     "f = lambda at: at": "at",
-    "class Held:\n    known: int\n    above = watched = 1\n    within: int": "Held known watched",
-    "self.left, self.at = 1, 2": "left",
-    "def within(): shut = 1": "shut",
+    "class Held:\n    known: int\n    above = watched = 1\n    along: int": "Held known watched",
+    "self.left, self.along = 1, 2": "left",
+    "def along(): shut = 1": "shut",
     "for one in x: pass": "one",
     "with x as this: pass": "this",
     "y = [both for both in x]": "both",
@@ -131,6 +155,9 @@ PLANTED = {
     "try: pass\nexcept X as what: pass": "what",
     "match x:\n    case {'a': [such, *those], **on}: pass": "such those on",
     "type_name = found_rows = x.found": "",
+    "rubbed, _Tied2, rows_taken = x": "rubbed _Tied2 rows_taken",
+    "class Kept:\n    hidden: int\n    is_hidden: bool\n    simulated: float": "Kept hidden",
+    "def widen(speed, normalized, *, tilted_axes): pass": "",
 }
 
 

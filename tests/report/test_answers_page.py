@@ -149,7 +149,7 @@ def test_the_runs_at_the_ends_of_quantities_move(folder):
             with xarray.open_dataset(folder / "trajectories" / f"{run.id}.nc") as alone:
                 np.testing.assert_array_equal(run.curves[0], alone["opening"].sel(hinge="hinge"))
     further = [run for run in data.runs if run.role == FURTHER]
-    assert not set(map(data.runs.index, further)) & set(data.unfitted)
+    assert not set(map(data.runs.index, further)) & set(data.unfitted_runs)
 
 
 def test_a_page_without_requirements_has_the_intervals_only(opened, tmp_path):

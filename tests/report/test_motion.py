@@ -68,7 +68,7 @@ def test_frames_of_particles_are_rotations(pair):
 
 def test_several_passes_give_the_same(monkeypatch, pair):
     two = scenes()
-    monkeypatch.setattr(whole, "MOST_RECORDED", 41 * 8 * 18 * 6)
+    monkeypatch.setattr(whole, "MAX_RECORDS", 41 * 8 * 18 * 6)
     again = whole.whole_motion(two, **TIME, step=steps(two[0]), frames=11, times=[0.0071])
     for one, other in zip(pair[0], again, strict=True):
         xarray.testing.assert_identical(one, other)

@@ -15,11 +15,11 @@ from deployable.campaign.pictures.glb import glb_of
 from deployable.campaign.report import from_results, write_page
 from deployable.campaign.report.data import MOST_LINES
 from deployable.campaign.report.motions import MOST_MOVING, how_many_move, shown_runs
-from deployable.campaign.report.pack import thinned
+from deployable.campaign.report.pack import thin_curves
 from deployable.campaign.report.page import render
 from deployable.campaign.results.facts import grade
 from deployable.campaign.results.templates import sentence
-from deployable.campaign.text.numbers import coded, measured, number, spread, unbroken
+from deployable.campaign.text.numbers import measured, number, spread, tie_units, to_html
 
 
 def text_of(data):
@@ -123,7 +123,7 @@ def test_the_page_names_the_runs_that_do_not_move(results, tmp_path):
     *_, last = shown_runs(results)
     (tmp_path / "swing" / "motions" / f"{last.id}.nc").unlink()
     fewer = from_results(tmp_path / "swing")
-    assert [(one.id, one.label) for one in fewer.omitted] == [(last.id, last.label)]
+    assert [(one.id, one.label) for one in fewer.omitted_runs] == [(last.id, last.label)]
     write_page(fewer, tmp_path / "page.html")
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert f"{last.label} ({last.id})" in text.replace("\N{NO-BREAK SPACE}", " ")
@@ -154,7 +154,7 @@ def test_a_page_without_motions_is_a_page(tmp_path, data):
 def test_no_line_ends_between_a_number_and_its_unit(tmp_path, data):
     told = "0.0618 m at 0.977 s, ± 1 % of 1.2 × 10⁹ N m/rad; 9 runs, k = 0.4"
     kept = "0.0618_m at 0.977_s, ±_1_% of 1.2_×_10⁹_N_m/rad; 9 runs, k_=_0.4"
-    assert unbroken(told, ["m", "N m/rad"]).replace("\N{NO-BREAK SPACE}", "_") == kept
+    assert tie_units(told, ["m", "N m/rad"]).replace("\N{NO-BREAK SPACE}", "_") == kept
     config = "height: 10 m\n"  # to be copied as it is
     write_page(replace(data, config=config), tmp_path / "page.html")
     assert f"<pre>{config}</pre>" in (tmp_path / "page.html").read_text(encoding="utf-8")
@@ -173,14 +173,14 @@ def test_names_cannot_break_out_of_the_page(tmp_path, data):
 def test_thinned_curves_keep_their_extremes():
     rng = np.random.default_rng(1)
     curves = [rng.normal(size=50_000) for _ in range(4)]
-    keep = thinned(curves, most=2000)
+    keep = thin_curves(curves, most=2000)
     assert len(keep) <= 2000 + 2 * len(curves) + 2 and keep[0] == 0 and keep[-1] == 49_999
     for curve in curves:
         assert curve[keep].max() == curve.max() and curve[keep].min() == curve.min()
 
 
 def test_many_unfitted_runs_become_a_readable_number_of_lines(data, tmp_path):
-    run = data.runs[data.unfitted[-1]]
+    run = data.runs[data.unfitted_runs[-1]]
     many = replace(data, runs=(*data.runs, *(replace(run, id=str(i)) for i in range(500))))
     write_page(many, tmp_path / "many.html")
     assert len(embedded(tmp_path / "many.html")["lines"]) == MOST_LINES
@@ -221,8 +221,8 @@ def test_a_large_error_comes_with_what_to_do_about_it(data):
     assert "Let `accuracy` have more `max_runs`" in said(accuracy={})
     shut = [{"time": 0.0, "contact": "stop"}]
     assert "something has closed" in said(closures=shut) and "something has closed" not in said()
-    assert "<code>accuracy" in coded(said())
-    assert "&lt;b&gt;" in coded("<b>")
+    assert "<code>accuracy" in to_html(said())
+    assert "&lt;b&gt;" in to_html("<b>")
 
 
 def test_what_one_parameter_does_alone_has_gaps_where_it_is_lost_in_the_error(results, data):

@@ -16,7 +16,7 @@ import pytest
 import xarray as xr
 
 from deployable import campaign
-from fpm.files.sealed import unsealed
+from fpm.files.sealed import unseal
 
 ROOT = Path(__file__).parents[2]
 PLUGIN = "snakemake_executor_plugin_slurm"
@@ -84,7 +84,7 @@ class Queue:
 
     def manifests(self) -> list[dict]:
         found = sorted((self.folder / "results/queued/batches").glob("*.json"))
-        return [json.loads(unsealed(path)) for path in found]
+        return [json.loads(unseal(path)) for path in found]
 
     def is_as_computed_here(self) -> None:
         """Compare the samples, to the last bit, with those of one process without Snakemake."""

@@ -32,7 +32,8 @@ def test_cables_and_masses_are_in_the_scene():
     assert stay.rest * (1 + 45 / 2e4) == pytest.approx(2.5, rel=1e-14)
     np.testing.assert_allclose(stay.beams[1].arm, [0, 0, 2])
     assert (hoist.rest, hoist.reel, hoist.curve, len(hoist.beams)) == (5.0, 0.1, 0, 3)
-    assert (stay.friction, hoist.friction, stay.rubs, hoist.rubs) == (None, 0.1, False, True)
+    assert (stay.friction, hoist.friction) == (None, 0.1)
+    assert hoist.has_friction and not stay.has_friction
     np.testing.assert_allclose((scene.mass - bare.mass)[tip], 2.0)
     np.testing.assert_allclose((scene.inertia - bare.inertia)[tip], 0.5)
     assert scene.mass.sum() == pytest.approx(bare.mass.sum() + 2.0)

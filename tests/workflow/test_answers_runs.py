@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from deployable import campaign
-from fpm.files.sealed import unsealed
+from fpm.files.sealed import unseal
 
 ROOT = Path(__file__).parents[2]
 
@@ -48,7 +48,7 @@ def test_the_workflow_answers_what_a_campaign_in_one_call_does(workplace):
     other = workplace.folder / "other"
     campaign.run(path, other, figures=False, notify=lambda text: None)
     for name in ANSWERS:
-        ours, theirs = unsealed(results / name), unsealed(other / "opening" / name)
+        ours, theirs = unseal(results / name), unseal(other / "opening" / name)
         if name.endswith("json"):
             ours, theirs = json.loads(ours), json.loads(theirs)
             assert ours == theirs, name

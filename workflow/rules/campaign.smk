@@ -18,7 +18,7 @@ if WORKFLOW.cases:
 
 else:
 
-    include: "rounds.smk" if WORKFLOW.campaign.experiment.is_sought else "plan.smk"
+    include: "rounds.smk" if WORKFLOW.campaign.experiment.is_adaptive else "plan.smk"
     include: "answers.smk"
     include: "report.smk"
 

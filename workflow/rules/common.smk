@@ -12,9 +12,9 @@ ROOT = Path(str(workflow.current_basedir)).resolve().parents[1]
 PACKAGES = [str(ROOT)] if (ROOT / "deployable").is_dir() else []
 sys.path[:0] = PACKAGES
 
-from deployable import other_fpm
+from deployable import check_fpm_module
 
-if other := other_fpm():
+if other := check_fpm_module():
     print(other, file=sys.stderr)
     sys.exit(1)
 
@@ -59,7 +59,7 @@ except CampaignError as error:
 
 
 if "--report" in sys.argv and not CONFIG_FILES and not IS_MODULE:
-    if other := WORKFLOW.other_report():
+    if other := WORKFLOW.write_other_report():
         print(other, file=sys.stderr)
         sys.exit(1)
 

@@ -54,7 +54,7 @@ def answer(
     `choice.json` into `folder`, a campaign's results with its plan. choose, requirements, verify,
     jobs: sections of the config; notify: called with each message; threads: how many simulate."""
     base_plan = read_plan(folder.plan)
-    experiment = widened(base_plan.experiment, choose)
+    experiment = widen_intervals(base_plan.experiment, choose)
     plan = Plan(experiment, base_plan.mechanics, choose_step(experiment), Runs.from_runs([]))
     model = ModelEvaluator(plan, jobs, folder, notify, threads)
     design = design_points(experiment, choose)
@@ -63,7 +63,7 @@ def answer(
     specs = list_limits(requirements, list(experiment.quantities))
     for iteration in range(verify.max_iterations + 1):
         best, safest, safe_ranges, trials = _best(model, base_plan.experiment, choose, specs)
-        points = [*np.concatenate(best.goal_points), *best.worst, *doubted(best, trials, choose)]
+        points = [*np.concatenate(best.goal_points), *best.worst, *recheck(best, trials, choose)]
         points += [] if safest is None else [*safest.worst]
         points = [point for point in points if model.nearest(point)[1] > SAME_POINT]
         if iteration == verify.max_iterations or not points:
@@ -77,7 +77,7 @@ def answer(
         "kept": best.is_allowed,
         "safe": best.is_safe,
         "goals": list(map(partial(_goal, model), choose.goals, best.goals, best.goal_points)),
-        "limits": list(map(partial(_limit, model), specs, best.slacks, best.worst)),
+        "limits": list(map(partial(_limit, model), specs, best.margins, best.worst)),
         "tried": [
             {
                 "values": trial.values.tolist(),
@@ -86,13 +86,13 @@ def answer(
             }
             for trial in trials
         ],
-        "runs": len(model.unit),
+        "runs": len(model.points),
         "simulated": model.simulated,
     }
     write_result(folder.choice, json.dumps(choice, indent=1, allow_nan=False) + "\n")
 
 
-def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray]:
+def recheck(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray]:
     """Find points to simulate before a choice is final, as there the surrogates alone rule out what
     may be better: normalized points (k), -1 to 1 in the box, at which an event does not occur that
     must (or the reverse, or a limited quantity is absent), one for each limit that fails so. Of
@@ -111,12 +111,12 @@ def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray
     return [
         point
         for trial in better[:_DOUBTS]
-        for slack, point in zip(trial.slacks, trial.worst, strict=True)
-        if slack == -np.inf
+        for margin, point in zip(trial.margins, trial.worst, strict=True)
+        if margin == -np.inf
     ]
 
 
-def widened(experiment: Experiment, choose: Choose) -> Experiment:
+def widen_intervals(experiment: Experiment, choose: Choose) -> Experiment:
     """Return a copy of an experiment in which the interval of each parameter to be chosen spans all
     nominal values that `choose` (section of the config) allows, with the uncertainty about each."""
     intervals = dict(experiment.intervals)
@@ -128,9 +128,9 @@ def widened(experiment: Experiment, choose: Choose) -> Experiment:
 
 def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
     """Make the points (N, k), -1 to 1 in the box, of the runs that surrogates over all choices are
-    fitted to: a sparse grid and four validation runs. experiment: with the intervals of `widened`;
-    choose: section of the config, whose `order` the grid has along chosen parameters; along others
-    it has that of the experiment's design, at least 2."""
+    fitted to: a sparse grid and four validation runs. experiment: with intervals of
+    `widen_intervals`; choose: section of the config, whose `order` the grid has along chosen
+    parameters; along others it has that of the experiment's design, at least 2."""
     from deployable.intervals import held_out_points, make_design
 
     order, box = experiment.design.order, experiment.box
@@ -193,7 +193,7 @@ def deciding(trials: Sequence[Any], error: float) -> list[bool]:
     `intervals.scalars.Choice`, all that were tried; error: in the unit of what is compared."""
     allowed = [trial.is_allowed for trial in trials]
     worth = np.array([
-        trial.slack if not any(allowed) else trial.goals[0] if trial.is_allowed else np.inf
+        trial.margin if not any(allowed) else trial.goals[0] if trial.is_allowed else np.inf
         for trial in trials
     ])  # fmt: skip
     worth = np.nan_to_num(worth, nan=np.inf)
@@ -246,8 +246,8 @@ def _goal(
     return {**description, **row}
 
 
-def _limit(model: ModelEvaluator, spec: LimitSpec, slack: float, point: np.ndarray) -> dict:
+def _limit(model: ModelEvaluator, spec: LimitSpec, margin: float, point: np.ndarray) -> dict:
     error = None if spec.kind == "happens" else number(model.surrogates()[spec.quantity].error)
-    margin = {"margin": number(slack), "error": error, "kept": bool(slack >= 0)}
+    fields = {"margin": number(margin), "error": error, "kept": bool(margin >= 0)}
     description = {"requirement": spec.requirement, **describe_limit(model, spec)}
-    return {**description, **margin, **model.describe_point(point, spec.quantity)}
+    return {**description, **fields, **model.describe_point(point, spec.quantity)}

@@ -41,7 +41,7 @@ def checked_components(plan: Plan, verify: Verify) -> tuple[str, ...]:
     """Return which errors of a plan's bounds are to be estimated, of "step" (of time) and "mesh":
     with an `accuracy` in the config what the plan's round asks for, else both or none, as the
     section `verify` has it."""
-    if plan.experiment.is_sought:
+    if plan.experiment.is_adaptive:
         return plan.adaptive.check
     return COMPONENTS if verify.discretization else ()
 
@@ -64,7 +64,7 @@ def check_bounds(
 
     model = ModelEvaluator.from_folder(folder, jobs, notify, threads)
     dataset = intervals.add_errors(bounds, _curve_errors(model, bounds, components))
-    if model.experiment.is_sought and model.experiment.quantities:
+    if model.experiment.is_adaptive and model.experiment.quantities:
         errors = estimate_discretization_errors(model, converge_bounds(model, 0), components)
         text = "error of the bounds by {}".format
         dataset = dataset.assign(
@@ -118,8 +118,8 @@ def estimate_discretization_errors(
         """Values at chosen points, by runs of the plan, of the quantity whose bound it is."""
         results, finite = np.full(len(rows), np.nan), np.isfinite(points[rows]).all(axis=1)
         if finite.any():
-            evaluated, _ = model.evaluate(plan, points[rows][finite])
-            results[finite] = evaluated[np.arange(len(evaluated)), q[rows][finite]]
+            finer, _ = model.evaluate(plan, points[rows][finite])
+            results[finite] = finer[np.arange(len(finer)), q[rows][finite]]
         return results
 
     for name, level in _levels(model.plan, components).items():
@@ -146,7 +146,7 @@ def _find_nearest_values(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Unit points (P, k) and numbers (P) of the runs of a plan that have quantities `indices` (P),
     nearest to points at which they do not, on the way to the middle of all runs that have them."""
-    inner = np.array([model.unit[np.isfinite(model.numbers[:, q])].mean(axis=0) for q in indices])
+    inner = np.array([model.points[np.isfinite(model.numbers[:, q])].mean(axis=0) for q in indices])
     values, _ = model.evaluate(plan, inner)
     numbers, row = values[np.arange(len(indices)), indices], np.arange(len(indices))
     for _ in range(_HALVINGS):
@@ -195,28 +195,28 @@ def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict
     box = model.experiment.box
     attained = [box.to_unit(bounds[name].values) for name in ("argmin", "argmax")]
     width = (bounds["upper"] - bounds["lower"]).values
-    points = intervals.deciding_places(*attained, width, MAX_POINTS)
-    planned = model.plan.runs.normalized
-    distances = np.abs(planned - points.unit[:, None]).max(axis=2)
+    sites = intervals.deciding_places(*attained, width, MAX_POINTS)
+    run_points = model.plan.runs.normalized
+    distances = np.abs(run_points - sites.points[:, None]).max(axis=2)
     nearest = distances.argmin(axis=1)
-    tested = np.where(
-        distances.min(axis=1)[:, None] <= MAX_POINT_DISTANCE, planned[nearest], points.unit
+    test_points = np.where(
+        distances.min(axis=1)[:, None] <= MAX_POINT_DISTANCE, run_points[nearest], sites.points
     )
-    curves, errors = _curves(model, model.plan, tested), {}
+    curves, errors = _curves(model, model.plan, test_points), {}
     for name, level in _levels(model.plan, components).items():
-        finer_curves = _curves(model, level.finer, tested)
+        finer_curves = _curves(model, level.finer, test_points)
         change = np.abs(finer_curves - curves)
         share = change.mean(axis=2) / np.maximum(change.mean(axis=(0, 2)), np.finfo(float).tiny)
         worst = int(share.sum(axis=1).argmax())
         third = _evaluate_third(
-            model, level, lambda plan, worst=worst: _curves(model, plan, tested[[worst]])[0]
+            model, level, lambda plan, worst=worst: _curves(model, plan, test_points[[worst]])[0]
         )
         ratio = (
             None
             if third is None
             else level.ratio(curves[worst], finer_curves[worst], third)[:, None]
         )
-        errors[name] = richardson_error(points.errors(change), ratio)
+        errors[name] = richardson_error(sites.errors(change), ratio)
         curves = finer_curves
     return errors
 
@@ -235,9 +235,9 @@ def _evaluate_third(
         return None
 
 
-def _curves(model: ModelEvaluator, plan: Plan, unit: np.ndarray) -> np.ndarray:
+def _curves(model: ModelEvaluator, plan: Plan, points: np.ndarray) -> np.ndarray:
     """Responses (P, n, T) of a plan's runs at unit points (P, k)."""
-    return np.array([record.values for record in model.records(plan, runs_at(plan, unit))])
+    return np.array([record.values for record in model.records(plan, runs_at(plan, points))])
 
 
 def _levels(plan: Plan, components: tuple) -> dict[str, RefinementLevel]:
@@ -256,11 +256,11 @@ def _levels(plan: Plan, components: tuple) -> dict[str, RefinementLevel]:
             parameters = {**experiment.scene.parameters, mesh: number}
             return replace(experiment, scene=replace(experiment.scene, parameters=parameters))
 
-        refined = with_mesh(2 * number)
+        finer_plan = with_mesh(2 * number)
         # The step may be too long for the finer mesh.
-        stable = choose_step(replace(refined, solver=replace(refined.solver, step="auto")))
+        stable = choose_step(replace(finer_plan, solver=replace(finer_plan.solver, step="auto")))
         step = min(time.step, stable.step)
-        finer = replace(plan, experiment=refined, time=replace(stable, step=step))
+        finer = replace(plan, experiment=finer_plan, time=replace(stable, step=step))
         third = None
         if number % 2 == 0 and number // 2 >= parameter.lower:
             third = replace(plan, experiment=with_mesh(number // 2), time=time)
@@ -269,4 +269,4 @@ def _levels(plan: Plan, components: tuple) -> dict[str, RefinementLevel]:
 
 
 def halved(time: TimeStep) -> TimeStep:
-    return replace(time, step=time.step / 2, steps_per_instant=2 * time.steps_per_instant)
+    return replace(time, step=time.step / 2, output_steps=2 * time.output_steps)

@@ -7,7 +7,7 @@ import os
 from dataclasses import dataclass, replace
 
 import fpm
-from deployable.campaign.answers.choice import design_points, widened
+from deployable.campaign.answers.choice import design_points, widen_intervals
 from deployable.campaign.answers.discretization import MAX_POINTS
 from deployable.campaign.config.disk import bytes_of_run
 from deployable.campaign.config.sections import Campaign, count_runs
@@ -59,9 +59,9 @@ class Estimate:
     def __str__(self) -> str:
         bound = "at most" if self.is_budget else "about"
         further = f" and further ones for {self.answers}" if self.answers else ""
-        first = duration_text(_rounded(self.compiling))
+        first = duration_text(_round(self.compiling))
         return (
-            f"at most {self.runs} runs{further}, {bound} {duration_text(_rounded(self.seconds))} "
+            f"at most {self.runs} runs{further}, {bound} {duration_text(_round(self.seconds))} "
             f"on {cores()} cores{f' ({first} of it to compile, once)' if self.compiling else ''}, "
             f"{size_text(self.bytes)} on disk"
         )
@@ -76,7 +76,7 @@ def estimate(campaign: Campaign) -> Estimate:
     experiment, solver = campaign.experiment, campaign.experiment.solver
     runs = count_runs(experiment)
     batch = LANES * effort.machine() * run_seconds(experiment, choose_step(experiment))
-    refinement = {} if experiment.is_sought else _further(campaign)
+    refinement = {} if experiment.is_adaptive else _further(campaign)
     passes = [(runs, 1.0), *(p for iterations in refinement.values() for p in iterations)]
     batches = [(math.ceil(count / LANES), factor) for count, factor in passes if count]
     integrating = batch * sum(number * factor for number, factor in batches)
@@ -91,7 +91,7 @@ def estimate(campaign: Campaign) -> Estimate:
         campaign.choose.parameters
     )
     seconds = waiting + writing + starting
-    if experiment.is_sought:  # meshes and steps become finer
+    if experiment.is_adaptive:  # meshes and steps become finer
         integrating = 60 * experiment.accuracy.max_core_minutes
         seconds = integrating / cores() + starting
     curves = _BOUNDS_CURVES * len(experiment.responses)
@@ -100,7 +100,7 @@ def estimate(campaign: Campaign) -> Estimate:
     size = runs * bytes_of_run(campaign) + 8 * solver.instants * curves
     answers = " and ".join(refinement)
     return Estimate(
-        runs, seconds, integrating, float(size), compiling, experiment.is_sought, answers
+        runs, seconds, integrating, float(size), compiling, experiment.is_adaptive, answers
     )
 
 
@@ -122,7 +122,7 @@ def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
     if bounds:
         refinement["quantities"] = [(bounds, 1.0)] * iterations
     if campaign.choose.parameters:
-        points = design_points(widened(experiment, campaign.choose), campaign.choose)
+        points = design_points(widen_intervals(experiment, campaign.choose), campaign.choose)
         refinement["the choice"] = [(len(points), 1.0), *[(LANES, 1.0)] * iterations]
     if verify.discretization:
         # Half the step, and a mesh of twice as many elements with half the step; for their orders
@@ -136,11 +136,11 @@ def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
     return refinement
 
 
-def runs_there(campaign: Campaign, folder: Folder) -> str:
+def describe_stored_runs(campaign: Campaign, folder: Folder) -> str:
     """Return a text for users on how many runs of a campaign are stored in its folder of results,
     and why others must be made again; "" where none is stored, and with an `accuracy`."""
     keep = campaign.jobs.keep
-    if campaign.experiment.is_sought or not folder.runs(keep).is_dir():
+    if campaign.experiment.is_adaptive or not folder.runs(keep).is_dir():
         return ""
     plan = make_plan(campaign.experiment)
     store = open_store(keep, folder.runs(keep), campaign.experiment)
@@ -152,7 +152,7 @@ def runs_there(campaign: Campaign, folder: Folder) -> str:
     text = f"{total - missing} of them are there"
     if reruns:
         names = words(sorted(set().union(*store.absences.values())))
-        seconds = _rounded(estimate(campaign).seconds * missing / total)
+        seconds = _round(estimate(campaign).seconds * missing / total)
         text += (
             f"; {reruns} more lack {names} as this version reads it and are simulated again, all "
             f"in all about {duration_text(seconds)}"
@@ -165,7 +165,7 @@ def cores() -> int:
     return os.cpu_count() or 1
 
 
-def _rounded(seconds: float) -> float:
+def _round(seconds: float) -> float:
     """To two digits."""
     power = 10.0 ** (math.floor(math.log10(max(seconds, 1.0))) - 1)
     return max(1.0, round(seconds / power) * power)

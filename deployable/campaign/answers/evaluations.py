@@ -30,17 +30,18 @@ SAME_RUN, SAME_POINT = 1e-6, 2e-4
 
 class ModelEvaluator:
     """The R runs that surrogates are fitted to, and simulation of further ones at any point of the
-    box. `unit` (R, k): normalized points, -1 to 1; `numbers` (R, q): values of quantities, NaN if
+    box. `points` (R, k): normalized points, -1 to 1; `numbers` (R, q): values of quantities, NaN if
     absent; `margins` (R, q): event margins, by how much each event occurs (above 0) or is missed,
-    NaN if not known. `further`: planned runs that were added, at most `max_further`; `simulated`:
-    number of runs that were not stored before. Of a large scan (Sobol design) only some runs are
-    taken: `unfitted` counts the others, `unfitted_with` (q) those of them with each quantity.
+    NaN if not known. `refinements`: planned runs that were added, at most `max_refinements`;
+    `simulated`: number of runs that were not stored before. Of a large scan (Sobol design) only
+    some runs are taken: `rest_count` counts the others, `rest_counts` (q) those of them with each
+    quantity.
 
     plan: sets scene, step and mesh; jobs: section of the config; folder: of the results; notify:
     called with each message; threads: number that simulate. A new evaluator has no runs yet (but
     see `from_folder`)."""
 
-    max_further: float = math.inf
+    max_refinements: float = math.inf
 
     def __init__(
         self, plan: Plan, jobs: Jobs, folder: Folder, notify: Notify, threads: int = 1
@@ -49,40 +50,40 @@ class ModelEvaluator:
         # Of runs that are asked for one by one all responses are wanted.
         self.keep = "responses" if jobs.keep == "extremes" else jobs.keep
         self.store = folder.runs(self.keep)
-        self.unit = np.zeros((0, len(plan.experiment.intervals)))
+        self.points = np.zeros((0, len(plan.experiment.intervals)))
         self.numbers = np.zeros((0, len(plan.experiment.quantities)))
         self.margins = self.numbers
-        self.unfitted_with, self.unfitted = np.zeros(len(plan.experiment.quantities), int), 0
-        self.further: list[PlannedRun] = []
+        self.rest_counts, self.rest_count = np.zeros(len(plan.experiment.quantities), int), 0
+        self.refinements: list[PlannedRun] = []
         self.simulated = 0
 
     @classmethod
     def from_folder(
-        cls, folder: Folder, jobs: Jobs, notify: Notify, threads: int = 1, further: bool = False
+        cls, folder: Folder, jobs: Jobs, notify: Notify, threads: int = 1, refinements: bool = False
     ) -> ModelEvaluator:
         """Make an evaluator that has the runs of a folder of results, with event margins, from its
         plan and `samples.nc`; nothing is fitted or simulated yet. Of a scan of more than 10,000
-        runs it has those that `fitted_rows` chooses to fit surrogates to. further: whether to add
-        the runs in `further.nc`, which must exist. jobs: section of the config; notify: called with
-        each message; threads: number that simulate further runs."""
+        runs it has those that `fitted_rows` chooses to fit surrogates to. refinements: whether to
+        add the runs in `refinements.nc`, which must exist. jobs: section of the config; notify:
+        called with each message; threads: number that simulate further runs."""
         model = cls(read_plan(folder.plan), jobs, folder, notify, threads)
         with open_netcdf(folder.samples) as samples:
-            unit = samples["normalized"][:]
-            numbers = np.zeros((len(unit), 0))
+            normalized = samples["normalized"][:]
+            numbers = np.zeros((len(normalized), 0))
             if model.experiment.quantities:
                 numbers = samples["quantities"][:]
             rows = fitted_rows(numbers)
             model.margins = margins_of_samples(model.experiment, samples, rows)
-        model.unit, model.numbers = unit[rows], numbers[rows]
-        model.unfitted = len(numbers) - len(rows)
-        model.unfitted_with = np.isfinite(np.delete(numbers, rows, axis=0)).sum(axis=0)
-        if further:
+        model.points, model.numbers = normalized[rows], numbers[rows]
+        model.rest_count = len(numbers) - len(rows)
+        model.rest_counts = np.isfinite(np.delete(numbers, rows, axis=0)).sum(axis=0)
+        if refinements:
             with open_netcdf(folder.further) as file:
                 if len(points := file["normalized"][:]):
-                    model.unit = np.concatenate([model.unit, points])
+                    model.points = np.concatenate([model.points, points])
                     model.numbers = np.concatenate([model.numbers, file["quantities"][:]])
                     model.margins = np.concatenate([model.margins, file["margin"][:]])
-                    model.further += runs_at(model.plan, points)
+                    model.refinements += runs_at(model.plan, points)
         return model
 
     @property
@@ -98,7 +99,7 @@ class ModelEvaluator:
     def nearest(self, point: np.ndarray) -> tuple[int, float]:
         """Return the index of the evaluator's run nearest to a normalized point (k), and its
         distance, the largest difference of a normalized coordinate."""
-        distances = np.abs(self.unit - point).max(axis=1)
+        distances = np.abs(self.points - point).max(axis=1)
         row = int(distances.argmin())
         return row, float(distances[row])
 
@@ -115,26 +116,26 @@ class ModelEvaluator:
 
     def add(self, points: Sequence[np.ndarray]) -> np.ndarray:
         """Simulate runs at normalized points (P, k) that have none yet, add them to the evaluator's
-        (`unit`, `numbers`, `margins`, `further`), and return the index (P) of the run at each
-        point, or of the nearest once `max_further` are added; `CampaignError` if one fails."""
+        (`points`, `numbers`, `margins`, `refinements`), and return the index (P) of the run at each
+        point, or of the nearest once `max_refinements` are added; `CampaignError` if one fails."""
         additions: list[np.ndarray] = []
         for point in points:
-            present = np.array([*self.unit, *additions]).reshape(-1, self.unit.shape[1])
+            present = np.array([*self.points, *additions]).reshape(-1, self.points.shape[1])
             is_new = not (np.abs(present - point).max(axis=1) <= SAME_RUN).any()
-            if is_new and len(self.further) + len(additions) < self.max_further:
+            if is_new and len(self.refinements) + len(additions) < self.max_refinements:
                 additions.append(np.asarray(point, dtype=float))
         if additions:
             numbers, margins = self.evaluate(self.plan, additions)
             self.numbers = np.concatenate([self.numbers, numbers])
             self.margins = np.concatenate([self.margins, margins])
-            self.unit = np.concatenate([self.unit, additions])
-            self.further += runs_at(self.plan, additions)
+            self.points = np.concatenate([self.points, additions])
+            self.refinements += runs_at(self.plan, additions)
         return np.array([self.nearest(point)[0] for point in points], dtype=int)
 
     @property
     def distinct_rows(self) -> np.ndarray:
         """Indices of the evaluator's runs, increasing, one for each distinct point."""
-        return np.sort(np.unique(np.round(self.unit, 9) + 0.0, axis=0, return_index=True)[1])
+        return np.sort(np.unique(np.round(self.points, 9) + 0.0, axis=0, return_index=True)[1])
 
     def surrogates(self) -> list[Any]:
         """Fit an `intervals.scalars.ScalarSurrogate` to the runs for each quantity, in order."""
@@ -143,7 +144,7 @@ class ModelEvaluator:
         end = self.experiment.solver.duration
         columns = zip(self.numbers.T, self.margins.T, self.experiment.numbers, strict=True)
         return [
-            fit_scalar(self.unit, column, end if q.is_time else None, q.least, margin)
+            fit_scalar(self.points, column, end if q.is_time else None, q.least, margin)
             for column, margin, q in columns
         ]
 
@@ -165,7 +166,7 @@ class ModelEvaluator:
             notify_reruns(store, self.notify)
             if len(missing):
                 check_structure(plan)
-                scene = plan.experiment.build(plan.named(missing[0]))
+                scene = plan.experiment.build(plan.name_values(missing[0]))
                 warm_up(scene, self.notify, plan.experiment.record)
                 store.write(group, simulation.results(missing, store.previous_columns(missing)))
             records |= store.read(group)

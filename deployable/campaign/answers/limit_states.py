@@ -33,26 +33,26 @@ def estimate_limit_state_error(
     none, the first is the change of their event margins; 0 and NaN where these are not known."""
     happens = np.isfinite(model.numbers[:, q])
     if occurrence.is_mixed:
-        scores, score = occurrence.certainty(model.unit), occurrence.run_certainty
+        scores, score = occurrence.decision(model.points), occurrence.run_decision
     elif np.isfinite(model.margins[:, q]).all():
         scores, score = model.margins[:, q], lambda numbers, margins: margins
     else:
         return 0.0, np.nan
-    shift, number, tested, differs = 0.0, np.nan, np.zeros(0, int), np.zeros(0, bool)
+    shift, number, test_rows, differs = 0.0, np.nan, np.zeros(0, int), np.zeros(0, bool)
     for rows in _iterate_rows(np.abs(scores), happens):
-        numbers, margins = (values[:, q] for values in model.evaluate(finest, model.unit[rows]))
+        numbers, margins = (values[:, q] for values in model.evaluate(finest, model.points[rows]))
         previous = score(model.numbers[rows, q], model.margins[rows, q])
-        switched = np.isfinite(numbers) != happens[rows]
+        switches = np.isfinite(numbers) != happens[rows]
         change = np.abs(score(numbers, margins) - previous)
-        size = switched * np.abs(scores[rows])
+        size = switches * np.abs(scores[rows])
         shift = max(shift, float(np.where(np.isfinite(change), change, size).max()))
         number = np.fmax(number, np.fmax.reduce(np.abs(numbers - model.numbers[rows, q])))
-        tested, differs = np.concatenate([tested, rows]), np.concatenate([differs, switched])
-        if not switched.any() or (np.isfinite(change).all() and np.isfinite(number)):
+        test_rows, differs = np.concatenate([test_rows, rows]), np.concatenate([differs, switches])
+        if not switches.any() or (np.isfinite(change).all() and np.isfinite(number)):
             break
     if differs.any() and not np.isfinite(change).any():
         segments = _find_segments(
-            model.unit[tested], happens[tested], differs, np.abs(scores[tested])
+            model.points[test_rows], happens[test_rows], differs, np.abs(scores[test_rows])
         )
         shift = max(shift, _bisect_segments(model, q, occurrence, finest, *segments))
     shift, number = map(float, richardson_error(np.array([shift, number])))
@@ -71,17 +71,18 @@ def _iterate_rows(size: np.ndarray, happens: np.ndarray) -> Iterator[np.ndarray]
 
 
 def _find_segments(
-    unit: np.ndarray, happens: np.ndarray, differs: np.ndarray, size: np.ndarray
+    points: np.ndarray, happens: np.ndarray, differs: np.ndarray, size: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Farthest unit points (P, k) where finer runs differ, and next to each where none does."""
     starts, stops = [], []
     for row in np.flatnonzero(differs)[np.argsort(-size[differs], kind="stable")][: 2 * _SIDE]:
         peers = np.flatnonzero(~differs & (happens == happens[row]))
         if len(peers):
-            distances = np.linalg.norm(unit[peers] - unit[row], axis=1)
-            starts.append(unit[row])
-            stops.append(unit[peers[distances.argmin()]])
-    return np.array(starts).reshape(-1, unit.shape[1]), np.array(stops).reshape(-1, unit.shape[1])
+            distances = np.linalg.norm(points[peers] - points[row], axis=1)
+            starts.append(points[row])
+            stops.append(points[peers[distances.argmin()]])
+    k = points.shape[1]
+    return np.array(starts).reshape(-1, k), np.array(stops).reshape(-1, k)
 
 
 def _bisect_segments(
@@ -99,6 +100,6 @@ def _bisect_segments(
     for _ in range(_HALVINGS):
         middle = (outer + inner) / 2
         numbers, _ = model.evaluate(finest, middle)
-        switched = (np.isfinite(numbers[:, q]) != happens)[:, None]
-        outer, inner = np.where(switched, middle, outer), np.where(switched, inner, middle)
-    return float(np.abs(occurrence.certainty((outer + inner) / 2)).max())
+        switches = (np.isfinite(numbers[:, q]) != happens)[:, None]
+        outer, inner = np.where(switches, middle, outer), np.where(switches, inner, middle)
+    return float(np.abs(occurrence.decision((outer + inner) / 2)).max())

@@ -44,7 +44,7 @@ def list_limits(requirements: Mapping[str, Mapping], quantities: list[str]) -> l
 class LimitAssessment:
     """How l limits are kept over the parameter box, by surrogates, and in R simulated runs. specs:
     the limits as the config sets them; limits: the same with their surrogates
-    (`intervals.scalars.Limit`); slack (l, R): margin of each limit in each run, below 0 if broken;
+    (`intervals.scalars.Limit`); margins (l, R): of each limit in each run, below 0 if broken;
     worst: least margin of each limit in the box, and its normalized point (k); largest: scale (0 to
     1) of the largest box about the nominal point in which all limits hold, then, if below 1, index
     of the limit that fails first beyond it, and where; failure_point (k): normalized point at which
@@ -52,7 +52,7 @@ class LimitAssessment:
 
     specs: Sequence[LimitSpec]
     limits: list[Any]
-    slack: np.ndarray
+    margins: np.ndarray
     worst: list[tuple[float, np.ndarray]]
     largest: tuple[float, int | None, np.ndarray | None]
     failure_point: np.ndarray | None
@@ -88,22 +88,22 @@ def assess_limits(
     upper = model.experiment.box.free.astype(float)
     worst = [limit.worst(-upper, upper) for limit in limits]
     largest = largest_share(limits, model.nominal)
-    slack = np.array([
-        limit.slack_of(model.numbers[:, spec.quantity])
+    margins = np.array([
+        limit.find_margins(model.numbers[:, spec.quantity])
         for spec, limit in zip(specs, limits, strict=True)
     ])  # fmt: skip
-    failing_rows = np.flatnonzero(slack.min(axis=0) < 0)
-    scales = share_reaching(model.nominal, model.unit[failing_rows])
+    failing_rows = np.flatnonzero(margins.min(axis=0) < 0)
+    scales = share_reaching(model.nominal, model.points[failing_rows])
     failure_point = None
     if len(failing_rows) and scales.min() < largest[0]:  # a run fails where the surrogates do not
         run = failing_rows[scales.argmin()]
-        failure_point = model.unit[run]
-        largest = float(scales.min()), int(slack[:, run].argmin()), failure_point
+        failure_point = model.points[run]
+        largest = float(scales.min()), int(margins[:, run].argmin()), failure_point
     elif largest[2] is not None:
         # A little beyond the border, so that the run there fails and does not only touch it.
         outward = np.clip((1 + _OVERSHOOT) * (largest[2] - model.nominal), -2, 2)
         failure_point = np.clip(model.nominal + outward, -upper, upper)
-    return LimitAssessment(specs, limits, slack, worst, largest, failure_point)
+    return LimitAssessment(specs, limits, margins, worst, largest, failure_point)
 
 
 def is_shown(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
@@ -142,8 +142,8 @@ def is_refuted(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
 def _has_always(model: ModelEvaluator, q: int) -> bool:
     """Whether quantity `q` (index) is one that every run has."""
     quantity = model.experiment.numbers[q]
-    while isinstance(quantity.at, Quantity):
-        quantity = quantity.at
+    while isinstance(quantity.instant, Quantity):
+        quantity = quantity.instant
     return quantity.decider is None and quantity.kind != "event"
 
 
@@ -154,7 +154,7 @@ def _sure_occurrence(model: ModelEvaluator, limit: Any, q: int) -> int:
     margins = model.margins[:, q]
     if not np.isfinite(margins).all():
         return 0
-    surrogate = fit_scalar(model.unit, margins)
+    surrogate = fit_scalar(model.points, margins)
     margin_range, error = surrogate.range(), surrogate.error + limit.border
     return int(margin_range.low > error) - int(-margin_range.high > error)
 

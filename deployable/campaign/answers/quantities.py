@@ -58,15 +58,17 @@ def answer(
     if (rounds := model.plan.adaptive) is not None and rounds.rounds:
         reserve = CHECKED_RUNS * len(model.experiment.quantities)
         budget = model.experiment.accuracy.max_runs - rounds.rounds[-1].runs
-        model.max_further = max(0, budget - reserve)
+        model.max_refinements = max(0, budget - reserve)
     specs = list_limits(requirements, list(model.experiment.quantities))
     bounds = converge_bounds(model, verify.max_iterations, specs)
-    if model.further:
-        notify(f"{model.experiment.name}: further runs at bounds and limits: {len(model.further)}")
+    if count := len(model.refinements):
+        notify(f"{model.experiment.name}: further runs at bounds and limits: {count}")
     finer = estimate_discretization_errors(model, bounds) if verify.discretization else {}
     dataset = quantities_dataset(model, bounds, finer)
     write_dataset(dataset, folder.quantities, "Intervals of quantities")
-    write_dataset(further_dataset(model), folder.further, "Further runs for bounds of quantities")
+    write_dataset(
+        make_refinement_dataset(model), folder.further, "Further runs for bounds of quantities"
+    )
 
 
 def quantities_dataset(
@@ -78,16 +80,16 @@ def quantities_dataset(
     `estimate_discretization_errors` returns them; empty if not estimated."""
     import xarray as xr
 
-    from deployable.intervals.estimates import AVERAGED
+    from deployable.intervals.estimates import MAX_DIRECTIONS
 
     variables = _Variables()
     _put_bounds(variables, model, bounds)
-    is_adaptive = model.experiment.is_sought
+    is_adaptive = model.experiment.is_adaptive
     errors = [b.surrogate.usual_error if is_adaptive else b.surrogate.error for b in bounds]
     errors = np.fmax(errors, [b.error for b in bounds])
     errors = [error if np.isfinite(error) else np.nan for error in errors]
-    averaged = is_adaptive and model.experiment.box.free.sum() <= AVERAGED
-    kind = "mean" if averaged else "largest"
+    is_averaged = is_adaptive and model.experiment.box.free.sum() <= MAX_DIRECTIONS
+    kind = "mean" if is_averaged else "largest"
     text = f"estimated error of the surrogate: its {kind} left-out one"
     variables.put("error", _DIM, errors, text)
     number_errors, shifts = estimate_fraction_errors(model, bounds, finer)
@@ -129,8 +131,8 @@ def _put_bounds(variables: _Variables, model: ModelEvaluator, bounds: list[Quant
         variables.put(side, _DIM, outer, f"{side} bound, by runs and surrogate")
         simulated = [getattr(b, side) for b in bounds]
         variables.put(f"simulated_{side}", _DIM, simulated, f"{side} bound attained by a run")
-        predicted = [(b.surrogate_range.low, b.surrogate_range.high)[i] for b in bounds]
-        variables.put(f"surrogate_{side}", _DIM, predicted, f"{side} bound by the surrogate")
+        predictions = [(b.surrogate_range.low, b.surrogate_range.high)[i] for b in bounds]
+        variables.put(f"surrogate_{side}", _DIM, predictions, f"{side} bound by the surrogate")
         moving = [int(b.unconverged[i]) for b in bounds]
         text = f"1 where the surrogate is beyond the simulated {side} bound"
         variables.put(f"unconverged_{side}", _DIM, moving, text, "1")
@@ -147,9 +149,9 @@ def _put_occurrence(
     """In how many runs, and in which share of the box, there is such a number."""
     from deployable.intervals.scalars import Limit, share_of_box
 
-    counts = np.isfinite(model.numbers[model.distinct_rows]).sum(axis=0) + model.unfitted_with
+    counts = np.isfinite(model.numbers[model.distinct_rows]).sum(axis=0) + model.rest_counts
     variables.put("runs_with", _DIM, counts, "number of runs with the quantity", "1")
-    absences = len(model.distinct_rows) + model.unfitted - counts
+    absences = len(model.distinct_rows) + model.rest_count - counts
     variables.put("runs_without", _DIM, absences, "number of runs without the quantity", "1")
     free = model.experiment.box.free
     limits = [
@@ -181,20 +183,20 @@ def _put_shares(variables: _Variables, model: ModelEvaluator, bounds: list[Quant
         variables.put(name, _DIMS, values, text, units)
 
 
-def further_dataset(model: ModelEvaluator) -> Any:
+def make_refinement_dataset(model: ModelEvaluator) -> Any:
     """Make the content of `further.nc`, an `xarray.Dataset` of the runs that `model` added beyond
     the plan: ids, points, parameter values, quantities and event margins."""
     import xarray as xr
 
-    runs, k = model.further, model.unit.shape[1]
+    runs, k = model.refinements, model.points.shape[1]
     numbers, margins = (rows[len(rows) - len(runs) :] for rows in (model.numbers, model.margins))
     dims, text = ("run", "parameter"), "event margin: positive if the event occurs"
     values = np.array([run.values for run in runs]).reshape(-1, k)
-    unit = np.array([run.normalized for run in runs]).reshape(-1, k)
+    x = np.array([run.normalized for run in runs]).reshape(-1, k)
     ids = np.array([run.id for run in runs], dtype=object)
     variables = {
         "run_id": ("run", ids, {"long_name": "name of the trajectory"}),
-        "normalized": (dims, unit, {"units": "1", "long_name": "coordinates in the box, -1 to 1"}),
+        "normalized": (dims, x, {"units": "1", "long_name": "coordinates in the box, -1 to 1"}),
         "value": (dims, values, {"long_name": "parameter values in their units"}),
         "quantities": (("run", "quantity"), numbers, {"long_name": "value of the quantity"}),
         "margin": (("run", "quantity"), margins, {"long_name": text}),
@@ -234,6 +236,6 @@ def attributes_of(model: ModelEvaluator) -> dict:
         "config_hash": model.plan.config_hash,
         "config": json.dumps(plain_data(model.experiment)),
         "mechanics": model.plan.mechanics,
-        "runs": len(model.distinct_rows) + model.unfitted,
-        "further_runs": len(model.further),
+        "runs": len(model.distinct_rows) + model.rest_count,
+        "further_runs": len(model.refinements),
     }

@@ -11,7 +11,7 @@ import numpy as np
 from deployable.campaign.answers.evaluations import SAME_POINT, ModelEvaluator
 from deployable.campaign.answers.limits import LimitSpec, assess_limits
 
-_UNDECIDED = 1e-3  # volume fraction of the box at which the search for a surface stops
+_MIN_FRACTION = 1e-3  # volume fraction of the box at which the search for a surface stops
 _SURFACE = 8  # runs of an iteration about a limit-state surface: eight take what three do
 
 
@@ -64,9 +64,9 @@ def converge_bounds(
         if specs:
             decisive = assess_limits(model, surrogates, specs).points
             points += [point for point in decisive if model.nearest(point)[1] > SAME_POINT]
-        count = len(model.unit)
+        count = len(model.points)
         model.add(points)
-        if len(model.unit) == count:
+        if len(model.points) == count:
             break
         mispredictions = _mispredictions(model, bounds, mispredictions)
     return bounds
@@ -79,14 +79,14 @@ def _bounds(
 
     surrogate_range, values = surrogate.range(), model.numbers[:, q]
     if not np.isfinite(values).any():
-        no_point = np.full(model.unit.shape[1], np.nan)
+        no_point = np.full(model.points.shape[1], np.nan)
         return QuantityBounds(surrogate, surrogate_range, np.nan, np.nan, no_point, no_point)
     rows = int(np.nanargmin(values)), int(np.nanargmax(values))
     lower, upper = (float(values[row]) for row in rows)
-    estimates = estimate_bounds(surrogate, model.unit, values, mispredictions)
+    estimates = estimate_bounds(surrogate, model.points, values, mispredictions)
     tolerance = TOLERANCE * max(upper - lower, surrogate_range.width)
     unconverged = surrogate_range.low < lower - tolerance, surrogate_range.high > upper + tolerance
-    points = model.unit[list(rows)]
+    points = model.points[list(rows)]
     return QuantityBounds(surrogate, surrogate_range, lower, upper, *points, estimates, unconverged)
 
 
@@ -94,7 +94,7 @@ def _infill(bounds: QuantityBounds) -> list[np.ndarray]:
     """Unit points (k) of the next runs for one quantity."""
     points = [point for estimate in bounds.estimates for point in estimate.points]
     occurrence = bounds.surrogate.occurrence
-    if occurrence.open > _UNDECIDED:
+    if occurrence.open > _MIN_FRACTION:
         points += list(occurrence.infill_points(_SURFACE))
     return points
 

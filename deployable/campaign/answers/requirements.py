@@ -46,15 +46,15 @@ def answer(folder: Folder, requirements: Mapping[str, Mapping], jobs: Jobs, noti
     """Assess in which part of the box a campaign's requirements are met, and write
     `requirements.json` into `folder`, its results with `quantities.nc` and `further.nc`; nothing is
     simulated. requirements, jobs: sections of the config; notify: gets messages."""
-    model = ModelEvaluator.from_folder(folder, jobs, notify, further=True)
+    model = ModelEvaluator.from_folder(folder, jobs, notify, refinements=True)
     specs = list_limits(requirements, list(model.experiment.quantities))
     errors = _of_the_runs(folder)
     result = assess_limits(model, model.surrogates(), specs, errors)
     rows = {
         "requirements": [_requirement(model, result, name) for name in requirements],
-        "together": {**_combined(model, result), "whole": errors is not None},
-        "runs": len(model.distinct_rows) + model.unfitted,
-        "further_runs": len(model.further),
+        "together": {**_combine(model, result), "whole": errors is not None},
+        "runs": len(model.distinct_rows) + model.rest_count,
+        "further_runs": len(model.refinements),
     }
     write_result(folder.requirements, json.dumps(rows, indent=1, allow_nan=False) + "\n")
 
@@ -74,11 +74,11 @@ def _met(model: ModelEvaluator, result: LimitAssessment, indices: list[int]) -> 
     from deployable.intervals.scalars import share_of_box
 
     fraction, open_ = share_of_box([result.limits[i] for i in indices], model.experiment.box.free)
-    is_met = result.slack[indices].min(axis=0) >= 0
+    is_met = result.margins[indices].min(axis=0) >= 0
     row = {
         "share": fraction,
         "share_uncertainty": open_,
-        "runs": len(model.distinct_rows) + model.unfitted,
+        "runs": len(model.distinct_rows) + model.rest_count,
     }
     if is_met.all() and all(_may_hold(result, i) for i in indices):
         is_kept = min(result.worst[i][0] for i in indices) >= 0
@@ -86,16 +86,16 @@ def _met(model: ModelEvaluator, result: LimitAssessment, indices: list[int]) -> 
         return {"met": "all" if sure else "undecided", **row, "share": 1.0 if is_kept else fraction}
     if fraction > 0 or is_met.any():
         return {"met": "some", **row}
-    never_kept = [i for i in indices if not (result.slack[i] >= 0).any()]
-    if never_kept and not any(is_refuted(model, result, i) for i in never_kept):
+    violated_limits = [i for i in indices if not (result.margins[i] >= 0).any()]
+    if violated_limits and not any(is_refuted(model, result, i) for i in violated_limits):
         return {"met": "some", **row, "share_uncertainty": 1.0}
     return {"met": "none", **row}
 
 
 def _may_hold(result: LimitAssessment, i: int) -> bool:
     """Whether limit `i` is broken by the surrogate nowhere by more than its error."""
-    slack, error = result.worst[i][0], result.limits[i].error
-    return bool(slack >= 0 or slack >= -error)
+    margin, error = result.worst[i][0], result.limits[i].error
+    return bool(margin >= 0 or margin >= -error)
 
 
 def _requirement(model: ModelEvaluator, result: LimitAssessment, name: str) -> dict:
@@ -108,29 +108,29 @@ def _requirement(model: ModelEvaluator, result: LimitAssessment, name: str) -> d
 
 def _limit(model: ModelEvaluator, result: LimitAssessment, i: int) -> dict:
     """The limit with its worst place: that of the surrogate, or a run that is worse."""
-    (slack, point), runs, spec = result.worst[i], result.slack[i], result.specs[i]
-    if runs.min() < slack:
-        slack, point = float(runs.min()), model.unit[runs.argmin()]
+    (margin, point), runs, spec = result.worst[i], result.margins[i], result.specs[i]
+    if runs.min() < margin:
+        margin, point = float(runs.min()), model.points[runs.argmin()]
     error = number(result.limits[i].error)
-    margin = {"margin": number(slack), "error": error, "kept": bool(slack >= 0)}
-    return {**describe_limit(model, spec), **margin, **model.describe_point(point, spec.quantity)}
+    fields = {"margin": number(margin), "error": error, "kept": bool(margin >= 0)}
+    return {**describe_limit(model, spec), **fields, **model.describe_point(point, spec.quantity)}
 
 
-def _combined(model: ModelEvaluator, result: LimitAssessment) -> dict:
+def _combine(model: ModelEvaluator, result: LimitAssessment) -> dict:
     largest, index, _ = result.largest
     row = {**_met(model, result, list(range(len(result.specs)))), "largest_share": largest}
-    row["halved"] = _halved(model, result)
+    row["halved"] = _halve_intervals(model, result)
     if index is None:
         return {**row, "fails": None}
     spec = result.specs[index]
     fails = {"requirement": spec.requirement, **describe_limit(model, spec)}
     fails |= model.describe_point(result.failure_point, spec.quantity)
     simulated = np.nan if fails["simulated"] is None else fails["simulated"]
-    fails["kept"] = bool(fails["ran"] and result.limits[index].slack_of(simulated) >= 0)
+    fails["kept"] = bool(fails["ran"] and result.limits[index].find_margins(simulated) >= 0)
     return {**row, "fails": fails}
 
 
-def _halved(model: ModelEvaluator, result: LimitAssessment) -> dict[str, dict[str, float]]:
+def _halve_intervals(model: ModelEvaluator, result: LimitAssessment) -> dict[str, dict[str, float]]:
     """The share that meets all if one interval were half as wide, by the parameter's name."""
     from deployable.intervals.scalars import share_of_box
 

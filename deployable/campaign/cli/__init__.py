@@ -26,7 +26,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files import refuse_links, unforeseen
+from deployable.campaign.files import refuse_links, wrap_error
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import program
 from deployable.campaign.runs.progress import MessagePrinter
@@ -123,7 +123,7 @@ def _run_stage(options: argparse.Namespace) -> int:
         notify(f"error: {error}")
     except Exception as error:  # a fault of the program, which the log should have
         trace = traceback.format_exc()
-        if (message := unforeseen(error)) is not None and log:
+        if (message := wrap_error(error)) is not None and log:
             log.write(trace)
         notify(f"error: {message}" if message else trace)
     else:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import fpm
-from deployable.campaign.answers.estimate import estimate, runs_there
+from deployable.campaign.answers.estimate import describe_stored_runs, estimate
 from deployable.campaign.cli.new import make_folder, starts
 from deployable.campaign.config.cases import variants
 from deployable.campaign.config.check import load_config
@@ -18,7 +18,7 @@ from deployable.campaign.config.read import whole
 from deployable.campaign.config.sections import Campaign, scene_type
 from deployable.campaign.errors import CampaignError, ConfigError, of_files
 from deployable.campaign.export import COLOURS, FORMATS, choose, export
-from deployable.campaign.files import read_json, unforeseen
+from deployable.campaign.files import read_json, wrap_error
 from deployable.campaign.folder import CAMPAIGN, Folder
 from deployable.campaign.pictures.still import SUFFIXES, write_structure
 from deployable.campaign.results.templates import doubt_texts
@@ -125,13 +125,13 @@ def _check(options: argparse.Namespace) -> int:
                 print(f"{path}: {campaign.name}, {len(campaign.cases)} cases, {takes}")
             folder = Path("results", campaign.name * bool(campaign.cases))
             for case, variant in variants(campaign):
-                _tell_variant(f"{path}: {case}", variant, folder)
+                _print_variant(f"{path}: {case}", variant, folder)
     return status
 
 
-def _tell_variant(prefix: str, campaign: Campaign, results: Path) -> None:
+def _print_variant(prefix: str, campaign: Campaign, results: Path) -> None:
     """Print what is to be known of a campaign, or of one of its cases, before it runs."""
-    progress = runs_there(campaign, Folder(results / campaign.name))
+    progress = describe_stored_runs(campaign, Folder(results / campaign.name))
     print(f"{prefix}{campaign.name}, {estimate(campaign)}{progress and '; '}{progress}")
     for text in campaign.experiment.warnings:
         print(f"{prefix}warning: {text}")
@@ -216,7 +216,7 @@ def _export(options: argparse.Namespace) -> int:
         print(f"error: {error}", file=sys.stderr)
         return 1
     except Exception as error:  # a damaged result, a full disk
-        if (problem := of_files(error, place) or unforeseen(error)) is None:
+        if (problem := of_files(error, place) or wrap_error(error)) is None:
             raise
         print(f"error: {problem}", file=sys.stderr)
         return 1

@@ -35,7 +35,7 @@ rule all:
         campaign_results(),
 '''
 
-IGNORED = "/results/\n/exports/\n/report.html\n/.snakemake/\n"
+GITIGNORE = "/results/\n/exports/\n/report.html\n/.snakemake/\n"
 
 
 def starts() -> list[str]:
@@ -65,7 +65,7 @@ def make_folder(folder: str | Path, start: str) -> None:
         write_text(folder / CAMPAIGN, campaign)
         write_text(folder / "Snakefile", SNAKEFILE)
         if not (folder / ".gitignore").exists():
-            write_text(folder / ".gitignore", IGNORED)
+            write_text(folder / ".gitignore", GITIGNORE)
     except OSError as error:
         raise CampaignError(f"{error.filename or folder}: {error.strerror or error}") from None
 

@@ -53,30 +53,30 @@ def load_config(
         Further keys of a config, nested as in YAML.
     source
         What messages call the config; None: the paths."""
-    merged: dict = {}
+    config: dict = {}
     lines: dict[str, str] = {}
     for path in paths:
         data, line_numbers = read_file(path)
-        _add(merged, anchored(data, Path(path).parent))
+        _add(config, anchor_paths(data, Path(path).parent))
         prefix = f"{path}, " if len(paths) > 1 else ""
         lines |= {key: f"{prefix}line {line}: " for key, line in line_numbers.items()}
-    _add(merged, anchored(overrides or {}, "."))
+    _add(config, anchor_paths(overrides or {}, "."))
     lines |= dict.fromkeys(_keys(overrides or {}), "--config: ")
     try:
-        return check_config(merged, source or ", ".join(str(path) for path in paths))
+        return check_config(config, source or ", ".join(str(path) for path in paths))
     except ConfigError as error:
         problems = [_place(problem, lines) + problem for problem in error.problems]
         raise ConfigError(error.source, problems) from None
 
 
-def _add(merged: dict, update: Mapping) -> None:
+def _add(config: dict, update: Mapping) -> None:
     """Merge a further config; of another box, what was published of the first is left out."""
-    published = merged.get("published")
-    original = [copy.deepcopy(merged.get(key)) for key in ("scene", "intervals")]
-    merge(merged, update)
-    if published and original != [merged.get(key) for key in ("scene", "intervals")]:
-        merged.pop("published")
-        merge(merged, {key: update[key] for key in update if key == "published"})
+    published = config.get("published")
+    original = [copy.deepcopy(config.get(key)) for key in ("scene", "intervals")]
+    merge(config, update)
+    if published and original != [config.get(key) for key in ("scene", "intervals")]:
+        config.pop("published")
+        merge(config, {key: update[key] for key in update if key == "published"})
 
 
 def _keys(data: Any, path: str = "") -> Iterator[str]:
@@ -153,15 +153,15 @@ def merge(target: dict, update: Mapping) -> dict:
     return target
 
 
-def anchored(raw: Mapping, folder: str | Path) -> Mapping:
+def anchor_paths(raw: Mapping, folder: str | Path) -> Mapping:
     """Return the raw config with paths of structures' files and measured curves, relative to
     `folder`, made relative to the working folder if they lie in it, else absolute."""
     anchored_raw = dict(raw)
     if "scene" in raw:
         anchored_raw["scene"] = _anchored_file(raw["scene"], folder)
     for key in ("cases", "measured"):
-        if isinstance(named := raw.get(key), Mapping):
-            sections = {name: _anchored_file(section, folder) for name, section in named.items()}
+        if isinstance(entries := raw.get(key), Mapping):
+            sections = {name: _anchored_file(section, folder) for name, section in entries.items()}
             anchored_raw[key] = sections
     return anchored_raw
 

@@ -8,11 +8,11 @@ from pathlib import Path
 from deployable.campaign.config.sections import Campaign, Experiment
 from deployable.campaign.text.numbers import size_text
 
-LISTED = 100_000
+LARGE = 100_000
 """Runs up to which nobody asks whether the disk has room for them."""
 
 
-_OTHER_CURVES = 10  # of a trajectory, beside points and hinges: time, gaps, energies
+_TRAJECTORY_CURVES = 10  # of a trajectory, beside points and hinges: time, gaps, energies
 _EVENTS_BYTES = 40  # of a run's impacts, compressed: some ten
 
 
@@ -33,18 +33,18 @@ def count_curves(experiment: Experiment) -> int:
     """Return how many arrays over time the trajectory file of a run has, by which its size is
     estimated; responses are not counted. experiment: has the scene and the recorded columns."""
     scene = experiment.nominal_scene
-    return 6 * len(scene.points) + len(scene.hinges) + _OTHER_CURVES + len(experiment.record)
+    return 6 * len(scene.points) + len(scene.hinges) + _TRAJECTORY_CURVES + len(experiment.record)
 
 
 def room_problems(campaign: Campaign) -> list[str]:
     """Check that the disk of the working folder has room for the runs of a campaign's `sobol`
     design: returns a list, of a sentence on what is wrong and allowed, or empty if it has."""
-    bytes_each, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
+    run_bytes, room = bytes_of_run(campaign), shutil.disk_usage(Path.cwd()).free
     samples, keep = campaign.experiment.design.samples, campaign.jobs.keep
-    if samples * bytes_each <= room:
+    if samples * run_bytes <= room:
         return []
     return [
         f"design.samples: {samples} runs with jobs.keep {keep} take about "
-        f"{size_text(samples * bytes_each)}, and the disk has {size_text(room)}; allowed: at most "
-        f"{int(room / bytes_each)}, or jobs.keep extremes"
+        f"{size_text(samples * run_bytes)}, and the disk has {size_text(room)}; allowed: at most "
+        f"{int(room / run_bytes)}, or jobs.keep extremes"
     ]

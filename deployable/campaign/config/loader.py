@@ -20,7 +20,7 @@ from fpm.structures.reading import (
     MOST,
     ExcessError,
     StructureError,
-    dotted,
+    join_key,
     read_text,
     why_not_yaml,
 )
@@ -29,7 +29,7 @@ from fpm.structures.reading import (
 _FLOAT = re.compile(r"^[-+]?(\d[\d_]*)(\.[\d_]*)?([eE][-+]?\d+)$|^[-+]?\.\d[\d_]*([eE][-+]?\d+)?$")
 
 
-EXECUTED = "__use_yte__"
+YTE_KEY = "__use_yte__"
 """Key of a file whose Python Snakemake would run."""
 
 
@@ -131,7 +131,7 @@ def read(text: str, source: str) -> Text:
 
 def _lines(node: yaml.Node, path: str = "") -> Iterator[tuple[str, int]]:
     for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
-        yield (name := dotted(path, str(key.value))), key.start_mark.line + 1
+        yield (name := join_key(path, str(key.value))), key.start_mark.line + 1
         yield from _lines(value, name)
 
 
@@ -157,14 +157,14 @@ def _reading_error(error: Exception, text: str) -> str:
     return f"{place}this is not YAML: {reason}"
 
 
-def retyped(value: Any) -> Any:
+def restore_types(value: Any) -> Any:
     """Copy a value in which each text, also in lists and mappings, is replaced by what it means as
     YAML, such as "1e9" by a number: Snakemake's `--config` leaves numbers as text. Raises
     `ConfigError` for a text that is no YAML."""
     if isinstance(value, Mapping):
-        return {key: retyped(item) for key, item in value.items()}
+        return {key: restore_types(item) for key, item in value.items()}
     if isinstance(value, list):
-        return [retyped(item) for item in value]
+        return [restore_types(item) for item in value]
     if isinstance(value, str):
         return parse(f"value: {value}", "--config")["value"] if value else value
     return value
@@ -203,8 +203,8 @@ def look(arguments: Sequence[str] | None = None) -> None:
                 "FOLDER`"
             ])  # fmt: skip
         for path in options.files:
-            if EXECUTED in load(path):
-                raise ConfigError(path, [f"{EXECUTED}: not allowed; nothing in a config is run"])
+            if YTE_KEY in load(path):
+                raise ConfigError(path, [f"{YTE_KEY}: not allowed; nothing in a config is run"])
     except ConfigError as error:
         print(error, file=sys.stderr)
         sys.exit(1)

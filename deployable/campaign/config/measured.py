@@ -26,7 +26,7 @@ def resolve_tests(
 ) -> tuple[dict[str, ResolvedTest], list[str]]:
     """Check the section `measured` (`tests` by name) against an experiment and the files; returns
     the tests with the files' digests, and a sentence for each problem."""
-    resolved, problems = {}, []
+    tests_by_name, problems = {}, []
     for name, test in tests.items():
         try:
             file = CurvesFile.read(test.file)
@@ -36,7 +36,7 @@ def resolve_tests(
         faults = [f"measured.{name}.{text}" for text in _test_problems(test, file, experiment)]
         problems += faults
         if not faults:
-            resolved[name] = ResolvedTest(**vars(test), digest=file.digest)
+            tests_by_name[name] = ResolvedTest(**vars(test), digest=file.digest)
     if tests and all(test.use == "check" for test in tests.values()):
         problems.append("measured: all tests are of use check; allowed: at least one to calibrate")
     if tests and experiment.solver.instants < _LEAST_INSTANTS:
@@ -44,7 +44,7 @@ def resolve_tests(
             f"solver.instants: {experiment.solver.instants} instants are too few to have curves "
             f"between them; allowed: {_LEAST_INSTANTS} or more"
         )
-    return resolved, problems
+    return tests_by_name, problems
 
 
 def _test_problems(test: MeasuredTest, file: CurvesFile, experiment: Experiment) -> Iterator[str]:

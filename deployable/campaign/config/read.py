@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from deployable.campaign.config.keys import ConfigKey, RefusedError, config_key_of
 from deployable.campaign.config.models import Config
-from fpm.errors import did_you_mean, likely, number_hint, renamed
+from fpm.errors import did_you_mean, hint_new, likely, number_hint
 from fpm.structures.reading import commas
 
 
@@ -23,14 +23,14 @@ def read(raw: Any) -> tuple[Config | None, dict, list[str]]:
     right, problems = _as_meant(_plain(raw, "", endless))
     problems += [f"{key}: {value} is not allowed; allowed: a finite number"
                  for key, value in endless.items()]  # fmt: skip
-    config, faults = _validated(right)
+    config, faults = _validate(right)
     for fault in sorted(faults):
         if ".".join(fault.path) not in endless and fault.text not in problems:
             problems.append(fault.text)
     if faults and not endless:
         for fault in faults:
             _remove(right, fault.faulty_path)
-        config, _ = _validated(right)
+        config, _ = _validate(right)
     return None if endless else config, right, problems
 
 
@@ -57,7 +57,7 @@ class Fault(NamedTuple):
     text: str
 
 
-def _validated(raw: Any) -> tuple[Config | None, list[Fault]]:
+def _validate(raw: Any) -> tuple[Config | None, list[Fault]]:
     from pydantic import ValidationError
 
     try:  # as JSON, in which a strict model takes lists for tuples
@@ -95,7 +95,7 @@ def _fault(raw: Any, error: Mapping) -> Fault:
             reason = "missing"
         else:
             hint = number_hint(value, with_unit=False) if isinstance(value, str) else ""
-            hint = hint if "number" in allowed else renamed(value, re.findall(r"`(\w+)`", allowed))
+            hint = hint if "number" in allowed else hint_new(value, re.findall(r"`(\w+)`", allowed))
             reason = f"{show(value)} is not allowed{hint}"
         text = f"{key}: {reason}; allowed: {allowed}"
     return Fault((*path,), (*path[:entry],), text)

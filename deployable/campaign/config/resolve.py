@@ -30,7 +30,7 @@ from deployable.campaign.config.sections import (
 from fpm import SceneError
 from fpm.errors import did_you_mean
 
-OWN_FACTORS = ("uncertainty_factors", "actuation_factors", "classes")
+FACTOR_KEYS = ("uncertainty_factors", "actuation_factors", "classes")
 """Keys of a margin by which it is no longer that of its standard."""
 
 
@@ -62,8 +62,8 @@ def campaign_of(
     return Campaign(
         experiment=experiment,
         requirements={
-            name: {quantity: limits.by_name for quantity, limits in limited.items()}
-            for name, limited in config.requirements.items()
+            name: {quantity: limits.by_name for quantity, limits in section.items()}
+            for name, section in config.requirements.items()
         },
         choose=choose_of(config.choose, config.intervals),
         **{name: getattr(config, name) for name in rest},
@@ -88,7 +88,7 @@ def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
     definitions = dict(config.margins)
     if config.review:  # beside a margin by factors of its own, that by the standard's
         for name, definition in config.margins.items():
-            if factors := set(OWN_FACTORS) & set(definition):
+            if factors := set(FACTOR_KEYS) & set(definition):
                 rest = {key: value for key, value in definition.items() if key not in factors}
                 if name + BY_STANDARD in config.margins:
                     problems.append(
@@ -113,8 +113,8 @@ def with_margins(config: Config, solver: Mapping) -> tuple[Config, list[str]]:
             )
         else:
             rest = {key: value for key, value in definition.items() if key != "along"}
-            synced = {"with": followers} if followers else {}
-            responses[name] = {"margin": first, **synced, **rest}
+            followers_key = {"with": followers} if followers else {}
+            responses[name] = {"margin": first, **followers_key, **rest}
             quantities[least] = {"smallest": name}
             if name not in config.margins:
                 continue

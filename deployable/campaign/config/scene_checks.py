@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 import fpm
-from deployable.campaign.config.disk import LISTED, room_problems
+from deployable.campaign.config.disk import LARGE, room_problems
 from deployable.campaign.config.measured import resolve_tests
 from deployable.campaign.config.models import Aim, Config
 from deployable.campaign.config.read import show
@@ -205,7 +205,7 @@ def _design_problems(campaign: Campaign) -> list[str]:
     """Whether what is kept goes with the design, and whether it can be made."""
     experiment, design = campaign.experiment, campaign.experiment.design
     is_plain = design.method == "sobol" and design.order is None
-    has_none = experiment.is_sought or (is_plain and campaign.bounds.model == "polynomial")
+    has_none = experiment.is_adaptive or (is_plain and campaign.bounds.model == "polynomial")
     if (problems := keep_problems(campaign)) or has_none:
         return problems
     try:
@@ -335,7 +335,7 @@ def keep_problems(campaign: Campaign) -> list[str]:
     the model of the bounds, or the disk lacks room; empty if all is right."""
     design, bounds = campaign.experiment.design, campaign.bounds
     if campaign.jobs.keep == "extremes":
-        if campaign.experiment.is_sought or design.method != "sobol" or design.order is not None:
+        if campaign.experiment.is_adaptive or design.method != "sobol" or design.order is not None:
             return [
                 "jobs.keep: 'extremes' is not allowed with a surrogate, which needs every run; "
                 "allowed: responses or trajectories, or design method sobol without order"
@@ -346,4 +346,4 @@ def keep_problems(campaign: Campaign) -> list[str]:
                 "needs every run; allowed: responses or trajectories"
             ]
         return []
-    return room_problems(campaign) if design.samples > LISTED and design.method == "sobol" else []
+    return room_problems(campaign) if design.samples > LARGE and design.method == "sobol" else []

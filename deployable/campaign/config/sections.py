@@ -37,12 +37,12 @@ from deployable.campaign.config.models import (
     Verify,
 )
 from deployable.campaign.errors import CampaignError, HeldConfigError
-from deployable.campaign.provenance import made_by
+from deployable.campaign.provenance import digest_code
 from fpm import SceneError, structures
 from fpm.files.outcome import eventful
 from fpm.reading.constraint_forces import undetermined_forces
 from fpm.reading.quantity_definitions import parse
-from fpm.reading.shocks import doubt
+from fpm.reading.shocks import warn
 from fpm.structures.reading import read_text
 
 ADAPTIVE = "adaptive"
@@ -69,7 +69,7 @@ def scene_type(name: str, file: str = "") -> Any:
     return structures.load(file) if structure.files else structure  # the text has not all of it
 
 
-_TRUSTED: set[str] = set()
+_TRUSTED_FILES: set[str] = set()
 """Files of structures that the user of this process has named."""
 
 
@@ -77,7 +77,7 @@ def trust(file: str) -> None:
     """Allow results, for the rest of this process, to name this structure's file, which is then
     read, or executed if it is Python; else only a user's config makes one trusted."""
     if "\0" not in file:
-        _TRUSTED.add(os.path.realpath(file))
+        _TRUSTED_FILES.add(os.path.realpath(file))
 
 
 @lru_cache(maxsize=8)
@@ -201,7 +201,7 @@ class Experiment:
         return experiment
 
     @property
-    def is_sought(self) -> bool:
+    def is_adaptive(self) -> bool:
         """Whether the config has an `accuracy`: rounds choose runs, mesh and step."""
         return bool(self.accuracy.tolerances)
 
@@ -210,7 +210,7 @@ class Experiment:
         """The `fpm` structure (`SceneType`), which builds scenes. Raises `fpm.SceneError`, and
         `CampaignError` for a file that results name but no config."""
         file = self.scene.file
-        if file and os.path.realpath(file) not in _TRUSTED:
+        if file and os.path.realpath(file) not in _TRUSTED_FILES:
             cause = "is a program and was not run" if file.endswith(".py") else "was not read"
             raise CampaignError(
                 f"the results are of the structure {file}, which {cause}, since only they name it; "
@@ -221,7 +221,7 @@ class Experiment:
     @property
     def mechanics(self) -> str:
         """Digest of the structure and of all code that computes runs, part of each run's id."""
-        return made_by(self.scene_type.digest)
+        return digest_code(self.scene_type.digest)
 
     @cached_property
     def curves(self) -> list[Any]:
@@ -250,10 +250,10 @@ class Experiment:
         forces of joints that others make redundant are arbitrary."""
         curves = [(curve.name, curve, True) for curve in self.curves]
         quantities = [(q.name, q.response, q.is_instantaneous) for q in self.numbers if q.response]
-        undetermined = undetermined_forces(self.nominal_scene, self.curves)
+        redundancies = undetermined_forces(self.nominal_scene, self.curves)
         reasons = {
-            name: (doubt(self.nominal_scene, response) if peak else "")
-            or undetermined.get(response.name, "")
+            name: (warn(self.nominal_scene, response) if peak else "")
+            or redundancies.get(response.name, "")
             for name, response, peak in curves + quantities
         }
         return {name: reason for name, reason in reasons.items() if reason}
@@ -413,7 +413,7 @@ def count_runs(experiment: Experiment) -> int:
     """Return the largest possible number of runs of a campaign (`experiment`), without further ones
     at bounds and limit-state surfaces; the nominal run counts even if it is one of the design."""
     design = experiment.design
-    if experiment.is_sought:
+    if experiment.is_adaptive:
         return experiment.accuracy.max_runs
     if design.method == "sobol":  # its points take a while to make, and their number is known
         return design.samples + 1

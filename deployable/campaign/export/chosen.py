@@ -196,7 +196,7 @@ def _of_config(path: Path, settings: Mapping[str, str], duration: float | None) 
         solver = replace(solver, duration=duration, instants=max(2, instants))
         experiment = replace(experiment, solver=solver)
     nominal = dict(zip(experiment.box.names, experiment.nominal, strict=True))
-    values = nominal | parsed(settings)
+    values = nominal | parse_values(settings)
     # Stable with what is set too, as a finer mesh.
     constants = {name: value for name, value in values.items() if name not in nominal}
     scene = replace(experiment.scene, parameters={**experiment.scene.parameters, **constants})
@@ -232,13 +232,13 @@ def _of_structure(source: str, settings: Mapping[str, str], duration: float) -> 
             "run` with the campaign makes them"
         )
     structure = scene_type(source, source if Path(source).suffix else "")
-    scene = structure.build(**parsed(settings))
+    scene = structure.build(**parse_values(settings))
     limit = fpm.SAFETY * fpm.stable_step(scene).step
     step = fpm.divide_time(duration, INSTANTS, limit).step
     return SelectedRun(structure.name, scene, duration, INSTANTS, step)
 
 
-def parsed(settings: Mapping[str, str]) -> dict[str, Any]:
+def parse_values(settings: Mapping[str, str]) -> dict[str, Any]:
     """Parse values of parameters, texts by name, as in a YAML file: `"2.5"` as 2.5, `"true"` as
     True; returns the values by name. Raises `ConfigError` for a text that is no YAML."""
     from deployable.campaign.config.loader import parse

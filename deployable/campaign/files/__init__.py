@@ -22,7 +22,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files.contents import data_of, experiment_of, reading
 from deployable.campaign.files.outside import refuse_outside
 from deployable.campaign.folder import Folder
-from deployable.campaign.provenance import check_code, dated
+from deployable.campaign.provenance import check_code, stamp
 from fpm.files.sealed import DamagedError, check, check_content, read_bytes, whole_file
 
 __all__ = ["check_results", "csv_text", "open_dataset", "open_netcdf", "read_json", "refuse_links",
@@ -48,7 +48,7 @@ def result_file(path: str | Path, **facts: str) -> Iterator[Path]:
     seals the file (checksum and origin) and renames it to `path`. facts: texts by name for the
     seal, besides name, program and date. Raises `fpm.errors.ChangedError` if the program's files
     were edited since it was imported."""
-    with whole_file(path, {"name": Path(path).name, **dated(), **_FACTS.get(), **facts}) as file:
+    with whole_file(path, {"name": Path(path).name, **stamp(), **_FACTS.get(), **facts}) as file:
         yield file
         check_code()
 
@@ -76,7 +76,7 @@ HISTORY: deque[Path] = deque(maxlen=9)
 """The results that this process has opened last."""
 
 
-def unforeseen(error: Exception) -> CampaignError | None:
+def wrap_error(error: Exception) -> CampaignError | None:
     """Turn an error that was not foreseen into a CampaignError for the user, which names the
     results that this process opened last; None where it opened none, or with `python -X dev`."""
     if not HISTORY or sys.flags.dev_mode:

@@ -115,11 +115,11 @@ def experiment_of(path: str | os.PathLike) -> Experiment | None:
     config; None for a file of which only sizes are checked, such as a motion. Raises DamagedError
     where variables, shapes or values are not those of such a file."""
     state = os.stat(path)
-    return _checked(Path(path), state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns)
+    return _inspect(Path(path), state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns)
 
 
 @lru_cache(64)
-def _checked(path: Path, *state: int) -> Experiment | None:
+def _inspect(path: Path, *state: int) -> Experiment | None:
     import netCDF4
 
     with reading(path), netCDF4.Dataset(path) as file:
@@ -204,8 +204,8 @@ def _belongs(file: Any, experiment: Experiment) -> Experiment:
     for key in ("lower", "upper", "nominal"):
         ends = [getattr(interval, key) for interval in intervals]
         of_config[f"box_{key}"] = file[f"box_{key}"][:].tolist() == ends
-    if "normalized" in variables and len(unit := file["normalized"][:]):
-        of_config["normalized"] = np.abs(unit).max(initial=0.0) < 1.0 + 1e-6
+    if "normalized" in variables and len(points := file["normalized"][:]):
+        of_config["normalized"] = np.abs(points).max(initial=0.0) < 1.0 + 1e-6
     if "role" in variables:
         of_config["role"] = set(file["role"][:].tolist()) <= set(ROLES)
     if "time" in variables:

@@ -82,14 +82,14 @@ def _content(motion: xarray.Dataset, buffer: _Buffer, small: bool) -> dict[str, 
     """The JSON part: the particles' node, the mesh, then a node for each particle and point."""
     place = motion["position"].values @ TO_GLTF.T
     if small:
-        unit = np.ptp(place, axis=(0, 1)).max() / 65534 or 1.0
-        place = unit * np.rint(place / unit)
+        quantum = np.ptp(place, axis=(0, 1)).max() / 65534 or 1.0
+        place = quantum * np.rint(place / quantum)
     turn = TO_GLTF @ motion["frame"].values @ TO_GLTF.T
     quaternion = _quaternions(turn)
     poses = zip(place[0].tolist(), quaternion[0].tolist(), strict=True)
     particles = [
-        {"name": f"particle {p}", "translation": x, "rotation": turn_now}
-        for p, (x, turn_now) in enumerate(poses)
+        {"name": f"particle {p}", "translation": x, "rotation": quaternion_now}
+        for p, (x, quaternion_now) in enumerate(poses)
     ]
     nodes: list[dict] = [{"name": f"particles of {motion.attrs['scene']}"}]
     meshes = _mesh(motion, buffer)

@@ -18,7 +18,7 @@ import numpy as np
 from deployable import intervals
 from deployable.campaign.config.sections import Experiment, Solver
 from deployable.campaign.files import open_dataset
-from deployable.campaign.plan.decide import CHECKED_RUNS, Resources, Standing
+from deployable.campaign.plan.decide import CHECKED_RUNS, RefinementState, Resources
 from deployable.campaign.plan.event_margins import margins_of_samples
 from deployable.campaign.plan.jobs import LANES, run_seconds
 from deployable.campaign.plan.plan import Plan, Round, Rounds, TimeStep, choose_step, make_plan
@@ -32,7 +32,7 @@ from deployable.intervals.scalars import (
 
 _CANDIDATES = 4096  # points at which the spline is asked for more
 _UNKNOWN = 1e6  # share of a width: an error that is not known, or larger
-_CHECKED = 8  # places at which a check makes runs, of the responses
+_CHECK_POINTS = 8  # places at which a check makes runs, of the responses
 
 
 def first_plan(experiment: Experiment) -> Plan:
@@ -73,14 +73,14 @@ def next_plan(
             unmet = [estimate for name, estimate in quantities.items() if name in names]
             new = _places(base, samples, names, cost.next_runs, len(rounds), unmet)
             points += new.tolist()
-    refined = base
+    finer = base
     if decision.action == "mesh":
         parameters = {**base.scene.parameters, target.mesh: 2 * cost.elements}
-        refined = _stable(replace(base, scene=replace(base.scene, parameters=parameters)))
+        finer = _stable(replace(base, scene=replace(base.scene, parameters=parameters)))
     elif decision.action == "step":
-        refined = replace(base, solver=replace(base.solver, safety=_halved(base.solver, plan.time)))
+        finer = replace(base, solver=replace(base.solver, safety=_halve(base.solver, plan.time)))
     check = tuple(part for part in decision.check if part != "mesh" or _has_mesh(base))
-    return _plan(refined, points, rounds, check, plan.time if refined is base else None)
+    return _plan(finer, points, rounds, check, plan.time if finer is base else None)
 
 
 def _plan(
@@ -97,7 +97,7 @@ def _plan(
     return replace(plan, adaptive=Rounds(rounds, points, check=check))
 
 
-def _halved(solver: Solver, time: TimeStep) -> float:
+def _halve(solver: Solver, time: TimeStep) -> float:
     """A safety that takes half the step, which instants may keep far below the stable one."""
     half, actual = solver.safety / 2, time.step / time.step_limit
     return half if half < actual else actual / 2
@@ -137,13 +137,13 @@ def _estimate_quantities(experiment: Experiment, samples: Any) -> dict[str, _Qua
     """Surrogates and bounds of all quantities by name, from the runs so far."""
     if not experiment.quantities:
         return {}
-    unit, numbers = samples["normalized"].values, samples["quantities"].values
-    margins = margins_of_samples(experiment, samples, np.arange(len(unit)))
+    points, numbers = samples["normalized"].values, samples["quantities"].values
+    margins = margins_of_samples(experiment, samples, np.arange(len(points)))
     estimates = {}
     for quantity, values, margin in zip(experiment.numbers, numbers.T, margins.T, strict=True):
         end = experiment.solver.duration if quantity.is_time else None
-        surrogate = fit_scalar(unit, values, end, quantity.least, margin)
-        bounds = estimate_bounds(surrogate, unit, values)
+        surrogate = fit_scalar(points, values, end, quantity.least, margin)
+        bounds = estimate_bounds(surrogate, points, values)
         estimates[quantity.name] = _QuantityEstimate(surrogate, bounds)
     return estimates
 
@@ -180,7 +180,7 @@ def _parts(previous: Mapping, new: dict, row: Any, name: str, width: float) -> d
     return new
 
 
-def _standing(plan: Plan, shares: Mapping, step_is_free: bool = True) -> Standing:
+def _standing(plan: Plan, shares: Mapping, is_step_free: bool = True) -> RefinementState:
     """How things stand, with what the rounds up to this plan's took and the next one would."""
     target, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs())
     time = run_seconds(plan.experiment, plan.time)
@@ -188,27 +188,27 @@ def _standing(plan: Plan, shares: Mapping, step_is_free: bool = True) -> Standin
     is_restart = last.action in ("mesh", "step")
     new = nodes if is_restart else nodes - last.nodes
     # Of the responses, and of each quantity both ends; one of each again, which tell the order.
-    checked = _CHECKED + 1 + 3 * len(plan.experiment.quantities)
+    check_runs = _CHECK_POINTS + 1 + 3 * len(plan.experiment.quantities)
     # A mesh twice as fine has twice the elements and half the step; what tells orders, both
     # together, takes no longer.
     factor = {"mesh": 4.0, "step": 2.0}
     runs, seconds = last.runs + new, last.seconds + _whole(new) * time
     for part in plan.adaptive.check:
-        runs += checked
-        seconds += _whole(checked) * factor[part] * time
-    reserve = 2 * checked, 6 * checked * time  # the check of step and mesh at the end
+        runs += check_runs
+        seconds += _whole(check_runs) * factor[part] * time
+    reserve = 2 * check_runs, 6 * check_runs * time  # the check of step and mesh at the end
     answers = CHECKED_RUNS * len(plan.experiment.quantities)
     affordable = min(
         target.max_runs - runs - reserve[0] - answers,
         (60 * target.max_core_minutes - seconds - reserve[1]) / time,
     )
     elements = int(plan.experiment.scene.parameters.get(target.mesh, 0))
-    cost = Resources(runs, seconds, nodes, 0, checked, time, elements, answers)
-    state = Standing(target, shares, plan.adaptive, cost, step_is_free)
-    return replace(state, cost=replace(cost, next_runs=added(nodes, state.growth(), affordable)))
+    cost = Resources(runs, seconds, nodes, 0, check_runs, time, elements, answers)
+    state = RefinementState(target, shares, plan.adaptive, cost, is_step_free)
+    return replace(state, cost=replace(cost, next_runs=add_runs(nodes, state.growth(), affordable)))
 
 
-def added(nodes: int, growth: float, affordable: float) -> int:
+def add_runs(nodes: int, growth: float, affordable: float) -> int:
     """Return how many runs the next round adds, a multiple of 8 (`LANES`: eight side by side take
     as long as one): `growth` - 1 times `nodes`, if affordable, but at least a quarter of `nodes`.
     nodes: runs that surrogates are fitted to so far; growth: factor by which their number should
@@ -231,12 +231,12 @@ def _places(
 ) -> np.ndarray:
     """Unit points (n, k) of the next `count` runs: where bounds of unmet quantities may be
     extended, at limit-state surfaces, where a spline predicts wider responses; the rest spread."""
-    unit, free = samples["normalized"].values, experiment.box.free
+    runs, free = samples["normalized"].values, experiment.box.free
     points: list[np.ndarray] = []
 
     def take(candidates: Any, least: float) -> None:
         for point in candidates:
-            existing = np.array([*unit, *points])
+            existing = np.array([*runs, *points])
             if len(points) < count and np.linalg.norm(existing - point, axis=1).min() > least:
                 points.append(np.asarray(point, dtype=float))
 
@@ -244,12 +244,12 @@ def _places(
         for estimate in estimates:
             take(estimate.points, NEAREST)
         take(surrogate.occurrence.infill_points(LANES), NEAREST)
-    spacing = 2.0 * len(unit) ** (-1.0 / max(int(free.sum()), 1))
+    spacing = 2.0 * len(runs) ** (-1.0 / max(int(free.sum()), 1))
     if rows := [i for i, name in enumerate(experiment.responses) if name in unmet]:
         values = samples["values"].values[:, rows].astype(float)
         seek, missing = intervals.seek_points, count - len(points)
-        next_points, _ = seek(unit, values, missing, candidates=_CANDIDATES, seed=seed)
+        next_points, _ = seek(runs, values, missing, candidates=_CANDIDATES, seed=seed)
         take(next_points, 1e-3)
-    spread = intervals.make_design("sobol", experiment.box, samples=4 * (len(unit) + count)).points
+    spread = intervals.make_design("sobol", experiment.box, samples=4 * (len(runs) + count)).points
     take(spread, 0.2 * spacing)
     return np.array(points).reshape(-1, len(free))

@@ -49,30 +49,30 @@ _ROUND = 0.5
 class Resources:
     """What the rounds of an `accuracy` have spent, and what the next actions would take. runs,
     seconds: spent so far, checks included, the time (s of one core) by estimate; nodes: runs that
-    surrogates are fitted to; next_runs: how many would be added; checked: runs repeated in a check
+    surrogates are fitted to; next_runs: how many would be added; check_runs: repeated in a check
     of step or of mesh; run_seconds: of one core, for a run; elements: number set by the mesh's
-    parameter; reserved: runs kept for the bounds of quantities after the rounds."""
+    parameter; reserve: runs kept for the bounds of quantities after the rounds."""
 
     runs: int
     seconds: float
     nodes: int
     next_runs: int
-    checked: int
+    check_runs: int
     run_seconds: float
     elements: int
-    reserved: int = 0
+    reserve: int = 0
 
     def need_of(self, action: str) -> tuple[int, float]:
         """Return the runs and the seconds of one core that an action takes: "check", or "runs",
         "step" or "mesh" with the checks of step and mesh during it and at the end."""
-        checked, time = self.checked, self.run_seconds
+        check_runs, time = self.check_runs, self.run_seconds
         if action == "check":
-            return 2 * checked, 6 * checked * time
+            return 2 * check_runs, 6 * check_runs * time
         if action == "runs":
-            return self.next_runs + 2 * checked, (self.next_runs + 6 * checked) * time
+            return self.next_runs + 2 * check_runs, (self.next_runs + 6 * check_runs) * time
         if action == "step":
-            return self.nodes + 2 * checked, (2 * self.nodes + 12 * checked) * time
-        return self.nodes + 3 * checked, (4 * self.nodes + 40 * checked) * time
+            return self.nodes + 2 * check_runs, (2 * self.nodes + 12 * check_runs) * time
+        return self.nodes + 3 * check_runs, (4 * self.nodes + 40 * check_runs) * time
 
 
 @dataclass(frozen=True)
@@ -135,18 +135,18 @@ class Need:
 
 
 @dataclass(frozen=True)
-class Standing:
+class RefinementState:
     """State after a finished round of runs, from which `decide` takes the next action. accuracy:
     tolerances of errors, and budget, of the config; shares: errors of responses and quantities by
     name and component (surrogate, step, mesh), as fractions of their widths; state: earlier rounds,
-    and the errors that this one was checked for; cost: resources spent and needed; step_is_free:
+    and the errors that this one was checked for; cost: resources spent and needed; is_step_free:
     whether the step may be halved, since the config does not give one."""
 
     accuracy: Accuracy
     shares: Shares
     state: Rounds
     cost: Resources
-    step_is_free: bool
+    is_step_free: bool
 
     @cached_property
     def unmet(self) -> list[Errors]:
@@ -201,7 +201,7 @@ class Standing:
             action = self.needs[worst.name].action
             check = ("mesh",) if action == "mesh" else _PARTS
             return Decision(action, f"{worst}; the {action} is halved", check)
-        if reason := self._too_dear("runs"):
+        if reason := self._exceeds_budget("runs"):
             return self._end(reason)
         worst = max(self.reducible, key=lambda error: error.whole / error.aim)
         check = _PARTS if self._is_last() else ()
@@ -222,10 +222,10 @@ class Standing:
         is_first = all(record.action in ("mesh", "step") for record in self.state.rounds)
         if not error.discretization > (_INITIAL_SHARE if is_first else _FINAL_SHARE) * error.aim:
             return Need("runs", self._stagnation(error))
-        action, cause = error.larger, self._too_dear(error.larger)
-        if not (self.accuracy.mesh if action == "mesh" else self.step_is_free):
+        action, cause = error.larger, self._exceeds_budget(error.larger)
+        if not (self.accuracy.mesh if action == "mesh" else self.is_step_free):
             cause = f"the config keeps its {action}"
-        elif not cause and action == "mesh" and self._is_hopeless(error):
+        elif not cause and action == "mesh" and self._is_not_converging(error):
             cause = "a finer mesh does not get there within the budget"
         is_needed = not cause or error.discretization >= error.aim
         return Need(action, cause) if is_needed else Need("runs")
@@ -247,12 +247,12 @@ class Standing:
                     )
         return ""
 
-    def _too_dear(self, action: str) -> str:
+    def _exceeds_budget(self, action: str) -> str:
         """Why the budget does not allow an action; nothing where it does."""
         cost, budget = self.cost, self.accuracy
         runs, seconds = cost.need_of(action)
-        if cost.runs + runs + cost.reserved > budget.max_runs:
-            reserve = 2 * cost.checked + cost.reserved
+        if cost.runs + runs + cost.reserve > budget.max_runs:
+            reserve = 2 * cost.check_runs + cost.reserve
             spent = f"{cost.runs} are spent, {reserve} kept for the last check"
             return f"the budget of {budget.max_runs} runs does not allow more ({spent})"
         if cost.seconds + seconds > 60 * budget.max_core_minutes:
@@ -304,17 +304,17 @@ class Standing:
         if error.parts["surrogate"] > allowance:
             nodes = math.ceil(nodes * min(error.parts["surrogate"] / allowance, 100.0))
             texts.append(f"some {nodes} runs")
-        time = duration_text(max(1.0, (nodes + 4 * self.cost.checked) * seconds))
+        time = duration_text(max(1.0, (nodes + 4 * self.cost.check_runs) * seconds))
         return (
             f"{error.name} would take {' and '.join(texts) or 'more runs'}, about {time} of a core"
         )
 
-    def _is_hopeless(self, error: Errors) -> bool:
+    def _is_not_converging(self, error: Errors) -> bool:
         """Whether the mesh needed, by its last `_fall`, exceeds the budget, or it hardly fell."""
         if (fall := self._fall(error)) is None or fall < _HARDLY:
             return fall is not None
         factor = sum(4.0**i for i in range(1, _halvings(error, fall) + 1))
-        seconds = (self.cost.nodes + 4 * self.cost.checked) * self.cost.run_seconds * factor
+        seconds = (self.cost.nodes + 4 * self.cost.check_runs) * self.cost.run_seconds * factor
         return self.cost.seconds + seconds > 60 * self.accuracy.max_core_minutes
 
     def _fall(self, error: Errors) -> float | None:

@@ -26,7 +26,7 @@ def run_seconds(experiment: Experiment, time: TimeStep) -> float:
     everywhere. time: time step of the plan."""
     instants = experiment.solver.instants
     return effort.run_seconds(
-        experiment.nominal_scene, time.steps_per_instant * (instants - 1), instants
+        experiment.nominal_scene, time.output_steps * (instants - 1), instants
     )
 
 
@@ -42,7 +42,7 @@ def job_minutes(campaign: Campaign, runs: int, time: TimeStep | None = None) -> 
     """Return the minutes of wall-clock time to ask a queue for, for a job of `runs` runs: 5 to
     start the program, and twice the estimated core minutes over `jobs.processes` (config); with an
     `accuracy` its whole budget is the estimate. time: step of the plan; None: chosen here."""
-    if campaign.experiment.is_sought:
+    if campaign.experiment.is_adaptive:
         minutes = campaign.experiment.accuracy.max_core_minutes
     else:
         minutes = math.ceil(runs / LANES) * LANES * seconds_of_run(campaign, time) / 60.0

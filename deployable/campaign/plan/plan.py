@@ -3,7 +3,7 @@
 `plan.json` holds it:
 
     campaign, config_hash, config   the sections of the config that decide the runs, resolved
-    step, step_limit (s), limiting_element, steps_per_instant, assembly_energy (J), mechanics
+    step, step_limit (s), limiting_element, output_steps, assembly_energy (J), mechanics
     runs      [{id, role, normalized (k), values (k)}], one a line; role: node, nominal or held_out
     packed    in the place of these, where they are many: {count, role, normalized}, the arrays
               (count) of indices into `ROLES`, one byte each, and (count, k) of little-endian
@@ -43,19 +43,19 @@ from deployable.campaign.plan.runs import PlannedRun, Runs, namer, values_of
 from deployable.intervals import held_out_points
 from fpm.files.sealed import DamagedError
 
-MOST_LISTED = 10_000
+MAX_PLAN_ROWS = 10_000
 """Runs that have a line each in `plan.json`; of more, programs are the only readers."""
 
 
 @dataclass(frozen=True)
 class TimeStep:
-    """Time step of all runs of a plan: `step` (s); `steps_per_instant`, steps between recorded
+    """Time step of all runs of a plan: `step` (s); `output_steps`, steps between recorded
     instants; `step_limit` (s), the largest stable step, set by the element `limiting_element`, or
     the time between instants where nothing limits it; `assembly_energy`, largest strain energy (J)
     of a run at its start, where parts that do not fit are forced together, else 0."""
 
     step: float
-    steps_per_instant: int
+    output_steps: int
     step_limit: float
     limiting_element: str
     assembly_energy: float = 0.0
@@ -132,7 +132,7 @@ class Plan:
     def _unique(self) -> Runs:
         return self.runs.unique()
 
-    def named(self, run: PlannedRun) -> dict[str, float]:
+    def name_values(self, run: PlannedRun) -> dict[str, float]:
         """Return the values of the interval parameters in a run, in their units, by name."""
         return dict(zip(self.experiment.intervals, run.values, strict=True))
 
@@ -148,11 +148,11 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
         parts.append(("held_out", points))
 
     time, mechanics = time or choose_step(experiment), experiment.mechanics
-    unit = np.concatenate([points for _, points in parts])
+    normalized = np.concatenate([points for _, points in parts])
     role = np.repeat([ROLES.index(role) for role, _ in parts], [len(p) for _, p in parts])
     name = namer(experiment, time.step, mechanics)
     role = role.astype(np.int8)
-    runs = Runs(role, unit, values_of(experiment, role, unit), name)
+    runs = Runs(role, normalized, values_of(experiment, role, normalized), name)
     return Plan(experiment, mechanics, time, runs)
 
 
@@ -163,9 +163,9 @@ def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
     centre. Raises `CampaignError` for a run of more steps than `MOST_STEPS`."""
     solver, box = experiment.solver, experiment.box
     limit, element, energy = math.inf, "", 0.0
-    for unit in [np.zeros(box.dimension), *(box.corners() if corners else ())]:
-        named = dict(zip(box.names, map(float, box.from_unit(unit)), strict=True))
-        scene = experiment.build(named)
+    for point in [np.zeros(box.dimension), *(box.corners() if corners else ())]:
+        values = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
+        scene = experiment.build(values)
         stable = fpm.stable_step(scene)
         if stable.step < limit:
             limit, element = float(stable.step), str(stable.element)
@@ -177,7 +177,7 @@ def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
     for problem in steps_problems(solver, largest):
         raise CampaignError(problem)
     division = fpm.divide_time(solver.duration, solver.instants, largest)
-    return TimeStep(division.step, division.per_instant, limit, element, energy)
+    return TimeStep(division.step, division.output_steps, limit, element, energy)
 
 
 def share(items: list, part: int, parts: int) -> list:
@@ -187,7 +187,7 @@ def share(items: list, part: int, parts: int) -> list:
 
 def write_plan(plan: Plan, path: str | Path) -> None:
     """Write a plan to the file `path` as JSON (`plan.json`), a line for each run, or, of more than
-    10,000 (`MOST_LISTED`), all runs packed as arrays."""
+    10,000 (`MAX_PLAN_ROWS`), all runs packed as arrays."""
     head = {
         "campaign": plan.experiment.name,
         "config_hash": plan.config_hash,
@@ -197,8 +197,8 @@ def write_plan(plan: Plan, path: str | Path) -> None:
     }
     if plan.adaptive:
         head["adaptive"] = asdict(plan.adaptive)
-    if len(plan.runs) > MOST_LISTED:
-        text = json.dumps(head | {"packed": _packed(plan.runs)}, indent=1) + "\n"
+    if len(plan.runs) > MAX_PLAN_ROWS:
+        text = json.dumps(head | {"packed": _pack(plan.runs)}, indent=1) + "\n"
     else:
         runs = ",\n  ".join(json.dumps(asdict(run)) for run in plan.runs)
         text = json.dumps(head, indent=1)[:-2] + f',\n "runs": [\n  {runs}\n ]\n}}\n'
@@ -215,14 +215,14 @@ def read_plan(path: str | Path) -> Plan:
 def _plan(path: str | Path, data: Mapping) -> Plan:
     experiment, mechanics = Experiment.of_results(data["config"]), str(data["mechanics"])
     time = _time(data)
-    if not time.step > 0 or time.steps_per_instant < 1:
+    if not time.step > 0 or time.output_steps < 1:
         raise ValueError("its step is not above 0")
     for problem in steps_problems(experiment.solver, time.step):
         raise ValueError(problem)
     if "packed" in data:
-        role, unit = _unpacked(data["packed"])
+        role, points = _unpack(data["packed"])
         name = namer(experiment, time.step, mechanics)
-        runs = Runs(role, unit, values_of(experiment, role, unit), name)
+        runs = Runs(role, points, values_of(experiment, role, points), name)
     else:
         for run in data["runs"]:
             if not RUN_ID.fullmatch(run["id"]):
@@ -253,14 +253,14 @@ def _time(data: Mapping) -> TimeStep:
     return from_data(TimeStep, {name: data[name] for name in TimeStep.__dataclass_fields__})
 
 
-def _packed(runs: Runs) -> dict:
+def _pack(runs: Runs) -> dict:
     arrays = {"role": runs.role.astype("i1"), "normalized": runs.normalized.astype("<f8")}
-    packed = {name: b64encode(values.tobytes()).decode() for name, values in arrays.items()}
-    return {"count": len(runs), **packed}
+    columns = {name: b64encode(values.tobytes()).decode() for name, values in arrays.items()}
+    return {"count": len(runs), **columns}
 
 
-def _unpacked(packed: Mapping) -> tuple[np.ndarray, np.ndarray]:
+def _unpack(columns: Mapping) -> tuple[np.ndarray, np.ndarray]:
     """Roles (N) and unit coordinates (N, k)."""
-    unit = np.frombuffer(b64decode(packed["normalized"]), "<f8").astype(float)
-    role = np.frombuffer(b64decode(packed["role"]), "i1").astype(np.int8)
-    return role, unit.reshape(packed["count"], -1)
+    points = np.frombuffer(b64decode(columns["normalized"]), "<f8").astype(float)
+    role = np.frombuffer(b64decode(columns["role"]), "i1").astype(np.int8)
+    return role, points.reshape(columns["count"], -1)

@@ -13,7 +13,7 @@ import numpy as np
 from deployable.campaign.config.sections import Experiment, digest
 from deployable.campaign.files.contents import ROLES
 
-_REMEMBERED = 1 << 17  # names
+_MAX_NAMES = 1 << 17  # names
 
 
 @dataclass(frozen=True)
@@ -30,18 +30,18 @@ class PlannedRun:
 
 class Runs(Sequence[PlannedRun]):
     """Sequence of N runs, held as arrays: an index gives a `PlannedRun`, a slice or a list of
-    indices another sequence. role (N): indices into `ROLES` (nominal, node, held_out, ...); unit
+    indices another sequence. role (N): indices into `ROLES` (nominal, node, held_out, ...); points
     (N, k): normalized points, kept as `normalized`; values (N, k): of the interval parameters, in
     their units; name: function that returns a run's id from its values, a tuple of k numbers."""
 
     def __init__(
         self,
         role: np.ndarray,
-        unit: np.ndarray,
+        points: np.ndarray,
         values: np.ndarray,
         name: Callable[[tuple[float, ...]], str],
     ):
-        self.role, self.normalized, self.values, self.name = role, unit, values, name
+        self.role, self.normalized, self.values, self.name = role, points, values, name
 
     @classmethod
     def from_runs(cls, runs: Sequence[PlannedRun]) -> Runs:
@@ -60,11 +60,11 @@ class Runs(Sequence[PlannedRun]):
         """A `PlannedRun` for a number; for a slice, or a list of numbers, the `Runs` there."""
         if isinstance(index, list):
             index = np.array(index, int)
-        role, unit, values = self.role[index], self.normalized[index], self.values[index]
+        role, points, values = self.role[index], self.normalized[index], self.values[index]
         if np.ndim(role):
-            return Runs(role, unit, values, self.name)
+            return Runs(role, points, values, self.name)
         physical = tuple(values.tolist())
-        return PlannedRun(self.name(physical), ROLES[role], tuple(unit.tolist()), physical)
+        return PlannedRun(self.name(physical), ROLES[role], tuple(points.tolist()), physical)
 
     def __eq__(self, runs: object) -> bool:
         return isinstance(runs, Runs) and self.digest == runs.digest
@@ -95,11 +95,11 @@ class Runs(Sequence[PlannedRun]):
         return self[np.sort(np.unique(rows, return_index=True)[1])]
 
 
-def values_of(experiment: Experiment, role: np.ndarray, unit: np.ndarray) -> np.ndarray:
-    """Compute the values (N, k) of the k interval parameters, in their units, in N runs. unit (N,
+def values_of(experiment: Experiment, role: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Compute the values (N, k) of the k interval parameters, in their units, in N runs. points (N,
     k): normalized points, from -1 at the lower end of an interval to 1 at the upper; role (N):
     indices into `ROLES`; nominal runs get the config's exact values."""
-    values = experiment.box.from_unit(unit)
+    values = experiment.box.from_unit(points)
     values[role == ROLES.index("nominal")] = experiment.nominal
     return values
 
@@ -110,10 +110,10 @@ def namer(
     """Make a function that computes a run's id from its values (k) of the interval parameters.
     step: time step (s); mechanics: digest of the structure and of the code that computes runs."""
 
-    @lru_cache(_REMEMBERED)
+    @lru_cache(_MAX_NAMES)
     def name(values: tuple[float, ...]) -> str:
-        named = dict(zip(experiment.intervals, values, strict=True))
-        return run_id(experiment, experiment.parameters(named), step, mechanics)
+        values_by_name = dict(zip(experiment.intervals, values, strict=True))
+        return run_id(experiment, experiment.parameters(values_by_name), step, mechanics)
 
     return name
 

@@ -127,7 +127,7 @@ class PageData:
     `summary.json`; time (T): s; responses: their bounds; runs: the planned ones (of a large scan
     those that move), then of those added at bounds and limit-state surfaces the ones that move;
     moving: runs shown moving, the nominal one first, then those at which quantities and bounds are
-    attained; omitted: runs for whose motion the page has no room; work: times that tasks took;
+    attained; omitted_runs: runs for whose motion the page has no room; work: times that tasks took;
     provenance: what computed the results, texts by name; config: text of a config that repeats the
     campaign; verdicts: which runs meet the requirements, None without quantities; what_if:
     functions for the sliders, None: none."""
@@ -137,7 +137,7 @@ class PageData:
     responses: tuple[ResponseBounds, ...]
     runs: tuple[PageRun, ...]
     moving: tuple[MovingRun, ...] = ()
-    omitted: tuple[OmittedRun, ...] = ()
+    omitted_runs: tuple[OmittedRun, ...] = ()
     work: tuple[Work, ...] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)
     config: str = ""
@@ -155,7 +155,7 @@ class PageData:
         return next((run for run in self.runs if run.role == "nominal"), None)
 
     @property
-    def unfitted(self) -> tuple[int, ...]:
+    def unfitted_runs(self) -> tuple[int, ...]:
         """Indices in `runs` of those that no surrogate was fitted to: held out, or the nominal."""
         fitted_ids = {run.id for run in self.runs if run.role in ("node", FURTHER)}
         return tuple(i for i, run in enumerate(self.runs) if run.id not in fitted_ids)
@@ -164,6 +164,6 @@ class PageData:
     def lines(self) -> list[int]:
         """Indices in `runs` of those drawn as thin lines: neither fitted nor nominal, at most 48
         (`MOST_LINES`), evenly chosen."""
-        runs = [i for i in self.unfitted if self.runs[i].role != "nominal"]
+        runs = [i for i in self.unfitted_runs if self.runs[i].role != "nominal"]
         indices = np.unique(np.linspace(0, len(runs) - 1, min(len(runs), MOST_LINES)).round())
         return [runs[int(i)] for i in indices] if runs else []

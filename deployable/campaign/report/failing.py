@@ -45,7 +45,7 @@ def meets(limits: Iterable[Mapping], names: Sequence[str], numbers: np.ndarray) 
     met = np.ones(len(numbers), dtype=bool)
     for limit in limits:
         value = numbers[:, list(names).index(limit["quantity"])]
-        met &= Limit(None, limit["kind"], limit["level"]).slack_of(value) >= 0
+        met &= Limit(None, limit["kind"], limit["level"]).find_margins(value) >= 0
     return met
 
 
@@ -60,29 +60,31 @@ def panels(data: PageData) -> list[Panel]:
     varies; empty where all runs fail, or none does. data: all that the page shows."""
     if not _tells_apart(data):
         return []
-    unit = [_unit(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)]
+    coords = [_scale(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)]
     free = [k for k, p in enumerate(data.parameters) if p["upper"] > p["lower"]]
     met = data.verdicts.met
-    free.sort(key=lambda k: -abs(unit[k][met].mean() - unit[k][~met].mean()))
+    free.sort(key=lambda k: -abs(coords[k][met].mean() - coords[k][~met].mean()))
     axes = sorted(free[:MOST_PARAMETERS])
     pairs = list(combinations(axes, 2)) or [(axes[0], None)]
     runs = _drawn_runs(met)
-    return [_panel(data, unit, runs, *pair) for pair in pairs]
+    return [_panel(data, coords, runs, *pair) for pair in pairs]
 
 
-def _panel(data: PageData, unit: list, runs: np.ndarray, i: int, j: int | None) -> Panel:
+def _panel(data: PageData, coords: list, runs: np.ndarray, i: int, j: int | None) -> Panel:
     share = data.facts["together"]["largest_share"]
-    nominal = [_unit(p, p["nominal"]) for p in data.parameters]
+    nominal = [_scale(p, p["nominal"]) for p in data.parameters]
     ends = [(middle * (1 - share), middle + share * (1 - middle)) for middle in nominal]
     in_part = [
-        (values >= low) & (values <= high) for values, (low, high) in zip(unit, ends, strict=True)
+        (values >= low) & (values <= high) for values, (low, high) in zip(coords, ends, strict=True)
     ]
-    rest = [k for k in range(len(unit)) if share > 0 and k not in (i, j)]
-    is_near = np.all([in_part[k] for k in rest], axis=0) if rest else np.full(len(unit[i]), True)
-    y_values = np.full(len(is_near), 0.5) if j is None else unit[j]
+    rest = [k for k in range(len(coords)) if share > 0 and k not in (i, j)]
+    is_near = np.all([in_part[k] for k in rest], axis=0) if rest else np.full(len(coords[i]), True)
+    y_values = np.full(len(is_near), 0.5) if j is None else coords[j]
     in_frame = in_part[i] & (True if j is None else in_part[j]) & (share > 0)
     runs = runs[~(in_frame & ~is_near & ~data.verdicts.met)[runs]]
-    marks = zip(unit[i][runs], y_values[runs], data.verdicts.met[runs], is_near[runs], strict=True)
+    marks = zip(
+        coords[i][runs], y_values[runs], data.verdicts.met[runs], is_near[runs], strict=True
+    )
     feasible = zip(ends[i], (0.0, 1.0) if j is None else ends[j], strict=True)
     return Panel(
         data.parameters[i],
@@ -100,9 +102,11 @@ def lines(data: PageData) -> list[tuple[int, bool, list[float]]]:
     (at most 3), or all runs fail, or none does. data: all that the page shows."""
     if len(data.parameters) <= MOST_PARAMETERS or not _tells_apart(data):
         return []
-    unit = np.array([_unit(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)])
+    coords = np.array(
+        [_scale(p, data.verdicts.values[:, k]) for k, p in enumerate(data.parameters)]
+    )
     return [
-        (int(run), bool(data.verdicts.met[run]), unit[:, run].round(4).tolist())
+        (int(run), bool(data.verdicts.met[run]), coords[:, run].round(4).tolist())
         for run in _drawn_runs(data.verdicts.met)
     ]
 
@@ -149,14 +153,16 @@ def prices(facts: Mapping[str, Any]) -> Panel | None:
         {**aim, "lower": float(column.min()), "upper": float(column.max())}
         for aim, column in zip(aims, places.T, strict=True)
     )
-    unit = zip(_unit(x_axis, places[:, 0]), _unit(y_axis, places[:, 1]), feasible, strict=True)
-    return Panel(x_axis, y_axis, [(float(x), float(y), met, True) for x, y, met in unit], None, [])
+    coords = zip(_scale(x_axis, places[:, 0]), _scale(y_axis, places[:, 1]), feasible, strict=True)
+    return Panel(
+        x_axis, y_axis, [(float(x), float(y), met, True) for x, y, met in coords], None, []
+    )
 
 
 _ENDS = {"upper": "at most", "lower": "at least", "width": "known to"}
 
 
-def _unit(parameter: Mapping[str, Any], values):
+def _scale(parameter: Mapping[str, Any], values):
     """Values as shares of a parameter's interval."""
     width = parameter["upper"] - parameter["lower"]
     return (values - parameter["lower"]) / width if width > 0 else 0.0 * values

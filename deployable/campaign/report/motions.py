@@ -60,20 +60,20 @@ def shown_runs(folder: str | Path) -> list[ShownRun]:
             (name, _extreme_runs(samples, i, _widest(bounds, i))) for i, name in enumerate(names)
         ]
         nominal = nominal_row(samples)
-        further, further_ids = values[:0], []
+        extra_values, extra_ids = values[:0], []
         if numbers is not None and (folder / "further.nc").exists():
             with open_dataset(folder / "further.nc") as file:
-                further, further_ids = file["value"].values, file["run_id"].values.tolist()
+                extra_values, extra_ids = file["value"].values, file["run_id"].values.tolist()
                 numbers = np.concatenate([numbers, file["quantities"].values])
         if numbers is not None:
             ends = [*_ends_of(samples["quantity"].values, numbers), *ends]
-        labels = _labelled(ends, np.concatenate([values, further]), nominal)
+        labels = _label_runs(ends, np.concatenate([values, extra_values]), nominal)
         run_ids = ids(samples, rows := [run for run in labels if run < len(values)])
     of_sample = dict(zip(rows, run_ids, strict=True))
     return [
         ShownRun(of_sample[run], values[run], label, run)
         if run in of_sample
-        else ShownRun(further_ids[run - len(values)], further[run - len(values)], label, None)
+        else ShownRun(extra_ids[run - len(values)], extra_values[run - len(values)], label, None)
         for run, label in labels.items()
     ]
 
@@ -99,7 +99,7 @@ def _ends_of(names: Sequence[str], numbers: np.ndarray) -> list[tuple[str, tuple
     ]
 
 
-def _labelled(
+def _label_runs(
     ends: Sequence[tuple[str, tuple[int, int]]], values: np.ndarray, nominal: int | None
 ) -> dict[int, str]:
     """What runs are, by their places among values (R, k), of which equal ones are one run."""
@@ -155,11 +155,11 @@ def motions_of(samples: xarray.Dataset, runs: Sequence[ShownRun], frames: int = 
         frames=frames,
         times=closures[np.isfinite(closures)],
         attributes=[{"run_id": run.id, "campaign": samples.attrs["campaign"]} for run in runs],
-        extra_variables=lambda i, outcome: _own_curves(experiment, outcome) if i in bare else {},
+        extra_variables=lambda i, outcome: _read_curves(experiment, outcome) if i in bare else {},
     )
 
 
-def _own_curves(experiment: Any, outcome: Any) -> dict:
+def _read_curves(experiment: Any, outcome: Any) -> dict:
     """Responses and events of a run, as variables of its motion."""
     curves = np.array([response.evaluate(outcome) for response in experiment.curves])
     impacts = outcome.impacts()

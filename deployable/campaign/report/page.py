@@ -14,7 +14,7 @@ from deployable.campaign.pictures.solid import solid_of_motion
 from deployable.campaign.pictures.view import View
 from deployable.campaign.report.data import PageData
 from deployable.campaign.report.failing import lines, panels, prices
-from deployable.campaign.report.pack import compressed, packed
+from deployable.campaign.report.pack import compress, pack_data
 from deployable.campaign.results.templates import environment
 from deployable.campaign.text.numbers import pretty
 
@@ -56,8 +56,8 @@ def render(data: PageData) -> str:
             style=_text("style.css"),
             script="\n".join(_text(f"js/{name}.js") for name in SCRIPTS),
             still=still_picture(data.moving[0].motion) if data.moving else "",
-            library=compressed(_text("vendor/three.min.js").encode()),
-            payload=packed(data),
+            library=compress(_text("vendor/three.min.js").encode()),
+            payload=pack_data(data),
         )
     )
 
@@ -73,22 +73,22 @@ def still_picture(motion: xarray.Dataset) -> str:
     frames, view = telling_moments(motion, _MOMENTS), View()
     solid = solid_of_motion(motion, frames)
     low, high = limits_of(solid.places, view, margin=0.03)
-    unit = _WIDE / max(high - low)
+    zoom = _WIDE / max(high - low)
     parts = []
     for moment in range(_MOMENTS):
-        start = np.array([_WIDE * (moment + 0.5) - unit * (low[0] + high[0]) / 2, unit * high[1]])
+        start = np.array([_WIDE * (moment + 0.5) - zoom * (low[0] + high[0]) / 2, zoom * high[1]])
         faces, colours = visible_faces(solid, moment, view)
         lines = (solid.cable_points[moment] @ view.page.T)[solid.cables.stretches]
         for corners, colour in zip(faces, np.rint(255 * colours).astype(int), strict=True):
             parts.append(
-                f'<path fill="#{bytes(colour.tolist()).hex()}" d="{_path(corners, start, unit)}Z"/>'
+                f'<path fill="#{bytes(colour.tolist()).hex()}" d="{_path(corners, start, zoom)}Z"/>'
             )
-        parts += [f'<path class="cable" d="{_path(line, start, unit)}"/>' for line in lines]
-    tall = unit * (high - low)[1]
+        parts += [f'<path class="cable" d="{_path(line, start, zoom)}"/>' for line in lines]
+    tall = zoom * (high - low)[1]
     return f'<svg viewBox="0 0 {_MOMENTS * _WIDE} {tall:.0f}">{"".join(parts)}</svg>'
 
 
-def _path(places: np.ndarray, start: np.ndarray, unit: float) -> str:
+def _path(places: np.ndarray, start: np.ndarray, zoom: float) -> str:
     """Places (p, 2), m upwards, as a path downwards."""
-    points = start + unit * places * [1, -1]
+    points = start + zoom * places * [1, -1]
     return "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points)

@@ -53,7 +53,7 @@ def from_results(folder: str | Path) -> PageData:
         responses=_responses(bounds, _load(sensitivities) if sensitivities.exists() else None),
         runs=runs,
         moving=moving,
-        omitted=_omitted(movers, runs, moving),
+        omitted_runs=_find_omitted_runs(movers, runs, moving),
         work=_work(folder, facts["runs"]),
         provenance=_provenance(bounds, samples, folder),
         config=json.dumps(json.loads(bounds.attrs["config"]), indent=1),
@@ -92,13 +92,13 @@ def _responses(
             nominal=values("nominal", i),
             error=values("error", i),
             shares=values("width_overall", i, sensitivities),
-            widths=_resolved(values("width", i, sensitivities), values("error", i, sensitivities)),
+            widths=_denoise(values("width", i, sensitivities), values("error", i, sensitivities)),
         )
         for i, name in enumerate(bounds["response"].values.tolist())
     )
 
 
-def _resolved(widths: np.ndarray | None, error: np.ndarray | None) -> np.ndarray | None:
+def _denoise(widths: np.ndarray | None, error: np.ndarray | None) -> np.ndarray | None:
     """Widths (k, t), not a number where they are not above the error of the fit (t)."""
     return widths if widths is None or error is None else np.where(widths > error, widths, np.nan)
 
@@ -191,7 +191,7 @@ def _what_if(folder: Path, summary: Mapping) -> WhatIf:
         return WhatIf(quantities, file["multi_index"][:], file["coefficient"][:])
 
 
-def _omitted(
+def _find_omitted_runs(
     movers: Iterable[ShownRun], runs: tuple[PageRun, ...], moving: tuple[MovingRun, ...]
 ) -> tuple[OmittedRun, ...]:
     """Runs that would be shown, beside those that move."""

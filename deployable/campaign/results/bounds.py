@@ -38,7 +38,7 @@ def analyse(
         experiment = Experiment.read(samples.attrs["config"])
         is_plain_scan = experiment.design.method == "sobol" and experiment.design.order is None
         design = (
-            _scanned(samples) if is_plain_scan else make_design(experiment.design, experiment.box)
+            _design(samples) if is_plain_scan else make_design(experiment.design, experiment.box)
         )
         bounds = intervals.bounds_dataset(samples, design, model=choice.model)
         if with_errors is not None:
@@ -53,7 +53,7 @@ def analyse(
         write_dataset(sensitivities, folder.sensitivities, "Influence of each parameter")
 
 
-def _scanned(samples: Any) -> Any:
+def _design(samples: Any) -> Any:
     """The design of a plain scan: to make it again takes longer than its bounds."""
     from deployable import intervals
 
@@ -67,9 +67,9 @@ def write_dataset(dataset: Any, path: str | Path, title: str) -> None:
     """Write an `xarray.Dataset` as compressed netCDF with a seal (checksum, origin), whole or not
     at all. dataset: its attribute `campaign` is the campaign's name; path: of the file; title: what
     the dataset holds, in words. Title, history and provenance become attributes of the file."""
-    titled = f"{title}, campaign {dataset.attrs['campaign']}"
+    heading = f"{title}, campaign {dataset.attrs['campaign']}"
     history = f"{dataset.attrs.get('history', '')}\n{title}".strip()
-    dataset = dataset.assign_attrs(title=titled, history=history, provenance=as_attribute())
+    dataset = dataset.assign_attrs(title=heading, history=history, provenance=as_attribute())
     encoding: dict[str, dict] = {}
     for name, variable in dataset.variables.items():
         if variable.dtype.kind == "f" and variable.ndim:

@@ -70,8 +70,8 @@ def cases_facts(folder: Folder, cases: Mapping[str, Mapping]) -> dict[str, Any]:
         "quantities": _quantities(summaries),
         "together": {
             "met": combine_met(verdict["met"] for verdict in verdicts.values() if verdict),
-            "failing": _named(verdicts, "none", "some"),
-            "open": _named(verdicts, "undecided"),
+            "failing": _select_cases(verdicts, "none", "some"),
+            "open": _select_cases(verdicts, "undecided"),
             "free": [name for name, verdict in verdicts.items() if not verdict],
         } if requirements else None,
         "worst": min((row["worst"] for row in requirements), key=_severity, default=None),
@@ -98,7 +98,7 @@ def combine_met(verdicts: Iterable[str]) -> str:
     return "some" if verdicts & {"none", "some"} else "undecided"
 
 
-def _named(rows: Mapping[str, Mapping | None], *verdicts: str) -> list[str]:
+def _select_cases(rows: Mapping[str, Mapping | None], *verdicts: str) -> list[str]:
     """Names of the cases of which a verdict is one of these."""
     return [name for name, row in rows.items() if row and row["met"] in verdicts]
 
@@ -122,20 +122,20 @@ def _requirements(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
                     limit["level"],
                 )  # margins have one of their own
                 limits.setdefault(key, {})[case] = details
-        compared = [_compared(group, list(summaries)) for group in limits.values()]
+        comparisons = [_compare(group, list(summaries)) for group in limits.values()]
         rows.append({
             "name": name,
             "met": combine_met(row["met"] for row in by_case.values()),
             "cases": list(by_case),
-            "failing": _named(by_case, "none", "some"),
-            "open": _named(by_case, "undecided"),
-            "worst": min((limit["worst"] for limit in compared), key=_severity),
-            "limits": compared,
+            "failing": _select_cases(by_case, "none", "some"),
+            "open": _select_cases(by_case, "undecided"),
+            "worst": min((limit["worst"] for limit in comparisons), key=_severity),
+            "limits": comparisons,
         })  # fmt: skip
     return rows
 
 
-def _compared(limits: Mapping[str, Mapping], cases: list[str]) -> dict[str, Any]:
+def _compare(limits: Mapping[str, Mapping], cases: list[str]) -> dict[str, Any]:
     """One limit in the cases that it is of, and the case that is worst."""
     worst = min(limits.values(), key=_severity)
     close = [case for case, row in limits.items() if row is not worst and _is_close(row, worst)]

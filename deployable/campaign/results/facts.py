@@ -70,11 +70,11 @@ def facts_of(
                     zip(data["parameter"][:].tolist(), map(_number, values), strict=True)
                 )
     facts |= _structure(experiment, facts["parameters"])
-    facts["quantities"], further = [], 0
+    facts["quantities"], refinements = [], 0
     if has_quantities:
         with open_netcdf(folder.quantities) as data:
             facts["quantities"] = quantity_rows(data, experiment.solver.duration)
-            further = int(data.further_runs)
+            refinements = int(data.further_runs)
         for row, quantity in zip(facts["quantities"], experiment.numbers, strict=True):
             row |= words_of(quantity)
             if not row["runs_with"] and (approach := _approach(quantity, experiment, folder)):
@@ -82,16 +82,16 @@ def facts_of(
         if requirements:
             assessment = read_json(folder.requirements)
             facts |= {name: assessment[name] for name in ("requirements", "together")}
-            further = assessment["further_runs"]
+            refinements = assessment["further_runs"]
         if choice:
             facts["choice"] = read_json(folder.choice)
     if measured:
         facts["measured"] = read_json(folder.measured)
-    facts["further_runs"] = further
+    facts["further_runs"] = refinements
     rows = [*facts["responses"], *facts["quantities"]]
     if (rounds := plan.adaptive) is not None:
         facts["adaptive"] = {"rounds": [asdict(r) for r in rounds.rounds]}
-    if experiment.is_sought:
+    if experiment.is_adaptive:
         for row in rows:
             row["errors"]["asked"] = experiment.accuracy.tolerances[row["name"]]
         facts["accuracy"] = _accuracy(plan, rows)
@@ -165,7 +165,7 @@ def of_bounds(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict
             "nodes": count.nodes,
             "held_out": count.held_out,
             "runs": count.runs,
-            "nominal_among_them": count.nominal_among_them,
+            "nominal_among_them": count.has_nominal,
         },
         "bounds": bounds.bounds_kind,
         "time_step": float(bounds.time_step),
@@ -224,7 +224,7 @@ def _run_counts(facts: dict) -> dict[str, int]:
     return {**runs, "all": sum(runs.values())}
 
 
-def known_error(kind: str, error: float) -> float | None:
+def drop_unknown_error(kind: str, error: float) -> float | None:
     """Return the estimated error of bounds, or None (unknown) where it is 0 only because the bounds
     are those of a scan (least and largest sample), which the second half of its runs did not
     change. kind: attribute `bounds_kind` of `bounds.nc`; error: in the response's unit."""
@@ -254,9 +254,11 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict[s
     if "error" in bounds.variables:
         error = bounds["error"][i]
         worst = int(error.argmax())
-        row["largest_error"] = known_error(bounds.bounds_kind, float(error[worst]))
+        row["largest_error"] = drop_unknown_error(bounds.bounds_kind, float(error[worst]))
         row["time_of_largest_error"] = float(time[worst])
-        row["error_at_largest_difference"] = known_error(bounds.bounds_kind, float(error[instant]))
+        row["error_at_largest_difference"] = drop_unknown_error(
+            bounds.bounds_kind, float(error[instant])
+        )
         if extrapolation := _extrapolated_error(bounds, i, instant):
             row["extrapolated_error"] = extrapolation
     row["grade"] = grade(row["error_at_largest_difference"], row["largest_difference"])
@@ -445,12 +447,12 @@ def happens_only(row: Mapping, quantities: Iterable[Mapping]) -> str | None:
     (an event's time, say) does not occur there: where it occurs, its bounds keep all limits by
     their error. None for any other requirement. row: the requirement's dict in the results as plain
     data (`facts_of`); quantities: dicts of all quantities there."""
-    named = {quantity["name"]: quantity for quantity in quantities}
+    rows = {quantity["name"]: quantity for quantity in quantities}
     limits = [limit for limit in row["limits"] if limit["kind"] != "happens"]
     names = {limit["quantity"] for limit in limits}
     if row["met"] != "some" or not row["share"] < 1 or len(names) != 1:
         return None
-    quantity = named[names.pop()]
+    quantity = rows[names.pop()]
     is_kept = quantity["happens"] == row["share"] and all(map(partial(_keeps, quantity), limits))
     return quantity["name"] if is_kept else None
 

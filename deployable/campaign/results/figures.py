@@ -14,7 +14,7 @@ import numpy as np
 from deployable.campaign.files import open_netcdf, result_file
 from deployable.campaign.folder import PICTURES
 from deployable.campaign.pictures.colours import BARS, BLUE, RED
-from deployable.campaign.results.facts import LARGE, along_of, known_error
+from deployable.campaign.results.facts import LARGE, along_of, drop_unknown_error
 from deployable.campaign.text.numbers import pretty
 
 LOWER = {"color": BLUE, "linestyle": (0, (4, 1.5)), "linewidth": 1.1, "label": "lower bound"}
@@ -65,7 +65,7 @@ def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> 
     )
     error = bounds["error"][i] if "error" in bounds.variables else None
     kind, has_error = bounds.bounds_kind, error is not None
-    has_error = has_error and known_error(kind, float(error.max())) is not None
+    has_error = has_error and drop_unknown_error(kind, float(error.max())) is not None
     sure = error < LARGE * difference.max() if has_error else np.full(len(time), True)
     ax.fill_between(time, lower, upper, where=sure, **RANGE)
     if "nominal" in bounds.variables:

@@ -47,7 +47,7 @@ def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dic
 
 
 def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
-    """Energies (J) of a campaign's nominal run: `exchanged`, the largest change over the run of any
+    """Energies (J) of a campaign's nominal run: `change`, the largest change over the run of any
     one kind of energy, `largest`, the largest size of one, and `off`, the largest error of their
     balance; None where its trajectory was not stored. folder: of the results; plan: of its runs."""
     path = folder.runs("trajectories") / f"{plan.runs[0].id}.nc"
@@ -84,7 +84,7 @@ def margin_of(
             margins.read_label(column)[1]: work
             for (name, column), work in sweep_curves.columns.items() if name == margins.WORK
         }))  # fmt: skip
-    stowed = margins.read_label(label)[0].first is None
+    is_stowed = margins.read_label(label)[0].first is None
     starts = [hinge.opening for s in scenes for hinge in s.hinges if hinge.name == openings[0]]
     indices = {i for i, hinge in enumerate(nominal.hinges) if hinge.name in openings}
     low, high = sorted((positions.first, positions.last))
@@ -96,17 +96,17 @@ def margin_of(
         "openings": list(openings),
         "without": failed_components(response),
         "locked": list(definition.get("locked", ())),
-        "starts_vary": bool(stowed and np.ptp(starts) > OPENING_TOLERANCE),
+        "starts_vary": bool(is_stowed and np.ptp(starts) > OPENING_TOLERANCE),
         "first": positions.first,
         "last": positions.last,
         "unit": positions.unit,
-        "travel": travel_of(scenes, openings, positions, stowed),
+        "travel": travel_of(scenes, openings, positions, is_stowed),
         "latches": [
             latch.label(nominal) for kind in (Latch, RigidLatch) for latch in kind.find(nominal)
             if latch.hinge in indices and low + room < latch.angle < high - room
         ],
         "motors": [nominal.hinges[motor.hinge].name for motor in Motor.find(nominal)],
-        "own": own_settings(nominal, definition, response),
+        "own": list_deviations(nominal, definition, response),
         "weaker": weaker_classes(nominal, response),
         "added": [f"{key} {definition[key]:g}" for key in ("accelerate", "deliver")
                   if definition.get(key)],
@@ -126,7 +126,7 @@ def _travel_sweep(experiment: Any) -> Callable:
 
     @cache
     def curves(values: tuple[float, ...], columns: tuple) -> Any:
-        return margins.led_curves(scene(values), [replace(experiment.curves[0], columns=columns)])
+        return margins.sweep_travel(scene(values), [replace(experiment.curves[0], columns=columns)])
 
     def sweep(values: tuple[float, ...], response: Any) -> Any:
         definition = {
@@ -157,14 +157,14 @@ def failed_components(margin: Any) -> list[str]:
 
 
 def travel_of(
-    scenes: Iterable[Any], openings: Sequence[str], positions: Any, stowed: bool
+    scenes: Iterable[Any], openings: Sequence[str], positions: Any, is_stowed: bool
 ) -> list[float] | None:
     """First and last opening (angle of a hinge, rad, or position of a slide, m) of the whole travel
     of the joint that a margin follows; None where no latch and no stop ends it. It reaches from the
     start to the farthest latch, or without one to the nearest stop, and covers all scenes. scenes:
     structures; openings: names of the joints that move together, first the one followed; positions:
-    the margin's, with `first` and `last` opening; stowed: whether it begins at `first`, not at the
-    openings at which the scenes start."""
+    the margin's, with `first` and `last` opening; is_stowed: whether it begins at `first`, not at
+    the openings at which the scenes start."""
     sign = 1.0 if positions.last > positions.first else -1.0
     starts, ends = [], []
     for scene in scenes:
@@ -183,11 +183,11 @@ def travel_of(
             for candidates in (latches, stops)
         )
         ends += [max(latches)] if latches else [min(stops)] if stops else []
-    starts = [positions.first] if stowed else starts
+    starts = [positions.first] if is_stowed else starts
     return [sign * min(sign * start for start in starts), sign * max(ends)] if ends else None
 
 
-def own_settings(scene: Any, definition: Mapping[str, Any], response: Any) -> list[str]:
+def list_deviations(scene: Any, definition: Mapping[str, Any], response: Any) -> list[str]:
     """List the factors and classes in a margin's config that differ from those of the standard or
     the structure, a text each, own before other: `HM 2 for 3` (class of motors). scene:
     `fpm.Scene`; definition: the margin's part of the config; response: the margin (`Response`)."""

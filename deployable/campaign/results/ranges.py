@@ -56,11 +56,11 @@ def ranges(data: Any, runs: FittedRuns, width: float = 7.0) -> Any:
 
 
 class FittedRuns(NamedTuple):
-    """The R runs that surrogates (fitted functions) of quantities rest on: `unit` (R, k),
+    """The R runs that surrogates (fitted functions) of quantities rest on: `points` (R, k),
     parameters scaled to -1 to 1; `numbers` (R, q), quantities, NaN for one that does not occur;
     `margins` (R, q), event margins, above 0 where the run has the quantity, NaN where not known."""
 
-    unit: np.ndarray
+    points: np.ndarray
     numbers: np.ndarray
     margins: np.ndarray
 
@@ -73,7 +73,7 @@ class FittedRuns(NamedTuple):
         least = float(data["least"][q])
         latest = end if data["is_time"][q] else None
         least = least if np.isfinite(least) else None
-        return fit_scalar(self.unit, self.numbers[:, q], latest, least, self.margins[:, q])
+        return fit_scalar(self.points, self.numbers[:, q], latest, least, self.margins[:, q])
 
 
 def runs_of(folder: Folder) -> FittedRuns:
@@ -96,21 +96,21 @@ def _label(data: Any, j: int) -> str:
     return f"{data['parameter'][j]} ({units})"
 
 
-def _values(data: Any, j: int, unit: np.ndarray) -> np.ndarray:
+def _values(data: Any, j: int, points: np.ndarray) -> np.ndarray:
     lower, upper = data["box_lower"][j], data["box_upper"][j]
-    return lower + (unit + 1) / 2 * (upper - lower)
+    return lower + (points + 1) / 2 * (upper - lower)
 
 
 def _line(ax: Any, data: Any, q: int, runs: FittedRuns, free: Any) -> None:
     """The quantity against the one parameter; grey where it does not happen."""
     j = int(free[0]) if len(free) else 0
-    unit, values = runs.unit, runs.numbers[:, q]
-    points = np.zeros((_LINE, unit.shape[1]))
+    normalized, values = runs.points, runs.numbers[:, q]
+    points = np.zeros((_LINE, normalized.shape[1]))
     points[:, j] = np.linspace(-1, 1, _LINE)
     curve = runs.surrogate(data, q).evaluate(points)
     x, mask = _values(data, j, points[:, j]), np.isfinite(values)
     ax.plot(x, curve, color=BLUE, lw=1.2)
-    ax.plot(_values(data, j, unit[mask, j]), values[mask], "o", color="black", ms=3)
+    ax.plot(_values(data, j, normalized[mask, j]), values[mask], "o", color="black", ms=3)
     for side, colour in (("lower", BLUE), ("upper", RED)):
         if np.isfinite(data[side][q]):
             ax.axhline(data[side][q], color=colour, lw=0.8, ls=(0, (4, 2)))
@@ -118,7 +118,7 @@ def _line(ax: Any, data: Any, q: int, runs: FittedRuns, free: Any) -> None:
     if missing.any():
         ax.fill_between(x, 0, 1, where=missing, transform=ax.get_xaxis_transform(),
                         color="0.9", lw=0, label="does not happen")  # fmt: skip
-        idle = _values(data, j, unit[~mask, j])
+        idle = _values(data, j, normalized[~mask, j])
         ax.plot(idle, np.full(len(idle), 0.03), "x", color=RED, ms=4,
                 transform=ax.get_xaxis_transform(), label="runs without")  # fmt: skip
         ax.legend(fontsize=7, frameon=False)
@@ -129,9 +129,9 @@ def _line(ax: Any, data: Any, q: int, runs: FittedRuns, free: Any) -> None:
 def _map(ax: Any, data: Any, q: int, runs: FittedRuns, free: Any) -> None:
     """The quantity over both parameters; hatched where it does not happen."""
     i, j = map(int, free)
-    unit, values = runs.unit, runs.numbers[:, q]
+    normalized, values = runs.points, runs.numbers[:, q]
     line = np.linspace(-1, 1, _GRID)
-    points = np.zeros((_GRID**2, unit.shape[1]))
+    points = np.zeros((_GRID**2, normalized.shape[1]))
     points[:, i], points[:, j] = (grid.ravel() for grid in np.meshgrid(line, line))
     field = runs.surrogate(data, q).evaluate(points).reshape(_GRID, _GRID)
     x, y = _values(data, i, line), _values(data, j, line)
@@ -144,7 +144,7 @@ def _map(ax: Any, data: Any, q: int, runs: FittedRuns, free: Any) -> None:
         ax.contourf(x, y, missing, [0.5, 1.5], colors=["0.9"], hatches=["///"])
     mask = np.isfinite(values)
     for kind, mark, colour in ((mask, "o", "white"), (~mask, "x", RED)):
-        places = [_values(data, c, unit[kind, c]) for c in (i, j)]
+        places = [_values(data, c, normalized[kind, c]) for c in (i, j)]
         ax.plot(*places, mark, color=colour, mec="black" if mark == "o" else colour, ms=3.5,
                 clip_on=False)  # fmt: skip
     for bound, mark in (("argmin", "v"), ("argmax", "^")):

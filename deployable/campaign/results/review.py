@@ -25,8 +25,8 @@ COLUMNS = ("standard", *HEADS, "state")
 """Of the sheet as CSV: the edition, what people read, and the verdict as one of the states."""
 
 MET, UNMET, OPEN = "met", "not met", "undecided"
-PARTIAL, NOT_ANALYSED, REPORTED = "partly analysed", "not analysed", "reported"
-STATES = (UNMET, OPEN, PARTIAL, NOT_ANALYSED, MET, REPORTED)
+PARTIAL, NOT_ANALYSED, REPORT = "partly analysed", "not analysed", "reported"
+STATES = (UNMET, OPEN, PARTIAL, NOT_ANALYSED, MET, REPORT)
 
 
 class Verdict(NamedTuple):
@@ -90,7 +90,7 @@ TOPICS = {
 ALLOWABLES = ("stress", "stop", "latch shock")
 """Topics that only an allowable, which the campaign states, decides."""
 
-EXCHANGED = 20.0
+MIN_EXCHANGE = 20.0
 """Energies must change by this many times the balance's allowed error for a balance to count."""
 
 
@@ -100,7 +100,9 @@ def rows_of(facts: Mapping[str, Any], experiment: Any, standard: str) -> list[di
     quantity). facts: the campaign's results as plain data (`facts_of`), with `mechanism`
     (`mechanism_of`); experiment: of the campaign's plan; standard: a key of `CLAUSES`."""
     sheet = _Sheet(facts, experiment, standard)
-    return [row for clause in CLAUSES[standard] for row in sheet.rows(clause)] + sheet.other_rows()
+    return [
+        row for clause in CLAUSES[standard] for row in sheet.rows(clause)
+    ] + sheet.list_other_rows()
 
 
 def head_of(
@@ -112,8 +114,8 @@ def head_of(
     ends = []
     for state in STATES:
         state_rows = [row for row in rows if row["state"] == state]
-        named = dict.fromkeys(f"{row['clause']} {row['of']}".strip() for row in state_rows)
-        ends.append(f"{len(state_rows)} {state}" + f" ({', '.join(named)})" * bool(state_rows))
+        names = dict.fromkeys(f"{row['clause']} {row['of']}".strip() for row in state_rows)
+        ends.append(f"{len(state_rows)} {state}" + f" ({', '.join(names)})" * bool(state_rows))
     box = (
         f"{p['description'] or p['name']} ({p['name']}) from {numbers.number(p['lower'], 4)} to "
         f"{numbers.quantity(p['upper'], p['units'], 4)}"
@@ -139,8 +141,8 @@ def as_csv(rows: Iterable[Mapping[str, str]], standard: str) -> str:
     """Write a review sheet as CSV text, headings first. rows: the sheet's dicts (`rows_of`);
     standard: a key of `CLAUSES`."""
     heads = {**HEADS, "standard": "standard", "state": "state"}
-    titled = ({**row, "standard": edition_of(standard)} for row in rows)
-    return csv_text([row[name] for name in COLUMNS] for row in (heads, *titled))
+    sheet_rows = ({**row, "standard": edition_of(standard)} for row in rows)
+    return csv_text([row[name] for name in COLUMNS] for row in (heads, *sheet_rows))
 
 
 BUDGET_HEADS = ("part", "class", "acts", "moment", "factor", "weighted")
@@ -190,8 +192,8 @@ def _keeps(row: Mapping[str, Any], kind: str, level: float) -> bool:
     if row["lower"] is None or row["runs_without"]:
         return False
     error = _error(row)
-    slack = row["lower"] - level if kind == "at_least" else level - row["upper"]
-    return error is not None and slack >= error
+    margin = row["lower"] - level if kind == "at_least" else level - row["upper"]
+    return error is not None and margin >= error
 
 
 class _Sheet:
@@ -223,7 +225,7 @@ class _Sheet:
         rows = [row for row in rows if row] or [_row("", NO_VERDICT)]
         return [{"clause": clause.number, "asks": clause.asks} | row for row in rows]
 
-    def other_rows(self) -> list[dict[str, str]]:
+    def list_other_rows(self) -> list[dict[str, str]]:
         """The rows that answer no clause: margins by other standards, and the campaign's own
         requirements; call it after `rows` of all clauses."""
         rows = []
@@ -231,11 +233,11 @@ class _Sheet:
             if name in self._row_names:
                 continue
             if (margin := self._margins.get(name)) is not None:
-                named = {
+                names = {
                     "clause": STANDARDS[margin["standard"]].title,
                     "asks": "a margin of at least 0 over the full range of travel",
                 }
-                rows += [named | x for x in self._of_quantity(row, "margin")]
+                rows += [names | x for x in self._of_quantity(row, "margin")]
             else:
                 rows += self._list_requirements(row, self._limits.get(name, []))
         return rows
@@ -273,11 +275,11 @@ class _Sheet:
             rest = [(requirement, entry) for requirement, entry in limits if entry is not limit]
             return [main, *self._list_requirements(row, rest)]
         if not limits:
-            verdict = Verdict(REPORTED, "reported; no limit was stated")
+            verdict = Verdict(REPORT, "reported; no limit was stated")
             if topic in ALLOWABLES:
                 verdict = Verdict(NOT_ANALYSED, "not analysed: no allowable was stated (at_most)")
             return [self._row(row, verdict)]
-        return [self._row(row, self._allowed(row, limit, topic), limit) for _, limit in limits]
+        return [self._row(row, self._approve(row, limit, topic), limit) for _, limit in limits]
 
     def _list_requirements(self, row: Mapping[str, Any], limits: Sequence) -> list[dict[str, str]]:
         """A row for each requirement of a quantity that is the campaign's own."""
@@ -289,9 +291,9 @@ class _Sheet:
             if row["name"] in self._margins and weaker and verdict.state != UNMET:
                 outcome = "kept in all of the box" if verdict.state == MET else verdict.text
                 text = f"reported: {outcome}, which shows nothing of the limit 0 of the standard"
-                verdict = Verdict(REPORTED, text)
-            named = {"clause": "own", "asks": f"own requirement {requirement}"}
-            rows.append(named | self._row(row, verdict, limit))
+                verdict = Verdict(REPORT, text)
+            names = {"clause": "own", "asks": f"own requirement {requirement}"}
+            rows.append(names | self._row(row, verdict, limit))
         return rows
 
     def _row(
@@ -352,7 +354,7 @@ class _Sheet:
             return Verdict(OPEN, f"undecided: {row['doubt']}")
         return Verdict(MET, "met in all of the box, by analysis")
 
-    def _allowed(self, row: Mapping[str, Any], limit: Mapping[str, Any], topic: str) -> Verdict:
+    def _approve(self, row: Mapping[str, Any], limit: Mapping[str, Any], topic: str) -> Verdict:
         """Whether a limit is kept that is an allowable; nothing where it is none."""
         if topic not in ALLOWABLES:
             return self._judge(row, limit)
@@ -363,8 +365,8 @@ class _Sheet:
             text = f"{limit_text}, of this quantity, is no allowable of the largest load"
             return Verdict(NOT_ANALYSED, f"not analysed: {text}")
         verdict = self._judge(row, limit)
-        signed = self._numbers[row["name"]].response.least is None
-        if verdict.state == MET and signed and not {1, -1} <= sides:
+        is_signed = self._numbers[row["name"]].response.least is None
+        if verdict.state == MET and is_signed and not {1, -1} <= sides:
             text = "partly analysed: met for loads of one sign; state a limit of the other as well"
             return Verdict(PARTIAL, text)
         if verdict.state == MET:
@@ -379,9 +381,9 @@ class _Sheet:
         final = number.kind == "final" and number.response.kind.startswith("latch_imp")
         if limit["kind"] == "at_most" and (number.kind == "largest" or final):
             return 1
-        signed = number.response.least is None
+        is_signed = number.response.least is None
         lower = limit["kind"] == "at_least" and (number.kind == "smallest" or final)
-        return -1 if lower and signed else 0
+        return -1 if lower and is_signed else 0
 
     def _limit_at_zero(self, name: str) -> Mapping[str, Any] | None:
         """The limit of a requirement that is that of the standards."""
@@ -409,7 +411,7 @@ class _Sheet:
             if not peer.get("own", True) and peer["standard"] == margin["standard"]:
                 standard_verdict = self._margin(self._quantities[name])
             text = f"by own factors ({', '.join(margin['own'])}): {verdict.text}"
-            return Verdict(REPORTED, f"{text}; by those of the standard: {standard_verdict.text}")
+            return Verdict(REPORT, f"{text}; by those of the standard: {standard_verdict.text}")
         if verdict.state != MET:
             return verdict
         for requirement, limit in self._limits.get(row["name"], ()):
@@ -438,9 +440,9 @@ class _Sheet:
             name for peer in self._margins.values() if peer["standard"] == margin["standard"]
             for name in peer["openings"]
         }  # fmt: skip
-        if stand := [name for name in margin["locked"] if name not in openings]:
-            is_not = "stands, is not" if len(stand) == 1 else "stand, are not"
-            reasons.append(f"{', '.join(stand)}, which {is_not} led")
+        if locks := [name for name in margin["locked"] if name not in openings]:
+            is_not = "stands, is not" if len(locks) == 1 else "stand, are not"
+            reasons.append(f"{', '.join(locks)}, which {is_not} led")
         if margin["weaker"]:
             reasons.append(f"the structure's file counts {', '.join(margin['weaker'])}")
         return reasons
@@ -552,11 +554,11 @@ class _Sheet:
     def all_requirements(self) -> dict[str, str] | None:
         """Row on the part of the box of parameters in which all requirements, and all margins'
         limits, are met; None where the campaign has no requirements."""
-        varied = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
+        varying = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
         if "together" not in self.facts:
             return None
         analysed = (
-            f"all requirements together, over the box of {', '.join(varied)}; "
+            f"all requirements together, over the box of {', '.join(varying)}; "
             f"{self.facts['runs']['all']} runs, the worst places among them"
         )
         states = {name: self._failure(self._quantities[name]).state for name in self._margins}
@@ -570,7 +572,7 @@ class _Sheet:
         outcomes = [self._judge(self._quantities[limit["quantity"]], limit).state
                 for row in rows for limit in row["limits"]]  # fmt: skip
         open_ = [name for name, state in states.items() if state not in (MET, UNMET)]
-        if not varied:
+        if not varying:
             verdict = Verdict(NOT_ANALYSED, "not analysed: no parameter is an interval")
         elif failing:
             verdict = Verdict(UNMET, "not met in at least a part of the box")
@@ -598,13 +600,13 @@ class _Sheet:
         if motion is None:
             text = "partly analysed: how far energies change was not kept (jobs.keep)"
             return _row(analysed, Verdict(PARTIAL, text))
-        exchanged, largest, imbalance = (motion[key] for key in ("exchanged", "largest", "off"))
+        change, largest, imbalance = (motion[key] for key in ("exchanged", "largest", "off"))
         value = (
-            f"in the nominal run energies change by up to {numbers.quantity(exchanged, 'J')}, the "
+            f"in the nominal run energies change by up to {numbers.quantity(change, 'J')}, the "
             f"largest is {numbers.quantity(largest, 'J')}, the balance off by "
             f"{numbers.quantity(imbalance, 'J', 2)}"
         )
-        if exchanged < EXCHANGED * self._tolerance * largest or exchanged == 0:
+        if change < MIN_EXCHANGE * self._tolerance * largest or change == 0:
             text = "not analysed: hardly anything moves, so that the balance shows nothing"
             return _row(analysed, Verdict(NOT_ANALYSED, text), value)
         text = "met: all runs keep it"
@@ -612,18 +614,18 @@ class _Sheet:
 
     def parametric(self) -> dict[str, str]:
         """Row on which parameters of the structure vary in the campaign, and which are fixed."""
-        varied = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
+        varying = [p["name"] for p in self.facts["parameters"] if p["upper"] > p["lower"]]
         fixed = [
             f"{p['description'] or p['name']} ({p['name']} = "
             f"{numbers.quantity(p['value'], p['units'], 4)})"
             for p in self.facts["fixed"] if isinstance(p["value"], float)
         ]  # fmt: skip
-        if not varied:
+        if not varying:
             return _row("", NO_VERDICT)
-        verdict = Verdict(REPORTED, "reported")
+        verdict = Verdict(REPORT, "reported")
         if fixed:
             verdict = Verdict(PARTIAL, f"partly analysed: these do not vary: {'; '.join(fixed)}")
-        return _row("parameters that are intervals", verdict, ", ".join(varied))
+        return _row("parameters that are intervals", verdict, ", ".join(varying))
 
     def tests(self) -> dict[str, str]:
         """Row on what measured curves leave of the parameters' box, or that they refute it."""
@@ -648,7 +650,7 @@ class _Sheet:
             f"{numbers.quantity(p['after'][1], p['units'], 4)}"
             for p in measured["parameters"]
         )
-        verdict = Verdict(REPORTED, "reported: the inputs that the tests leave")
+        verdict = Verdict(REPORT, "reported: the inputs that the tests leave")
         if measured["attained"] > 1:
             verdict = Verdict(OPEN, "undecided: no run explains the tests, and none is excluded")
         return _row(analysed, verdict, value, nearest)
@@ -658,7 +660,7 @@ class _Sheet:
         texts = [f"{row['name']} by {name} ({numbers.percent(row['influence'][name]['share'])})"
                  for row in self.facts["quantities"] if (name := decisive(row))]  # fmt: skip
         return _row("shares of the widths of quantities, by their surrogates",
-                    Verdict(REPORTED, "reported"),
+                    Verdict(REPORT, "reported"),
                     "most: " + ", ".join(texts)) if texts else None  # fmt: skip
 
     def budget(self) -> dict[str, str] | None:
@@ -673,7 +675,7 @@ class _Sheet:
                     row["name"], *widths, name))  # fmt: skip
         return _row(
             "widths of intervals, and with half of the tolerance that widens each most",
-            Verdict(REPORTED, "reported"), "; ".join(texts)) if texts else None  # fmt: skip
+            Verdict(REPORT, "reported"), "; ".join(texts)) if texts else None  # fmt: skip
 
 
 ANALYSES: dict[str, Callable[[_Sheet], dict | None]] = {

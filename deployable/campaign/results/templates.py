@@ -30,16 +30,16 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     env = jinja2.Environment(
         loader=jinja2.FileSystemLoader([_FOLDER, _FOLDER.parent / "report"]), autoescape=html,
         trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined,
-        finalize=(lambda v: numbers.unbroken(v, units) if type(v) is str else v) if html else None,
+        finalize=(lambda v: numbers.tie_units(v, units) if type(v) is str else v) if html else None,
     )  # fmt: skip
     of_numbers = ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
-                  "position", "measured", "earliest", "capitalised")  # fmt: skip
+                  "position", "measured", "earliest", "capitalise")  # fmt: skip
     env.filters |= {name: getattr(numbers, name) for name in of_numbers}
     env.filters |= {
         "met_text": met_text, "decisive": decisive, "moments": moments,
         "happens_only": happens_only, "doubts": doubts,
         "first_lower": lambda text: text[:1].lower() + text[1:],
-        "coded": partial(numbers.coded, units=units),
+        "coded": partial(numbers.to_html, units=units),
     }  # fmt: skip
     env.tests |= {
         "varying": varies,
@@ -53,20 +53,20 @@ def summary_text(facts: Mapping[str, Any], template: str = "summary.md.jinja") -
     """Render a template over the facts, by default the summary as Markdown, as text. facts: the
     campaign's results as plain data (`facts_of`), whose texts are escaped, but for backticks in a
     `doubt`; template: name of a file in this folder."""
-    text = environment().get_template(template).render(facts=_escaped(facts))
+    text = environment().get_template(template).render(facts=_escape(facts))
     return text.rstrip() + "\n"
 
 
-def _escaped(facts: Any, code: str = "") -> Any:
+def _escape(facts: Any, code: str = "") -> Any:
     """Facts, names among them, as Markdown that says just that; code: what is not escaped."""
     if isinstance(facts, Mapping):
         return {
-            _escaped(key): _escaped(value, "`" if key in ("doubt", "notes") else "")
+            _escape(key): _escape(value, "`" if key in ("doubt", "notes") else "")
             for key, value in facts.items()
         }
     if isinstance(facts, list | tuple):
-        return [_escaped(item, code) for item in facts]
-    return numbers.escaped(facts, code) if isinstance(facts, str) else facts
+        return [_escape(item, code) for item in facts]
+    return numbers.escape_text(facts, code) if isinstance(facts, str) else facts
 
 
 def met_text(row: Mapping[str, Any]) -> str:
@@ -104,7 +104,7 @@ def doubt_texts(doubts: Mapping[str, str]) -> list[str]:
 def sentence(name: str, *facts: Any, escapes: bool = True) -> str:
     """Text that a macro of `sentences.jinja` makes, for use outside of the templates; name: of the
     macro; facts: its arguments in order; escapes: whether texts in these are escaped."""
-    return getattr(_sentences(), name)(*(map(_escaped, facts) if escapes else facts))
+    return getattr(_sentences(), name)(*(map(_escape, facts) if escapes else facts))
 
 
 @cache

@@ -17,13 +17,13 @@ from deployable.campaign.plan.runs import namer
 @dataclass(frozen=True)
 class Counts:
     """How many different runs a campaign has: `runs`, all; `nodes`, those that were fitted;
-    `held_out`, those kept back to test the fit (and no nodes). nominal_among_them: whether the run
+    `held_out`, those kept back to test the fit (and no nodes). has_nominal: whether the run
     at nominal parameters is a node or held out, so that it is not counted once more in `runs`."""
 
     runs: int
     nodes: int
     held_out: int
-    nominal_among_them: bool
+    has_nominal: bool
 
 
 def keeps_extremes(samples: Any) -> bool:
@@ -40,20 +40,20 @@ def nominal_row(samples: Any) -> int | None:
     return int(rows[0]) if len(rows) else None
 
 
-MOST_FITTED = 10_000
+MAX_FIT_RUNS = 10_000
 """Runs up to which surrogates of quantities are fitted to all of them."""
 
-_FITTED = 4_000  # of more runs
+_MAX_FITTED_RUNS = 4_000  # of more runs
 
 
 def fitted_rows(numbers: np.ndarray) -> np.ndarray:
     """Choose the runs that surrogates of quantities are fitted to: increasing indices. numbers (R,
     q): quantities of all runs, NaN for one that does not occur. Of up to 10,000 runs
-    (`MOST_FITTED`) all are chosen; of more the first 4000, which fill the box of parameters, and
+    (`MAX_FIT_RUNS`) all are chosen; of more the first 4000, which fill the box of parameters, and
     for each quantity the runs with its least and largest value and the first without it."""
-    if len(numbers) <= MOST_FITTED:
+    if len(numbers) <= MAX_FIT_RUNS:
         return np.arange(len(numbers))
-    rows = set(range(_FITTED))
+    rows = set(range(_MAX_FITTED_RUNS))
     for column in numbers.T:
         mask = np.isfinite(column)
         if mask.any():

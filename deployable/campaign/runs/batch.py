@@ -81,7 +81,7 @@ def run_batch(
     simulation = Simulation(plan, jobs.group, threads)
     if work:
         check_structure(plan)
-        scene = plan.experiment.build(plan.named(work[0][1][0]))
+        scene = plan.experiment.build(plan.name_values(work[0][1][0]))
         warm_up(scene, notify, plan.experiment.record)
         total = sum(map(len, groups))
         progress = Progress(plan.experiment.name, total, store.counter(groups), notify)
@@ -264,7 +264,7 @@ def simulate(
     succeeds, pairs of run and reason for the others, and seconds (2) of integration, wall-clock and
     processor time. columns: (variable, label) pairs to record besides what responses need."""
     experiment, solver = plan.experiment, plan.experiment.solver
-    parameters = [experiment.parameters(plan.named(run)) for run in runs]
+    parameters = [experiment.parameters(plan.name_values(run)) for run in runs]
     with _BUILDING:
         scenes = [experiment.scene_type.build(**values) for values in parameters]
     start = clocks(time.thread_time)
@@ -290,8 +290,8 @@ def simulate(
         if outcome.failure is not None:
             failures.append((run, str(outcome.failure)))
             continue
-        if outcome.events_dropped:
-            count = len(outcome.events) + outcome.events_dropped
+        if outcome.dropped_events:
+            count = len(outcome.events) + outcome.dropped_events
             failures.append((run, f"{count} contact events, more than are kept: contacts chatter"))
             continue
         results.append(Result(run, outcome, values, common))
@@ -303,7 +303,7 @@ def failure_text(plan: Plan, failures: Sequence[Failure]) -> str:
     and reasons. failures: pairs of run and reason."""
     lines = [f"{len(failures)} of the runs failed; all others were written:"]
     for run, reason in failures[:_MOST]:
-        values = ", ".join(f"{name} = {value:.9g}" for name, value in plan.named(run).items())
+        values = ", ".join(f"{name} = {value:.9g}" for name, value in plan.name_values(run).items())
         lines.append(f"  run {run.id} ({values}): {reason}")
     if len(failures) > _MOST:
         lines.append(f"  and {len(failures) - _MOST} more")

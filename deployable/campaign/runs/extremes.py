@@ -95,22 +95,22 @@ class ScanChunk:
 
     def write(self, path: Path) -> None:
         """Write the chunk to the netCDF file `path`, without a seal (checksum)."""
-        packed = {"zlib": True, "complevel": 1, "shuffle": True}
+        compression = {"zlib": True, "complevel": 1, "shuffle": True}
         events, curves = ("run", "event"), ("response", "time")
         variables = {
             "time": ("f8", ("time",), self.time, {}),
-            "first": ("f8", curves, self.first, packed),
+            "first": ("f8", curves, self.first, compression),
             "overlap": ("f8", (), self.overlap, {}),
-            "done": ("i1", ("run",), self.mask, packed),
+            "done": ("i1", ("run",), self.mask, compression),
         }
         if self.quantities:
-            variables["quantities"] = "f8", ("run", "quantity"), self.numbers, packed
+            variables["quantities"] = "f8", ("run", "quantity"), self.numbers, compression
         run = self.running
         tables = run.low, run.high, run.low_run, run.high_run
         for (name, kind), values in zip(CURVES.items(), tables, strict=True):
-            variables[name] = kind, curves, values, packed
+            variables[name] = kind, curves, values, compression
         for name, (kind, fill) in EVENTS.items():
-            variables[name] = kind, events, self.events[name], {"fill_value": fill, **packed}
+            variables[name] = kind, events, self.events[name], {"fill_value": fill, **compression}
         common.write_netcdf(path, {"contact": self.contacts, **common.names_of(self)}, variables)
 
     @classmethod
@@ -196,9 +196,9 @@ class ScanExtremes(common.Store):
         path = self.folder / f"{self.file_of(group)}.{chunk.mask.sum()}.nc"
         with whole_file(path, {"name": common.title(path)}) as temporary:
             chunk.write(temporary)
-        for old_path in self._files(group):
-            if old_path != path:
-                old_path.unlink(missing_ok=True)
+        for stale_path in self._files(group):
+            if stale_path != path:
+                stale_path.unlink(missing_ok=True)
 
 
 def _runs_in(path: Path) -> int:

@@ -26,7 +26,7 @@ class MessagePrinter:
     def __init__(self, *files: TextIO):
         self.files = files
         self.is_open = False  # whether the cursor stands behind a line that moves
-        self.text_shown = ""  # its last state
+        self.shown_text = ""  # its last state
 
     def __call__(self, text: str) -> None:
         for file in self.files:
@@ -41,9 +41,9 @@ class MessagePrinter:
         for file in self.files:
             if file.isatty():
                 self._print(f"\r\x1b[2K{text}{end}", file)
-            elif text != self.text_shown:
+            elif text != self.shown_text:
                 self._print(f"{text}\n", file)
-        self.is_open, self.text_shown = not last, text
+        self.is_open, self.shown_text = not last, text
 
     @staticmethod
     def _print(text: str, file: TextIO) -> None:
@@ -60,18 +60,18 @@ class Progress:
     def __init__(self, campaign: str, total: int, count: Callable[[], int], notify: Notify):
         self.campaign, self.total, self.count, self.notify = campaign, total, count, notify
         self.start_time, self.start_count = time.monotonic(), count()
-        self.reported = -math.inf
+        self.report_time = -math.inf
 
     def report(self, last: bool = True) -> None:
         """Tell how many runs are done and the time left; at most once a second unless `last`."""
-        time_now = time.monotonic()
-        if not last and time_now < self.reported + 1.0:
+        clock_time = time.monotonic()
+        if not last and clock_time < self.report_time + 1.0:
             return
-        self.reported, count = time_now, self.count()
-        gained = count - self.start_count
+        self.report_time, count = clock_time, self.count()
+        new_count = count - self.start_count
         text = f"{self.campaign}: {count} of {self.total} runs done"
-        if count < self.total and gained > 0:
-            seconds = (time_now - self.start_time) / gained * (self.total - count)
+        if count < self.total and new_count > 0:
+            seconds = (clock_time - self.start_time) / new_count * (self.total - count)
             text += f", about {duration_text(seconds)} left"
         if isinstance(self.notify, MessagePrinter):
             self.notify.move(text, last)

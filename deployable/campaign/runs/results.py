@@ -99,7 +99,7 @@ class Store:
         sizes = {f"{self.file_of(group)}.nc": len(group) for group in groups}
         return lambda: sum(sizes.get(path.name, 0) for path in self.folder.glob("*.nc"))
 
-    def checked(self, record: RunRecord) -> RunRecord:
+    def check_record(self, record: RunRecord) -> RunRecord:
         """Check a record that was read from a file, and return it unchanged; raises ValueError
         unless it has the instants, responses and quantities of the experiment, finite responses
         (quantities may be NaN: absent), and events of its own contacts only."""
@@ -158,7 +158,7 @@ def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
         raise CampaignError(str(error)) from None
 
 
-def padded(events: Sequence[np.ndarray], least: int = 0) -> np.ndarray:
+def pad_events(events: Sequence[np.ndarray], least: int = 0) -> np.ndarray:
     """Stack the event tables (e, 3) of r runs into one array (r, most, 3), filled up with NaN;
     most: largest number of events of a run, or `least` if that is more. Columns: time (s), index of
     the contact, 1 if it closes."""

@@ -84,7 +84,7 @@ class Trajectories(Store):
                 events, contacts = curves.impacts()
                 overlap = common.largest_overlap(curves.openings, contacts)
                 record = RunRecord(curves.time, values, events, contacts, numbers, overlap)
-                records[run.id] = self.checked(record)
+                records[run.id] = self.check_record(record)
         return records
 
     def _curves(self, run: PlannedRun) -> trajectory.Curves | None:
@@ -134,7 +134,7 @@ class Responses(Store):
         outcomes = [result.outcome for result in results]
         impacts = [outcome.impacts() for outcome in outcomes]
         contacts = impacts[0].names
-        events = common.padded([impact.events for impact in impacts], least=1)
+        events = common.pad_events([impact.events for impact in impacts], least=1)
         overlaps = [common.largest_overlap(outcome.openings, contacts) for outcome in outcomes]
         numbers = [common.numbers_of(self.quantities, outcome) for outcome in outcomes]
         # Not compressed: it would save a third, and take half of the time of writing.
@@ -175,7 +175,7 @@ class Responses(Store):
                 run_events = events[row][np.isfinite(events[row, :, 0])]
                 overlap = float(overlaps[row])
                 record = RunRecord(time, values[row], run_events, contacts, numbers[row], overlap)
-                records[run.id] = self.checked(record)
+                records[run.id] = self.check_record(record)
         return records
 
 

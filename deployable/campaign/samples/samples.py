@@ -40,7 +40,7 @@ from deployable.campaign.plan.runs import Runs
 from deployable.campaign.provenance import as_attribute
 from deployable.campaign.runs.batch import make_again
 from deployable.campaign.runs.progress import Notify
-from deployable.campaign.runs.results import EVENT_VARIABLES, RunRecord, padded, write_dimension
+from deployable.campaign.runs.results import EVENT_VARIABLES, RunRecord, pad_events, write_dimension
 from deployable.campaign.runs.store import open_store
 from fpm.files.trajectory import CONVENTIONS
 
@@ -153,9 +153,9 @@ def _define_curves(file: Any, record: RunRecord, parameters: Iterable[str]) -> N
     # Not compressed: it would save a third at most, and take half of the time of gathering.
     kind = record.values.dtype.newbyteorder("=")
     variable = file.createVariable("values", kind, ("run", "response", "time"))
-    named = [f"parameter_{name}" for name in parameters]
-    named += ["role", "run_id", "response_units", "response_long_name"]
-    variable.setncatts({"long_name": "value of the response", "coordinates": " ".join(named)})
+    variables = [f"parameter_{name}" for name in parameters]
+    variables += ["role", "run_id", "response_units", "response_long_name"]
+    variable.setncatts({"long_name": "value of the response", "coordinates": " ".join(variables)})
     variable = file.createVariable("overlap", "f8", ("run",))
     variable.setncatts(ATTRIBUTES["overlap"])
     for name in EVENT_VARIABLES:
@@ -169,8 +169,8 @@ def write_time(file: Any, instants: np.ndarray, contacts: Sequence[str]) -> None
     file.createDimension("time", len(instants))
     time = file.createVariable("time", "f8", ("time",))
     time[:] = instants
-    named = {"long_name": "time", "standard_name": "time", "axis": "T"}
-    time.setncatts({"units": "s", **named})
+    variables = {"long_name": "time", "standard_name": "time", "axis": "T"}
+    time.setncatts({"units": "s", **variables})
     write_dimension(file, "contact", contacts, "name of the contact, stop or latch")
 
 
@@ -204,7 +204,7 @@ def _write_rows(file: Any, rows: list[int], records: Sequence[RunRecord]) -> Non
     """Write the responses and events of some runs."""
     file["values"][rows] = np.stack([record.values for record in records])
     file["overlap"][rows] = [max(0.0, record.overlap) for record in records]
-    events = padded([record.events for record in records])
+    events = pad_events([record.events for record in records])
     for column, name in enumerate(EVENT_VARIABLES):
         file[name][rows, : events.shape[1]] = events[..., column]
     if len(records[0].numbers):

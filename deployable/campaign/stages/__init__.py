@@ -55,7 +55,7 @@ class Stage:
 
     sections: names of the config sections that it depends on; takes: names of the result files that
     it reads; leaves: function of a campaign that returns the names of those it writes, `{batch}`
-    for the number of a batch; options: of its command, keys of `OPTIONS`; is_sought: True if only
+    for the number of a batch; options: of its command, keys of `OPTIONS`; is_adaptive: True if only
     campaigns with an `accuracy` have it, False if only others, None if all; draws: whether it only
     shows results.
     """
@@ -66,7 +66,7 @@ class Stage:
     takes: tuple[str, ...]
     leaves: Callable[[Campaign], Sequence[str]]
     options: tuple[str, ...] = ()
-    is_sought: bool | None = None
+    is_adaptive: bool | None = None
     draws: bool = False
 
     def work(self, folder: Folder, notify: Notify, **arguments: Any) -> None:
@@ -105,7 +105,7 @@ class Stage:
     def inputs(self, campaign: Campaign) -> list[str]:
         """List the names of all result files that the stage may read; if it only shows results,
         with plan, samples, bounds, summary and those of quantities, requirements and choice."""
-        shown_files = [PLAN, *BOUNDS_FILES, *_answered(campaign)] if self.draws else []
+        shown_files = [PLAN, *BOUNDS_FILES, *_list_answers(campaign)] if self.draws else []
         return list(dict.fromkeys([*self.takes, *shown_files]))
 
     def sections_in(self, config: str, folder: Folder | None = None) -> dict[str, Any]:
@@ -158,7 +158,7 @@ def drawings(experiment: Experiment) -> list[str]:
     return ["sensitivities"] * has_contributions + ["ranges"] * bool(experiment.quantities)
 
 
-def _answered(campaign: Campaign) -> list[str]:
+def _list_answers(campaign: Campaign) -> list[str]:
     """What sums up a campaign, and answers what it asks for."""
     names = ["summary.json", "summary.md"]
     names += ANSWERS * bool(campaign.experiment.quantities)
@@ -181,18 +181,18 @@ STAGES = {
     for stage in (
         Stage("rounds", "Make runs in rounds until an accuracy is met or its budget is spent.",
               ("experiment", "bounds", "verify", "jobs"), (), lambda _: (PLAN, *BOUNDS_FILES),
-              ("threads",), is_sought=True),
+              ("threads",), is_adaptive=True),
         Stage("plan", "Choose the runs of a campaign and the time step that serves them all.",
-              ("experiment",), (), lambda _: (PLAN,), is_sought=False),
+              ("experiment",), (), lambda _: (PLAN,), is_adaptive=False),
         Stage("simulate", "Simulate one batch of the planned runs, except those that are there.",
               ("jobs",), (PLAN,), lambda _: ("batches/{batch}.json",),
-              ("batch", "batches", "processes", "threads", "bundle"), is_sought=False),
+              ("batch", "batches", "processes", "threads", "bundle"), is_adaptive=False),
         Stage("bounds", "Gather the responses of all runs, fit the surrogate, take its bounds.",
               ("bounds", "verify", "jobs"), (PLAN,), lambda _: BOUNDS_FILES, ("threads", "bundles"),
-              is_sought=False),
+              is_adaptive=False),
         Stage("answers", "Find intervals of quantities, what meets the requirements, the choice.",
               ("requirements", "choose", "published", "review", "verify", "jobs", "measured"),
-              (PLAN, SAMPLES, BOUNDS), _answered, ("threads",)),
+              (PLAN, SAMPLES, BOUNDS), _list_answers, ("threads",)),
         Stage("figures", "Draw responses with their bounds, and what parameters contribute.",
               ("error",), (PLAN, BOUNDS, SENSITIVITIES), _figures, draws=True),
         Stage("page", "Make the page, with the motion of some runs and moments of the nominal one.",
@@ -209,5 +209,5 @@ def stages_of(campaign: Campaign) -> list[Stage]:
     `cases`, which compares them: each case is a campaign with stages of its own."""
     if campaign.cases:
         return [STAGES["cases"]]
-    kinds = (None, campaign.experiment.is_sought)
-    return [s for s in STAGES.values() if s.is_sought in kinds and s.name != "cases"]
+    kinds = (None, campaign.experiment.is_adaptive)
+    return [s for s in STAGES.values() if s.is_adaptive in kinds and s.name != "cases"]

@@ -11,7 +11,7 @@ from typing import Any
 
 from deployable.campaign.config.cases import variants
 from deployable.campaign.config.check import check_config, load_config
-from deployable.campaign.config.loader import retyped
+from deployable.campaign.config.loader import restore_types
 from deployable.campaign.config.sections import Campaign, as_json, count_runs, scene_type
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import open_dataset, read_json
@@ -23,7 +23,7 @@ from deployable.campaign.runs.progress import MessagePrinter, Notify
 from deployable.campaign.stages import STAGES, Stage, stages_of
 from deployable.one_thread import one_thread
 from fpm.errors import ChangedError, SceneError
-from fpm.files.sealed import DamagedError, check, unsealed
+from fpm.files.sealed import DamagedError, check, unseal
 
 
 class Workflow:
@@ -42,7 +42,7 @@ class Workflow:
     def from_files(cls, paths: Sequence[str | Path], overrides: Mapping | None = None) -> Workflow:
         """Make the workflow of the config in YAML files; later files win over earlier ones, and
         `overrides` (Snakemake's `--config`) over all. Raises `ConfigError`."""
-        return cls(load_config([_relative(path) for path in paths], retyped(overrides or {})))
+        return cls(load_config([_relative(path) for path in paths], restore_types(overrides or {})))
 
     @classmethod
     def from_module(cls, config: Mapping) -> Workflow:
@@ -51,7 +51,7 @@ class Workflow:
         `config["workflow"]`, as of a case, is returned itself. Raises `ConfigError`."""
         if isinstance(config.get("workflow"), cls):
             return config["workflow"]
-        return cls(load_config([], retyped(config), "the config of the module"))
+        return cls(load_config([], restore_types(config), "the config of the module"))
 
     def sections(self, stage: str) -> str:
         """Write the config sections that a stage, by name, depends on, as JSON for its command;
@@ -136,7 +136,7 @@ class Workflow:
         names = ["summary.json", "summary.md", *(n for s in last for n in s.leaves(self.campaign))]
         return [str(self.folder / name) for name in names]
 
-    def other_report(self, results: Path = Path("results")) -> str:
+    def write_other_report(self, results: Path = Path("results")) -> str:
         """Write a message that another campaign than this one was the last to be run, by the times
         of `<campaign>/report.html` in the folder `results`; "" if this one was, or none has a
         report. For `snakemake --report` without `--configfile`."""
@@ -155,7 +155,7 @@ class Workflow:
         summary, report = self.folder / "summary.md", self.folder.report
         if not summary.exists():
             return []
-        text = unsealed(summary).decode().partition("\n## ")[0].strip() + "\n"
+        text = unseal(summary).decode().partition("\n## ")[0].strip() + "\n"
         return [text, *([f"Open {report}"] if report.exists() else [])]
 
 

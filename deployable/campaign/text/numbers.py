@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 _NO_BREAK = "\N{NO-BREAK SPACE}"
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _ANGLES = {"degree": "°", "rad": " rad"}
 
 
@@ -30,7 +30,7 @@ def number(value: float, digits: int = 3) -> str:
         return text.replace("-", "−")
     mantissa, exponent = text.split("e")
     head = "" if mantissa == "1" else f"{mantissa} × "
-    return f"{head}10{str(int(exponent)).translate(_RAISED)}".replace("-", "−")
+    return f"{head}10{str(int(exponent)).translate(_SUPERSCRIPTS)}".replace("-", "−")
 
 
 def quantity(value: float | None, units: str, digits: int = 3, missing: str = "unknown") -> str:
@@ -118,7 +118,7 @@ def _ends(row: Mapping[str, Any]) -> list[str]:
     return [f"{end:z.{places}f}".replace("-", "−") if end else "0" for end in (lower, upper)]
 
 
-def capitalised(text: str) -> str:
+def capitalise(text: str) -> str:
     """Make the first letter of a sentence a capital, the rest as it is."""
     return text[:1].upper() + text[1:]
 
@@ -149,14 +149,14 @@ def spread(parameter: Mapping[str, Any]) -> str:
     return f"{number(parameter['lower'], 4)} to {quantity(parameter['upper'], units, 4)}"
 
 
-def escaped(text: str, code: str = "") -> str:
+def escape_text(text: str, code: str = "") -> str:
     """Escape a text from outside, such as a name, as one line that Markdown and terminals show
     unchanged; code: characters not to escape, such as a backtick."""
     line = "".join(sign for sign in " ".join(text.split()) if sign.isprintable())
     return line.translate({ord(sign): f"\\{sign}" for sign in "|<>`*[]\\&~$" if sign not in code})
 
 
-def unbroken(text: str, units: Iterable[str]) -> str:
+def tie_units(text: str, units: Iterable[str]) -> str:
     """Replace spaces of a text by no-break spaces between numbers and their units, signs, powers of
     ten or names (`k = 2`), and hyphens before numbers by minus signs. units: spellings such as
     `m/s`, besides those of seconds, radians, per cent."""
@@ -169,12 +169,12 @@ def unbroken(text: str, units: Iterable[str]) -> str:
     return re.sub(r"(?<=[\d±]) (?=[\d×])|(?<=\d) (?=±)|(?<=×) (?=10)", _NO_BREAK, text)
 
 
-def coded(text: str, units: Iterable[str] = ()) -> Any:
+def to_html(text: str, units: Iterable[str] = ()) -> Any:
     """Turn a sentence into HTML (`markupsafe.Markup`): escaped, what stands between backticks as
     `<code>`, and no-break spaces between numbers and units. units: spellings such as `m/s`."""
     from markupsafe import Markup, escape
 
-    return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", unbroken(str(escape(text)), units)))
+    return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", tie_units(str(escape(text)), units)))
 
 
 def position(row: Mapping[str, Any], time: float) -> str:

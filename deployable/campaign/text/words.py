@@ -17,8 +17,8 @@ def words_of(quantity: Quantity) -> dict[str, str]:
     from fpm.reading.quantities import Quantity
 
     name = quantity.response.long_name if quantity.response else ""
-    if isinstance(quantity.at, Quantity):
-        happens = words_of(quantity.at)["event"]
+    if isinstance(quantity.instant, Quantity):
+        happens = words_of(quantity.instant)["event"]
         return {"event": happens, "words": f"{name} when {happens}"}
     suffix = f" (number {quantity.number})" if quantity.number > 1 else ""
     if quantity.kind == "event":

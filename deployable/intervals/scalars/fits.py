@@ -22,7 +22,7 @@ from ..splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
 _LEAST_RUNS = 4  # below them one more coordinate is not tested
 _HIGHEST = 12  # degree of a polynomial
 _RESIDUAL = 1e-3  # of the width, by which a polynomial may miss a run
-_MAX_KRIGED = 2000  # runs for which that is corrected
+_MAX_KRIGING_RUNS = 2000  # runs for which that is corrected
 _LEVERAGE = 1 - 1e-8  # above it a run alone decides a coefficient, and nothing tests it
 
 
@@ -37,15 +37,15 @@ class Kriging:
     weights: np.ndarray
     length: float
 
-    def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P, 1) of the corrected polynomial at points `unit` (P, k) in [-1, 1]^k."""
-        return self.trend.evaluate(unit) + _fading(unit, self.points, self.length) @ self.weights
+    def evaluate(self, points: np.ndarray) -> np.ndarray:
+        """Values (P, 1) of the corrected polynomial at `points` (P, k) in [-1, 1]^k."""
+        return self.trend.evaluate(points) + _decay(points, self.points, self.length) @ self.weights
 
     def formula(self) -> Formula:
         """Write the corrected polynomial as a table that other programs can evaluate."""
         scales = np.full(self.points.shape[1], 1 / self.length)
-        fading = {"points": self.points, "scales": scales, "weights": self.weights[:, 0]}
-        return replace(polynomial(self.trend), kernel="fading", **fading)
+        correlation = {"points": self.points, "scales": scales, "weights": self.weights[:, 0]}
+        return replace(polynomial(self.trend), kernel="fading", **correlation)
 
 
 @dataclass(frozen=True)
@@ -60,11 +60,11 @@ class RootFunction:
     margin: Fit
     scale: float
 
-    def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P, 1) of the function at points `unit` (P, k) in [-1, 1]^k, with its own event
+    def evaluate(self, points: np.ndarray) -> np.ndarray:
+        """Values (P, 1) of the function at points `points` (P, k) in [-1, 1]^k, with its own event
         margins; margins below 0 count as 0."""
-        roots = root_coordinates(self.margin.evaluate(unit), self.scale)
-        return self.function.evaluate(np.column_stack([unit, roots]))
+        roots = root_coordinates(self.margin.evaluate(points), self.scale)
+        return self.function.evaluate(np.column_stack([points, roots]))
 
     @property
     def trend(self) -> RootFunction:
@@ -99,8 +99,8 @@ def root_fit(
                    function=function)  # fmt: skip
 
 
-def _fading(unit: np.ndarray, points: np.ndarray, length: float) -> np.ndarray:
-    return np.exp(-scipy.spatial.distance.cdist(unit, points) / length)
+def _decay(x: np.ndarray, points: np.ndarray, length: float) -> np.ndarray:
+    return np.exp(-scipy.spatial.distance.cdist(x, points) / length)
 
 
 @dataclass(frozen=True)
@@ -132,9 +132,9 @@ class Fit:
         compare parts of the box with each other; an equal copy where there is none."""
         return replace(self, function=getattr(self.function, "trend", self.function))
 
-    def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P) of the function at points `unit` (P, k) in [-1, 1]^k."""
-        return self.function.evaluate(np.asarray(unit, dtype=float))[:, 0]
+    def evaluate(self, points: np.ndarray) -> np.ndarray:
+        """Values (P) of the function at `points` (P, k) in [-1, 1]^k."""
+        return self.function.evaluate(np.asarray(points, dtype=float))[:, 0]
 
     @property
     def mean_error(self) -> float:
@@ -170,12 +170,12 @@ def best_fit(points: np.ndarray, values: np.ndarray) -> Fit:
 def _through_runs(fit: Fit) -> Fit:
     """A polynomial with a correction through the runs, where it misses them by enough."""
     points, rest = fit.points, fit.values - fit.evaluate(fit.points)
-    correctable = len(points) <= _MAX_KRIGED
+    correctable = len(points) <= _MAX_KRIGING_RUNS
     if not correctable or np.abs(rest).max() <= _RESIDUAL * np.ptp(fit.values):
         return fit
     directions = max(int((np.ptp(points, axis=0) > 0).sum()), 1)
     length = 2.0 * len(points) ** (-1.0 / directions)  # about how far apart runs are
-    weights = np.linalg.solve(_fading(points, points, length), rest[:, None])
+    weights = np.linalg.solve(_decay(points, points, length), rest[:, None])
     return replace(fit, function=Kriging(fit.function, points, weights, length))
 
 

@@ -49,35 +49,35 @@ class Occurrence:
         """Whether the event occurs in some of the runs, but not in all."""
         return bool(self.happens.any() and not self.happens.all())
 
-    def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Mask (P) of the points `unit` (P, k) in [-1, 1]^k at which the event occurs, as the
-        decision function (`certainty`) has it."""
-        return self.certainty(unit) >= 0
+    def evaluate(self, points: np.ndarray) -> np.ndarray:
+        """Mask (P) of the points `points` (P, k) in [-1, 1]^k at which the event occurs, as the
+        decision function (`decision`) has it."""
+        return self.decision(points) >= 0
 
-    def certainty(self, unit: np.ndarray) -> np.ndarray:
-        """Decision function (P), no probability, at points `unit` (P, k) in [-1, 1]^k: above 0
-        where the event occurs, below 0 where not, undecided where its size is below `doubt`.
+    def decision(self, points: np.ndarray) -> np.ndarray:
+        """Decision function (P), no probability, at `points` (P, k) in [-1, 1]^k: above 0
+        where the event occurs, below 0 where not, undecided where its size is below `band`.
         Everywhere plus infinity if it occurs in all runs, minus infinity if in none."""
-        unit = np.asarray(unit, dtype=float)
+        points = np.asarray(points, dtype=float)
         if not self.is_mixed:
-            return np.full(len(unit), np.inf if self.happens.all() else -np.inf)
-        return self._border(unit)
+            return np.full(len(points), np.inf if self.happens.all() else -np.inf)
+        return self._border(points)
 
-    def doubt(self, unit: np.ndarray) -> np.ndarray:
-        """Half-width (P) of the undecided band at points `unit` (P, k) in [-1, 1]^k: where the
-        decision function (`certainty`) is smaller in size, the runs do not determine whether the
+    def band(self, points: np.ndarray) -> np.ndarray:
+        """Half-width (P) of the undecided band at `points` (P, k) in [-1, 1]^k: where the
+        decision function (`decision`) is smaller in size, the runs do not determine whether the
         event occurs; 0 if it occurs in all runs or in none."""
         if not self.is_mixed:
-            return np.zeros(len(unit))
-        certain = self._certain
+            return np.zeros(len(points))
+        decision = self._decision
         nearest = [
-            certain[kind][scipy.spatial.cKDTree(self.points[kind]).query(unit)[1]]
+            decision[kind][scipy.spatial.cKDTree(self.points[kind]).query(points)[1]]
             for kind in (self.happens, ~self.happens)
         ]
         # Runs too close together, or too rough a border: some lie on the wrong side of it.
-        return np.maximum(np.minimum(*nearest), max(1.0, float(-certain.min())))
+        return np.maximum(np.minimum(*nearest), max(1.0, float(-decision.min())))
 
-    def run_certainty(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
+    def run_decision(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
         """Decision function (R) at R runs by their own results, to compare runs of two meshes: here
         NaN (R), as only whether the event occurs is known. numbers (R): values of the quantity;
         margins (R): event margins, above 0 where it occurs."""
@@ -88,7 +88,7 @@ class Occurrence:
         """Volume fraction of the box, estimated by 8192 points, where the runs do not determine
         whether the event occurs."""
         spread = self._spread()
-        return float((np.abs(self.certainty(spread)) < self.doubt(spread)).mean())
+        return float((np.abs(self.decision(spread)) < self.band(spread)).mean())
 
     def infill_points(self, count: int) -> np.ndarray:
         """Points (at most `count`, k) in [-1, 1]^k for further runs, near the border of where the
@@ -119,9 +119,9 @@ class Occurrence:
         spread = spread_points(self._free, _CANDIDATES)
         spread[:, ~self._free] = self.points[0, ~self._free]
         spread = np.concatenate([spread, self.points])
-        certain = self.certainty(spread)
-        highs = spread[certain > max(levels) * self._scale]
-        lows = spread[certain < min(levels) * self._scale]
+        decision = self.decision(spread)
+        highs = spread[decision > max(levels) * self._scale]
+        lows = spread[decision < min(levels) * self._scale]
         if not len(highs) or not len(lows):
             return spread[:0]
         lows, border_points = lows[scipy.spatial.cKDTree(lows).query(highs)[1]], []
@@ -129,7 +129,7 @@ class Occurrence:
             high, low = highs, lows
             for _ in range(30):
                 middle = (high + low) / 2
-                happens = (self.certainty(middle) >= level * self._scale)[:, None]
+                happens = (self.decision(middle) >= level * self._scale)[:, None]
                 high, low = np.where(happens, middle, high), np.where(happens, low, middle)
             border_points.append(high)
         return np.concatenate(border_points)
@@ -143,13 +143,13 @@ class Occurrence:
     def _free(self) -> np.ndarray:
         return np.ptp(self.points, axis=0) > 0
 
-    def _border(self, unit: np.ndarray) -> np.ndarray:
+    def _border(self, x: np.ndarray) -> np.ndarray:
         """The smoothest function that tells the runs apart."""
         points, weights = self._support_vectors
-        return _matern(unit, points) @ weights
+        return _matern(x, points) @ weights
 
     def formula(self) -> Formula:
-        """Write the decision function (`certainty`) as a table that other programs can evaluate;
+        """Write the decision function (`decision`) as a table that other programs can evaluate;
         only for an event that occurs in some runs and not in all (`is_mixed`)."""
         points, weights = self._support_vectors
         k = points.shape[1]
@@ -169,7 +169,7 @@ class Occurrence:
         return points[is_support], (weights * signs)[is_support]
 
     @cached_property
-    def _certain(self) -> np.ndarray:
+    def _decision(self) -> np.ndarray:
         """Size (N) of the border's function at the runs, below 0 on its wrong side."""
         return np.where(self.happens, 1.0, -1.0) * self._border(self.points)
 
@@ -197,9 +197,9 @@ class Occurrence:
         return points
 
 
-def _matern(unit: np.ndarray, points: np.ndarray) -> np.ndarray:
+def _matern(x: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Matérn's kernel (P, N) with two derivatives, of unit points (P, k) and (N, k)."""
-    squares = (unit**2).sum(axis=1)[:, None] + (points**2).sum(axis=1) - 2 * unit @ points.T
+    squares = (x**2).sum(axis=1)[:, None] + (points**2).sum(axis=1) - 2 * x @ points.T
     distance = np.sqrt(5 * np.maximum(squares, 0.0)) / _LENGTH
     return (1 + distance + distance**2 / 3) * np.exp(-distance)
 
@@ -215,33 +215,33 @@ class FittedOccurrence(Occurrence):
     error: float
     latest: float | None = None
 
-    def agrees(self, slack: float = 0.0) -> bool:
+    def agrees(self, tolerance: float = 0.0) -> bool:
         """Whether the decision function agrees with every run: it is at least minus `error` in runs
-        with the event, and below `slack` (in its unit) in those without."""
-        certainty = self.certainty(self.points)
-        agreement = certainty[self.happens] >= -self.error
-        return bool(agreement.all() and (certainty[~self.happens] < slack).all())
+        with the event, and below `tolerance` (in its unit) in those without."""
+        decision = self.decision(self.points)
+        agreement = decision[self.happens] >= -self.error
+        return bool(agreement.all() and (decision[~self.happens] < tolerance).all())
 
-    def certainty(self, unit: np.ndarray) -> np.ndarray:
-        """Decision function (P) at points `unit` (P, k) in [-1, 1]^k, above 0 where the event
+    def decision(self, points: np.ndarray) -> np.ndarray:
+        """Decision function (P) at `points` (P, k) in [-1, 1]^k, above 0 where the event
         occurs: the fitted event margin, or, if of a time, the time left before `latest` (s)."""
-        values = self.fit.evaluate(unit)
+        values = self.fit.evaluate(points)
         return values if self.latest is None else self.latest - values
 
     def formula(self) -> Formula:
-        """Write the decision function (`certainty`) as a table that other programs can evaluate."""
+        """Write the decision function (`decision`) as a table that other programs can evaluate."""
         formula = self.fit.formula()
         return formula if self.latest is None else formula.shortfall(self.latest)
 
-    def run_certainty(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
+    def run_decision(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
         """Decision function (R) at R runs by their own results: their event margins (R), or, if the
         fit is of a time, the time left before `latest` (s); numbers (R): that time (s)."""
         return margins if self.latest is None else self.latest - numbers
 
-    def doubt(self, unit: np.ndarray) -> np.ndarray:
-        """Half-width (P) of the undecided band at points `unit` (P, k) in [-1, 1]^k, to which the
-        size of `certainty` is compared: everywhere `error`, that of the fit."""
-        return np.full(len(unit), self.error)
+    def band(self, points: np.ndarray) -> np.ndarray:
+        """Half-width (P) of the undecided band at points `points` (P, k) in [-1, 1]^k, to which the
+        size of `decision` is compared: everywhere `error`, that of the fit."""
+        return np.full(len(points), self.error)
 
     @property
     def _scale(self) -> float:

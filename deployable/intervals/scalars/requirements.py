@@ -19,11 +19,11 @@ _BLOCK = 64  # lines
 @dataclass(frozen=True)
 class Limit:
     """A limit that a quantity (a number of each run) must satisfy, and what is known of the
-    quantity: its `surrogate`, None where only values of runs are compared (`slack_of`). kind:
+    quantity: its `surrogate`, None where only values of runs are compared (`find_margins`). kind:
     "at_most" or "at_least" a `level`, in the quantity's unit, or "happens", with level 1 if the
     event must occur and 0 if it must not; run_error: error of the runs themselves, as by mesh and
     step, in the quantity's unit; border: their error in the decision function that tells where the
-    event occurs (`Occurrence.certainty`), infinite if finer runs differ in whether it does."""
+    event occurs (`Occurrence.decision`), infinite if finer runs differ in whether it does."""
 
     surrogate: ScalarSurrogate | None
     kind: str
@@ -31,22 +31,22 @@ class Limit:
     run_error: float = 0.0
     border: float = 0.0
 
-    def conditions(self, unit: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Functions that are not below 0 where the limit is satisfied, at points `unit` (P, k) in
+    def conditions(self, points: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Functions that are not below 0 where the limit is satisfied, at `points` (P, k) in
         [-1, 1]^k: a list of pairs of values (P) and errors (P), first of whether the quantity
         exists (or must not), then, where it has values, of its distance from the level."""
         surrogate = self.surrogate
-        certain = surrogate.occurrence.certainty(unit)
-        doubt = surrogate.occurrence.doubt(unit) + self.border
+        decision = surrogate.occurrence.decision(points)
+        band = surrogate.occurrence.band(points) + self.border
         if np.isinf(self.border):  # all runs agree, and finer ones do not
-            certain, doubt = np.sign(certain), np.full(len(unit), 2.0)
+            decision, band = np.sign(decision), np.full(len(points), 2.0)
         if self.kind == "happens":
-            return [(certain if self.level else -certain, doubt)]
+            return [(decision if self.level else -decision, band)]
         if surrogate.fit is None:
-            return [(certain, doubt)]
+            return [(decision, band)]
         sign = 1.0 if self.kind == "at_most" else -1.0
-        slack = sign * (self.level - surrogate.predict(unit))
-        return [(certain, doubt), (slack, np.full(len(unit), self.error))]
+        margin = sign * (self.level - surrogate.predict(points))
+        return [(decision, band), (margin, np.full(len(points), self.error))]
 
     @property
     def error(self) -> float:
@@ -54,7 +54,7 @@ class Limit:
         fit, plus that of the runs."""
         return self.surrogate.error + self.run_error
 
-    def slack_of(self, values: np.ndarray) -> np.ndarray:
+    def find_margins(self, values: np.ndarray) -> np.ndarray:
         """Limit margins (...) of values (...) of the quantity, NaN where it does not exist:
         distance from the level, below 0 where the limit is violated; minus infinity without a
         value. Of a limit "happens" it is plus or minus infinity."""
@@ -100,10 +100,10 @@ def sub_box(nominal: np.ndarray, scale: float) -> tuple[np.ndarray, np.ndarray]:
     return nominal + scale * (-1.0 - nominal), nominal + scale * (1.0 - nominal)
 
 
-def share_reaching(nominal: np.ndarray, unit: np.ndarray) -> np.ndarray:
+def share_reaching(nominal: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Least scale factors (P) at which the box [-1, 1]^k, shrunk towards a nominal point (k) by
-    `sub_box`, still contains each of the points `unit` (P, k) in it."""
-    offset = np.asarray(unit, dtype=float) - nominal
+    `sub_box`, still contains each of the `points` (P, k) in it."""
+    offset = np.asarray(points, dtype=float) - nominal
     room = np.where(offset > 0, 1.0 - nominal, 1.0 + nominal)
     return np.divide(np.abs(offset), room, out=np.zeros_like(offset), where=room > 0).max(axis=1)
 
@@ -177,8 +177,8 @@ def largest_share(
 
     def first_violation(scale: float) -> tuple[float, int, np.ndarray] | None:
         worst = [(*limit.worst(*sub_box(nominal, scale)), i) for i, limit in enumerate(limits)]
-        slack, point, i = min(worst, key=lambda row: row[0])
-        return None if slack >= 0 else (slack, i, point)
+        margin, point, i = min(worst, key=lambda row: row[0])
+        return None if margin >= 0 else (margin, i, point)
 
     worst_limit = first_violation(1.0)
     if worst_limit is None:
@@ -229,16 +229,16 @@ class Goal:
 @dataclass(frozen=True)
 class Choice:
     """Chosen parameter `values` (c), in their units, and how good they are in the worst case over
-    the box about them. goals (g): values of the objectives; slack: least margin of all limits,
-    infinite without any; slacks (l): least margin of each limit, attained at points `worst` (l, k)
+    the box about them. goals (g): values of the objectives; margin: least margin of all limits,
+    infinite without any; margins (l): least margin of each limit, attained at points `worst` (l, k)
     in [-1, 1]^k; goal_points: g arrays of the points where each objective's bounds are attained,
     (1, k), of a width (2, k); safety: least limit margin over its estimated error, infinite without
     a limit of a level."""
 
     values: np.ndarray
     goals: np.ndarray
-    slack: float
-    slacks: np.ndarray
+    margin: float
+    margins: np.ndarray
     worst: np.ndarray
     goal_points: list[np.ndarray]
     safety: float = np.inf
@@ -246,7 +246,7 @@ class Choice:
     @property
     def is_allowed(self) -> bool:
         """Whether the whole box that the choice leaves satisfies all limits."""
-        return self.slack >= 0
+        return self.margin >= 0
 
     @property
     def is_safe(self) -> bool:
@@ -261,18 +261,18 @@ def judge(values: np.ndarray, goals: Sequence[Goal], limits: Sequence[Limit], bo
     lower, upper = box(values)
     goal_values = [goal.value(lower, upper) for goal in goals]
     limit_values = [limit.worst(lower, upper) for limit in limits]
-    slacks = np.array([slack for slack, _ in limit_values])
+    margins = np.array([margin for margin, _ in limit_values])
     errors = np.array([0.0 if limit.kind == "happens" else limit.error for limit in limits])
-    has_error = np.isfinite(slacks) & ~np.isnan(errors)
+    has_error = np.isfinite(margins) & ~np.isnan(errors)
     sizes = np.maximum(errors[has_error], np.finfo(float).tiny)
     return Choice(
         np.asarray(values, dtype=float),
         np.array([value for value, _ in goal_values]),
-        float(slacks.min(initial=np.inf)),
-        slacks,
+        float(margins.min(initial=np.inf)),
+        margins,
         np.array([point for _, point in limit_values]).reshape(len(limit_values), len(lower)),
         [point for _, point in goal_values],
-        float((slacks[has_error] / sizes).min(initial=np.inf)),
+        float((margins[has_error] / sizes).min(initial=np.inf)),
     )
 
 
@@ -291,7 +291,7 @@ def best_choice(
 
     def rank(choice: Choice) -> tuple[int, float]:
         if not choice.is_allowed:
-            return 2, -choice.slack
+            return 2, -choice.margin
         value = goals[0].sign * choice.goals[0] if choice.is_safe else -choice.safety
         return 0 if choice.is_safe else 1, value if np.isfinite(value) else np.inf
 
@@ -313,7 +313,7 @@ def safest_choice(
     the lower and upper corner (k each, in [-1, 1]) of the box that they leave."""
 
     def rank(choice: Choice) -> tuple[bool, float]:
-        return not choice.is_allowed, -choice.safety if choice.is_allowed else -choice.slack
+        return not choice.is_allowed, -choice.safety if choice.is_allowed else -choice.margin
 
     return _refine_choice(trials, rank, goals, limits, ranges, box)
 
@@ -354,8 +354,8 @@ def _grid_of_choices(ranges: Sequence[tuple[float, float]]) -> np.ndarray:
         sizes = [count if free else 1 for free in wide]
         lines = [np.linspace(*end, size) for end, size in zip(ends, sizes, strict=True)]
         return np.array(list(itertools.product(*lines)))
-    unit = (scan_points(wide, _SPREAD) + 1) / 2
-    return ends[:, 0] + unit * (ends[:, 1] - ends[:, 0])
+    points = (scan_points(wide, _SPREAD) + 1) / 2
+    return ends[:, 0] + points * (ends[:, 1] - ends[:, 0])
 
 
 def _refine_choice(

@@ -31,7 +31,7 @@ _CLOUD_SIZES = (1.0, 0.3, 0.1, 0.03, 0.01, 1e-3, 1e-4)  # about the extreme run
 _INFILL, _SECTIONS = 3, 3  # runs of one iteration by confidence, and towards a limit-state surface
 _WORTH = 10.0  # times the tolerance: a gain by confidence, which may be none, that is worth runs
 _END_SHARE = 0.05  # of the width: so near the end of the runs a time is taken to go on beyond it
-_TRUSTED = 3.0  # times its error: so far the surrogate must exceed all runs to be a bound
+_TRUST_RATIO = 3.0  # times its error: so far the surrogate must exceed all runs to be a bound
 
 
 class BoundEstimate(NamedTuple):
@@ -67,18 +67,18 @@ def estimate_bounds(
     )
 
 
-def local_errors(fit: Fit, unit: np.ndarray) -> np.ndarray:
-    """Errors (P) of a fit at points `unit` (P, k) in [-1, 1]^k, by leave-one-out errors: the
+def local_errors(fit: Fit, x: np.ndarray) -> np.ndarray:
+    """Errors (P) of a fit at points `x` (P, k) in [-1, 1]^k, by leave-one-out errors: the
     largest over the nearest runs of such an error times the distance from the nearest run, over the
     distance of the run from its own next one; 0 at a run, at most the largest error of all."""
     points, width = fit.points, float(np.ptp(fit.values))
     errors = np.minimum(np.abs(fit.left_out), width)
     if len(points) == 1:
-        return np.full(len(unit), errors[0])
+        return np.full(len(x), errors[0])
     count = min(len(points), int((np.ptp(points, axis=0) > 0).sum()) + 2)
     tree = scipy.spatial.cKDTree(points)
     spacings = np.maximum(tree.query(points, 2)[0][:, 1], NEAREST)
-    distances, rows = tree.query(unit, count)
+    distances, rows = tree.query(x, count)
     ratios = distances[:, :1] / spacings[rows]
     return np.minimum((errors[rows] * ratios).max(axis=1), errors.max())
 
@@ -102,12 +102,12 @@ def _estimate(
     error = max(misprediction, float(local_errors(surrogate.fit, peak[None])[0]))
     candidates, gains = _gains(surrogate, sign, value, argument)
     gain = max(float(gains.max(initial=0.0)), excess)
-    is_predicted = excess > max(_TRUSTED * error, tolerance)
+    is_predicted = excess > max(_TRUST_RATIO * error, tolerance)
     points = [peak] if excess > tolerance else []
     worth, width = _WORTH * tolerance, tolerance / TOLERANCE
     if gain > worth and not is_predicted:
         points += [*_sections(surrogate.occurrence, argument)]
-        points += _spaced(surrogate.occurrence.points, candidates[gains > worth])
+        points += _space_points(surrogate.occurrence.points, candidates[gains > worth])
     unit_points = np.array(points).reshape(-1, len(argument))
     # A time that in a part of the box comes after the runs have ended.
     is_late = excess > 0 and end >= surrogate.latest and excess <= _END_SHARE * width
@@ -124,7 +124,7 @@ def _gains(
     """Unit points (P, k), most promising first, and how far a run there may exceed `value` (P)."""
     occurrence = surrogate.occurrence
     candidates = _candidates(surrogate, argument)
-    candidates = candidates[occurrence.certainty(candidates) > -occurrence.doubt(candidates)]
+    candidates = candidates[occurrence.decision(candidates) > -occurrence.band(candidates)]
     gains = sign * (surrogate.predict(candidates) - value) + local_errors(surrogate.fit, candidates)
     physical = surrogate.latest if sign > 0 else surrogate.least
     gains = np.minimum(gains, sign * (physical - value))
@@ -143,12 +143,12 @@ def _candidates(surrogate: ScalarSurrogate, argument: np.ndarray) -> np.ndarray:
     return np.concatenate([spread, *clouds, surrogate.occurrence.surface_points])
 
 
-def _spaced(runs: np.ndarray, candidates: np.ndarray) -> list[np.ndarray]:
+def _space_points(runs: np.ndarray, candidates: np.ndarray) -> list[np.ndarray]:
     """First unit points (P, k) farther apart than half their distance to the next run (N, k)."""
     points: list[np.ndarray] = []
     gaps = scipy.spatial.cKDTree(runs).query(candidates)[0]
     for point, gap in zip(candidates, gaps, strict=True):
-        is_apart = all(np.linalg.norm(point - known_point) > gap / 2 for known_point in points)
+        is_apart = all(np.linalg.norm(point - neighbour) > gap / 2 for neighbour in points)
         if len(points) < _INFILL and gap > NEAREST and is_apart:
             points.append(point)
     return points

@@ -153,16 +153,16 @@ class ScalarSurrogate:
         so that its largest value there is not known, only `latest`, the end of the runs."""
         return isinstance(self.occurrence, FittedOccurrence) and self.occurrence.latest is not None
 
-    def predict(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P) of the fit at points `unit` (P, k) in [-1, 1]^k, clipped to `least` and
+    def predict(self, points: np.ndarray) -> np.ndarray:
+        """Values (P) of the fit at `points` (P, k) in [-1, 1]^k, clipped to `least` and
         `latest`; also where the quantity does not exist; `fit` must not be None."""
-        return np.clip(self.fit.evaluate(np.asarray(unit, dtype=float)), self.least, self.latest)
+        return np.clip(self.fit.evaluate(np.asarray(points, dtype=float)), self.least, self.latest)
 
-    def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Values (P) of the quantity at points `unit` (P, k) in [-1, 1]^k, NaN if absent."""
+    def evaluate(self, points: np.ndarray) -> np.ndarray:
+        """Values (P) of the quantity at `points` (P, k) in [-1, 1]^k, NaN if absent."""
         if self.fit is None:
-            return np.full(len(unit), np.nan)
-        return np.where(self.occurrence.evaluate(unit), self.predict(unit), np.nan)
+            return np.full(len(points), np.nan)
+        return np.where(self.occurrence.evaluate(points), self.predict(points), np.nan)
 
     def formulas(self) -> tuple[Formula | None, Formula | bool]:
         """Two tables that other programs can evaluate: of the fit, None without one; and of the
@@ -234,8 +234,8 @@ class ScalarSurrogate:
         lower, upper = self._part(lower, upper)
         if not self.occurrence.is_mixed:
             return (lower + upper) / 2 if self.occurrence.happens.all() == happens else None
-        certainty, points = self.occurrence.certainty, self.occurrence.points
-        value, point = extreme(certainty, 1.0 if happens else -1.0, lower, upper, points, climbs=1)
+        decision, points = self.occurrence.decision, self.occurrence.points
+        value, point = extreme(decision, 1.0 if happens else -1.0, lower, upper, points, climbs=1)
         return point if (value >= 0) == happens else None
 
 
@@ -316,16 +316,16 @@ def influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
     nominal = np.asarray(nominal, dtype=float)
     k = len(nominal)
     side = np.ones(k)
-    own_widths, fixed_widths, halved = np.zeros((3, k))
+    lone_widths, fixed_widths, halved = np.zeros((3, k))
     for j in range(k):
         lower, upper = nominal.copy(), nominal.copy()
         lower[j], upper[j] = -1.0, 1.0
-        own_widths[j] = surrogate.range(lower, upper).width
+        lone_widths[j] = surrogate.range(lower, upper).width
         for widths, part in ((fixed_widths, 0.0), (halved, 0.5)):
             lower, upper = -side, side.copy()
             lower[j] = nominal[j] + part * (-1.0 - nominal[j])
             upper[j] = nominal[j] + part * (1.0 - nominal[j])
             widths[j] = surrogate.range(lower, upper).width
-    significant = np.where(own_widths > surrogate.error, own_widths, 0.0)
+    significant = np.where(lone_widths > surrogate.error, lone_widths, 0.0)
     share = significant / (significant.sum() or 1.0)
-    return Influence(surrogate.range().width, own_widths, share, fixed_widths, halved)
+    return Influence(surrogate.range().width, lone_widths, share, fixed_widths, halved)

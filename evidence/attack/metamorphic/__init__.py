@@ -3,5 +3,5 @@
     python -m deployable attack --only pairs
 
 `drawn` draws a structure in the language of docs/structures.md, `families` says it otherwise
-(turned, mirrored, later, renamed, ...), `pairs` runs both and compares.
+(turned, mirror, later, rename_all, ...), `pairs` runs both and compares.
 """

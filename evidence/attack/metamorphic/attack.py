@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numba
 
 from evidence.attack.ledger import Ledger
-from evidence.attack.metamorphic.ballast import ballasted
+from evidence.attack.metamorphic.ballast import add_ballast
 from evidence.attack.metamorphic.families import DELAY, FAMILIES
 from evidence.attack.metamorphic.pairs import Trial, Verdict
 from evidence.attack.metamorphic.runs import drawn
@@ -27,7 +27,7 @@ def trial(seed: str) -> Trial:
     structure, duration = drawn(seed)
     if numba.config.DISABLE_JIT:
         return Trial(structure, duration, seed)
-    return Trial(structure, duration, seed, ballasted)
+    return Trial(structure, duration, seed, add_ballast)
 
 
 def verdicts(seed: str, count: int = len(ALL)) -> Iterator[Verdict]:

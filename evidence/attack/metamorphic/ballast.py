@@ -87,7 +87,7 @@ BALLAST: Structure = {
 }  # fmt: skip
 
 
-def ballasted(structure: Structure) -> Structure:
+def add_ballast(structure: Structure) -> Structure:
     """The structure with the ballast beside it, which is not recorded."""
     clone = {"gravity": [0.0, 0.0, TINY], "damping": TINY, "viscosity": TINY, **structure}
     for group, entries in BALLAST.items():

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from evidence.attack.metamorphic.image import Image, entries, scale
-from evidence.attack.metamorphic.openings import OPENINGS, openings_of, other_zeros, swapped
+from evidence.attack.metamorphic.openings import OPENINGS, openings_of, shift_zeros, swap_parts
 from evidence.attack.metamorphic.parts import reversed_cables, split, with_inert
-from evidence.attack.metamorphic.space import mirrored, rotated
+from evidence.attack.metamorphic.space import mirror, rotate
 from evidence.attack.metamorphic.written import Structure, map_numbers
 from fpm.structures.statements import GROUPS
 
 
-def reordered(structure: Structure, rng: random.Random) -> Image:
+def reorder(structure: Structure, rng: random.Random) -> Image:
     """Everything stated in another order."""
     clone = copy.deepcopy(structure)
     for group in clone.keys() & {"points", *GROUPS}:
@@ -29,7 +29,7 @@ def reordered(structure: Structure, rng: random.Random) -> Image:
     return Image(clone)
 
 
-def renamed(structure: Structure, rng: random.Random) -> Image:
+def rename_all(structure: Structure, rng: random.Random) -> Image:
     """Everything called something else."""
     old = {name for group in ("points", *GROUPS) for name in entries(structure, group)}
     names = {
@@ -53,7 +53,7 @@ def renamed(structure: Structure, rng: random.Random) -> Image:
     return Image(clone, names=names)
 
 
-def rescaled(structure: Structure, rng: random.Random) -> Image:
+def change_units(structure: Structure, rng: random.Random) -> Image:
     """In other units: lengths, masses and times in numbers that are some times as large."""
     units = tuple(10.0 ** rng.uniform(-1.0, 1.0) for _ in range(3))
     return Image(map_numbers(structure, lambda x, unit: x * scale(units, unit)), units=units)
@@ -62,12 +62,12 @@ def rescaled(structure: Structure, rng: random.Random) -> Image:
 def is_quiet(structure: Structure) -> bool:
     """Whether nothing happens before a curve or a release."""
     motions = entries(structure, "initial_velocities") or "gravity" in structure
-    curved = all("curve" in load for load in entries(structure, "loads").values())
-    slack = all(_is_slack(structure, cable) for cable in entries(structure, "cables").values())
+    has_curves = all("curve" in load for load in entries(structure, "loads").values())
+    is_slack = all(_is_slack(structure, cable) for cable in entries(structure, "cables").values())
     actions = entries(structure, "actions").values()
-    at_rest = all(_is_at_rest(structure, action) for action in actions)
-    calm = not any(np.any(drag["wind"]) for drag in entries(structure, "drags").values())
-    return not motions and curved and slack and at_rest and calm
+    is_at_rest = all(_is_at_rest(structure, action) for action in actions)
+    is_calm = not any(np.any(drag["wind"]) for drag in entries(structure, "drags").values())
+    return not motions and has_curves and is_slack and is_at_rest and is_calm
 
 
 def _is_slack(structure: Structure, cable: dict) -> bool:
@@ -104,13 +104,13 @@ def delay(structure: Structure, rng: random.Random, wait: float) -> Image | None
 
 
 FAMILIES: dict[str, Callable[[Structure, random.Random], Image | None]] = {
-    "rotated": rotated,
-    "mirrored": mirrored,
-    "renamed": renamed,
-    "reordered": reordered,
-    "in other units": rescaled,
-    "openings from other zeros": other_zeros,
-    "parts of joints swapped": swapped,
+    "rotated": rotate,
+    "mirrored": mirror,
+    "renamed": rename_all,
+    "reordered": reorder,
+    "in other units": change_units,
+    "openings from other zeros": shift_zeros,
+    "parts of joints swapped": swap_parts,
     "bodies split": split,
     "with inert parts": with_inert,
     "cables reversed": reversed_cables,

@@ -16,16 +16,16 @@ from fpm.structures.statement import ON_SLIDES, SLIDE
 OPENINGS = {"revolute", "universal", SLIDE}
 
 
-def some_joints(structure: Structure, types: set[str], rng: random.Random) -> list[str]:
+def draw_joints(structure: Structure, types: set[str], rng: random.Random) -> list[str]:
     """Some joints of these types, in any order; at least one where there is one."""
     names = [n for n, joint in entries(structure, "joints").items() if joint["type"] in types]
     return rng.sample(names, rng.randint(1, len(names))) if names else []
 
 
-def other_zeros(structure: Structure, rng: random.Random) -> Image | None:
+def shift_zeros(structure: Structure, rng: random.Random) -> Image | None:
     """Openings counted from another zero, or the other way round."""
     clone, maps = copy.deepcopy(structure), {}
-    for name in some_joints(structure, OPENINGS, rng):
+    for name in draw_joints(structure, OPENINGS, rng):
         joint, ends = clone["joints"][name], ends_of(clone["joints"][name])
         if any(
             a["type"] == "contact" and a["joint"] == name
@@ -62,11 +62,11 @@ def _set_openings(joint: dict, values: list[float]) -> None:
         (joint["opening"],) = values
 
 
-def swapped(structure: Structure, rng: random.Random) -> Image | None:
+def swap_parts(structure: Structure, rng: random.Random) -> Image | None:
     """Parts of joints stated the other way round: with the axis turned round, the opening grows as
     before; else the other way."""
     clone, maps, names = copy.deepcopy(structure), {}, {}
-    for name in some_joints(structure, {*OPENINGS, "spherical", "fixed"}, rng):
+    for name in draw_joints(structure, {*OPENINGS, "spherical", "fixed"}, rng):
         joint = clone["joints"][name]
         joint["parts"].reverse()
         if joint["type"] == "universal":
@@ -95,7 +95,7 @@ def swapped(structure: Structure, rng: random.Random) -> Image | None:
 SIDES = {"below": "above", "above": "below", "either": "either"}
 AFFINE = {"rest", "lower", "upper", "angle", "angles", "start", "hold"}
 ODD = {"preload", "moments", "turn", "rate", "torque"}
-HINGED = {slide: hinge for hinge, slide in ON_SLIDES.items() if hinge != "torque"}
+HINGE_TYPES = {slide: hinge for hinge, slide in ON_SLIDES.items() if hinge != "torque"}
 
 
 def _turn_actions(structure: Structure, maps: dict[str, tuple[float, float]]) -> None:
@@ -116,7 +116,7 @@ def _turn_action(action: dict, sign: float, zero: float) -> None:
     for key in list(action):
         role = key
         if action["type"] not in ("torque motor", "friction"):
-            role = HINGED.get(key, key)
+            role = HINGE_TYPES.get(key, key)
         elif action["type"] == "torque motor" and key == "force":
             role = "torque"
         value = action[key]

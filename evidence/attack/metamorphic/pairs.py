@@ -37,7 +37,7 @@ LATCH_KINDS = frozenset(
 )
 """Of the instant at which a latch catches: interpolated in the step, from the axes of a side."""
 
-UNBALANCED = "the energy balance is off"
+IMBALANCE = "the energy balance is off"
 """By more than all there is: the scale is wrong, or energy comes from nowhere."""
 
 UNRELIABLE_STARTS = frozenset({"motor_moment", "slide_motor_force"})
@@ -91,8 +91,8 @@ def differences(curves: Curves, image_curves: Curves, image: Image) -> Sizes:
         peaks = [np.abs(v).max() for (w, _), (v, _) in curves.items() if w == kind]
         scale, size = max(LEAST * image.factor(unit), *peaks), np.inf
         if (kind, label) in image_curves:
-            skipped = max(image.skips, kind in UNRELIABLE_STARTS)
-            size = np.abs(values - image_curves[kind, label][0])[skipped:].max() / scale
+            skip_count = max(image.skips, kind in UNRELIABLE_STARTS)
+            size = np.abs(values - image_curves[kind, label][0])[skip_count:].max() / scale
         sizes[kind] = max(sizes.get(kind, (0.0, "")), (float(size), label))
     return sizes
 
@@ -105,7 +105,7 @@ def sums(*parts: Sizes) -> dict[str, float]:
 # -- verdicts ---------------------------------------------------------------------------------
 
 
-def nudged(structure: Structure, rng: random.Random) -> Structure:
+def nudge(structure: Structure, rng: random.Random) -> Structure:
     """All numbers a little off."""
 
     def change(x: float, unit: str) -> float:
@@ -130,11 +130,11 @@ class Trial:
         rng = random.Random(f"{self.seed} images")
         images = {name: image for name in families if (image := self._image(name, rng))}
         base = self._original()
-        nudges = [replace(base, structure=nudged(self.structure, rng)) for _ in range(NUDGES)]
+        nudges = [replace(base, structure=nudge(self.structure, rng)) for _ in range(NUDGES)]
         runs = {name: self._run(image) for name, image in images.items()}
         simulate([base, *nudges, *runs.values()], self.add_ballast)
         if base.curves is None:
-            outcome = "wrong" if UNBALANCED in base.reason else "failed"
+            outcome = "wrong" if IMBALANCE in base.reason else "failed"
             yield from (
                 Verdict(name, outcome, base.reason, self.structure, self.structure) for name in runs
             )

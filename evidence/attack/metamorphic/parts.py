@@ -10,7 +10,7 @@ import numpy as np
 
 from evidence.attack.metamorphic.drawn import GROUND
 from evidence.attack.metamorphic.image import Image, entries
-from evidence.attack.metamorphic.openings import OPENINGS, ends_of, some_joints
+from evidence.attack.metamorphic.openings import OPENINGS, draw_joints, ends_of
 from evidence.attack.metamorphic.written import Structure
 from fpm.structures.statement import ON_SLIDES, SLIDE
 
@@ -20,12 +20,12 @@ def split(structure: Structure, rng: random.Random) -> Image | None:
     their points where that share has the same centre, or side by side along x."""
     drives = {entry["part"] for entry in entries(structure, "drives").values()}
     # What is held about one axis alone may be in no joint, and the two would be joined.
-    tied = {
+    ties = {
         entry["part"]
         for entry in entries(structure, "supports").values()
         if entry["rotations"] == "x"
     }
-    bodies = [name for name in entries(structure, "bodies") if name not in drives | tied]
+    bodies = [name for name in entries(structure, "bodies") if name not in drives | ties]
     if not bodies or any(map(_is_damped_for_its_parts, entries(structure, "actions").values())):
         return None
     name = rng.choice(bodies)
@@ -95,8 +95,8 @@ def with_inert(structure: Structure, rng: random.Random) -> Image:
     clone = copy.deepcopy(structure)
     clone["points"] |= {"i0": [3.0, 1.0, 0.0], "i1": [3.0, 1.5, 0.0]}
     actions = clone.setdefault("actions", {})
-    hinged = some_joints(clone, OPENINGS, rng)
-    for k, joint in enumerate(n + end for n in hinged for end in ends_of(clone["joints"][n])):
+    joint_names = draw_joints(clone, OPENINGS, rng)
+    for k, joint in enumerate(n + end for n in joint_names for end in ends_of(clone["joints"][n])):
         slides = clone["joints"].get(joint, {}).get("type") == SLIDE
         present = {action["type"] for action in actions.values() if action.get("joint") == joint}
         for kind in rng.sample([kind for kind in INERT if kind.split(",")[0] not in present], 2):
@@ -118,14 +118,14 @@ def with_inert(structure: Structure, rng: random.Random) -> Image:
     return Image(clone, omits=frozenset({"energy"}))
 
 
-UNREACHED = 40.0
+FAR_OPENING = 40.0
 INERT: dict[str, dict[str, Any]] = {
     "torsion spring": {"stiffness": 0.0},
     "damper": {"damping": 0.0},
     "friction, exact": {"moment": 0.0, "sticks": "exactly"},
-    "stop": {"upper": UNREACHED, "stiffness": 10.0},
-    "latch": {"angle": UNREACHED, "stiffness": 10.0},
-    "latch, exact": {"angle": UNREACHED},
+    "stop": {"upper": FAR_OPENING, "stiffness": 10.0},
+    "latch": {"angle": FAR_OPENING, "stiffness": 10.0},
+    "latch, exact": {"angle": FAR_OPENING},
     "torque motor": {"torque": 0.0},
     "tabulated spring": {"angles": [0.0, 1.0], "moments": [0.0, 0.0]},
 }

@@ -17,7 +17,7 @@ POLAR = {"gravity", "force", "velocity", "up", "x", "normal", "wind"}
 AXIAL = {"moment", "spin", "axis", "other"}
 
 
-def rotated(structure: Structure, rng: random.Random) -> Image | None:
+def rotate(structure: Structure, rng: random.Random) -> Image | None:
     """Turned as a whole, and moved; where some global axes hold it, by a turn of the cube's."""
     supports = entries(structure, "supports").values()
     turns = Rotation.random(random_state=rng.randrange(2**32)).as_matrix()
@@ -31,7 +31,7 @@ def rotated(structure: Structure, rng: random.Random) -> Image | None:
     return Image(_in_space(structure, turns, shift), turns, shift)
 
 
-def mirrored(structure: Structure, rng: random.Random) -> Image:
+def mirror(structure: Structure, rng: random.Random) -> Image:
     """Its mirror image in a plane normal to a global axis."""
     matrix = np.eye(3)
     matrix[(k := rng.randrange(3), k)] = -1.0

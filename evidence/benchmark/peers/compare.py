@@ -17,7 +17,7 @@ from evidence.benchmark.peers.description import describe
 from evidence.benchmark.scenes import beam_count, linkages, runner
 from evidence.linkage.runs import curves
 from evidence.peers import interpreter
-from evidence.rows import Row, at_least, info, skipped
+from evidence.rows import Row, at_least, info, skip_row
 
 GROUP = "Peers"
 COST = "cpu s per simulated s"
@@ -72,7 +72,7 @@ def rms(a: np.ndarray, b: np.ndarray) -> float:
     return float(np.sqrt(np.mean((a - b) ** 2)))
 
 
-def as_accurate(error: float, fine: np.ndarray, duration: float) -> tuple[int, float]:
+def find_equal_mesh(error: float, fine: np.ndarray, duration: float) -> tuple[int, float]:
     """Our coarsest mesh whose error is at most `error` (m), and its error; else the finest."""
     for elements in range(3, 4 * ELEMENTS):
         deviation = rms(distances(elements, duration), fine)
@@ -86,7 +86,7 @@ def exudyn(duration: float, repeats: int, cases=None) -> list[Row]:
     python = interpreter("exudyn", "EXUDYN_PYTHON")
     if python is None:
         reason = "not installed: pip install -e '.[peer-exudyn]'"
-        return [skipped(f"Exudyn: {WHAT_EXUDYN}", reason, "x")]
+        return [skip_row(f"Exudyn: {WHAT_EXUDYN}", reason, "x")]
     # The reference has four times as many elements, and so about a fourteenth of the step.
     fine = distances(4 * ELEMENTS, duration)
     cost, error = cost_of(ELEMENTS, duration, repeats), rms(distances(ELEMENTS, duration), fine)
@@ -94,8 +94,8 @@ def exudyn(duration: float, repeats: int, cases=None) -> list[Row]:
     count = beam_count(scene)
     name = f"ours: 4 x {ELEMENTS} elements, a sample of a batch of 32"
     rows = [info(name, cost, COST, f"BD off by {error:.2g} m (rms)")]
-    told_scene = describe(scene, omitted=("Contact",))
-    task = {"structure": told_scene, "duration": duration, "instants": 11, "runs": EXUDYN[:cases]}
+    description = describe(scene, ignore=("Contact",))
+    task = {"structure": description, "duration": duration, "instants": 11, "runs": EXUDYN[:cases]}
     exact = []
     for answer in ask(python, "exudyn_script.py", task):
         name = f"Exudyn: {answer['name']}"
@@ -119,11 +119,9 @@ def _against_exudyn(
     cost, error = result
     fastest, deviation, version = min(exact)
     name = f"{WHAT_EXUDYN} (Exudyn {version})"
-    elements, error_there = as_accurate(deviation, fine, duration)
+    elements, error_ours = find_equal_mesh(deviation, fine, duration)
     ratio = fastest / cost_of(elements, duration, repeats)
-    note = (
-        f"ours with 4 x {elements} elements, off by {error_there:.2g} m against {deviation:.2g} m"
-    )
+    note = f"ours with 4 x {elements} elements, off by {error_ours:.2g} m against {deviation:.2g} m"
     best_off, seconds = min((deviation, seconds) for seconds, deviation, _ in exact)
     return [
         at_least(f"{name}: as many elements", fastest / cost, 100.0, unit="x"),
@@ -139,7 +137,7 @@ def elastica(duration: float, repeats: int, cases=None) -> list[Row]:
     title = "cpu per element and step, PyElastica against ours, one sample of a batch of 32"
     if python is None:
         reason = "not installed: pip install -e '.[peer-elastica]'"
-        return [skipped(f"PyElastica: {title}", reason, "x")]
+        return [skip_row(f"PyElastica: {title}", reason, "x")]
     count = 4 * ELEMENTS
     task = {
         "elements": count, "length": 4 * 0.45, "side": 0.035, "E": 1e9, "nu": 0.3, "rho": 800.0,

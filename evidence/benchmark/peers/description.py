@@ -11,7 +11,7 @@ KINDS = {"Gravity", "Damping", "Beams", "Hinge", "TorsionSpring", "Damper", "Syn
 """Kinds of element that are described to a peer."""
 
 
-def describe(scene: fpm.Scene, omitted: Sequence[str] = ()) -> dict:
+def describe(scene: fpm.Scene, ignore: Sequence[str] = ()) -> dict:
     """A scene of beams and rigid bodies with hinges between them, ready for JSON.
 
     nodes: position (n, 3) m, frame (n, 3, 3), the element's or body's axes as columns, velocity and
@@ -19,10 +19,10 @@ def describe(scene: fpm.Scene, omitted: Sequence[str] = ()) -> dict:
     length (m) and section rigidities; hinges: the two nodes, arms (m) and frames (3, 3) in each
     node's own axes whose third column is the hinge axis, the axes of the point that are held, and
     spring and damper with the opening at the start (rad); loops: the two hinges' numbers, radii,
-    stiffness and the slip at the start; points: node and arm. omitted: names of kinds that are left
+    stiffness and the slip at the start; points: node and arm. ignore: names of kinds that are left
     out, since they do not act; ValueError for others that cannot be described.
     """
-    unknown = {kind.__name__ for kind, group in scene.kinds.items() if group} - KINDS - set(omitted)
+    unknown = {kind.__name__ for kind, group in scene.kinds.items() if group} - KINDS - set(ignore)
     if unknown or scene.damping:
         raise ValueError(f"peers cannot be told of {sorted(unknown) or 'damping'}")
     elements = []

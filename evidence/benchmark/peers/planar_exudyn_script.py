@@ -56,7 +56,7 @@ def _bodies(mbs, structure, nodes):
 
 
 def _beams(mbs, structure, nodes):
-    added = []
+    items = []
     for element in structure["elements"]:
         frame = np.array(structure["frame"][element["nodes"][0]])
         normal = int(np.argmax(np.abs(frame[2])))  # the section's axis that is normal to the plane
@@ -70,8 +70,8 @@ def _beams(mbs, structure, nodes):
             axialStiffness=axial,
             shearStiffness=shear_y if normal == 2 else shear_z,
         )
-        added.append(mbs.AddObject(beam))
-    return added
+        items.append(mbs.AddObject(beam))
+    return items
 
 
 def _supports(mbs, structure, nodes):
@@ -122,10 +122,10 @@ def _hinge(mbs, structure, nodes, bodies, hinge):
     markers = [_marker(mbs, structure, nodes, bodies, n, arm) for n, arm in pair]
     mbs.AddObject(item.ObjectJointRevolute2D(markerNumbers=markers))
     if hinge["stiffness"] or hinge["damping"]:
-        grounded = [all(structure["fixed"][n]) for n in hinge["nodes"]]
+        is_ground = [all(structure["fixed"][n]) for n in hinge["nodes"]]
         turns = [
             _coordinate(mbs, nodes[n], 0 if h else 2)
-            for n, h in zip(hinge["nodes"], grounded, strict=True)
+            for n, h in zip(hinge["nodes"], is_ground, strict=True)
         ]
         spring = item.ObjectConnectorCoordinateSpringDamper(
             markerNumbers=turns,

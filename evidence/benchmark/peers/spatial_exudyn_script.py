@@ -54,7 +54,7 @@ def _nodes(mbs, structure, explicit):
 
 
 def _beams(mbs, structure, nodes):
-    added = []
+    items = []
     for element in structure["elements"]:
         section = exu.BeamSection()
         section.stiffnessMatrix = np.diag(element["stiffness"])
@@ -64,8 +64,8 @@ def _beams(mbs, structure, nodes):
         beam = item.ObjectBeamGeometricallyExact(
             nodeNumbers=pair, length=element["length"], sectionData=section
         )
-        added.append(mbs.AddObject(beam))
-    return added
+        items.append(mbs.AddObject(beam))
+    return items
 
 
 def _bodies(mbs, structure, nodes):

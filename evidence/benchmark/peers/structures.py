@@ -10,7 +10,7 @@ import fpm
 from evidence.benchmark.clock import best
 from evidence.benchmark.peers import compare
 from evidence.benchmark.peers.description import describe
-from evidence.rows import Row, at_least, at_most, info, skipped
+from evidence.rows import Row, at_least, at_most, info, skip_row
 from fpm import structures
 from fpm.scenes.scene_type import SceneType
 
@@ -41,7 +41,7 @@ class Case:
     motion is compared over `duration` (s); planar: in Exudyn's items for the plane; step (s) of
     ours, 0.9 of the stable one if left out; steps (s) of Exudyn, the finest last; meshes: of
     Exudyn, elements beside those of `parameters`; finest: elements of our run that all are held
-    against, for rigid bodies one with a quarter of the step; omitted: kinds that do not act in
+    against, for rigid bodies one with a quarter of the step; ignore: kinds that do not act in
     that time, and are not described.
     """
 
@@ -56,7 +56,7 @@ class Case:
     parameters: Mapping[str, float] = field(default_factory=dict)
     meshes: tuple[int, ...] = ()
     finest: int | None = None
-    omitted: tuple[str, ...] = ()
+    ignore: tuple[str, ...] = ()
 
     @property
     def tolerance(self) -> float:
@@ -73,7 +73,7 @@ class Case:
         meshes = [self.parameters, *({**self.parameters, "elements": n} for n in self.meshes)]
         return [
             {
-                "structure": describe(structure.build(**parameters), self.omitted),
+                "structure": describe(structure.build(**parameters), self.ignore),
                 "planar": self.planar,
                 "duration": self.duration,
                 "instants": INSTANTS,
@@ -97,7 +97,7 @@ def _mesh(parameters: Mapping[str, float]) -> str:
 
 CASES = (
     Case("solar_array", "solar array, 3 panels on a free hub, before a latch catches", "end", 3.0,
-         "k", (0.1, 0.05, 0.025, 0.01, 0.005, 0.001), omitted=("Friction", "Latch")),
+         "k", (0.1, 0.05, 0.025, 0.01, 0.005, 0.001), ignore=("Friction", "Latch")),
     Case("nfourbar", "two four-bars of rigid rods, through their singular position", "B0", 2.0,
          "v", (0.04, 0.02, 0.01, 0.005, 0.001), step=0.01),
     Case("scissor", "scissor mast, 3 units of elastic bars", "end", 0.6, "k",
@@ -113,7 +113,7 @@ def exudyn(repeats: int, cases=CASES, steps: int | None = None) -> list[Row]:
     python = compare.interpreter("exudyn", "EXUDYN_PYTHON")
     if python is None:
         reason = "not installed: pip install -e '.[peer-exudyn]'"
-        return [skipped(f"{case.text}: Exudyn against ours", reason, "x") for case in cases]
+        return [skip_row(f"{case.text}: Exudyn against ours", reason, "x") for case in cases]
     return [row for case in cases for row in _rows(case, python, repeats, steps)]
 
 

@@ -24,11 +24,11 @@ MINUTES, RUNS = 0.2, 300
 """Budget of each: minutes of one core, and runs."""
 
 
-def measure_asked(case: AccuracyCase, notify: Callable[[str], object] = print) -> dict:
+def measure_targets(case: AccuracyCase, notify: Callable[[str], object] = print) -> dict:
     """What every accuracy and every rival of a case came to, as plain numbers."""
     with tempfile.TemporaryDirectory() as folder:
         short = {"solver": {"duration": 1e-3, "instants": 2}}
-        _run(case, _merged(scan(2 + 2 ** len(case.config["intervals"])), short), Path(folder))
+        _run(case, _merge(scan(2 + 2 ** len(case.config["intervals"])), short), Path(folder))
         reference, cpu, _ = _run(case, case.reference, Path(folder))
         notify(f"{case.name}: reference, {cpu:.3g} s of cpu time")
         record = {"case": case.name, "title": case.title, "reference_cpu": cpu}
@@ -78,7 +78,7 @@ def judge(bounds: Any, reference: Any, i: int) -> dict[str, float]:
 
 def _run(case: AccuracyCase, change: Mapping, folder: Path) -> tuple[Any, float, dict]:
     """Bounds of a campaign, its cpu time (s) and its summary; nothing of an earlier one is used."""
-    config = _merged({"campaign": "asked", "jobs": {"keep": "responses"}, **case.config}, change)
+    config = _merge({"campaign": "asked", "jobs": {"keep": "responses"}, **case.config}, change)
     with tempfile.TemporaryDirectory(dir=folder) as results:
         start = time.process_time()
         bounds = campaign.run(config, results, figures=False, notify=lambda text: None)
@@ -87,7 +87,7 @@ def _run(case: AccuracyCase, change: Mapping, folder: Path) -> tuple[Any, float,
     return bounds, cpu, summary
 
 
-def _merged(config: Mapping, change: Mapping) -> dict:
+def _merge(config: Mapping, change: Mapping) -> dict:
     from deployable.campaign.config.check import merge
 
     return merge(copy.deepcopy(dict(config)), change)

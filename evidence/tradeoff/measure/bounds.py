@@ -20,9 +20,9 @@ class Band:
     cpu: float = 0.0
 
 
-def take_bounds(choice: Choice, design: intervals.Design, tested: np.ndarray, runs: Runs) -> Band:
-    """The bounds as a campaign would take them, from the runs of the design and at `tested`."""
-    samples = runs.samples(np.concatenate([design.points, tested]))
+def take_bounds(choice: Choice, design: intervals.Design, tests: np.ndarray, runs: Runs) -> Band:
+    """The bounds as a campaign would take them, from the runs of the design and at `tests`."""
+    samples = runs.samples(np.concatenate([design.points, tests]))
     start = time.process_time()
     dataset = intervals.bounds_dataset(samples, design, model=choice.model)
     cpu = time.process_time() - start

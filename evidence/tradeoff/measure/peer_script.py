@@ -21,8 +21,8 @@ def chaospy(data):
     basis = peer.generate_expansion(int(data["degree"]), joint)
     model = peer.fit_regression(basis, data["points"].T, data["values"])
     seconds = time.perf_counter() - start
-    predicted = np.stack([np.asarray(model(*point)) for point in data["tested"]])
-    return {"seconds": seconds, "predicted": predicted, "version": peer.__version__}
+    predictions = np.stack([np.asarray(model(*point)) for point in data["tested"]])
+    return {"seconds": seconds, "predicted": predictions, "version": peer.__version__}
 
 
 def openturns(data):
@@ -47,8 +47,8 @@ def openturns(data):
     algorithm.run()
     model = algorithm.getResult().getMetaModel()
     seconds = time.perf_counter() - start
-    predicted = np.array(model(peer.Sample(data["tested"].tolist())))
-    return {"seconds": seconds, "predicted": predicted, "version": peer.__version__}
+    predictions = np.array(model(peer.Sample(data["tested"].tolist())))
+    return {"seconds": seconds, "predicted": predictions, "version": peer.__version__}
 
 
 def pyuncertainnumber(data):

@@ -38,13 +38,13 @@ def measure_peers(notify: Callable[[str], object] = print) -> dict:
     for name, choice in FITS:
         case = next(case for case in CASES if case.name == name)
         design = design_of(case, choice)
-        tested = scan_of(case, _TESTS)
-        points = np.concatenate([design.points, tested])
+        tests = scan_of(case, _TESTS)
+        points = np.concatenate([design.points, tests])
         line = scan_of(case, 401) if name == "one" else points[:0]
         runs = simulate(case, ELEMENTS, 0.9, np.concatenate([points, line]))
-        problem = _problem(case, choice, design, runs, tested)
+        problem = _problem(case, choice, design, runs, tests)
         notify(f"peers: {len(problem['points'])} runs of case {name}, {choice.label}")
-        fits.append({"by": "intervals", "case": name, **_own_fit(design, problem)})
+        fits.append({"by": "intervals", "case": name, **_fit_ours(design, problem)})
         for peer in ("chaospy", "openturns"):
             answer = run_peer(peer, problem)
             row = answer if "skipped" in answer else _fit_error(answer, problem)
@@ -54,21 +54,21 @@ def measure_peers(notify: Callable[[str], object] = print) -> dict:
     return {"case": "peers", "fits": fits, "bounds": bounds}
 
 
-def _problem(case: Case, choice: Choice, design, runs: Runs, tested: np.ndarray) -> dict:
+def _problem(case: Case, choice: Choice, design, runs: Runs, tests: np.ndarray) -> dict:
     """What a peer is given, all responses side by side: values (N, n T)."""
-    rows = intervals.match_points(design.points, runs.unit)
-    truth = runs.values[intervals.match_points(tested, runs.unit)]
+    rows = intervals.match_points(design.points, runs.points)
+    truth = runs.values[intervals.match_points(tests, runs.points)]
     return {
         "points": design.points,
         "values": runs.values[rows].reshape(len(rows), -1),
         "degree": choice.order,
-        "tested": tested,
-        "truth": truth.reshape(len(tested), -1),
+        "tested": tests,
+        "truth": truth.reshape(len(tests), -1),
         "scales": truth.std(axis=(0, 2)),
     }
 
 
-def _own_fit(design, problem: dict) -> dict:
+def _fit_ours(design, problem: dict) -> dict:
     start = time.perf_counter()
     surrogate = intervals.fit(design, problem["values"])
     seconds = time.perf_counter() - start
@@ -93,7 +93,7 @@ def _fit_error(answer: dict, problem: dict) -> dict:
 
 def _bounds(case: Case, runs: Runs, line: np.ndarray) -> list[dict]:
     """Bounds of the velocity at a few instants between the closures: error and calls of methods."""
-    rows = intervals.match_points(line, runs.unit)
+    rows = intervals.match_points(line, runs.points)
     indices = np.linspace(0.45, 0.85, INSTANTS) * (len(runs.time) - 1)
     curves = runs.values[rows, 1][:, indices.astype(int)]
     low, high = curves.min(axis=0), curves.max(axis=0)
@@ -116,10 +116,10 @@ def _bounds(case: Case, runs: Runs, line: np.ndarray) -> list[dict]:
             bands["polynomial"] = intervals.surrogate_range(intervals.fit(design, values))
             seconds["polynomial"] = (time.perf_counter() - start) / INSTANTS
         if order > 1:
-            even = np.linspace(-1.0, 1.0, order + 1)[:, None]
-            values = runs_at(even)
+            knots = np.linspace(-1.0, 1.0, order + 1)[:, None]
+            values = runs_at(knots)
             start = time.perf_counter()
-            bands["spline"] = intervals.spline_range(intervals.fit_spline(even, values))
+            bands["spline"] = intervals.spline_range(intervals.fit_spline(knots, values))
             seconds["spline"] = (time.perf_counter() - start) / INSTANTS
         for name, band in bands.items():
             ends = np.stack([band.lower, band.upper], axis=1)

@@ -45,8 +45,8 @@ def measure_case(case: Case, notify: Callable[[str], object] = print) -> dict:
         "phases": list(phases),
         "reference": {
             "elements": finest_level.elements,
-            "runs": len(finest.unit),
-            "cpu": finest.cost(len(finest.unit)),
+            "runs": len(finest.points),
+            "cpu": finest.cost(len(finest.points)),
             "rounds": len(rounds) - 1,
             "missing": missing(case, finest_level, rounds, phases),
         },
@@ -67,10 +67,10 @@ def _measure_level(
     records = []
     for choice in level.choices:
         design = design_of(case, choice)
-        tested = held_out_of(case, choice, design)
-        band = bounds.take_bounds(choice, design, tested, runs)
+        tests = held_out_of(case, choice, design)
+        band = bounds.take_bounds(choice, design, tests, runs)
         # a spline goes through the held-out runs too
-        count = design.runs + (len(tested) if choice.model == "spline" else 0)
+        count = design.runs + (len(tests) if choice.model == "spline" else 0)
         record = {
             "level": level.label,
             "elements": level.elements,
@@ -79,7 +79,7 @@ def _measure_level(
             "choice": choice.label,
             **asdict(choice),
             "runs": count,
-            "held_out": design.runs + len(tested) - count,
+            "held_out": design.runs + len(tests) - count,
             "cpu": runs.cost(count) + band.cpu,
             "cpu_batch": runs.cpu,
             "cpu_bounds": band.cpu,

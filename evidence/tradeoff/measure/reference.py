@@ -16,7 +16,7 @@ def seek_runs(level: Level, runs: Runs) -> tuple[Runs, list[Runs]]:
     for seed in range(level.rounds):
         last = rounds[-1]
         points, _ = intervals.seek_points(
-            last.unit, last.values, SEEK, candidates=8192, seed=seed + 1
+            last.points, last.values, SEEK, candidates=8192, seed=seed + 1
         )
         if not len(points):
             break
@@ -35,7 +35,7 @@ def missing(case: Case, level: Level, rounds: list[Runs], phases: dict) -> list[
     if len(rounds) < 3:
         half = scan_of(case, level.scan)
         half = half[::2] if len(case.intervals) == 1 else half[: len(half) // 2]
-        rows = intervals.match_points(half, last.unit)
+        rows = intervals.match_points(half, last.points)
         return distance(last.time, hull(last, rows), hull(last), phases)
     first, second, third = map(hull, rounds[-3:])
     previous = distance(last.time, first, second, phases)

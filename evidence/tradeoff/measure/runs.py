@@ -29,7 +29,7 @@ class Runs:
     """
 
     case: Case
-    unit: np.ndarray
+    points: np.ndarray
     time: np.ndarray
     values: np.ndarray
     events: list[np.ndarray]
@@ -46,24 +46,24 @@ class Runs:
         """Cpu time (s) of so many runs, in whole batches."""
         return math.ceil(runs / LANES) * self.cpu
 
-    def with_runs(self, other_runs: Runs) -> Runs:
+    def with_runs(self, runs: Runs) -> Runs:
         """These runs and more of the same level; the cost of a batch stays that of these."""
         return replace(
             self,
-            unit=np.concatenate([self.unit, other_runs.unit]),
-            values=np.concatenate([self.values, other_runs.values]),
-            events=[*self.events, *other_runs.events],
+            points=np.concatenate([self.points, runs.points]),
+            values=np.concatenate([self.values, runs.values]),
+            events=[*self.events, *runs.events],
         )
 
     def samples(self, points: np.ndarray):
         """Samples dataset of the runs at `points` (N, k), the first ones nodes or not."""
         import xarray as xr
 
-        rows = intervals.match_points(points, self.unit)
-        unit = self.unit[rows]
+        rows = intervals.match_points(points, self.points)
+        normalized = self.points[rows]
         data = {
-            "normalized": (("run", "parameter"), unit),
-            "value": (("run", "parameter"), box_of(self.case).from_unit(unit)),
+            "normalized": (("run", "parameter"), normalized),
+            "value": (("run", "parameter"), box_of(self.case).from_unit(normalized)),
             "values": (("run", "response", "time"), self.values[rows]),
         }
         coords = {"response": list(self.case.responses), "time": self.time}
@@ -86,7 +86,7 @@ def _impacts(events: np.ndarray, gap: float) -> np.ndarray:
     return np.array(times)
 
 
-def simulate(case: Case, elements: int, safety: float, unit: np.ndarray) -> Runs:
+def simulate(case: Case, elements: int, safety: float, points: np.ndarray) -> Runs:
     """Run the case at unit points (R, k), each once; the step serves the whole box.
 
     RuntimeError if a run breaks down.
@@ -96,16 +96,16 @@ def simulate(case: Case, elements: int, safety: float, unit: np.ndarray) -> Runs
     box = box_of(case)
 
     def scene(point):
-        named = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
-        return kind.build(**{case.mesh: elements}, **case.fixed, **named)
+        values_by_name = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
+        return kind.build(**{case.mesh: elements}, **case.fixed, **values_by_name)
 
     ends = np.vstack([np.zeros(box.dimension), box.corners()])
     step = safety * min(fpm.stable_step(scene(point)).step for point in ends)
-    unit = unique_points(unit)
+    points = unique_points(points)
     fpm.warm_up(scene(ends[0]))
     values, events, cpu = [], [], 0.0
-    for first in range(0, len(unit), _CHUNK):
-        scenes = [scene(point) for point in unit[first : first + _CHUNK]]
+    for first in range(0, len(points), _CHUNK):
+        scenes = [scene(point) for point in points[first : first + _CHUNK]]
         start = time.process_time()
         outcomes = fpm.simulate(scenes, duration=case.duration, instants=case.instants, step=step)
         cpu += time.process_time() - start
@@ -114,8 +114,8 @@ def simulate(case: Case, elements: int, safety: float, unit: np.ndarray) -> Runs
                 raise RuntimeError(str(outcome.failure))
             values.append([response.evaluate(outcome) for response in responses])
             events.append(outcome.events)
-    batches = math.ceil(len(unit) / LANES)
+    batches = math.ceil(len(points) / LANES)
     last = outcomes[-1]
     return Runs(
-        case, unit, last.time, np.array(values), events, last.step, last.steps, cpu / batches
+        case, points, last.time, np.array(values), events, last.step, last.steps, cpu / batches
     )

@@ -176,8 +176,8 @@ class Beams(ElementType):
     def topology_of(cls, scene):
         """Return what must be equal in scenes simulated side by side, a tuple: for each group in
         `scene` the particles of its elements, and one bool, whether any element has, or may have,
-        axes other than its particles' (`framed`)."""
-        return tuple(tuple(b.nodes.ravel()) for b in cls.find(scene)), framed(scene)
+        axes other than its particles' (`has_frames`)."""
+        return tuple(tuple(b.nodes.ravel()) for b in cls.find(scene)), has_frames(scene)
 
     @classmethod
     def names(cls, scene):
@@ -241,21 +241,21 @@ class Beams(ElementType):
             batch.peaks_of(cls),
             batch.rows_of(cls),
         )
-        if framed(batch.scene):
+        if has_frames(batch.scene):
             return FramedElements(*arrays, batch.stack(len(nodes), AXES, end_axes))
         return StraightElements(*arrays)
 
 
-ALIGNED = np.array([0.0, 1, 0, 0, 0, 1] * 2)
+NO_TURN = np.array([0.0, 1, 0, 0, 0, 1] * 2)
 """Row of `end_axes` of an element whose axes are those of its particles."""
 
 
-def framed(scene) -> bool:
+def has_frames(scene) -> bool:
     """Return whether some beam element of a scene has local axes other than those of its particles
     (to rounding), or may have, as with a bow; kernels then compute more. Decided for each scene
     alone, so that its last digits do not depend on those simulated with it."""
-    bowed = any(beams.bow is not None for beams in Beams.find(scene))
-    return bowed or bool(Beams.find(scene) and np.abs(end_axes(scene) - ALIGNED).max() >= 1e-12)
+    has_bow = any(beams.bow is not None for beams in Beams.find(scene))
+    return has_bow or bool(Beams.find(scene) and np.abs(end_axes(scene) - NO_TURN).max() >= 1e-12)
 
 
 def end_axes(scene) -> np.ndarray:

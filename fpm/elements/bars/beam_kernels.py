@@ -12,7 +12,7 @@ from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, load, sqrt, store
 from fpm.kernels.layout import D2, D3, F, M, X
 from fpm.kernels.rotation import frame
-from fpm.kernels.vectors import INLINED, add3, cross, dot, get3, kernel, larger, put3, to_global
+from fpm.kernels.vectors import INLINE, add3, cross, dot, get3, kernel, larger, put3, to_global
 
 # Constants of an element.
 LENGTH = 0  # undeformed length
@@ -70,7 +70,7 @@ def twist_of(a2, a3, b2, b3):
 
 
 @kernel
-def _own_axes(part, state, e):
+def _element_axes(part, state, e):
     """Axes of an element of `StraightElements`, as `end_axes`."""
     a, b = part.nodes[e, 0], part.nodes[e, 1]
     return get3(state, a, D2), get3(state, a, D3), get3(state, b, D2), get3(state, b, D3)
@@ -95,10 +95,10 @@ def end_axes(part, state, e):
 
 
 def _axes_for(arrays: type):
-    return _framed_axes if arrays is FramedElements else _own_axes
+    return _framed_axes if arrays is FramedElements else _element_axes
 
 
-@overload(end_axes, jit_options=INLINED)
+@overload(end_axes, jit_options=INLINE)
 def _end_axes(part, state, e):
     function = _axes_for(part.instance_class)
     return lambda part, state, e: function(part, state, e)

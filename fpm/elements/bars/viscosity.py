@@ -62,8 +62,8 @@ class Viscosity(ElementType):
             part._replace(element=part.element + count)
             for part, count in zip(stretches, counts, strict=False)
         ]
-        merged = Deformations(*(np.concatenate(x) for x in zip(*rows, strict=True)))
-        return merged._replace(stiffness=_dampings(scene)[:, 0])
+        modes = Deformations(*(np.concatenate(x) for x in zip(*rows, strict=True)))
+        return modes._replace(stiffness=_dampings(scene)[:, 0])
 
     @classmethod
     def pack(cls, batch):

@@ -34,7 +34,7 @@ RUBBING = 300.0
 """Core time (ns) of a stretch with friction in a step."""
 
 
-def _crowded(values: dict[str, float]) -> tuple[str, str]:
+def _describe_crowding(values: dict[str, float]) -> tuple[str, str]:
     return (
         f"a cable is longer than at rest by {values['crowding']:.2g} times its shortest stretch",
         "points that meet under tension need a pulley's size: keep them apart",
@@ -64,7 +64,7 @@ class Cable(ElementType):
     gives = REEL_WORK
     takes = FRICTION_LOSS
     events = ("tightens", "slackens")
-    watches = (Watch("crowding", 1.0, True, _crowded),)
+    watches = (Watch("crowding", 1.0, True, _describe_crowding),)
 
     @staticmethod
     def create(scene, name, points, stiffness, rest, preload, reel, curve, friction) -> "Cable":
@@ -86,8 +86,8 @@ class Cable(ElementType):
             if not (stiffness > 0 and 0 <= preload < np.inf):
                 pair, allowed = (stiffness, preload), "EA > 0 and a preload >= 0 (N)"
                 raise SceneError(f"EA, preload of cable {name}", pair, allowed)
-            reeled = reel * np.interp(0.0, *scene.curves[curve]) if curve >= 0 else 0.0
-            rest = length_through(scene, beams) / (1 + preload / stiffness) + reeled
+            reel_length = reel * np.interp(0.0, *scene.curves[curve]) if curve >= 0 else 0.0
+            rest = length_through(scene, beams) / (1 + preload / stiffness) + reel_length
         return Cable(name, beams, stiffness, float(rest), reel, curve, friction)
 
     def check(self, scene):
@@ -99,7 +99,7 @@ class Cable(ElementType):
             raise SceneError("cable", self.name, "a name that no other cable has")
         if self.reel and self.curve < 0:
             raise SceneError(f"reel {owner}", self.reel, "a finite length (m), with a curve")
-        if self.rubs and not self.lengths(scene).min() > 0:
+        if self.has_friction and not self.lengths(scene).min() > 0:
             raise SceneError(f"stretches {owner}", self.lengths(scene).tolist(), "points apart")
         if len({beam.particle for beam in self.beams}) < 2:
             raise SceneError(f"points {owner}", self.beams[0].particle, "points of two particles")
@@ -120,7 +120,7 @@ class Cable(ElementType):
         return float(self.rest - np.max(self.reel * factors))
 
     @property
-    def rubs(self) -> bool:
+    def has_friction(self) -> bool:
         """Whether the cable has friction, and points between its ends where it acts."""
         return self.friction is not None and len(self.beams) > 2
 
@@ -133,7 +133,7 @@ class Cable(ElementType):
         """Yield the parts of the cable that have one tension each, as pairs (virtual beams, N/m of
         stiffness at the least unstrained length): the whole, or with friction each stretch."""
         shortest = self.shortest(scene)
-        if not self.rubs:
+        if not self.has_friction:
             yield self.beams, self.stiffness / shortest
             return
         lengths = self.lengths(scene)
@@ -143,7 +143,7 @@ class Cable(ElementType):
     def topology(self):
         """Return what must be equal in scenes simulated side by side: name, particles, curve, and
         whether it has friction."""
-        return self.name, tuple(beam.particle for beam in self.beams), self.curve, self.rubs
+        return self.name, tuple(beam.particle for beam in self.beams), self.curve, self.has_friction
 
     @classmethod
     def names_of(cls, scene) -> tuple[str, ...]:
@@ -194,7 +194,7 @@ class Cable(ElementType):
             log=batch.log_of(cls),
             track=batch.blank((batch.instants + 1) * count, 2),
         )
-        return _with_friction(part, batch) if any(cable.rubs for cable in cables) else part
+        return _with_friction(part, batch) if any(cable.has_friction for cable in cables) else part
 
     @classmethod
     def read_records(cls, part, scene, lane):
@@ -213,11 +213,11 @@ def _with_friction(part, batch):
     """The arrays of cables of which some rub: unstrained lengths of all stretches as well."""
     from fpm.elements.cables.cable_friction_kernels import RubbingCables
     from fpm.elements.cables.cable_kernels import UNSTRAINED
-    from fpm.elements.cables.cable_slip_kernels import MATERIAL, RUBBED
+    from fpm.elements.cables.cable_slip_kernels import MATERIAL, SLIP_SIZE
 
     def material(scene) -> np.ndarray:
         """Unstrained lengths (m) of all stretches at the start, at one strain along each cable."""
-        array = np.zeros((len(part.particle), RUBBED))
+        array = np.zeros((len(part.particle), SLIP_SIZE))
         for first, cable in zip(part.start, Cable.find(scene), strict=False):
             lengths = cable.lengths(scene)
             rest = lengths * (cable.rest_at(scene, 0.0) / lengths.sum())
@@ -228,9 +228,9 @@ def _with_friction(part, batch):
     part.state[:, UNSTRAINED] = rests[:, 0]
     return RubbingCables(
         *part,
-        rubs=batch.integers(cable.rubs for cable in Cable.find(batch.scene)),
+        has_friction=batch.integers(cable.has_friction for cable in Cable.find(batch.scene)),
         friction=batch.table(Cable, 1, lambda cable: [cable.friction or 0.0]),
-        rubbed=batch.stack(len(part.particle), RUBBED, material),
+        slip=batch.stack(len(part.particle), SLIP_SIZE, material),
         loss=batch.loss_account(Cable),
     )
 

@@ -20,12 +20,12 @@ from fpm.elements.cables.cable_kernels import (
     UNSTRAINED_BEFORE,
     energy_of_cable,
     find_pull,
+    find_unstrained_length,
     lay,
     list_excess,
     note_events,
     pull_points,
     record_cable,
-    unstrained_now,
     work_of_winch,
 )
 from fpm.elements.cables.cable_slip_kernels import (
@@ -34,11 +34,11 @@ from fpm.elements.cables.cable_slip_kernels import (
     INVERSE,
     MATERIAL,
     RATIO,
-    SLIPPED,
+    SLIP,
     START,
     TENSION,
     TENSION_BEFORE,
-    find_alone,
+    find_free_strains,
     positive,
     strain_before,
 )
@@ -52,11 +52,11 @@ from fpm.kernels.world import Log
 class RubbingCables(NamedTuple):
     """Arrays of all c cables, with p points, where some have friction (lanes: samples). start,
     particle, curve, arms, cables, stretches, state, account, peaks, rows, log, track: as in Cables;
-    rubs (c,): 1 where a cable has friction; friction (c, 1, lanes): its coefficient; rubbed (p, 8,
-    lanes): of each point and the stretch that begins there, unstrained length (m) before slipping
-    in this step, strain if nothing slipped over the point at its end, largest ratio of tensions,
-    its inverse, unstrained length (m), tension (N), tension a step ago (N), unstrained length
-    slipped over the point (m); loss: index of friction's loss in World.accounts."""
+    has_friction (c,): 1 where a cable has friction; friction (c, 1, lanes): its coefficient; slip
+    (p, 8, lanes): of each point and the stretch that begins there, unstrained length (m) before
+    slipping in this step, strain if nothing slipped over the point at its end, largest ratio of
+    tensions, its inverse, unstrained length (m), tension (N), tension a step ago (N), unstrained
+    length slipped over the point (m); loss: index of friction's loss in World.accounts."""
 
     start: np.ndarray
     particle: np.ndarray
@@ -70,9 +70,9 @@ class RubbingCables(NamedTuple):
     rows: np.ndarray
     log: Log
     track: np.ndarray
-    rubs: np.ndarray  # (c,) whether each has friction
+    has_friction: np.ndarray  # (c,) whether each has friction
     friction: np.ndarray  # (c, 1, lanes) its coefficient
-    rubbed: np.ndarray  # (p, RUBBED, lanes)
+    slip: np.ndarray  # (p, SLIP_SIZE, lanes)
     loss: int  # number of the account of what friction takes
 
 
@@ -100,13 +100,13 @@ def turn_angle(part, j):
 def length_at(part, j, soft, fraction):
     """Return the length (m) of stretch j at a `fraction` (0 to 1) of the step that ends now, as if
     it changed evenly in it. part: arrays of all cables (RubbingCables); soft: 1/EA (1/N)."""
-    length = load(part.rubbed, j, MATERIAL) * (1.0 + soft * load(part.rubbed, j, TENSION))
+    length = load(part.slip, j, MATERIAL) * (1.0 + soft * load(part.slip, j, TENSION))
     return length + fraction * (load(part.stretches, j, LENGTH) - length)
 
 
 @kernel
 def slip(part, c, rest, excess, turn):
-    """Let cable c slip over its points by the law of friction: stores in part.rubbed FREE_STRAIN of
+    """Let cable c slip over its points by the law of friction: stores in part.slip FREE_STRAIN of
     every stretch, its strain if nothing slipped over the point at its end. part: arrays of all
     cables (RubbingCables); rest: unstrained length now (m); excess: length less unstrained length a
     step ago (m); turn: fraction of the step after which the cable turns tight, if it was slack."""
@@ -114,34 +114,34 @@ def slip(part, c, rest, excess, turn):
     soft, rest_sum = 1.0 / load(part.cables, c, EA), 0.0 * rest
     for j in range(first + 1, last):
         ratio = exponential(load(part.friction, c, 0) * turn_angle(part, j))
-        store(part.rubbed, j, RATIO, ratio)
-        store(part.rubbed, j, INVERSE, 1.0 / ratio)
+        store(part.slip, j, RATIO, ratio)
+        store(part.slip, j, INVERSE, 1.0 / ratio)
         start = length_at(part, j, soft, turn)
-        start = where_negative(excess, start, load(part.rubbed, j, MATERIAL))
-        store(part.rubbed, j, START, start)
+        start = where_negative(excess, start, load(part.slip, j, MATERIAL))
+        store(part.slip, j, START, start)
         rest_sum = rest_sum + start
-    store(part.rubbed, first, START, rest - rest_sum)
-    find_alone(part, first, last, CLOSE * rest)
+    store(part.slip, first, START, rest - rest_sum)
+    find_free_strains(part, first, last, CLOSE * rest)
 
 
 @kernel
 def pull_on(part, c, excess, turn, slack):
-    """Store in part.rubbed and part.stretches tension (N), slipped length (m), unstrained length
+    """Store in part.slip and part.stretches tension (N), slipped length (m), unstrained length
     (m) and pull on its points (N) of every stretch of cable c. part: all cables (RubbingCables);
     excess: length less unstrained length now (m); turn: fraction of the step after which the cable
     turns slack, if it is now; slack: fraction of the step in which it is slack."""
     first, last = part.start[c], part.start[c + 1] - 1
     stiffness = load(part.cables, c, EA)
-    soft, strain, inflow = 1.0 / stiffness, load(part.rubbed, last - 1, FREE_STRAIN), 0.0 * excess
+    soft, strain, inflow = 1.0 / stiffness, load(part.slip, last - 1, FREE_STRAIN), 0.0 * excess
     for j in range(last - 1, first - 1, -1):
-        length, old_tension = load(part.stretches, j, LENGTH), load(part.rubbed, j, TENSION)
+        length, old_tension = load(part.stretches, j, LENGTH), load(part.slip, j, TENSION)
         end = where_negative(excess, length_at(part, j, soft, turn), length / (1.0 + strain))
-        inflow = inflow + (end - load(part.rubbed, j, START))
+        inflow = inflow + (end - load(part.slip, j, START))
         tension = where_negative(excess, 0.0, stiffness * strain)
-        store(part.rubbed, j, SLIPPED, inflow)
-        store(part.rubbed, j, MATERIAL, where_negative(excess, length, end))
-        store(part.rubbed, j, TENSION_BEFORE, old_tension)
-        store(part.rubbed, j, TENSION, tension)
+        store(part.slip, j, SLIP, inflow)
+        store(part.slip, j, MATERIAL, where_negative(excess, length, end))
+        store(part.slip, j, TENSION_BEFORE, old_tension)
+        store(part.slip, j, TENSION, tension)
         store(part.stretches, j, PULL, tension - 0.5 * slack * (tension + old_tension))
         if j > first:
             strain = strain_before(part, j, strain)
@@ -149,12 +149,12 @@ def pull_on(part, c, excess, turn, slack):
 
 @kernel
 def find_tensions(part, world, timing, c):
-    """Find and store in part.rubbed the tension (N) of every stretch of cable c, which has
+    """Find and store in part.slip the tension (N) of every stretch of cable c, which has
     friction: measures its lengths, and lets it slip. part: arrays of all cables (RubbingCables);
     world (World): solver state; timing (StepTime): times of the step (s)."""
-    length, rest = lay(part, world.state, c), unstrained_now(part, world, timing, c)
+    length, rest = lay(part, world.state, c), find_unstrained_length(part, world, timing, c)
     last, excess = load(part.state, c, LONGER), length - rest
-    reeled = rest - load(part.state, c, UNSTRAINED)
+    reel_length = rest - load(part.state, c, UNSTRAINED)
     store(part.state, c, LONGER_BEFORE, last)
     store(part.state, c, LONGER, excess)
     store(part.state, c, UNSTRAINED_BEFORE, load(part.state, c, UNSTRAINED))
@@ -164,7 +164,7 @@ def find_tensions(part, world, timing, c):
     if any_negative(-larger(last, excess)):
         slip(part, c, rest, last, turn)
     pull_on(part, c, excess, turn, slack)
-    store(part.rubbed, part.start[c], SLIPPED, (1.0 - slack) * reeled)
+    store(part.slip, part.start[c], SLIP, (1.0 - slack) * reel_length)
 
 
 @hook(RubbingCables)
@@ -172,7 +172,7 @@ def forces(part, world, timing):
     """Add the forces (N) and moments (N m) of all cables to the particles they run over. part: all
     cables (RubbingCables); world (World): solver state, changed; timing (StepTime): times (s)."""
     for c in range(part.curve.shape[0]):
-        if part.rubs[c]:
+        if part.has_friction[c]:
             find_tensions(part, world, timing, c)
         else:
             find_pull(part, world, timing, c)
@@ -183,7 +183,7 @@ def forces(part, world, timing):
 def gain(part, j, soft):
     """Return the energy (J/m) that unstrained cable brings into stretch j when it slips there, as a
     mean over both ends of the step that ends now. part: RubbingCables; soft: 1/EA (1/N)."""
-    tension, last = load(part.rubbed, j, TENSION), load(part.rubbed, j, TENSION_BEFORE)
+    tension, last = load(part.slip, j, TENSION), load(part.slip, j, TENSION_BEFORE)
     return 0.5 * (tension + last) + 0.25 * soft * (tension * tension + last * last)
 
 
@@ -194,16 +194,16 @@ def work_before(part, world, timing):
     World; timing: unused."""
     work, loss = load(world.accounts, 0, part.account), load(world.accounts, 0, part.loss)
     for c in range(part.curve.shape[0]):
-        if not part.rubs[c]:
+        if not part.has_friction[c]:
             work = work + work_of_winch(part, c)
             continue
         first, soft = part.start[c], 1.0 / load(part.cables, c, EA)
         last_gain = gain(part, first, soft)
-        work = work - load(part.rubbed, first, SLIPPED) * last_gain
+        work = work - load(part.slip, first, SLIP) * last_gain
         for j in range(first + 1, part.start[c + 1] - 1):
-            this_gain = gain(part, j, soft)
-            loss = loss + load(part.rubbed, j, SLIPPED) * (this_gain - last_gain)
-            last_gain = this_gain
+            factor = gain(part, j, soft)
+            loss = loss + load(part.slip, j, SLIP) * (factor - last_gain)
+            last_gain = factor
     store(world.accounts, 0, part.account, work)
     store(world.accounts, 0, part.loss, loss)
 
@@ -212,11 +212,11 @@ def work_before(part, world, timing):
 def energy_of(part, world, c):
     """Return the strain energy (J) of cable c. part: RubbingCables; world: not used."""
     total = energy_of_cable(part, c)
-    if part.rubs[c]:
+    if part.has_friction[c]:
         total = 0.0 * total
         for j in range(part.start[c], part.start[c + 1] - 1):
-            tension = load(part.rubbed, j, TENSION)
-            total = total + tension * tension * load(part.rubbed, j, MATERIAL)
+            tension = load(part.slip, j, TENSION)
+            total = total + tension * tension * load(part.slip, j, MATERIAL)
         total = 0.5 / load(part.cables, c, EA) * total
     return total
 
@@ -228,11 +228,11 @@ def record(part, world, row):
     (RubbingCables); world: not used; row: index of the recorded instant."""
     count = part.curve.shape[0]
     for c in range(count):
-        if not part.rubs[c]:
+        if not part.has_friction[c]:
             record_cable(part, c, row * count + c)
             continue
         length = load(part.state, c, LONGER) + load(part.state, c, UNSTRAINED)
-        store(part.track, row * count + c, 0, load(part.rubbed, part.start[c], TENSION))
+        store(part.track, row * count + c, 0, load(part.slip, part.start[c], TENSION))
         store(part.track, row * count + c, 1, length)
 
 

@@ -85,7 +85,7 @@ def lay(part, state, c):
 
 
 @kernel
-def unstrained_now(part, world, timing, c):
+def find_unstrained_length(part, world, timing, c):
     """Return the unstrained length (m) of cable c at timing.time, less what its winch has taken in.
     part: Cables or RubbingCables; world (World): has the curves; timing: StepTime (s)."""
     rest = load(part.cables, c, REST)
@@ -102,7 +102,7 @@ def find_pull(part, world, timing, c):
     store(part.state, c, LONGER_BEFORE, load(part.state, c, LONGER))
     store(part.state, c, UNSTRAINED_BEFORE, load(part.state, c, UNSTRAINED))
     store(part.state, c, WINCH_BEFORE, load(part.state, c, WINCH))
-    rest = unstrained_now(part, world, timing, c)
+    rest = find_unstrained_length(part, world, timing, c)
     stretch, last = length - rest, load(part.state, c, LONGER_BEFORE)
     stiffness = load(part.cables, c, EA) / rest
     pull = stiffness * (where_negative(stretch, 0.0, stretch) + edge(stretch, last))
@@ -152,8 +152,8 @@ def note_events(part, world, timing):
 def work_of_winch(part, c):
     """Return the work (J) of the winch of cable c over the step that ends now, above 0 where it
     takes tight cable in. part: arrays of all cables (Cables or RubbingCables)."""
-    reeled = load(part.state, c, UNSTRAINED_BEFORE) - load(part.state, c, UNSTRAINED)
-    return 0.5 * reeled * (load(part.state, c, WINCH) + load(part.state, c, WINCH_BEFORE))
+    reel_length = load(part.state, c, UNSTRAINED_BEFORE) - load(part.state, c, UNSTRAINED)
+    return 0.5 * reel_length * (load(part.state, c, WINCH) + load(part.state, c, WINCH_BEFORE))
 
 
 @hook(Cables)

@@ -17,8 +17,8 @@ FREE_STRAIN = 1  # strain, if nothing could slip over the point after it
 RATIO, INVERSE = 2, 3  # of the tensions on either side when it slips
 MATERIAL = 4  # unstrained length; the length, where the cable is slack
 TENSION, TENSION_BEFORE = 5, 6
-SLIPPED = 7  # unstrained length that came over the point, or from the winch, while tight
-RUBBED = 8
+SLIP = 7  # unstrained length that came over the point, or from the winch, while tight
+SLIP_SIZE = 8
 
 CLOSE = 1e-13
 """What may be left over in the search for a strain, as a share of the cable's unstrained length."""
@@ -42,39 +42,39 @@ def find_flow(part, first, j, strain):
     """Return the unstrained length (m) that slips from the stretches `first` to j over the point at
     j's end if j has this `strain`, and its derivative by it (m). part: RubbingCables."""
     flow, follows = 0.0 * strain, 0.0 * strain + 1.0
-    slope, linked = flow, follows
+    slope, link = flow, follows
     for k in range(j, first - 1, -1):
         local, scale = follows * strain, 1.0 / (1.0 + follows * strain)
-        start, length = load(part.rubbed, k, START), load(part.stretches, k, LENGTH)
-        flow = flow + linked * (scale * (start * local - (length - start)))  # start - length scale
-        slope = slope + linked * (follows * length * scale * scale)
+        start, length = load(part.slip, k, START), load(part.stretches, k, LENGTH)
+        flow = flow + link * (scale * (start * local - (length - start)))  # start - length scale
+        slope = slope + link * (follows * length * scale * scale)
         if k > first:
-            free_strain, ratio = load(part.rubbed, k - 1, FREE_STRAIN), load(part.rubbed, k, RATIO)
-            inverse = load(part.rubbed, k, INVERSE)
+            free_strain, ratio = load(part.slip, k - 1, FREE_STRAIN), load(part.slip, k, RATIO)
+            inverse = load(part.slip, k, INVERSE)
             low, high = inverse * local - free_strain, free_strain - ratio * local
-            linked = where_negative(low, where_negative(high, 0.0, linked), linked)
+            link = where_negative(low, where_negative(high, 0.0, link), link)
             follows = follows * where_negative(low, ratio, inverse)
-            if not any_negative(-linked):
+            if not any_negative(-link):
                 break
     return flow, slope
 
 
 @kernel
-def strain_alone(part, first, j, tight, slope, close):
+def find_free_strain(part, first, j, tight, slope, close):
     """Return the strain of stretch j > first if nothing could slip over the point at its end, 0 if
     slack, and the derivative of `find_flow` (m) there. At this strain `find_flow` is 0: found by
     Newton's method between bounds, from the solution to first order. part: RubbingCables; first:
     the cable's first point; tight: length less unstrained length (m) of the stretches up to j;
     slope: derivative (m) for the stretches before j; close: flow (m) that is near enough to 0."""
-    start, length = load(part.rubbed, j, START), load(part.stretches, j, LENGTH)
-    free_strain, stuck = load(part.rubbed, j - 1, FREE_STRAIN), positive((length - start) / start)
-    ratio, inverse = load(part.rubbed, j, RATIO), load(part.rubbed, j, INVERSE)
+    start, length = load(part.slip, j, START), load(part.stretches, j, LENGTH)
+    free_strain, stuck = load(part.slip, j - 1, FREE_STRAIN), positive((length - start) / start)
+    ratio, inverse = load(part.slip, j, RATIO), load(part.slip, j, INVERSE)
     least, most = inverse * stuck - free_strain, free_strain - ratio * stuck
     follows = where_negative(least, ratio, inverse)
     slope = where_negative(least, where_negative(most, 0.0, slope), slope)
     strain = (start * stuck + slope * free_strain) / (start + slope * follows)
-    unfinished = where_negative(-tight, 1.0, 0.0)
-    strain = unfinished * strain
+    pending = where_negative(-tight, 1.0, 0.0)
+    strain = pending * strain
     high = larger(stuck, free_strain)
     low = FLOOR * high
     for _ in range(MOST):
@@ -83,10 +83,10 @@ def strain_alone(part, first, j, tight, slope, close):
         better, halfway = strain - flow / steep, sqrt(low * high)
         better = where_negative(low - better, better, halfway)
         better = where_negative(better - high, better, halfway)
-        slope = where_negative(-unfinished, steep, slope)
-        unfinished = where_negative(absolute(flow) - close, 0.0, unfinished)
-        strain = where_negative(-unfinished, better, strain)
-        if not any_negative(-unfinished):
+        slope = where_negative(-pending, steep, slope)
+        pending = where_negative(absolute(flow) - close, 0.0, pending)
+        strain = where_negative(-pending, better, strain)
+        if not any_negative(-pending):
             break
     return strain, slope
 
@@ -95,22 +95,22 @@ def strain_alone(part, first, j, tight, slope, close):
 def strain_before(part, j, strain):
     """Return the strain of the stretch before point j by the law of friction, if that after it has
     `strain`. part: arrays of all cables (RubbingCables), in which FREE_STRAIN is known."""
-    least, most = load(part.rubbed, j, INVERSE) * strain, load(part.rubbed, j, RATIO) * strain
-    free_strain = load(part.rubbed, j - 1, FREE_STRAIN)
+    least, most = load(part.slip, j, INVERSE) * strain, load(part.slip, j, RATIO) * strain
+    free_strain = load(part.slip, j - 1, FREE_STRAIN)
     return larger(least, where_negative(most - free_strain, most, free_strain))
 
 
 @kernel
-def find_alone(part, first, last, close):
-    """Store in part.rubbed (FREE_STRAIN) the strain that each stretch of a cable would have if it
+def find_free_strains(part, first, last, close):
+    """Store in part.slip (FREE_STRAIN) the strain that each stretch of a cable would have if it
     slipped over the points before, but nothing over that at the stretch's end, for `strain_before`.
     part: all cables (RubbingCables); first, last: indices of the cable's first and last point;
     close: error of unstrained length (m) at which the iteration for each strain ends."""
-    start, length = load(part.rubbed, first, START), load(part.stretches, first, LENGTH)
+    start, length = load(part.slip, first, START), load(part.stretches, first, LENGTH)
     tight = length - start
     strain, slope = positive(tight) / larger(start, 0.0 * start + TINY), length
-    store(part.rubbed, first, FREE_STRAIN, strain)
+    store(part.slip, first, FREE_STRAIN, strain)
     for j in range(first + 1, last):
-        tight = tight + (load(part.stretches, j, LENGTH) - load(part.rubbed, j, START))
-        strain, slope = strain_alone(part, first, j, tight, slope, close)
-        store(part.rubbed, j, FREE_STRAIN, strain)
+        tight = tight + (load(part.stretches, j, LENGTH) - load(part.slip, j, START))
+        strain, slope = find_free_strain(part, first, j, tight, slope, close)
+        store(part.slip, j, FREE_STRAIN, strain)

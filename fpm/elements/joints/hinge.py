@@ -80,7 +80,7 @@ class JointBase(ElementType):
         """Check, before the joint is added, that no hinge or joint of the scene has its name; else
         raises SceneError. scene: the joint is not yet in it."""
         names = {self.name} if self.type == "cross" else {self.name, self.joint}
-        if names & names_taken(scene):  # the first angle has checked for the second
+        if names & list_names(scene):  # the first angle has checked for the second
             raise SceneError(type(self).__name__.lower(), self.joint, "a name not yet used")
 
     @classmethod
@@ -206,14 +206,14 @@ class Hinge(JointBase):
         def lone(rows_of):  # which are alone is the same in all scenes of a batch
             return lambda scene: rows_of(scene, [scene.hinges[i] for i in indices])
 
-        axes = [held_axes(hinge.support) for hinge in hinges]
+        axes = [mask_axes(hinge.support) for hinge in hinges]
         is_counted = cls.are_impulses_read(batch.scene)
         return arrays.Hinges(
             ends=batch.integers(cls.moved_particles(batch.scene)),
             bodies=batch.stack(2 * h, arrays.BODY, lone(_bodies)),
             hinges=batch.stack(h, arrays.HINGE, lone(_places)),
             fixed_axes=batch.integers(axes, 3),
-            supported=bool(np.any(axes)),
+            has_supports=bool(np.any(axes)),
             body_scratch=batch.blank(2 * h, arrays.BODY_SCRATCH),
             hinge_scratch=batch.blank(h, arrays.HINGE_SCRATCH),
             open=np.zeros(h, bool),
@@ -226,7 +226,7 @@ class Hinge(JointBase):
         )
 
 
-def names_taken(scene) -> set[str]:
+def list_names(scene) -> set[str]:
     """Return the names in use by all hinges and joints of a scene, of universal joints also of
     their two angles: a new joint's name must differ from them."""
     names = {e.name for kind, elements in scene.kinds.items() if kind.joins for e in elements}
@@ -245,10 +245,10 @@ def _bodies(scene, hinges: Sequence[Hinge]) -> np.ndarray:
 
 
 def _places(scene, hinges: Sequence[Hinge]) -> np.ndarray:
-    return np.hstack([[held_axes(hinge.support) for hinge in hinges], places_of(scene, hinges)])
+    return np.hstack([[mask_axes(hinge.support) for hinge in hinges], places_of(scene, hinges)])
 
 
-def held_axes(letters: str) -> list[bool]:
+def mask_axes(letters: str) -> list[bool]:
     """Return three truth values: whether the global axes x, y, z are among `letters`, as "xz"."""
     return [axis in letters for axis in AXES]
 
@@ -268,13 +268,13 @@ def are_alone(scene) -> list[bool]:
     particle and the hinge point, one may turn, and about all axes or none."""
     joining = [e for kind, elements in scene.kinds.items() if kind.joins for e in elements]
     uses = Counter(p for element in joining for p in element.particles)
-    shared = {p for p, count in uses.items() if count > 1 and not scene.fixed[p].all()}
-    shared.update(drive.particle for drive in scene.drives)
+    shared_particles = {p for p, count in uses.items() if count > 1 and not scene.fixed[p].all()}
+    shared_particles.update(drive.particle for drive in scene.drives)
     turning = {holder.hinge for holder in Turn.find(scene)}
     return [
         hinge.type == "revolute"
         and h not in turning
-        and shared.isdisjoint(hinge.particles)
+        and shared_particles.isdisjoint(hinge.particles)
         and is_regular(hinge, scene.fixed)
         for h, hinge in enumerate(scene.hinges)
     ]
@@ -312,10 +312,10 @@ def is_regular(hinge: Hinge, fixed: np.ndarray) -> bool:
 def _is_regular(support: str, fixed1: bytes, fixed2: bytes) -> bool:
     """Whether a lone hinge's matrix is regular, by held axes of point (letters) and particles."""
     fixed1, fixed2 = np.frombuffer(fixed1, bool), np.frombuffer(fixed2, bool)
-    point = np.array(held_axes(support))
-    doubled = (fixed1[:3] & fixed2[:3]) | ((fixed1[:3] | fixed2[:3]) & point)
+    point = np.array(mask_axes(support))
+    double_axes = (fixed1[:3] & fixed2[:3]) | ((fixed1[:3] | fixed2[:3]) & point)
     in_part = any(turns.any() and not turns.all() for turns in (fixed1[3:], fixed2[3:]))
-    return not (doubled.any() or in_part or (fixed1[3:].all() and fixed2[3:].all()))
+    return not (double_axes.any() or in_part or (fixed1[3:].all() and fixed2[3:].all()))
 
 
 def unit(vector, noun: str) -> np.ndarray:

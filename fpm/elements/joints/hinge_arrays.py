@@ -52,8 +52,8 @@ class Hinges(NamedTuple):
     Hinge i has the bodies 2 i and 2 i + 1. ends (2 h,): particle of each body; bodies (2 h, 15,
     lanes): arm, axis, reference, normal to both, inverse masses; hinges (h, 6, lanes): held axes,
     place of the point; fixed_axes (h, 3): 1 where the hinge point is held along global x, y, z;
-    supported: whether any is; body_scratch (2 h, 39, lanes), hinge_scratch (h, 75, lanes): working
-    memory; open (h,): whether a hinge needs another round of this step; peaks (1, 2, lanes):
+    has_supports: whether any is; body_scratch (2 h, 39, lanes), hinge_scratch (h, 75, lanes): for
+    work; open (h,): whether a hinge needs another round of this step; peaks (1, 2, lanes):
     largest gap (m) and tilt (sine) so far; names (h,): row of each hinge in `excess`; excess (h, 1,
     lanes): gap and tilt squared, as shares of what is allowed, summed, to name the worst hinge;
     gaps (instants + 1, 2, lanes): largest gap (m) and tilt (sine) recorded at each instant; sums
@@ -64,7 +64,7 @@ class Hinges(NamedTuple):
     bodies: np.ndarray  # (2h, BODY, lanes)
     hinges: np.ndarray  # (h, HINGE, lanes)
     fixed_axes: np.ndarray  # (h, 3) 1 where the hinge point is held along a global axis
-    supported: bool  # whether any is
+    has_supports: bool  # whether any is
     body_scratch: np.ndarray  # (2h, BODY_SCRATCH, lanes)
     hinge_scratch: np.ndarray  # (h, HINGE_SCRATCH, lanes)
     open: np.ndarray  # (h,) scratch

@@ -53,7 +53,7 @@ from fpm.elements.joints.hinge_matrix import (
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import any_negative, load, store, where_negative
 from fpm.kernels.layout import HALF, P, V, X
-from fpm.kernels.rotation import frame, half_turn, put_turned
+from fpm.kernels.rotation import frame, half_turn, turn_frame
 from fpm.kernels.vectors import (
     add3,
     add_where,
@@ -80,7 +80,7 @@ def prepare(part, world, timing):
     clear(part.sums)
     prepare_bodies(world, part, timing.kick)
     prepare_matrices(part)
-    if part.supported:
+    if part.has_supports:
         prepare_supports(part)
     aim(part, world.state)
 
@@ -150,7 +150,7 @@ def move_bodies(state, particles, pair, step):
     put3(state, pair, X, step * get3(state, pair, V) + get3(state, pair, X))
     axes = frame(state, pair)
     half = half_turn(to_local(axes, get3(state, pair, P)), get3(particles, pair, HALF))
-    put_turned(state, pair, axes, half)
+    turn_frame(state, pair, axes, half)
 
 
 @kernel
@@ -203,16 +203,16 @@ def move(part, world, timing):
         is_open = False
         for h in range(w.shape[0]):
             if open_[h]:
-                slack = distance(w, h, timing.step, load(world.size, 0, 0))
-                open_[h] = any_negative(slack)
+                margin = distance(w, h, timing.step, load(world.size, 0, 0))
+                open_[h] = any_negative(margin)
                 if open_[h] and n + 1 == ROUNDS:
                     open_[h] = False
                     watch(part, *gap_squares(part, state, h))
                 if open_[h]:
                     is_open = True
                     for r in (2 * h, 2 * h + 1):
-                        push_where_far(state, ends[r], r, b, slack)
-                    count_hinge(part.sums, part, h, slack)
+                        push_where_far(state, ends[r], r, b, margin)
+                    count_hinge(part.sums, part, h, margin)
         if not is_open:
             break
     for h in range(w.shape[0]):
@@ -232,7 +232,7 @@ def look_back(part, world, timing):
         put3(start, pair, X, get3(start, pair, X) - timing.step * get3(start, pair, V))
         axes = frame(start, pair)
         half = -1.0 * get3(world.particles, pair, HALF)
-        put_turned(start, pair, axes, half_turn(to_local(axes, get3(start, pair, P)), half))
+        turn_frame(start, pair, axes, half_turn(to_local(axes, get3(start, pair, P)), half))
         ask(part, start, h, 0.5 / timing.step)
     find_impulses(part)
     for h in range(part.hinge_scratch.shape[0]):
@@ -250,7 +250,7 @@ def gap_squares(part, state, h):
     both. part: arrays of all hinges (Hinges); state: of the particles (World.state)."""
     point, gap, ep, eq = gaps(part, state, h)
     gap2 = dot(gap, gap)
-    if part.supported:
+    if part.has_supports:
         offset = times(get3(part.hinges, h, SUPPORTS), point - get3(part.hinges, h, PLACE))
         gap2 = larger(gap2, dot(offset, offset))
     return gap2, ep * ep + eq * eq
@@ -265,9 +265,9 @@ def distance(w, h, step, size):
     most = coarse(step, size)
     gap, gap2 = get3(w, h, GOAL), get3(w, h, GOAL + 5)
     ep, eq = load(w, h, GOAL + 3), load(w, h, GOAL + 4)
-    slack = 1.0 - (dot(gap, gap) + dot(gap2, gap2)) * (most * most)
+    margin = 1.0 - (dot(gap, gap) + dot(gap2, gap2)) * (most * most)
     tilt = 1.0 - (ep * ep + eq * eq) * (step / COARSE_TILT) ** 2
-    return where_negative(tilt, tilt, slack)
+    return where_negative(tilt, tilt, margin)
 
 
 report_gaps(Hinges, gap_squares)

@@ -301,7 +301,7 @@ def find_impulses(part):
             put3(w, h, FORCE2, force)
             store(w, h, MP, mp)
             store(w, h, MP + 1, mq)
-    if part.supported:
+    if part.has_supports:
         for h in range(w.shape[0]):
             if open_[h] and is_held(part, h):
                 hold_point(part, h)

@@ -23,7 +23,7 @@ from fpm.elements.joints.hinge import (
     are_alone,
     arms,
     gap_watches,
-    held_axes,
+    mask_axes,
     places_of,
     two_of,
     unit,
@@ -224,8 +224,8 @@ class Joint(JointBase):
         for those of the d constraints of joints that it is coupled to when its turn comes."""
         *_, order, followers = cls._elimination(scene)
         counts = np.array([joint.conditions for joint in cls.find(scene)])[order]
-        coupled = np.array([counts[members].sum() for members in followers])
-        operations = counts**3 / 6 + counts**2 * coupled / 2 + counts * coupled**2 / 2
+        later_counts = np.array([counts[members].sum() for members in followers])
+        operations = counts**3 / 6 + counts**2 * later_counts / 2 + counts * later_counts**2 / 2
         return int(counts.sum()), float(operations.sum())
 
     @classmethod
@@ -243,17 +243,17 @@ class Joint(JointBase):
         bodies, slots, movable, order, followers = cls._elimination(scene)
         joints, slots = [joints[j] for j in order], slots[order]
         layout, entries = pattern([j.conditions for j in joints], slots, movable, followers)
-        driven_set = set(Drive.moved_particles(scene))
+        driven_particles = set(Drive.moved_particles(scene))
         conditions, rows = sum(j.conditions for j in joints), batch.instants + 1
-        coupled = arrays.Joints(
+        joint_arrays = arrays.Joints(
             types=batch.integers(TYPES[j.type].number for j in joints),
             names=batch.integers(order),
             slots=slots.ravel(),
             sides=batch.stack(2 * len(joints), arrays.SIDE, lambda s: _sides(s, order)),
             places=batch.stack(len(joints), 3, lambda s: places_of(s, cls.find(s))[order]),
-            fixed_axes=batch.integers([held_axes(j.support_axes) for j in joints], 3),
+            fixed_axes=batch.integers([mask_axes(j.support_axes) for j in joints], 3),
             particle=batch.integers(bodies),
-            is_driven=batch.integers(p in driven_set for p in bodies),
+            is_driven=batch.integers(p in driven_particles for p in bodies),
             bodies=batch.stack(len(bodies), arrays.BODY, lambda s: _bodies(s, bodies)),
             body_scratch=batch.blank(len(bodies), arrays.BODY_SCRATCH),
             rows=batch.blank(conditions, arrays.ROW),
@@ -267,11 +267,11 @@ class Joint(JointBase):
         )
         if cls.are_impulses_read(scene):
             sums, forces = batch.blank(conditions, 1), batch.blank(rows * len(joints), SUMS)
-            coupled = coupled._replace(sums=sums, forces=forces)
+            joint_arrays = joint_arrays._replace(sums=sums, forces=forces)
         if not (turns := len(Turn.find(scene))):
-            return coupled
+            return joint_arrays
         first = len(joints) - turns
-        return arrays.TurnedJoints(*coupled)._replace(
+        return arrays.TurnedJoints(*joint_arrays)._replace(
             turns=batch.part(Turn),
             turn_of=batch.integers(max(number - first, -1) for number in order),
             turn_at=batch.integers(order.index(first + t) for t in range(turns)),

@@ -81,11 +81,11 @@ class Pattern(NamedTuple):
 class Turns(NamedTuple):
     """Openings (joint coordinates) held exactly, t of them: shared by the joints' solver and the
     elements that hold. state (t, 5, lanes): -1 held or 1 free, target (rad; m), rate (rad/s; m/s),
-    impulse of the step, that of the last solution (N m s; N s); blow (1, 1, lanes): time of an
+    impulse of the step, that of the last solution (N m s; N s); impact (1, 1, lanes): time of an
     impact as a share of this step, below 0 if it came in the step before; 0: none."""
 
     state: np.ndarray  # (t, TURN, lanes)
-    blow: np.ndarray  # (1, 1, lanes) when a blow comes, in steps from the start of this one
+    impact: np.ndarray  # (1, 1, lanes) when a blow comes, in steps from the start of this one
 
 
 class Joints(NamedTuple):

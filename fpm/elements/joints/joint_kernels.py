@@ -54,7 +54,7 @@ from fpm.elements.joints.joint_rows import find_gaps, find_rows
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import any_negative, load, store, where_negative
 from fpm.kernels.layout import ACCOUNTS, F, M, P, V, X
-from fpm.kernels.rotation import frame, half_turn, put_turned
+from fpm.kernels.rotation import frame, half_turn, turn_frame
 from fpm.kernels.vectors import (
     add3,
     add_where,
@@ -216,7 +216,7 @@ def move_bodies(part, state, repeat, step):
             axes = frame(state, i)
             rate = (0.5 * step) * get3(part.bodies, s, HIJ)
             half = half_turn(to_local(axes, get3(state, i, P)), rate)
-            put_turned(state, i, axes, half)
+            turn_frame(state, i, axes, half)
 
 
 @kernel
@@ -241,13 +241,13 @@ def move(part, world, timing):
     most = coarse(1.0, load(world.size, 0, 0))
     for n in range(ROUNDS):
         move_bodies(part, state, n > 0, timing.step)
-        slack = 0.0 * load(state, 0, X) + 1.0
+        margin = 0.0 * load(state, 0, X) + 1.0
         for j in range(part.types.shape[0]):
             gap2, tilt2 = find_gaps(part, state, j)
             value = 1.0 - gap2 * (most * most)
-            slack = where_negative(value, value, slack)
+            margin = where_negative(value, value, margin)
             value = 1.0 - tilt2 * (1.0 / COARSE_TILT**2)
-            slack = where_negative(value, value, slack)
+            margin = where_negative(value, value, margin)
             if n + 1 == ROUNDS:
                 watch(part, gap2, tilt2)
         if n == 0:
@@ -255,11 +255,11 @@ def move(part, world, timing):
                 miss = inverse_step * load(rows, r, RESIDUAL) + load(rows, r, MISS)
                 store(rows, r, MISS, miss)
         find_impulses(part, -inverse_step)
-        if n + 1 == ROUNDS or not any_negative(slack):
+        if n + 1 == ROUNDS or not any_negative(margin):
             break
         for s in range(part.particle.shape[0]):
-            push_where_far(part, state, s, slack)
-        count_joints(part, slack)
+            push_where_far(part, state, s, margin)
+        count_joints(part, margin)
     for s in range(part.particle.shape[0]):
         nudge(part, state, s, timing.step)
     count_joints(part, ALL)
@@ -290,9 +290,9 @@ def move_back(part, start, step):
         axes = frame(start, i)
         body, rate = to_local(axes, get3(start, i, P)), -0.5 * step * get3(part.bodies, s, HIJ)
         if part.is_driven[s]:  # by its spin, which stands there
-            put_turned(start, i, axes, (-0.5 * step) * body)
+            turn_frame(start, i, axes, (-0.5 * step) * body)
         else:
-            put_turned(start, i, axes, half_turn(body, rate))
+            turn_frame(start, i, axes, half_turn(body, rate))
 
 
 @kernel

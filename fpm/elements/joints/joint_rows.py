@@ -239,7 +239,7 @@ def opening_gap(turns, part, state, j):
     is free. turns: Joints.turns, None: 0; part: all joints (Joints); state: World.state."""
     if turns is None:
         return 0.0 * load(state, 0, X)
-    return held_gap(part, state, j)
+    return find_lock_gap(part, state, j)
 
 
 @kernel
@@ -264,7 +264,7 @@ def put_held_row(part, state, j):
 
 
 @kernel
-def held_gap(part, state, j):
+def find_lock_gap(part, state, j):
     """Return the joint coordinate (rad; m of slides) that joint j holds less its target; 0 in lanes
     where it is free. part: arrays of all joints (TurnedJoints); state: World.state."""
     t = part.turn_of[j]

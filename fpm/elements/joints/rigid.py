@@ -31,7 +31,7 @@ from importlib import import_module
 import numpy as np
 
 from fpm.elements.fields import index, number, topology, word
-from fpm.elements.joints.turn import HoldsHinge
+from fpm.elements.joints.turn import ExactConnector
 from fpm.elements.openings.friction import SWEEP_DEFLECTION, Friction
 from fpm.elements.openings.latch import SIDES, AnyLatch
 from fpm.elements.openings.motor import AnyMotor
@@ -58,7 +58,7 @@ RATE_TOL = 1e-11
 others leaves a tenth (AGREES in solver/start.py)."""
 
 
-class Rigid(HoldsHinge):
+class Rigid(ExactConnector):
     """Base class of motors, releases, latches and friction that hold a joint coordinate exactly,
     without a spring. `noun`: the type's word, as "latch"; kernels: in rigid_<noun>_kernels."""
 
@@ -86,8 +86,8 @@ class RigidMotor(AnyMotor, Rigid):
             return float(self.start + self.turn * np.interp(time, times, values))
         bends = np.append(times[(times > 0.0) & (times < time)], [0.0, time])
         bends.sort()
-        travelled = np.trapezoid(np.interp(bends, times, values), bends)
-        return float(self.start + self.turn * travelled)
+        distance = np.trapezoid(np.interp(bends, times, values), bends)
+        return float(self.start + self.turn * distance)
 
     def rate_at_start(self, scene) -> float:
         """Return the rate (rad/s; m/s on a slide) that the motor prescribes just after time 0; 0
@@ -152,11 +152,11 @@ class RigidLatch(AnyLatch, Rigid):
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field `name` of the kernels' tuple RigidLatches, as
-        HoldsHinge.array; in "state", the field SEARCHED, joint coordinate up to which a latch has
-        looked, is that at the start (rad; m). batch: the scenes simulated side by side."""
+        ExactConnector.array; in "state", the field SEARCH_END, joint coordinate up to which a latch
+        has looked, is that at the start (rad; m). batch: the scenes simulated side by side."""
         array = super().array(name, batch)
         if name == "state":
-            array[:, cls.kernels().SEARCHED] = start_angles(batch, cls)
+            array[:, cls.kernels().SEARCH_END] = start_angles(batch, cls)
         return array
 
 
@@ -193,8 +193,8 @@ class RigidFriction(Rigid):
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field `name` of the kernels' tuple RigidFrictions, as
-        HoldsHinge.array; "state" is 0 but for its field SIGN, the sign (1 or -1; 1 at rest) of the
-        hinge's rate at the start. batch: the scenes simulated side by side."""
+        ExactConnector.array; "state" is 0 but for its field SIGN, the sign (1 or -1; 1 at rest) of
+        the hinge's rate at the start. batch: the scenes simulated side by side."""
         if name != "state":
             return super().array(name, batch)
         kernels, count = cls.kernels(), len(cls.find(batch.scene))

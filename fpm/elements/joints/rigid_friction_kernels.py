@@ -13,7 +13,7 @@ from fpm.elements.joints.turn_kernels import (
     end_work_of,
     moment_of,
 )
-from fpm.elements.openings.losses_kernels import LOSS as OLD_RATE  # which holds a rate here
+from fpm.elements.openings.losses_kernels import LOSS as PREVIOUS_RATE  # which holds a rate here
 from fpm.elements.openings.losses_kernels import RATE as LAST
 from fpm.elements.openings.losses_kernels import half_rate
 from fpm.elements.openings.opening_kernels import NEW, Openings, push, turn
@@ -56,13 +56,14 @@ class RigidFrictions(NamedTuple):
 def forces(part, world, timing):
     """Add the friction moment (N m) of each element that slips to the particles of its hinge. part:
     arrays of all rigid frictions (RigidFrictions); world (World): solver state, changed; timing:
-    StepTime (s). The time of an impact, part.turns.blow, is then counted from this step's start."""
-    blow = load(part.turns.blow, 0, 0)
-    store(part.turns.blow, 0, 0, where_negative(-1.0 * blow, blow - 1.0, 0.0))
+    StepTime (s). The time of an impact, part.turns.impact, is then counted from this step's
+    start."""
+    impact = load(part.turns.impact, 0, 0)
+    store(part.turns.impact, 0, 0, where_negative(-1.0 * impact, impact - 1.0, 0.0))
     for i in range(part.hinge.shape[0]):
         h = part.hinge[i]
         if timing.time > 0.0:
-            store(part.rates, i, OLD_RATE, load(part.rates, i, LAST))
+            store(part.rates, i, PREVIOUS_RATE, load(part.rates, i, LAST))
             store(part.rates, i, LAST, half_rate(part.openings, h, timing))
         hold = load(part.turns.state, part.turn[i], HOLDS)
         brake = -1.0 * load(part.state, i, SIGN) * load(part.numbers, i, 0)
@@ -86,14 +87,14 @@ def turning(part, i, timing):
     last = sign * load(part.rates, i, LAST)
     last = where_negative(last, 0.0, last)
     fall = last - sign * load(part.turns.state, part.turn[i], RATE)
-    old_fall = sign * load(part.rates, i, OLD_RATE) - last
+    old_fall = sign * load(part.rates, i, PREVIOUS_RATE) - last
     vertex = 0.5 * timing.step * (last - 0.5 * fall) * (last - 0.5 * fall) / fall
-    sudden = 0.5 * timing.kick * last * last / fall
-    blow = old_fall - 0.5 * fall
+    jump = 0.5 * timing.kick * last * last / fall
+    impact = old_fall - 0.5 * fall
     fraction = last / fall
     if timing.time > 0.0:
-        fraction = where_negative(blow, 0.5 + load(part.turns.blow, 0, 0), fraction)
-    return fraction, where_negative(-last, where_negative(blow, sudden, vertex), 0.0)
+        fraction = where_negative(impact, 0.5 + load(part.turns.impact, 0, 0), fraction)
+    return fraction, where_negative(-last, where_negative(impact, jump, vertex), 0.0)
 
 
 @hook(RigidFrictions)
@@ -107,7 +108,7 @@ def decide(part, world, timing):
     for i in range(part.hinge.shape[0]):
         t, changes = part.turn[i], load(part.state, i, CHANGES_LEFT)
         hold, sign = load(part.turns.state, t, HOLDS), load(part.state, i, SIGN)
-        reserve = load(part.numbers, i, 0) - absolute(needed_by(part, i, timing))
+        reserve = load(part.numbers, i, 0) - absolute(find_holding_moment(part, i, timing))
         speed = where_negative(hold, 1.0, sign * load(part.turns.state, t, RATE))
         is_first = changes - (CHANGES - 0.5)
         slips = where_negative(hold, reserve, 1.0)
@@ -118,7 +119,7 @@ def decide(part, world, timing):
 
 
 @kernel
-def needed_by(part, i, timing):
+def find_holding_moment(part, i, timing):
     """Return the moment (N m) that holds element i in this step, as the joints were last solved; 0
     where it slips. part: all rigid frictions (RigidFrictions); timing: StepTime (s)."""
     return (1.0 / timing.kick) * load(part.turns.state, part.turn[i], SOLVED_IMPULSE)
@@ -132,7 +133,7 @@ def slipping(part, i, full, timing):
     rigid frictions (RigidFrictions); timing (StepTime): times of the step (s)."""
     if timing.time == 0.0:
         return full
-    delay = load(part.turns.blow, 0, 0)
+    delay = load(part.turns.impact, 0, 0)
     mean = (0.5 - delay) * full + (0.5 + delay) * load(part.state, i, WORKS + HOLD_MOMENT)
     is_slip = -absolute(load(part.state, i, LAST_BRAKE))
     return where_negative(is_slip, full, mean)
@@ -145,7 +146,7 @@ def change(part, world, timing, i, slips, turns, sticks):
     rigid frictions (RigidFrictions); world (World): solver state; timing (StepTime): times (s)."""
     t, h, most = part.turn[i], part.hinge[i], load(part.numbers, i, 0)
     old, last = load(part.state, i, SIGN), load(part.state, i, BRAKE)
-    sign = where_negative(needed_by(part, i, timing), -1.0, 1.0)
+    sign = where_negative(find_holding_moment(part, i, timing), -1.0, 1.0)
     fraction, path = turning(part, i, timing)
     brake = where_negative(slips, slipping(part, i, sign * most, timing), last)
     brake = where_negative(turns, (1.0 - 2.0 * fraction) * old * most, brake)

@@ -7,12 +7,12 @@ import numpy as np
 from fpm.elements.joints.joint_arrays import HOLDS, RATE, TARGET, Turns
 from fpm.elements.joints.turn_kernels import HOLD_FIELDS, account, end_work, moment_of
 from fpm.elements.openings.latch_kernels import (
+    CATCH_RATE,
     CATCH_TIME,
     IMPULSE,
     IS_CAUGHT,
     MOMENT,
     NEWS,
-    RATE_THERE,
     note_events,
     pass_by,
     reach_of,
@@ -33,8 +33,8 @@ WORKS = LATCH  # of turn_kernels
 AGE = WORKS + HOLD_FIELDS  # steps in which it has held
 IMPACT = AGE + 1  # impulse with which it caught
 PREDICTION = IMPACT + 1  # opening that is foreseen for the end of this step
-SEARCHED = PREDICTION + 1  # opening up to which it has looked, as foreseen in the step before
-STATE = SEARCHED + 1
+SEARCH_END = PREDICTION + 1  # opening up to which it has looked, as foreseen in the step before
+STATE = SEARCH_END + 1
 
 NUMBERS = LATCH_NUMBERS[:4]  # how it catches
 TRACK = 4  # recorded: as of all latches, and the impulse with which it caught
@@ -94,7 +94,7 @@ def decide(part, world, timing):
     before, since the real one, which differs in its last digits, might slip through."""
     for i in range(part.hinge.shape[0]):
         t = part.turn[i]
-        start, prediction = load(part.state, i, SEARCHED), predict(part, i, timing)
+        start, prediction = load(part.state, i, SEARCH_END), predict(part, i, timing)
         store(part.state, i, PREDICTION, prediction)
         reach = reach_of(part, i, start, prediction)
         open_ = 0.5 - load(part.state, i, IS_CAUGHT) - load(part.state, i, NEWS)
@@ -102,7 +102,7 @@ def decide(part, world, timing):
             end = timing.time + timing.step
             for s in range(part.state.shape[2]):
                 if part.state[i, IS_CAUGHT, s] + part.state[i, NEWS, s] == 0.0:
-                    psi_start, psi_end = part.state[i, SEARCHED, s], part.state[i, PREDICTION, s]
+                    psi_start, psi_end = part.state[i, SEARCH_END, s], part.state[i, PREDICTION, s]
                     pass_by(
                         part, i, s, psi_start, psi_end, part.rates[i, LAST, s], end, timing.step
                     )
@@ -110,7 +110,7 @@ def decide(part, world, timing):
                         part.turns.state[t, HOLDS, s] = -1.0
                         part.turns.state[t, TARGET, s] = part.state[i, PLACE, s]
                         fraction = (part.state[i, CATCH_TIME, s] - timing.time) / timing.step
-                        part.turns.blow[0, 0, s] = fraction
+                        part.turns.impact[0, 0, s] = fraction
                         world.undecided[0] = 1
 
 
@@ -128,11 +128,11 @@ def work_after(part, world, timing):
         store(part.state, i, IMPULSE, load(part.state, i, IMPULSE) + impulse)
         age = load(part.state, i, AGE) + load(part.state, i, IS_CAUGHT)
         store(part.state, i, AGE, age)
-        store(part.state, i, SEARCHED, predict(part, i, timing))
+        store(part.state, i, SEARCH_END, predict(part, i, timing))
         time = timing.time - 0.5 * timing.step - load(part.state, i, CATCH_TIME)
-        blow = where_negative(age - 2.5, impulse, -1.0 * time * moment)
-        blow = where_negative(age - 3.5, blow, 0.0)
-        store(part.state, i, IMPACT, load(part.state, i, IMPACT) + blow)
+        impact = where_negative(age - 2.5, impulse, -1.0 * time * moment)
+        impact = where_negative(age - 3.5, impact, 0.0)
+        store(part.state, i, IMPACT, load(part.state, i, IMPACT) + impact)
 
 
 @hook(RigidLatches)
@@ -146,5 +146,5 @@ def record_step(part, world, row, timing):
         impulse = 0.5 * timing.step * moment  # of the kick from now on
         store(part.track, index, 0, moment)
         store(part.track, index, 1, load(part.state, i, IMPULSE) - impulse)
-        store(part.track, index, 2, load(part.state, i, RATE_THERE))
+        store(part.track, index, 2, load(part.state, i, CATCH_RATE))
         store(part.track, index, 3, load(part.state, i, IMPACT))

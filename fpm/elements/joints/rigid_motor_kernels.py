@@ -43,13 +43,13 @@ class RigidMotors(NamedTuple):
 def prepare(part, world, timing):
     """Store the joint coordinate (rad; m on slides) that each motor prescribes for the end of the
     step, as TARGET of its condition in part.turns.state; where its curve (not by rate) bends within
-    the step, the bend's time is stored in part.turns.blow as a share of the step: the rate jumps
+    the step, the bend's time is stored in part.turns.impact as a share of the step: the rate jumps
     there. part: RigidMotors; world: solver state, with the curves; timing: StepTime (s)."""
     for i in range(part.hinge.shape[0]):
         if not part.by_rate[i]:
             bend = bend_after(world, part.curve[i], timing.time)
             if bend < timing.step:
-                store(part.turns.blow, 0, 0, bend / timing.step)
+                store(part.turns.impact, 0, 0, bend / timing.step)
         distance = travel(world, part.curve[i], part.by_rate[i], timing.time + timing.step)
         target = load(part.numbers, i, START) + distance * load(part.numbers, i, TRAVEL)
         store(part.turns.state, part.turn[i], TARGET, target)

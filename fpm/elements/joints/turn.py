@@ -17,21 +17,22 @@ from typing import ClassVar
 
 from fpm.elements.joints.joint_arrays import TURN, Turns
 from fpm.elements.kind import ElementType
-from fpm.elements.openings.opening import OnHinge, Opening
+from fpm.elements.openings.opening import Connector, Opening
 
 
 @dataclass(frozen=True)
 class Turn(ElementType):
     """Condition by which a joint coordinate (angle of a hinge, length of a slide) is held exactly;
-    there is one for every element that does so (HoldsHinge), and none is stated by itself."""
+    there is one for every element that does so (ExactConnector), and none is stated by itself."""
 
     cost = 200.0
 
     @classmethod
     def find(cls, scene):
-        """Return the elements (HoldsHinge) of a scene, of all types, that hold a joint coordinate
-        exactly; the index of an element in this list is that of its condition in Turns.state."""
-        holding = [kind for kind in scene.kinds if issubclass(kind, HoldsHinge)]
+        """Return the elements (ExactConnector) of a scene, of all types, that hold a joint
+        coordinate exactly; the index of an element in this list is that of its condition in
+        Turns.state."""
+        holding = [kind for kind in scene.kinds if issubclass(kind, ExactConnector)]
         return [element for kind in holding for element in scene.kinds[kind]]
 
     @classmethod
@@ -56,11 +57,11 @@ class Turn(ElementType):
 
         return Turns(
             state=batch.stack(len(cls.find(batch.scene)), TURN, starts),
-            blow=batch.blank(1, 1),
+            impact=batch.blank(1, 1),
         )
 
 
-class HoldsHinge(OnHinge):
+class ExactConnector(Connector):
     """Base class of motors, releases, latches and friction that hold a joint coordinate (angle of a
     hinge, length of a slide) exactly, without a spring; each has the field `hinge`, an index."""
 
@@ -81,7 +82,8 @@ class HoldsHinge(OnHinge):
     def array(cls, name, batch):
         """Return the array for a field `name` of the named tuple of the type's kernels: "turns":
         state of all conditions that hold joint coordinates (Turns); "turn": index of each element's
-        condition among them; others as OnHinge.array. batch: the scenes simulated side by side."""
+        condition among them; others as Connector.array. batch: the scenes simulated side by
+        side."""
         match name:
             case "turns":
                 return batch.part(Turn)

@@ -38,7 +38,7 @@ from fpm.elements.joints.joint_kernels import (
     push_all,
 )
 from fpm.elements.joints.joint_matrix import build, factorise
-from fpm.elements.joints.joint_rows import find_gaps, find_rows, held_gap, place
+from fpm.elements.joints.joint_rows import find_gaps, find_lock_gap, find_rows, place
 from fpm.elements.openings.opening_kernels import MOMENT as ACTING
 from fpm.elements.openings.opening_kernels import NEW, OLD, WORK
 from fpm.kernels.hooks import hook
@@ -158,7 +158,7 @@ def prepare(part, world, timing):
 @hook(TurnedJoints)
 def solve(part, world, timing):
     """Find the impulses of all joints, with the joint coordinates that are held now, and store the
-    rates they would give (`tell_rates`); called again where `decide` of an element then holds or
+    rates they would give (`store_rates`); called again where `decide` of an element then holds or
     frees one. part: all joints (TurnedJoints); world: World; timing: StepTime (s)."""
     find_rows(part, world.state)
     build(part)
@@ -166,14 +166,14 @@ def solve(part, world, timing):
     find_rates(part, world.state)
     for t in range(part.turn_at.shape[0]):
         j = part.turn_at[t]
-        r, gap = part.pattern.first[j], held_gap(part, world.state, j)
+        r, gap = part.pattern.first[j], find_lock_gap(part, world.state, j)
         store(part.rows, r, RESIDUAL, load(part.rows, r, RESIDUAL) + (1.0 / timing.step) * gap)
     find_impulses(part, -1.0)
-    tell_rates(part, world.state)
+    store_rates(part, world.state)
 
 
 @kernel
-def tell_rates(part, state):
+def store_rates(part, state):
     """Store in part.turns.state the rates (rad/s, m/s) that joint coordinates will have after the
     impulses (RATE), and the impulses (N m s, N s) that hold them (SOLVED_IMPULSE). part: arrays of
     all joints (TurnedJoints); state: of the particles (World.state)."""

@@ -9,11 +9,11 @@ import numpy as np
 
 from fpm.elements.fields import stiffness
 from fpm.elements.kind import Energy
-from fpm.elements.openings.opening import OnHinge, on_hinge
+from fpm.elements.openings.opening import Connector, on_hinge
 
 
 @dataclass(frozen=True)
-class Contact(OnHinge):
+class Contact(Connector):
     """Faces that touch where the opening of a revolute joint is below zero.
 
     hinge: index; stiffness: moment that opens it for each radian of its opening (joint coordinate)
@@ -53,8 +53,8 @@ class Contact(OnHinge):
                 tilt = np.hstack([np.zeros((2, 3)), axes.T[1:]])
                 rows.append(sign * np.vstack([point, tilt]))
             indices = np.concatenate([6 * p + np.arange(6) for p in h.particles])
-            scaled = (np.hstack(rows) * np.sqrt(inverse[indices])).T
-            u, size, _ = np.linalg.svd(scaled, full_matrices=False)
+            matrix = (np.hstack(rows) * np.sqrt(inverse[indices])).T
+            u, size, _ = np.linalg.svd(matrix, full_matrices=False)
             u = u[:, size > 1e-10 * size.max(initial=0.0)]
             columns.append(u.T)
             dofs.append(np.tile(indices, (u.shape[1], 1)))

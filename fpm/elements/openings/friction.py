@@ -19,7 +19,7 @@ from fpm.elements.fields import damping, number
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.kind import Energy, Watch
-from fpm.elements.openings.opening import JOINT_LOSS, OnHinge, on_hinge, softness, start_angles
+from fpm.elements.openings.opening import JOINT_LOSS, Connector, on_hinge, softness, start_angles
 from fpm.elements.openings.table_spring import bends, check_table, table_array
 from fpm.errors import SceneError
 
@@ -36,12 +36,12 @@ LOCKS = 20.0
 """By how many times its `bristle_deflection` a bearing's bristle may be bent on while the moment at
 which it slips grows as much or more: then it never slips, and all the motion is the bristle's."""
 
-DAMPED = 0.3
+DAMPING_RATIO = 0.3
 """Damping ratio of the bristle with the inertias of the hinge's own two particles, likewise. The
 step of a scene that it limits is 0.57 of the one without."""
 
 
-def _locked(values: dict[str, float]) -> tuple[str, str]:
+def _describe_lock(values: dict[str, float]) -> tuple[str, str]:
     return (
         "a bearing locks itself: its friction presses its joint harder than it is pushed, and was "
         f"bent by {values['lock']:.3g} times its `bristle_deflection` without slipping",
@@ -50,7 +50,7 @@ def _locked(values: dict[str, float]) -> tuple[str, str]:
     )
 
 
-def _unbalanced(element: str) -> str:
+def _describe_imbalance(element: str) -> str:
     """The remedy of a bearing whose friction goes with a force that changes much in a step. Beyond
     self-locking (mu tan t > 1) the force on rigid bodies has two values or none (Painleve, Lecons
     sur le frottement, 1895); a start there may come upon the wrong one."""
@@ -64,7 +64,7 @@ def _unbalanced(element: str) -> str:
 
 
 @dataclass(frozen=True)
-class Friction(OnHinge):
+class Friction(Connector):
     """Friction in a hinge by a bristle: a spring that sticks, and slips at a moment.
 
     hinge: index; moment: at which it slips (N m, on slides N); bristle_deflection: how far the
@@ -92,7 +92,7 @@ class Friction(OnHinge):
     acts_as = "friction"
     noun = "friction"
     resists_as = "FR"
-    watches = (Watch("lock", LOCKS, True, _locked, unbalanced=_unbalanced),)
+    watches = (Watch("lock", LOCKS, True, _describe_lock, remedy=_describe_imbalance),)
 
     @classmethod
     def sweep_elements(cls, scene):
@@ -146,7 +146,7 @@ class Friction(OnHinge):
         if self.damping is not None:
             return self.damping
         inverse = softness(scene, self.hinge)
-        return 2 * DAMPED * np.sqrt(self.stiffness / inverse) if inverse else 0.0
+        return 2 * DAMPING_RATIO * np.sqrt(self.stiffness / inverse) if inverse else 0.0
 
     @classmethod
     def array(cls, name, batch):

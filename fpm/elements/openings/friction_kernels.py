@@ -20,7 +20,7 @@ BENDING = 1  # by how much it is bent
 MOST = 2  # and by how much it could be, where that goes with the joint's force
 LEAST = 3  # the least that it was bent since it slipped,
 BASE = 4  # and by how much it could be then
-LOCKED = 5  # by how many times its bend it was bent on while that grew as much, at most
+LOCK_RATIO = 5  # by how many times its bend it was bent on while that grew as much, at most
 OLD_MOST = 6  # MOST a step before it,
 FORCE_BEND = 7  # and by how much it could be by the joint's force as it came out with that
 STATE = 8
@@ -92,7 +92,7 @@ def bend_by_force(bearing, state, i, timing):
 
 
 @kernel
-def bends_now(bearing, part, i, psi, psi_before, timing):
+def slip_deflections(bearing, part, i, psi, psi_before, timing):
     """Return the bristle deflections (rad) at which element i slips, by table and joint force: at
     joint coordinate psi (rad) now, and at psi_before a step ago. bearing: forces of joints
     (JointForce), None where none counts; part: all friction (Frictions); timing: StepTime (s)."""
@@ -109,7 +109,7 @@ def bends_now(bearing, part, i, psi, psi_before, timing):
 def watch_lock(part, i, bend, most, slips):
     """Measure self-locking of friction element i: by how much its bristle's deflection `bend` (rad)
     grew without slip while the deflection `most` (rad), at which it slips, grew as fast. The
-    growth, over the deflection at slip, raises LOCKED in part.state and part.peaks if larger.
+    growth, over the deflection at slip, raises LOCK_RATIO in part.state and part.peaks if larger.
     part: all friction elements (Frictions); slips: below 0 in lanes where it slips now. It counts
     from the least `bend` since the last slip, once the bristle was bent by one deflection more."""
     state, per_bend = part.state, load(part.numbers, i, LOCKING)
@@ -118,11 +118,11 @@ def watch_lock(part, i, bend, most, slips):
     growth = size - least
     start = where_negative(slips, -1.0, per_bend * growth - 1.0)
     base = where_negative(start, most, load(state, i, BASE))
-    locked = per_bend * where_negative(most - base - growth, 0.0, growth)
+    lock = per_bend * where_negative(most - base - growth, 0.0, growth)
     store(state, i, LEAST, least)
     store(state, i, BASE, base)
-    store(state, i, LOCKED, larger(load(state, i, LOCKED), locked))
-    store(part.peaks, 0, 0, larger(load(part.peaks, 0, 0), locked))
+    store(state, i, LOCK_RATIO, larger(load(state, i, LOCK_RATIO), lock))
+    store(part.peaks, 0, 0, larger(load(part.peaks, 0, 0), lock))
 
 
 @hook(Frictions)
@@ -136,7 +136,7 @@ def forces(part, world, timing):
         h, last = part.hinge[i], load(part.state, i, BENDING)
         stiffness, foot = load(part.numbers, i, STIFFNESS), load(part.state, i, FOOT)
         psi, psi_before = load(part.openings.angles, h, NEW), load(part.openings.angles, h, OLD)
-        most, old_most = bends_now(part.bearing, part, i, psi, psi_before, timing)
+        most, old_most = slip_deflections(part.bearing, part, i, psi, psi_before, timing)
         rate = follow_rate(part.openings, part.rates, i, h, timing)
         trial = psi - foot
         sign = where_negative(trial, -1.0, 0.0 * trial + 1.0)
@@ -152,10 +152,10 @@ def forces(part, world, timing):
         damper = where_negative(upper - damper, upper, damper)
         damper = where_negative(damper - lower, lower, damper)
         # Where the damper helped to bear M in the step before, less is missing.
-        helped = -0.5 * sign * load(part.rates, i, LOSS)
-        helped = where_negative(helped, 0.0, helped)
-        helped = where_negative(extra - helped, extra, helped)
-        damper = where_negative(slips, sign * helped, damper)
+        gain = -0.5 * sign * load(part.rates, i, LOSS)
+        gain = where_negative(gain, 0.0, gain)
+        gain = where_negative(extra - gain, extra, gain)
+        damper = where_negative(slips, sign * gain, damper)
         turn(part.openings, world.state, h, spring + damper)
         lose(world, part.account, part.openings, part.rates, i, h, damper)
         loss = 0.5 * stiffness * (most + old_most) * absolute(new_foot - foot)
@@ -180,4 +180,4 @@ def list_excess(part, world):
     (the growth of its bristle's deflection without slip, over the deflection at slip), to name the
     worst. part: arrays of all friction elements (Frictions); world: not used."""
     for i in range(part.hinge.shape[0]):
-        store(part.rows, i, 0, load(part.state, i, LOCKED))
+        store(part.rows, i, 0, load(part.state, i, LOCK_RATIO))

@@ -16,7 +16,7 @@ import numpy as np
 
 from fpm.elements.fields import damping, number, stiffness, topology, word
 from fpm.elements.kind import Energy, Series
-from fpm.elements.openings.opening import JOINT_LOSS, ONSET, OnHinge, by_unit, on_hinge
+from fpm.elements.openings.opening import JOINT_LOSS, ONSET, Connector, by_unit, on_hinge
 from fpm.errors import SceneError
 
 SIDES = {"below": 1.0, "above": -1.0, "either": 0.0}
@@ -37,7 +37,7 @@ SERIES = {
 slides names and units are others (opening.by_unit)."""
 
 
-class AnyLatch(OnHinge):
+class AnyLatch(Connector):
     """Base class of latches, rigid ones too: their field `name`, events and recorded series."""
 
     takes = JOINT_LOSS

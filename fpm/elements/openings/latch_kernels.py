@@ -23,7 +23,7 @@ HOLD_ANGLE = 1  # opening at which it holds
 SIGN = 2  # sign of the rate when it caught
 NEWS = 3  # of this step: 1 caught, 2 missed
 CATCH_TIME = 4  # time of that
-RATE_THERE = 5  # rate of the opening when it caught
+CATCH_RATE = 5  # rate of the opening when it caught
 MOMENT, IMPULSE = 6, 7  # on the hinge's second particle
 STATE = 8
 
@@ -106,7 +106,7 @@ def pass_by(part, i, s, psi_start, psi_end, last_rate, end, step):
         part.state[i, SIGN, s] = sign
         part.state[i, NEWS, s] = 1.0
         part.state[i, CATCH_TIME, s] = end - (1.0 - part_of_step) * step
-        part.state[i, RATE_THERE, s] = rate
+        part.state[i, CATCH_RATE, s] = rate
     elif last > 2.0 * reach or reach == 0.0:
         fraction = (2.0 * reach - first) / (last - first)
         part.state[i, NEWS, s] = 2.0
@@ -191,5 +191,5 @@ def record(part, world, row):
     part.track. part: Latches; world: not used; row: index of the recorded instant."""
     count = part.hinge.shape[0]
     for i in range(count):
-        for k, field in enumerate((MOMENT, IMPULSE, RATE_THERE)):
+        for k, field in enumerate((MOMENT, IMPULSE, CATCH_RATE)):
             store(part.track, row * count + i, k, load(part.state, i, field))

@@ -12,12 +12,12 @@ from typing import ClassVar
 
 from fpm.elements.fields import damping, index, number, stiffness, topology
 from fpm.elements.kind import Energy, Series
-from fpm.elements.openings.opening import JOINT_LOSS, OnHinge, by_unit, on_hinge
+from fpm.elements.openings.opening import JOINT_LOSS, Connector, by_unit, on_hinge
 
 MOTOR_WORK = Energy("motor_work", "motor_work", "work of the motors")
 
 
-class AnyMotor(OnHinge):
+class AnyMotor(Connector):
     """Base class of all motors on hinges: with a drive train (Motor), rigid ones (RigidMotor), and
     torque motors. variable: name of their recorded moment in trajectory files."""
 

@@ -56,8 +56,8 @@ def forces(part, world, timing):
         h = part.hinge[i]
         for k in (MOMENT, VISCOUS):
             store(part.state, i, k + 1, load(part.state, i, k))
-        travelled = travel(world, part.curve[i], part.by_rate[i], timing.time)
-        target = load(part.numbers, i, START) + travelled * load(part.numbers, i, TURN)
+        distance = travel(world, part.curve[i], part.by_rate[i], timing.time)
+        target = load(part.numbers, i, START) + distance * load(part.numbers, i, TURN)
         error = target - load(part.openings.angles, h, NEW)
         advance = target - load(part.state, i, TARGET)
         if timing.time == 0.0:

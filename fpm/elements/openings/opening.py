@@ -101,7 +101,7 @@ class Opening(ElementType):
         return by_unit({"opening": series}, scene.hinges, [h.name for h in scene.hinges])
 
 
-class OnHinges(ElementType):
+class ConnectorElement(ElementType):
     """Base class of element types that act on openings (joint coordinates) of several hinges."""
 
     reads = (Opening,)
@@ -131,7 +131,7 @@ class OnHinges(ElementType):
         return Opening.get_arrays(cls, batch) if name == "openings" else super().array(name, batch)
 
 
-class OnHinge(OnHinges):
+class Connector(ConnectorElement):
     """Base class of element types that act on the opening (joint coordinate) of one hinge. A
     subclass declares the field `hinge`, the hinge's index in the scene, by `on_hinge`."""
 
@@ -145,10 +145,10 @@ class OnHinge(OnHinges):
     def title(self, scene):
         return f"{self.noun} {self.label(scene)}"
 
-    def find_peers(self, scene) -> list["OnHinge"]:
+    def find_peers(self, scene) -> list["Connector"]:
         """Return the elements of a scene whose types have the same word in messages (`noun`) as
         this one: for a latch all latches, rigid ones too."""
-        kinds = [k for k in scene.kinds if issubclass(k, OnHinge) and k.noun == self.noun]
+        kinds = [k for k in scene.kinds if issubclass(k, Connector) and k.noun == self.noun]
         return [element for kind in kinds for element in kind.find(scene)]
 
     def check_alone(self, scene) -> None:
@@ -194,7 +194,7 @@ class OnHinge(OnHinges):
     def array(cls, name, batch):
         """Return the array for a field of the named tuple that the type's kernels take. name: of
         the field: "rates": rates of joint coordinates at the start (pack_past); others as in
-        OnHinges.array. batch: the scenes that are simulated side by side."""
+        ConnectorElement.array. batch: the scenes that are simulated side by side."""
         if name == "rates":
             return pack_past(batch, cls)
         return super().array(name, batch)

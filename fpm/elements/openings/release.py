@@ -9,11 +9,11 @@ import numpy as np
 
 from fpm.elements.fields import damping, index, number, stiffness
 from fpm.elements.kind import Energy
-from fpm.elements.openings.opening import JOINT_LOSS, OnHinge, on_hinge
+from fpm.elements.openings.opening import JOINT_LOSS, Connector, on_hinge
 from fpm.errors import SceneError
 
 
-class AnyRelease(OnHinge):
+class AnyRelease(Connector):
     """Base class of releases, also rigid: they hold a hinge and let go at a `time` (s), or before
     that when the opening of another (index `watch`, -1: none) passes `level` (rad, m)."""
 

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 from fpm.elements.fields import damping, number, stiffness, word
 from fpm.elements.kind import Energy
-from fpm.elements.openings.opening import JOINT_LOSS, ONSET, OnHinge, on_hinge
+from fpm.elements.openings.opening import JOINT_LOSS, ONSET, Connector, on_hinge
 
 
 @dataclass(frozen=True)
-class Stop(OnHinge):
+class Stop(Connector):
     """Stop of a hinge or slide: a spring and a damper that act beyond an opening (joint
     coordinate). hinge: index; angle: that opening (rad; m on slides); side: "above" or "below" it,
     where they act; stiffness (N m/rad; N/m), damping (N m s/rad; N s/m): of spring and damper."""

@@ -14,12 +14,12 @@ import numpy as np
 
 from fpm.elements.fields import index, number, stiffness, topology
 from fpm.elements.kind import Deformations, Energy, Series
-from fpm.elements.openings.opening import TURNING, OnHinges, relative_turn, softness
+from fpm.elements.openings.opening import TURNING, ConnectorElement, relative_turn, softness
 from fpm.errors import SceneError
 
 
 @dataclass(frozen=True)
-class SyncLoop(OnHinges):
+class SyncLoop(ConnectorElement):
     """A closed cable loop over pulleys on two hinges, which couples their openings (joint angles).
     name: its own; hinges: indices of both; radii: of the two pulleys (m), opposite in sign where
     the loop is crossed; stiffness: of both strands together (N/m); rest: both openings without slip
@@ -97,7 +97,8 @@ class SyncLoop(OnHinges):
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field `name` of the kernels' tuple Loops: "hinge": (loops, 2),
-        indices of both hinges of each loop; else as OnHinges.array. batch: scenes side by side."""
+        indices of both hinges of each loop; else as ConnectorElement.array. batch: scenes side by
+        side."""
         if name == "hinge":
             return batch.integers((loop.hinges for loop in cls.find(batch.scene)), 2)
         return super().array(name, batch)

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from fpm.elements.kind import Energy
-from fpm.elements.openings.opening import OnHinge, on_hinge
+from fpm.elements.openings.opening import Connector, on_hinge
 from fpm.errors import SceneError
 
 
 @dataclass(frozen=True)
-class TableSpring(OnHinge):
+class TableSpring(Connector):
     """Nonlinear spring on a hinge or slide, by a table. hinge: index; angles: two or more
     increasing openings (rad; m on slides); moments: there (N m; N on slides), linear between,
     constant beyond; positive ones open the hinge."""
@@ -67,7 +67,7 @@ class TableSpring(OnHinge):
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field `name` of the kernels' tuple TableSprings: "points",
-        "start": of `table_array`; else as OnHinge.array. batch: scenes side by side."""
+        "start": of `table_array`; else as Connector.array. batch: scenes side by side."""
         if name not in ("start", "points"):
             return super().array(name, batch)
         return table_array(name, batch, cls, lambda s: bends(s.angles, s.moments))

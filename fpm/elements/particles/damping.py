@@ -36,10 +36,10 @@ class Damping(ElementType):
 
     @classmethod
     def pack(cls, batch):
-        from fpm.elements.particles.damping_kernels import Damped
+        from fpm.elements.particles.damping_kernels import DampingState
 
         fixed_set = set(np.flatnonzero(batch.scene.fixed.all(axis=1)))
-        return Damped(
+        return DampingState(
             batch.stack(1, 1, lambda s: [[s.damping]]),
             batch.integers(batch.free),
             batch.integers(sorted(batch.moved_particles - fixed_set)),

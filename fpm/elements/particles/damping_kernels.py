@@ -16,22 +16,23 @@ from fpm.kernels.run import carry, turn
 from fpm.kernels.vectors import dot, get3, kernel, put3, times, to_local, vector
 
 
-class Damped(NamedTuple):
+class DampingState(NamedTuple):
     """Arrays of mass-proportional damping, for its kernels. rate (1, 1, lanes): total, 1/s; free
-    (f,): indices of particles that no other element type moves; jointed (j,): of those that joints
-    or supports move and that can move in some way; account: index in World.accounts of the loss."""
+    (f,): indices of particles that no other element type moves; joint_particles (j,): of those that
+    joints or supports move and that can move in some way; account: index in World.accounts of the
+    loss."""
 
     rate: np.ndarray
     free: np.ndarray
-    jointed: np.ndarray
+    joint_particles: np.ndarray
     account: int
 
 
 @kernel
 def factors(part, kick):
     """Return two factors (lanes) of a damped step: (1 - c)/(1 + c) on the momenta before it, and
-    1/(1 + c) on the impulses of forces, with c = rate kick/2. part: arrays of damping (Damped);
-    kick: time (s) over which the forces act."""
+    1/(1 + c) on the impulses of forces, with c = rate kick/2. part: arrays of damping
+    (DampingState); kick: time (s) over which the forces act."""
     force = 1.0 / (1.0 + 0.5 * kick * load(part.rate, 0, 0))
     return 2.0 * force - 1.0, force
 
@@ -45,26 +46,26 @@ def take(part, world, path):
     store(world.accounts, 0, part.account, loss)
 
 
-@hook(Damped)
+@hook(DampingState)
 def restrain(part, world, timing):
-    """Multiply momenta and forces of part.jointed, particles that joints or supports move (not
-    those held in all ways or moved by drives), so that their step damps them. part: arrays of
-    damping (Damped); world: solver state, changed; timing: times of this step (s)."""
+    """Multiply momenta and forces of part.joint_particles, particles that joints or supports move
+    (not those held in all ways or moved by drives), so that their step damps them. part: arrays of
+    damping (DampingState); world: solver state, changed; timing: times of this step (s)."""
     state = world.state
     factor, force = factors(part, timing.kick)
-    for n in range(part.jointed.shape[0]):
-        i = part.jointed[n]
+    for n in range(part.joint_particles.shape[0]):
+        i = part.joint_particles[n]
         for k in (V, P):
             put3(state, i, k, factor * get3(state, i, k))
         for k in (F, M):
             put3(state, i, k, force * get3(state, i, k))
 
 
-@hook(Damped)
+@hook(DampingState)
 def move(part, world, timing):
     """Make one damped step of part.free, the particles that no other element type moves: add
     forces' impulses to momenta, move and turn them, and add the energy lost (J) to World.accounts.
-    part: arrays of damping (Damped); world: solver state, changed; timing: step times (s)."""
+    part: arrays of damping (DampingState); world: solver state, changed; timing: step times (s)."""
     state, particles = world.state, world.particles
     factor, force = factors(part, timing.kick)
     kick = timing.kick * force
@@ -82,15 +83,16 @@ def move(part, world, timing):
     take(part, world, timing.step * linear + 2.0 * (angular.x + angular.y + angular.z))
 
 
-@hook(Damped)
+@hook(DampingState)
 def work_after(part, world, timing):
-    """Add to World.accounts the energy (J) that damping takes, in this step, out of part.jointed:
-    particles that joints or supports move (not those held in all ways or driven), by their momenta
-    after joints acted. part: arrays of damping (Damped); world: solver state; timing: times."""
+    """Add to World.accounts the energy (J) that damping takes, in this step, out of
+    part.joint_particles: particles that joints or supports move (not those held in all ways or
+    driven), by their momenta after joints acted. part: arrays of damping (DampingState); world:
+    solver state; timing: times."""
     state, particles = world.state, world.particles
     total = 0.0 * load(part.rate, 0, 0)
-    for n in range(part.jointed.shape[0]):
-        i = part.jointed[n]
+    for n in range(part.joint_particles.shape[0]):
+        i = part.joint_particles[n]
         v = get3(state, i, V)
         total = total + load(particles, i, MASS) * dot(v, v)
         local = to_local(frame(state, i), get3(state, i, P))

@@ -8,7 +8,7 @@ from fpm.kernels.curves import curve_value
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
 from fpm.kernels.layout import VELOCITY, F, M, P, V, X
-from fpm.kernels.rotation import frame, put_turned
+from fpm.kernels.rotation import frame, turn_frame
 from fpm.kernels.vectors import add3, cross, dot, get3, kernel, put3, to_global, to_local
 
 NUMBERS = "velocity", "spin"
@@ -75,7 +75,7 @@ def move(part, world, timing):
         put3(state, i, X, timing.step * v + get3(state, i, X))
         half = (0.5 * timing.step * factor) * get3(part.numbers, n, SPIN)
         axes = frame(state, i)
-        put_turned(state, i, axes, to_local(axes, half))
+        turn_frame(state, i, axes, to_local(axes, half))
 
 
 @hook(Drives)

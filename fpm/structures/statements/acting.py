@@ -34,9 +34,9 @@ def _at_start(build, hinge: int) -> float:
     return build.scene.hinges[hinge].opening
 
 
-def _rigid(build, args, **unused) -> bool:
+def _rigid(build, args, **_) -> bool:
     """Whether it holds exactly, having no stiffness; then it has none of what needs one either."""
-    for key, is_given in unused.items() if args.stiffness is None else ():
+    for key, is_given in _.items() if args.stiffness is None else ():
         if is_given:
             build.refuse(key, getattr(args, key), "none without a `stiffness`")
     return args.stiffness is None
@@ -158,7 +158,7 @@ def bearing(build, args):
 
 @acting(
     Stop,
-    excluded=("angle", "side"),
+    exclusions=("angle", "side"),
     lower=NumberKey(None, "opening below which it acts; this, `upper`, or both", unit="rad"),
     upper=NumberKey(None, "opening above which it acts", unit="rad"),
 )
@@ -180,7 +180,7 @@ def stop(build, args):
 
 @acting(
     Latch,
-    excluded=("one_sided", "name"),
+    exclusions=("one_sided", "name"),
     default_texts={"stiffness": "it holds exactly"},
     holds=ChoiceKey(
         "both ways", "`one way`: only against going back", options=("both ways", "one way")
@@ -240,7 +240,7 @@ def tabulated_spring(build, args):
 
 @acting(
     SyncLoop,
-    excluded=("hinges", "name"),
+    exclusions=("hinges", "name"),
     default_texts={"rest": "those at the start"},
     joints=ListKey(kind=TURNING, least=2, most=2, text="the two on which its pulleys sit"),
 )
@@ -256,7 +256,7 @@ def loop(build, args):
 
 @acting(
     Motor,
-    excluded=("by_rate",),
+    exclusions=("by_rate",),
     default_texts={"start": "that at the start", "stiffness": "it prescribes exactly"},
     damping=key_of(Motor, "damping", default=0.0),
     turn=NumberKey(None, "by how much it turns, times `curve`; this or `rate`", unit="rad"),

@@ -180,13 +180,13 @@ def _stretches(scene, args, points, directions, normal) -> list[int]:
     Each stretch is lumped by itself (lumping.py); where two meet, masses and inertias add."""
     axes = [triad(direction, normal) for direction in directions]
     shape = args.elements, args.section, args.material, args.inertia_scale
-    lumped = [lump(np.linalg.norm(end - start), *shape) for start, end in pairwise(points)]
+    lumps = [lump(np.linalg.norm(end - start), *shape) for start, end in pairwise(points)]
     nodes: list[int] = []
     inner = np.zeros(0, int)
     steps = np.linspace(0.0, 1.0, args.elements + 1)[1:-1, None]
     for k, point in enumerate(points):
         # The end of the stretch before, and the start of the one after.
-        ends = [(*lumped[j], axes[j], i) for j, i in ((k - 1, -1), (k, 0)) if 0 <= j < len(axes)]
+        ends = [(*lumps[j], axes[j], i) for j, i in ((k - 1, -1), (k, 0)) if 0 <= j < len(axes)]
         inertia, frame = _sum_inertias([(inertias[i], basis) for _, inertias, basis, i in ends])
         node = scene.add_particles(
             point, sum(masses[i] for masses, _, _, i in ends), inertia, frame
@@ -199,7 +199,7 @@ def _stretches(scene, args, points, directions, normal) -> list[int]:
             )
         nodes.append(int(node[0]))
         if k < len(axes):
-            masses, inertias = lumped[k]
+            masses, inertias = lumps[k]
             inner_points = point + steps * (points[k + 1] - point)
             if len(inner_points):  # none in a stretch of one element
                 inner = scene.add_particles(inner_points, masses[1:-1], inertias[1:-1], axes[k])

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from math import comb, inf
 from typing import Any, NamedTuple
@@ -610,14 +610,25 @@ def calibrate_together(
     singles = [find([t], hull, ()) for t in indices]
     if len(tests) == 1:
         return singles[0], singles
-    data = [result.data[0] for result in singles]
-    low = np.max([result.hull[0] for result in singles], axis=0)
-    high = np.min([result.hull[1] for result in singles], axis=0)
-    if (low > high).any() or any(result.is_refuted for result in singles):
-        low, high = hull
-        blank = no_runs(tests, times)
-        data = [runs._replace(starts=b.starts) for runs, b in zip(data, blank, strict=True)]
-    return find(indices, np.array([low, high]), data), singles
+    common = np.array(
+        [
+            np.max([single.hull[0] for single in singles], axis=0),
+            np.min([single.hull[1] for single in singles], axis=0),
+        ]
+    )
+    if (common[0] > common[1]).any() or any(single.is_refuted for single in singles):
+        # Without the runs so far: where they crowd, left-out errors are too small for the whole.
+        return find(indices, hull, ()), singles
+    result = find(indices, common, [single.data[0] for single in singles])
+    free = np.ptp(hull, axis=0) > 0
+    ratio = float((np.ptp(common, axis=0)[free] / np.ptp(hull, axis=0)[free]).prod())
+    # Each test's own variables are independent, so that the worst test's misfit is that of all.
+    count = len(singles[0].misfits) // 2
+    spread = singles[0].misfits[:count].copy()
+    spread[:, -1] = np.max([single.misfits[:count, -1] for single in singles], axis=0)
+    fractions = ratio * result.fractions[0], ratio * result.fractions[1]
+    misfits = np.concatenate([spread, result.misfits[len(result.misfits) // 2 :]])
+    return replace(result, fractions=fractions, misfits=misfits), singles
 
 
 def no_runs(tests: Sequence[Measurement], times: np.ndarray) -> list[TestRuns]:
@@ -685,7 +696,8 @@ def _fractions(
     share = np.prod(high - low) / np.prod(widths[free]) / abs(np.linalg.det(directions[:, free]))
     shares = counts / _SAMPLES
     spread = _DEVIATIONS * np.sqrt(shares * (1.0 - shares) / _SAMPLES)
-    inner, outer = np.clip((shares + spread * [-1.0, 1.0]) * share, 0.0, 1.0)
+    hull_share = float((np.ptp(state.hull, axis=0)[free] / widths[free]).prod())
+    inner, outer = np.clip((shares + spread * [-1.0, 1.0]) * share, 0.0, hull_share)
     return np.array(rows), (float(inner), float(outer))
 
 

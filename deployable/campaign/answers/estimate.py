@@ -32,6 +32,10 @@ MOVING = 3
 WRITING = 5e-3
 """Seconds for a run's scene and file."""
 
+TEST_RUNS, TEST = 120, 20.0
+"""Runs for a test with measured curves, and seconds to search what it leaves; refuting takes up to
+four times as many."""
+
 ITERATIONS = 2
 """Rounds of further runs that quantities take as a rule, where so many are allowed."""
 
@@ -90,7 +94,7 @@ def estimate(campaign: Campaign) -> Estimate:
     starting += REQUIREMENTS * bool(campaign.requirements) + CHOICE * bool(
         campaign.choose.parameters
     )
-    seconds = waiting + writing + starting
+    seconds = waiting + writing + starting + TEST * len(campaign.measured)
     if experiment.is_adaptive:  # meshes and steps become finer
         integrating = 60 * experiment.accuracy.max_core_minutes
         seconds = integrating / cores() + starting
@@ -121,6 +125,8 @@ def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
     refinement: dict[str, list[tuple[int, float]]] = {}
     if bounds:
         refinement["quantities"] = [(bounds, 1.0)] * iterations
+    if campaign.measured:
+        refinement["measured curves"] = [(TEST_RUNS, 1.0)] * len(campaign.measured)
     if campaign.choose.parameters:
         points = design_points(widen_intervals(experiment, campaign.choose), campaign.choose)
         refinement["the choice"] = [(len(points), 1.0), *[(LANES, 1.0)] * iterations]

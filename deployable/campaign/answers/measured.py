@@ -7,7 +7,8 @@
     worst               {test, response, units, time, bands, residual}: where the nearest run is
                         farthest off
     parameters          [{name, units, before, after, best, seen}]: seen is both, lower or upper
-                        (sides that the tests bound) or none; after is null if the tests are refuted
+                        (sides that the tests bound) or none; after is null if the tests are
+                        refuted, best if each test fixes the parameter
     trade_offs          [{names, correlation, slope}] of what is left, of parameters' values
     quantities          [{name, units, before, after, error, happens}] over what is left; happens:
                         in all, some or none of its runs
@@ -21,6 +22,7 @@
                         explains it, null if that is undecided
     tests               [{name, file, digest, use, rows, instants, window, curves}]
     singles             [{name, refuted, least, attained}]: each test that calibrates by itself
+    disjoint            [[name, name]]: pairs of these whose narrowed boxes have nothing in common
     misfits             {points, values}: points of the box, -1 to 1, and their least misfit by the
                         surrogates, in bands
     runs
@@ -31,6 +33,7 @@ runs, and of the nearest run as the sensor has it, with its rates, which a check
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -100,7 +103,8 @@ def answer(
     rows = {
         **_verdict(result, sources, model.experiment.box.free),
         "singles": [_single_row(*pair) for pair in zip(sources, singles, strict=True)],
-        **_parameters(model, result),
+        "disjoint": _disjoint_pairs(sources, singles),
+        **_parameters(model, result, sources),
         **_of_left(model, result, requirements, sources, folder),
         "checks": checks,
         "tests": [t.describe(result, sources.index(t) if t in sources else None) for t in tests],
@@ -230,6 +234,18 @@ def _single_row(test: _Test, result: Calibration) -> dict:
     }
 
 
+def _disjoint_pairs(tests: Sequence[_Test], singles: Sequence[Calibration]) -> list[list[str]]:
+    """Names of pairs of tests, each explained by itself, whose hulls have nothing in common."""
+    pairs = itertools.combinations(
+        [(test.name, single.hull) for test, single in zip(tests, singles, strict=True)
+         if not single.is_refuted], 2,
+    )  # fmt: skip
+    return [
+        [name, other_name] for (name, hull), (other_name, other_hull) in pairs
+        if (np.maximum(hull[0], other_hull[0]) > np.minimum(hull[1], other_hull[1])).any()
+    ]  # fmt: skip
+
+
 def _worst(result: Calibration, tests: Sequence[_Test], t: int, i: int, instant: int) -> dict:
     test, residual = tests[t], float(result.residuals[t][i, instant])
     bands = residual / test.curves.bands[i, instant]
@@ -264,8 +280,9 @@ def _check_row(result: Calibration, tests: Sequence[_Test]) -> dict:
     }
 
 
-def _parameters(model: ModelEvaluator, result: Calibration) -> dict:
+def _parameters(model: ModelEvaluator, result: Calibration, tests: Sequence[_Test]) -> dict:
     """Intervals before and after, and what trades off."""
+    axes = {axis for test in tests for axis in test.measurement.axes}
     experiment, box = model.experiment, model.experiment.box
     units = {name: parameter.unit for name, parameter in experiment.scene_type.parameters.items()}
     low, high = box.from_unit(result.hull)
@@ -275,7 +292,7 @@ def _parameters(model: ModelEvaluator, result: Calibration) -> dict:
         rows.append({
             "name": name, "units": units[name], "before": [interval.lower, interval.upper],
             "after": None if result.is_refuted else [float(low[j]), float(high[j])],
-            "best": float(box.from_unit(result.best)[j]),
+            "best": float(box.from_unit(result.best)[j]) if j in axes else None,
             "seen": words.get(tuple(map(bool, sides)), "none") if box.free[j] else "none",
         })  # fmt: skip
     values = box.from_unit(result.samples) if len(result.samples) else np.zeros((0, len(rows)))

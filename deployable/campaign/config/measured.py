@@ -85,7 +85,8 @@ def _instant_problems(test: MeasuredTest, file: CurvesFile, duration: float) -> 
     first, last = test.window or (max(low, test.unknown.delay[1]), high)
     if (end := last - test.unknown.delay[0]) > duration + 1e-12:
         text = f"less the delay it lasts until {end:.6g} s, the run until {duration:.6g} s"
-        yield f"window: {text}; allowed: an earlier end, or a longer solver.duration"
+        text = f"{text}; allowed: an earlier end, or a longer delay (unknown.delay)"
+        yield f"window: {text} or solver.duration"
     elif first < max(low, test.unknown.delay[1]) - 1e-12 or last > high + 1e-12:
         least = max(low, test.unknown.delay[1])
         text = f"{first:.6g} to {last:.6g} s are not all in the file behind the longest delay"

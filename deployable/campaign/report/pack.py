@@ -169,8 +169,7 @@ def _what_if(data: PageData, keep: np.ndarray, arrays: _Arrays) -> dict[str, Any
         body["left"] = {row["name"]: row["after"] for row in measured["parameters"]}
         points, misfits = map(np.array, measured["misfits"].values())
         fit = best_fit(points, np.log(np.maximum(misfits, _LEAST_MISFIT)))
-        factor = float(np.exp(fit.usual_error)) if np.isfinite(fit.usual_error) else None
-        body["misfit"] = {"logarithm": _table(fit.formula(), arrays), "factor": factor}
+        body["misfit"] = _table(fit.formula(), arrays)  # its logarithm
     if model.coefficients is None or model.coefficients[..., keep].size > MOST_COEFFICIENTS:
         return body
     constant = ~model.indices.any(axis=1)

@@ -635,13 +635,14 @@ class _Sheet:
         worst = measured["worst"]
         nearest = (
             f"a run comes within {numbers.number(measured['attained'])} bands, farthest off at "
-            f"{numbers.quantity(worst['time'], 's', 4)} of {worst['test']} ({worst['response']})"
+            f"{numbers.quantity(worst['time'], 's', 7)} of {worst['test']} ({worst['response']})"
         )
         failed_checks = [check["name"] for check in measured["checks"] if check["inside"] is False]
         if measured["refuted"] or failed_checks:
             least = numbers.number(measured["least"])
             text = f"not met: the model comes no nearer than {least} bands to the tests. "
-            text = (text + sentence("differing", self.facts, escapes=False)).removesuffix(". ")
+            text += sentence("differing", self.facts, escapes=False)
+            text = text.strip().removesuffix(".")
             if not measured["refuted"]:
                 text = f"not met: what the tests leave does not explain {', '.join(failed_checks)}"
             return _row(analysed, Verdict(UNMET, text), "", nearest)

@@ -58,8 +58,7 @@ class WhatIf {
   compare(values, unit) {
     const out = DATA.parameters.filter(({ name }, j) => !this.left[name] || values[j] < this.left[name][0] || values[j] > this.left[name][1]);
     const none = Object.values(this.left).every((ends) => !ends);
-    const bands = Math.exp(evaluate(this.misfit.logarithm, unit)), { factor } = this.misfit;
-    const off = ` Farthest off by about ${digits(bands, 2)} bands${factor ? `, within a factor of ${digits(factor, 2)}` : ""}.`;
+    const off = ` Their curve is off by about ${digits(Math.exp(evaluate(this.misfit, unit)), 1)} bands.`;
     byId("what-tests").textContent = (none ? "The measured curves leave nothing of the box." : out.length ? `The measured curves exclude this: ${out.map(({ name }) => name).join(", ")}.` : "Within the intervals that the measured curves leave.") + off;
   }
 

@@ -37,7 +37,7 @@ def program_digest() -> str:
     return f"{PROGRAM.digest()}{sources.MECHANICS.digest()}"
 
 
-def made_by(structure: str) -> str:
+def run_code_digest(structure: str) -> str:
     """Digest (16 hex digits) of all code that decides what is stored of a run, part of the run's
     id; structure: digest of the structure's files and mechanics (`SceneType.digest`)."""
     text = f"{structure} {PROGRAM.digest(include=RUN_CODE, exclude=LOG_CODE)}"
@@ -76,7 +76,7 @@ def as_attribute() -> str:
     return json.dumps(program())
 
 
-def dated() -> dict[str, str]:
+def seal_facts() -> dict[str, str]:
     """Texts by name for a result's seal: `program`, `commit`, `processor`, `made` (now, UTC)."""
     moment = datetime.now(UTC).isoformat(timespec="seconds")
     return {key: program()[key] for key in ("program", "commit", "processor")} | {"made": moment}

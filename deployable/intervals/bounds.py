@@ -12,7 +12,7 @@ from .designs import Design
 from .errors import IntervalError, check_choice, check_options
 from .estimates import ErrorEstimate, widen
 from .models import MODELS, Model
-from .ranges import Range, raised
+from .ranges import Range, raise_to
 from .ratios import ratio, ratios_of, shares_of
 from .samples import Samples, read_samples
 
@@ -82,7 +82,7 @@ def bounds_dataset(
         bounds, error = ratios_of(data, bounds, error)
     least = _least(data)
     lack = np.maximum(least[:, None] - bounds.inner_lower, 0.0)
-    bounds = raised(bounds, least[:, None])
+    bounds = raise_to(bounds, least[:, None])
     attributes = {**samples.attrs, "held_out_runs": len(fit.test_rows), "bounds_kind": fit.kind}
     if design is not None:
         attributes |= {"design_method": design.method, "design_order": list(design.order)}

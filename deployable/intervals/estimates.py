@@ -5,7 +5,7 @@ are within e of those of f (Hausdorff distance). It is estimated, at every insta
 
 - the largest |f - s| over the held-out runs (blind between them), and
 - the tail that the decay of the Chebyshev coefficients foretells (blind to what the nodes miss),
-  unless there are enough held-out runs to overrule it (see `overruled`),
+  unless there are enough held-out runs to overrule it (see `limit_decay`),
 
 and then widened in time: the largest estimate within a short window counts. Two oscillations that
 differ in phase agree wherever they cross, so that an instant by itself can look right by accident;
@@ -33,7 +33,7 @@ RATIOS = 2.0, 16.0
 continued by: those of the first and of the fourth order."""
 
 AVERAGED = 3
-"""Most directions in which the left-out errors of sought runs are averaged (see `usual`)."""
+"""Most directions in which the left-out errors of sought runs are averaged (see `power_mean`)."""
 
 _INDEPENDENT = 1e-3  # least singular value, beside the largest, of what held-out runs see
 
@@ -119,7 +119,7 @@ def decay_estimate(
     return _tail(level.astype(int), c)
 
 
-def overruled(
+def limit_decay(
     surrogate: Surrogate,
     points: np.ndarray,
     unit: np.ndarray,
@@ -159,7 +159,7 @@ def overruled(
     return np.minimum(decay, MAX_TAIL_RATIO * widen(time, size_sum, window))
 
 
-def usual(left_out: np.ndarray, directions: int) -> np.ndarray:
+def power_mean(left_out: np.ndarray, directions: int) -> np.ndarray:
     """Error (...) of a function fitted to adaptively sampled runs: a power mean of their
     leave-one-out errors `left_out` (N, ...), the power being the number of `directions` (parameters
     that vary). Any run may be next to the point that decides, and runs were placed where the fit

@@ -14,11 +14,11 @@ from .estimates import (
     ErrorEstimate,
     decay_estimate,
     error_estimate,
-    overruled,
+    limit_decay,
+    power_mean,
     share_outside,
-    usual,
 )
-from .ranges import Range, attained, surrogate_range
+from .ranges import Range, attained_range, surrogate_range
 from .samples import Running, Samples
 from .spline_extremes import spline_range
 from .splines import check_spline_runs, fit_spline
@@ -86,7 +86,7 @@ class PolynomialModel(Model):
         unit, time = samples.unit[self.test_rows], samples.time
         residuals = samples.values[self.test_rows] - surrogate.evaluate(unit)
         decay = decay_estimate(surrogate, time, window)
-        decay = overruled(surrogate, self.design.points, unit, residuals, decay, time, window)
+        decay = limit_decay(surrogate, self.design.points, unit, residuals, decay, time, window)
         return error_estimate(time, np.abs(residuals).max(axis=0, initial=0.0), decay, window)
 
     def centre(self) -> np.ndarray:
@@ -128,8 +128,8 @@ class ScanModel(Model):
     def range(self) -> Range:
         """Least and largest values (n, T) of all runs, as outer and as attained bounds, and the
         points (n, T, k) in [-1, 1]^k of these runs."""
-        total = self.total
-        return attained(total.low, total.high, self.unit[total.low_run], self.unit[total.high_run])
+        total, unit = self.total, self.unit
+        return attained_range(total.low, total.high, unit[total.low_run], unit[total.high_run])
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
         """Growth (n, T) of the bounds from the first half of the runs to all of them, as an error;
@@ -169,7 +169,7 @@ class SplineModel(Model):
       (there the spline need not extrapolate), and in several directions over the runs next to where
       each bound is attained, one more than there are directions;
     - of runs that were sought where the bounds are decided (`design.method` "adaptive"), in up to
-      three directions, instead a power mean over all of them (`estimates.usual`).
+      three directions, instead a power mean over all of them (`estimates.power_mean`).
 
     Added is the largest difference between a run and the spline through all.
     """
@@ -216,7 +216,7 @@ class SplineModel(Model):
         spline = self.spline
         free = int((spline.scales > 0).sum())
         if self.averages:
-            left_out = usual(spline.left_out, free)
+            left_out = power_mean(spline.left_out, free)
         else:
             left_out = np.abs(spline.left_out[self.tests_spline]).max(axis=0)
             if free > 1:

@@ -1,6 +1,6 @@
 """Ranges over the box: what bounds a function of the parameters, guaranteed or attained.
 
-`surrogate_range` is that of a polynomial, `attained` that of anything else.
+`surrogate_range` is that of a polynomial, `attained_range` that of anything else.
 """
 
 from __future__ import annotations
@@ -37,13 +37,15 @@ class Range:
         return (self.inner_lower - self.lower) + (self.upper - self.inner_upper)
 
 
-def attained(low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.ndarray) -> Range:
+def attained_range(
+    low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.ndarray
+) -> Range:
     """Make the Range of a model without an enclosure: low, high (...) are attained values, which
     become outer bounds, too; argmin, argmax (..., k): their points in [-1, 1]^k."""
     return Range(low, high, low, high, argmin, argmax)
 
 
-def raised(bounds: Range, least: np.ndarray) -> Range:
+def raise_to(bounds: Range, least: np.ndarray) -> Range:
     """Copy of the range `bounds` with all bounds below `least` raised to it: the physical lower
     bound of the responses, of a shape that broadcasts to (...), -inf where there is none."""
     ends = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)

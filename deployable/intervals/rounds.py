@@ -34,7 +34,7 @@ class BoundPoints:
         return np.maximum(sizes[self.lower, n, instants], sizes[self.upper, n, instants])
 
 
-def deciding_places(
+def choose_bound_points(
     argmin: np.ndarray, argmax: np.ndarray, width: np.ndarray, count: int
 ) -> BoundPoints:
     """Choose at most `count` points that stand for where bounds are attained, to repeat runs there

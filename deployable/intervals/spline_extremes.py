@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from .designs import spread_points
-from .ranges import Range, attained
+from .ranges import Range, attained_range
 from .splines import CHUNK, Spline
 
 CANDIDATES = 4096
@@ -51,7 +51,7 @@ def spline_range(spline: Spline, candidates: int = CANDIDATES) -> Range:
         x[run] = argument.reshape(-1, k)[run]
         sides += [(sign * value).reshape(shape), x.reshape(*shape, k)]
     low, x_low, high, x_high = sides
-    return attained(low, high, x_low, x_high)
+    return attained_range(low, high, x_low, x_high)
 
 
 def _line_maximum(spline: Spline, flat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -190,7 +190,7 @@ def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) 
         temporary.unlink(missing_ok=True)
 
 
-def sweep(folder: str | os.PathLike) -> list[Path]:
+def remove_temporary(folder: str | os.PathLike) -> list[Path]:
     """Remove from a folder what ended processes here left of `whole_file`; returns the paths."""
     paths = []
     with suppress(FileNotFoundError, NotADirectoryError):

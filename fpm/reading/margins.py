@@ -12,7 +12,7 @@ import numpy as np
 
 from fpm.errors import SceneError
 from fpm.reading.standards import CLASSES, STANDARDS
-from fpm.travel import Travel, lead, parts_of, reeled
+from fpm.travel import Travel, component_classes, sweep_travel, time_dependent_components
 from fpm.travel.balance import TINY
 from fpm.travel.positions import interpolate
 
@@ -53,17 +53,17 @@ class Abscissa(NamedTuple):
 class OpeningPath(NamedTuple):
     """Path of openings (joint coordinates) moved quasi-statically (a travel). openings: names of
     hinges or slides moved together; first, last: begin and end of the first of them (rad, m; None:
-    each run's own at its start); stand: names of hinges locked at their start."""
+    each run's own at its start); locked: names of hinges locked at their start."""
 
     openings: tuple[str, ...]
     first: float | None
     last: float | None
-    stand: tuple[str, ...] = ()
+    locked: tuple[str, ...] = ()
 
     def label(self, part: str = "") -> str:
         """Return the label of a recorded column for a travel along this path, such as "A led from
         0.0 to 1.5 by spring". part: whose virtual work it has, as "spring"; "": none."""
-        suffix = "".join(f" beside {name}" for name in self.stand) + (part and f" by {part}")
+        suffix = "".join(f" beside {name}" for name in self.locked) + (part and f" by {part}")
         first, last = (STOW if end is None else repr(end) for end in (self.first, self.last))
         names = "".join(f" with {name}" for name in self.openings[1:])
         return f"{self.openings[0]} led from {first} to {last}{names}{suffix}"
@@ -73,11 +73,11 @@ def read_label(label: str) -> tuple[OpeningPath, str]:
     """Return the path (OpeningPath) that the label of a recorded column names, such as "A led from
     0.0 to 1.5 by spring", and the component of the virtual work in it, "" if none."""
     rest, _, part = label.partition(" by ")
-    rest, *stand = rest.split(" beside ")
+    rest, *locked = rest.split(" beside ")
     rest, *names = rest.split(" with ")
     name, _, values = rest.partition(" led from ")
     ends = (None if end == STOW else float(end) for end in values.split(" to "))
-    return OpeningPath((name, *names), *ends, tuple(stand)), part
+    return OpeningPath((name, *names), *ends, tuple(locked)), part
 
 
 def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
@@ -89,7 +89,7 @@ def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
     if first == last:
         name = f"opening {path.openings[0]}"
         raise SceneError(name, f"{first:.6g} at the start", "another one than the last")
-    return lead(scene, path.openings, first, last, path.stand, positions)
+    return sweep_travel(scene, path.openings, first, last, path.locked, positions)
 
 
 def column_of(travel: Travel, variable: str, part: str) -> np.ndarray:
@@ -107,7 +107,7 @@ def driving(works: Mapping[str, np.ndarray]) -> list[str]:
     return [part for part, work in works.items() if work.max() > DRIVES * largest]
 
 
-def led_curves(scene, responses: Iterable[Any]) -> Any:
+def travel_curves(scene, responses: Iterable[Any]) -> Any:
     """Move openings (joint coordinates) of a scene slowly as `responses`, all margins, need it,
     without a run. Returns what serves as argument `run` of `values`, `least` and `torque_budget`:
     an object with `columns`: results by (variable, label); `time`: 201 values from 0 to 1."""
@@ -120,7 +120,7 @@ def led_curves(scene, responses: Iterable[Any]) -> Any:
     return SimpleNamespace(time=np.linspace(0.0, 1.0, 201), columns=columns)
 
 
-def read(spec: Any) -> Any:
+def read_margin(spec: Any) -> Any:
     """Return the Response that the definition of a torque or force margin in a config states. spec:
     the definition (`responses.Definition`); raises SceneError for wrong keys and values."""
     path, abscissa = _path_of(spec)
@@ -154,8 +154,8 @@ def _path_of(spec) -> tuple[OpeningPath, Abscissa]:
         spec.one_of(hinges, value=name)
     if len(set(openings)) < len(openings):
         raise _error(spec, "with", [*openings], "each opening once")
-    stand = tuple(spec.one_of(hinges, "locked", name) for name in _names(spec, "locked"))
-    for name in stand:
+    locked = tuple(spec.one_of(hinges, "locked", name) for name in _names(spec, "locked"))
+    for name in locked:
         if name in openings:
             raise _error(spec, "locked", name, "openings that are not moved")
     hinge = hinges[openings[0]]
@@ -166,18 +166,18 @@ def _path_of(spec) -> tuple[OpeningPath, Abscissa]:
         raise _error(spec, "to", spec.data["to"], "another opening than `from`")
     suffix = ", from each run's start" if ends[0] is None else ""
     abscissa = Abscissa(f"opening of {openings[0]}{suffix}", unit, first, last)
-    return OpeningPath(openings, *ends, stand), abscissa
+    return OpeningPath(openings, *ends, locked), abscissa
 
 
 def _classes_of(spec) -> dict[str, str]:
     """Class of each component that counts, by name: all but those left out."""
-    parts = parts_of(spec.scene)
+    parts = component_classes(spec.scene)
     inactive = [spec.one_of(parts, "without", name) for name in _names(spec, "without")]
     classes = parts | {
         spec.one_of(parts, "classes", part): spec.one_of(CLASSES, f"classes.{part}", name)
         for part, name in _mapping(spec, "classes").items()
     }
-    for part in reeled(spec.scene):
+    for part in time_dependent_components(spec.scene):
         if part in parts and part not in inactive:
             allowed = f"{part} among them: a curve of time reels it, and a travel has no time"
             raise _error(spec, "without", inactive, allowed)
@@ -256,15 +256,15 @@ class _WeightedTravel:
 
 def values(response: Any, run: Any) -> np.ndarray:
     """Return the margin (t,), without unit and at most 99, at t positions evenly spaced over its
-    travel, as many as the run has instants. response: a margin, made by `read`; run: recorded
-    series (`Curves`) of a run, or what `led_curves` returns."""
+    travel, as many as the run has instants. response: made by `read_margin`; run: series (`Curves`)
+    of a run, or what `travel_curves` returns."""
     time = run.time
     return _WeightedTravel(response, run).margin((time - time[0]) / (time[-1] - time[0]))
 
 
 def least(response: Any, run: Any) -> tuple[float, float]:
-    """Return the least margin over its travel, and the opening (rad, m) there. response: a margin,
-    made by `read`; run: recorded series (`Curves`) of a run, or what `led_curves` returns."""
+    """Return the least margin over its travel, and the opening (rad, m) there. response: made by
+    `read_margin`; run: series (`Curves`) of a run, or what `travel_curves` returns."""
     travel = _WeightedTravel(response, run)
     position, margin = travel.least()
     return margin, float(interpolate(travel.positions, travel.opening, np.array([position]))[0])
@@ -272,7 +272,7 @@ def least(response: Any, run: Any) -> tuple[float, float]:
 
 def torque_budget(response: Any, run: Any) -> Budget:
     """Return the torque budget, component by component, at the opening where a margin is least.
-    response: the margin, made by `read`; run: `Curves` of a run, or what `led_curves` returns."""
+    response: made by `read_margin`; run: `Curves` of a run, or what `travel_curves` returns."""
     travel = _WeightedTravel(response, run)
     position, margin = travel.least()
     points = np.array([position])

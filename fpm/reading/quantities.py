@@ -59,17 +59,17 @@ class Quantity:
         return 0.0 if self.is_time or KINDS[self.kind].positive else self.response.least
 
     @property
-    def decider(self) -> "Quantity | None":
+    def margin_source(self) -> "Quantity | None":
         """The quantity whose `margin` tells by how much this one exists: itself (crossing, settling
         to a target), or of a value that giving its time; None: runs only tell whether it does."""
         if isinstance(self.at, Quantity):
-            return self.at.decider
+            return self.at.margin_source
         settles = self.kind == "settling" and self.about is not None
         return self if self.kind == "crossing" or settles else None
 
     def margin(self, values: np.ndarray) -> np.ndarray:
         """Return by how much (...) a crossing or settling occurs, in the response's unit, > 0 if it
-        does, else < 0, continuous. values (..., t): of the response. Only for a `decider`."""
+        does, else < 0, continuous. values (..., t): of the response. Only for a `margin_source`."""
         if self.kind == "settling":
             return self.within - np.abs(values[..., -1] - self.about)
         return crossing_margin(values - self.level, self.way, self.number)

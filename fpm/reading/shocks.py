@@ -16,7 +16,7 @@ _HOLDING = ("sum", "latch", "motor", "release")
 others follow from openings and their rates."""
 
 
-def doubt(scene: Scene, response: Response) -> str:
+def shock_warning(scene: Scene, response: Response) -> str:
     """Return a warning, with the remedy, that peaks of a response do not converge as mesh and step
     are refined in a scene, since a latch or a sudden load gives a shock; "" where they do."""
     jumps = KINDS[response.kind].shock

@@ -172,7 +172,7 @@ class GroupMember(NamedTuple):
     number: int | None = None
 
     def __call__(self, build: Builder) -> Any:
-        value = build.get(self.group, self.name)
+        value = build.find(self.group, self.name)
         return value if self.number is None else value + self.number
 
 
@@ -241,11 +241,11 @@ class PointKey(Key):
         if node.entries.keys() == {"part", "at"}:
             part = self.part.read(node.entries["part"], place.child("part"))
             point = place.child("at").reference(node.entries["at"], "points")
-            return lambda build: (part(build), build.get("points", point))
+            return lambda build: (part(build), build.find("points", point))
         if not isinstance(node.value, str):
             place.refuse(node, self.allowed)
         point = place.reference(node, "points")
-        return lambda build: (build.only_part_with(point, place.key), build.get("points", point))
+        return lambda build: (build.only_part_with(point, place.key), build.find("points", point))
 
 
 @dataclass(frozen=True)

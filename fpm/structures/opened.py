@@ -171,7 +171,7 @@ class FileRecord:
         other's."""
         self._states_now |= {p: record._states[p] for p in record.files if p not in self.files}
 
-    def hidden(self) -> list[str]:
+    def unseen_readers(self) -> list[str]:
         """Return the ways in which the structure's code may read files that cannot be noted, as
         texts such as "import ctypes"; [] if it states its files (DATA)."""
         if self.data is not None:

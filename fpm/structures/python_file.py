@@ -54,8 +54,8 @@ def _load(path: Path, record: FileRecord) -> SceneType:
     for pattern in patterns:
         if not record.files_of(pattern):
             _refuse(path, f"DATA: {pattern!r} stands for no file; allowed: patterns of files")
-    if hidden := record.hidden():
-        _refuse(path, f"{', '.join(hidden)}: {HIDDEN}; allowed: {DATA_HINT}")
+    if unseen_readers := record.unseen_readers():
+        _refuse(path, f"{', '.join(unseen_readers)}: {HIDDEN}; allowed: {DATA_HINT}")
     return replace(structure, function=Build(structure.function, record), content=content)
 
 

@@ -258,7 +258,7 @@ def check_keys(node: Node, key: str, keys: tuple[str, ...], problems: Problems) 
         problems.no_key(node.lines[name], dotted(key, name), keys, hint)
 
 
-def as_meant(node: Node, keys: tuple[str, ...], problems: Problems) -> Node:
+def correct_keys(node: Node, keys: tuple[str, ...], problems: Problems) -> Node:
     """Return the file's top table `node` with misspelt keys renamed to those of `keys`, the allowed
     ones, that are likely meant; each misspelling is noted in `problems`."""
     check_keys(node, "", keys, problems)

@@ -14,7 +14,14 @@ comes from the element's own kernels, with friction that slips as its joint goes
 does not enter, nor do elements that hold: motors that prescribe the opening, releases, and latches.
 """
 
-from fpm.travel.components import STRAIN, classes_of_kinds, parts_of, reeled, springs_of
-from fpm.travel.travel import Travel, lead
+from fpm.travel.components import (
+    STRAIN,
+    classes_of_kinds,
+    component_classes,
+    springs_of,
+    time_dependent_components,
+)
+from fpm.travel.travel import Travel, sweep_travel
 
-__all__ = ["STRAIN", "Travel", "classes_of_kinds", "lead", "parts_of", "reeled", "springs_of"]
+__all__ = ["STRAIN", "Travel", "classes_of_kinds", "component_classes", "springs_of",
+           "sweep_travel", "time_dependent_components"]  # fmt: skip

@@ -77,7 +77,7 @@ class ClosedBench(ModelEvaluator):
         late = closed.kind == "late"
         number = SimpleNamespace(name="t", unit="s", is_time=late, least=None, at=None,
                                  kind="crossing" if closed.kind == "margin" else "event",
-                                 decider=closed.kind == "margin" or None)  # fmt: skip
+                                 margin_source=closed.kind == "margin" or None)  # fmt: skip
         if closed.kind == "limit":
             number.kind = "largest"
         self.of, self.plan, self.further, self.unfitted = closed, (1.0, 1.0), [], 0

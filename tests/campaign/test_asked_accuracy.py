@@ -15,7 +15,7 @@ from deployable import campaign
 from deployable.campaign.config.check import check_config
 from deployable.campaign.config.sections import Accuracy
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.accuracy import _places, added
+from deployable.campaign.plan.accuracy import _places, count_added_runs
 from deployable.campaign.plan.decide import Resources, Standing
 from deployable.campaign.plan.plan import Round, Rounds
 from deployable.campaign.results.facts import _accuracy
@@ -235,10 +235,10 @@ def test_runs_become_as_many_as_errors_are_expected_to_need():
     assert factor(0.12, runs_of(16, surrogate=0.12)) == pytest.approx((1.2 / 0.75) ** (1 / 0.75))
     # Less is left for the surrogate beside an error of the mesh.
     assert factor(0.07, mesh=0.05) == pytest.approx((0.07 / 0.75 / 0.05) ** (1 / 1.5))
-    assert added(32, 1.25, 99) == 8
-    assert added(32, 2.0, 99) == 32
-    assert added(32, 2.0, 30) == 24
-    assert added(32, 2.0, 0) == 8  # which the budget then refuses
+    assert count_added_runs(32, 1.25, 99) == 8
+    assert count_added_runs(32, 2.0, 99) == 32
+    assert count_added_runs(32, 2.0, 30) == 24
+    assert count_added_runs(32, 2.0, 0) == 8  # which the budget then refuses
 
 
 def test_what_should_be_the_last_runs_are_checked_at_once_where_that_is_cheap():

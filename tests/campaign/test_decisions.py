@@ -11,7 +11,7 @@ import yaml
 from opening_panel import PANEL, exact_time, panel, run
 
 from deployable import campaign
-from deployable.campaign.answers.choice import doubted
+from deployable.campaign.answers.choice import points_in_doubt
 from deployable.campaign.cli import main
 from deployable.campaign.cli.commands import UNMET
 from deployable.campaign.config.sections import Choose
@@ -264,5 +264,5 @@ def test_better_choices_that_only_the_nearest_run_speaks_against_are_looked_at()
     best = tried(0.5, 3.0, 1.0, np.inf)
     others = [tried(0.1, 1.0, 1.0, -np.inf), tried(0.4, 2.0, 1.0, -np.inf),
               tried(0.3, 1.5, -1.0, np.inf), tried(0.6, 4.0, 1.0, -np.inf), best]  # fmt: skip
-    found = doubted(best, others, choose)
+    found = points_in_doubt(best, others, choose)
     np.testing.assert_array_equal(found, [[0.4, 0.4], [0.1, 0.1]])

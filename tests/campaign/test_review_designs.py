@@ -188,7 +188,7 @@ def test_latches_on_the_way_are_those_between_its_ends():
         experiment = SimpleNamespace(
             responses={"m": definition}, intervals=["far"], nominal=(80.0,), nominal_scene=scene
         )
-        run = margins.led_curves(scene, [response])
+        run = margins.travel_curves(scene, [response])
         row = {"argmin": {"far": None}}
         known = mechanism.margin_of(experiment, [scene], response, row, lambda *_, run=run: run)
         assert known["latches"] == names
@@ -210,7 +210,7 @@ def test_starts_vary_where_each_run_is_led_from_its_own(first, starts, vary):
     experiment = SimpleNamespace(
         responses={"m": definition}, intervals=["start"], nominal=(1.0,), nominal_scene=scenes[0]
     )
-    run = margins.led_curves(scenes[0], [response])
+    run = margins.travel_curves(scenes[0], [response])
     row = {"argmin": {"start": 1.0}}
     known = mechanism.margin_of(experiment, scenes, response, row, lambda *_: run)
     assert known["starts_vary"] is vary
@@ -279,7 +279,7 @@ def test_springs_that_drive_are_those_that_drive_somewhere():
         scene.add_torsion_spring(0, 0.01, rest)
     first = "torsion spring hinge"
     intact = parse("m", definition, scene)
-    run = margins.led_curves(scene, [intact])
+    run = margins.travel_curves(scene, [intact])
     for out in ([], [LEFT], ["rub"]):
         own = definition | {"without": out}
         experiment = SimpleNamespace(
@@ -354,7 +354,7 @@ def test_a_budget_at_any_place_of_the_box_adds_up():
     for _ in range(3):
         k, dry, cold = rng.uniform(0.02, 0.2), rng.uniform(1e-3, 2e-2), rng.uniform(1e-3, 9e-2)
         scene, _, response = of({}, k=k, dry=dry, cold=cold, temperature=-100.0)
-        budget = margins.torque_budget(response, margins.led_curves(scene, [response]))
+        budget = margins.torque_budget(response, margins.travel_curves(scene, [response]))
         angle = np.append(np.linspace(0, np.pi / 2, 4001), np.radians([35, 45, 55]))
         wires = np.interp(angle, np.radians([0, 35, 45, 55, 100]),
                           cold * np.array([0, 0.2, 1, 0.2, 0.5]))  # fmt: skip

@@ -10,7 +10,7 @@ import yaml
 
 from deployable import campaign
 from deployable.campaign.answers import discretization
-from deployable.campaign.answers.choice import deciding, design_points
+from deployable.campaign.answers.choice import design_points, find_deciding_parameters
 from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.campaign.answers.quantity_bounds import _bounds
 from deployable.campaign.cli import main
@@ -370,13 +370,13 @@ GRID = [(1.0, 3.0), (1.0, 4.0), (2.0, 3.0), (2.0, 4.0)]
     ],
 )
 def test_only_what_changes_the_worth_of_a_choice_decides(kept, worth, expected):
-    assert deciding(choices(worth, kept, GRID), 0.1) == expected
+    assert find_deciding_parameters(choices(worth, kept, GRID), 0.1) == expected
 
 
 def test_where_choices_lie_on_no_grid_all_are_compared():
     places = [(1.0, 3.0, 5.0), (1.5, 3.5, 5.5)]
-    assert deciding(choices([-1.0, -1.0], False, places), 0.0) == [False] * 3
-    assert deciding(choices([-1.0, -2.0], False, places), 0.0) == [True] * 3
+    assert find_deciding_parameters(choices([-1.0, -1.0], False, places), 0.0) == [False] * 3
+    assert find_deciding_parameters(choices([-1.0, -2.0], False, places), 0.0) == [True] * 3
 
 
 @pytest.mark.parametrize("kept", [True, False])

@@ -119,7 +119,7 @@ def test_a_border_moves_to_where_finer_runs_cease_to_differ():
     model.evaluate = told
     occurrence = Occurrence(x, np.isfinite(model.numbers[:, 0]))
     found, _ = limit_states.estimate_limit_state_error(model, 0, occurrence, None)
-    there = float(occurrence.certainty(np.array([[0.3]]))[0])
+    there = float(occurrence.decision_value(np.array([[0.3]]))[0])
     assert found == pytest.approx(2 * there, rel=0.05)
     limit = Limit(SimpleNamespace(occurrence=occurrence), "happens", 1.0, border=found)
     share, open_ = share_of_box([limit], np.ones(1))
@@ -154,7 +154,7 @@ def test_a_border_moves_to_the_farthest_of_several_stretches():
     size = limit_states._bisect_segments(
         model, 0, occurrence, None, np.full((2, 1), 0.1), np.full((2, 1), 0.95)
     )
-    exact = float(occurrence.certainty(np.array([[0.75]]))[0])
+    exact = float(occurrence.decision_value(np.array([[0.75]]))[0])
     assert size == pytest.approx(abs(exact), rel=0.1)
 
 
@@ -249,7 +249,7 @@ def test_what_happened_in_all_runs_is_no_proof_without_a_margin():
 )
 def test_what_no_run_breaks_is_sure_beyond_the_errors(free, slack, kind, margins, sure):
     """Of the number, 0.1, and of where it exists, 0.2."""
-    number = SimpleNamespace(at=None, decider=None, kind=kind)
+    number = SimpleNamespace(at=None, margin_source=None, kind=kind)
     box = SimpleNamespace(free=np.array(free))
     model = SimpleNamespace(
         experiment=SimpleNamespace(box=box, numbers=[number]),
@@ -275,7 +275,7 @@ def test_what_no_run_breaks_is_sure_beyond_the_errors(free, slack, kind, margins
     ],
 )
 def test_what_no_run_keeps_is_refuted_beyond_the_errors(kind, level, margins, refuted):
-    number = SimpleNamespace(at=None, decider=None, kind="event")
+    number = SimpleNamespace(at=None, margin_source=None, kind="event")
     model = SimpleNamespace(
         experiment=SimpleNamespace(box=SimpleNamespace(free=np.array([True])), numbers=[number]),
         margins=np.array(margins)[:, None],

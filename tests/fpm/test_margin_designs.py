@@ -154,7 +154,7 @@ def off_by(seed: int) -> tuple[float, float]:
     definition = {"margin": "h1", "to": float(design.end), "standard": design.standard,
                   "evidence": design.evidence, **design.more}  # fmt: skip
     response = responses.parse("m", definition, design.scene)
-    run = margins.led_curves(design.scene, [response])
+    run = margins.travel_curves(design.scene, [response])
     asked = {"least": {"smallest": "m"}, "at": {"smallest_at": "m"}}
     least, at = (number.evaluate(run) for number in parse(asked, [response], [])[0])
     assert least >= -1.0

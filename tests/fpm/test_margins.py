@@ -15,7 +15,7 @@ from fpm.reading.quantities import KINDS
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.standards import CLASSES, STANDARDS
 from fpm.reading.variables import VARIABLES
-from fpm.travel import parts_of
+from fpm.travel import component_classes
 
 HARNESS = {"classes": {"spring h1": "HA"}}
 
@@ -32,7 +32,7 @@ def panel(k=0.1, psi=np.pi, f=0.01, h=0.005):
 def found(scene, definition):
     """The margin (t,), its least, and the opening there."""
     response = responses.parse("m", definition, scene)
-    run = margins.led_curves(scene, [response])
+    run = margins.travel_curves(scene, [response])
     numbers, problems = parse(
         {"least": {"smallest": "m"}, "at": {"smallest_at": "m"}}, [response], []
     )
@@ -192,7 +192,7 @@ def test_where_nothing_acts_is_refused():
 
 
 def test_a_table_without_a_class_is_a_harness():
-    assert parts_of(panel())["spring h1"] == "HA"
+    assert component_classes(panel())["spring h1"] == "HA"
 
 
 def test_a_reeled_cable_is_left_out_or_refused():
@@ -212,7 +212,7 @@ def test_every_run_is_led_from_its_own_start():
     definition = {"margin": "h1", "to": -0.2, "standard": "aiaa-s-114"}
     response = responses.parse("m", definition, hung(0.0))
     for start in (0.0, 0.3):
-        run = margins.led_curves(hung(start), [response])
+        run = margins.travel_curves(hung(start), [response])
         opening = run.columns[margins.OPENING, response.columns[0][1]]
         assert (opening[0], opening[-1]) == (start, -0.2)
         # the spring gives 0.1 (start + 0.5) against 2 x 0.01, least where the way ends
@@ -249,8 +249,8 @@ def test_friction_of_a_cable_is_friction():
     scene.add(Friction(0, 0.05))
     definition = {"margin": "h1", "to": "90 deg", "standard": "ecss-e-st-33-01c"}
     response = responses.parse("m", definition, scene)
-    assert parts_of(scene)["friction cable pull"] == "FR"
-    run = margins.led_curves(scene, [response])
+    assert component_classes(scene)["friction cable pull"] == "FR"
+    run = margins.travel_curves(scene, [response])
     fixed, (x, y) = np.hypot(2, 2), (-1.0, 1.0)
     free, start = np.hypot(x, y - 1), np.hypot(1 - x, y)
     rest = (fixed + start) / 1.5

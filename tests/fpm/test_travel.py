@@ -14,7 +14,7 @@ from fpm import structures
 from fpm.assembly.conditions import ParticlePoses
 from fpm.elements import Friction, RigidFriction, SyncLoop, TableSpring
 from fpm.errors import SceneError
-from fpm.travel import STRAIN, lead, parts_of
+from fpm.travel import STRAIN, component_classes, sweep_travel
 from fpm.travel.acting import ElementForces
 
 STRUCTURES = Path(__file__).parents[2] / "config/structures"
@@ -26,9 +26,9 @@ def test_a_panel_on_one_hinge():
     scene.add(Friction(0, 0.01))
     scene.add(TableSpring(0, (0.0, 3.0), (0.0, -0.015)))
     scene.gravity = (0, -1.0, 0)
-    found = lead(scene, "h1", 0.0, np.pi / 2)
+    found = sweep_travel(scene, "h1", 0.0, np.pi / 2)
     angle = found.opening
-    assert parts_of(scene).keys() == found.work.keys()
+    assert component_classes(scene).keys() == found.work.keys()
     expected = {
         "weight 0": -2.0 * 0.5 * np.cos(angle),
         "torsion spring h1": 0.1 * (np.pi - angle),
@@ -44,13 +44,14 @@ def test_friction_slips_the_way_that_its_joint_goes():
     scene = hinged(1.0)
     scene.add(Friction(0, 0.3))
     for first, last in ((1.0, 1.5), (1.5, 1.0), (0.5, 0.2)):
-        assert lead(scene, "h1", first, last).work["friction h1"] == pytest.approx(-0.3, rel=2e-6)
+        work = sweep_travel(scene, "h1", first, last).work["friction h1"]
+        assert work == pytest.approx(-0.3, rel=2e-6)
 
 
 def test_friction_that_sticks_exactly_slips_alike():
     scene = hinged(1.0)
     scene.add(RigidFriction(0, 0.3))
-    assert lead(scene, "h1", 1.0, 1.5).work["friction h1"] == pytest.approx(-0.3, rel=2e-6)
+    assert sweep_travel(scene, "h1", 1.0, 1.5).work["friction h1"] == pytest.approx(-0.3, rel=2e-6)
 
 
 def test_bearings_rub_by_the_forces_of_their_joints():
@@ -61,9 +62,9 @@ def test_bearings_rub_by_the_forces_of_their_joints():
     scene.add_load(2, force=(3.0, -4.0, 0))
     scene.add(SyncLoop("belt", (0, 1), (0.06, 0.03), 1e8))
     scene.bearings = {0: 0.1 * 0.02, 1: 0.2 * 0.03}
-    found = lead(scene, "h1", 0.2, 1.2)
-    assert parts_of(scene)["bearing h2"] == "FR"
-    assert parts_of(scene).keys() == found.work.keys()
+    found = sweep_travel(scene, "h1", 0.2, 1.2)
+    assert component_classes(scene)["bearing h2"] == "FR"
+    assert component_classes(scene).keys() == found.work.keys()
     for name, lever, weight in (("h1", 0.002, 36.0), ("h2", 2 * 0.006, 18.0)):
         expected = -lever * np.hypot(weight, 5)  # the belt gives a little
         assert found.work[f"bearing {name}"] == pytest.approx(expected, rel=1e-4)
@@ -74,7 +75,7 @@ def test_a_bearing_beside_a_stay():
     scene = hinged(0.0)
     scene.add_cable("stay", [(0, (1.0, 2.0, 0.0)), (1, (1.0, 0.0, 0.0))], EA=50.0, rest=1.5)
     scene.bearings = {0: 0.004}
-    found = lead(scene, "h1", 0.0, 1.0)
+    found = sweep_travel(scene, "h1", 0.0, 1.0)
     tip = np.stack([np.cos(found.opening), np.sin(found.opening)])
     length = np.hypot(*(np.array([[1.0], [2.0]]) - tip))
     tension = 50.0 * np.maximum(length / 1.5 - 1, 0)  # which the hinge alone bears
@@ -89,7 +90,7 @@ def test_two_panels_with_a_synchronising_loop():
     for hinge, moment in enumerate((0.02, 0.03)):
         scene.add(Friction(hinge, moment))
     scene.add(SyncLoop("belt", (0, 1), (0.06, 0.03), 1e8))
-    found = lead(scene, "h1", 0.0, np.pi / 2)
+    found = sweep_travel(scene, "h1", 0.0, np.pi / 2)
     angle, work = found.opening, found.work
     drives = 0.4 * (np.pi - angle) + 2 * 0.3 * (2 * np.pi - 2 * angle)
     assert work["torsion spring h1"] + work["torsion spring h2"] == pytest.approx(drives, rel=1e-4)
@@ -141,7 +142,7 @@ def test_a_joint_that_springs_and_a_cable_hold_goes_by_their_balance(unit):
     def balanced(one):
         return brentq(lambda two: slope(lambda x: energies(one, x).sum(), two), -2, 2, xtol=1e-13)
 
-    found = lead(scene, "h1", 0.0, 0.6, positions=7)
+    found = sweep_travel(scene, "h1", 0.0, 0.6, positions=7)
     expected = [slope(lambda x: -energies(x, balanced(x)), one, 1e-4) for one in found.opening]
     names = ("torsion spring h2", "cable stay", "weight 0")
     works = np.array([found.work[name] for name in names]).T
@@ -152,9 +153,9 @@ def test_a_joint_that_springs_and_a_cable_hold_goes_by_their_balance(unit):
 def test_an_opening_that_leaves_others_free_is_refused():
     scene = hinged(0.1, 0.1)
     with pytest.raises(fpm.SceneError, match="not the only freedom"):
-        lead(scene, "h1", 0.1, 1.0)
+        sweep_travel(scene, "h1", 0.1, 1.0)
     scene.add_torsion_spring(0, 1.0, 2.0)
-    found = lead(scene, "h1", 0.1, 1.0, stand=["h2"])
+    found = sweep_travel(scene, "h1", 0.1, 1.0, locked=["h2"])
     assert found.work["torsion spring h1"][-1] == pytest.approx(1.0)
 
 
@@ -163,7 +164,7 @@ def test_what_cannot_be_reached_is_told():
     scene = structures.load(STRUCTURES / "bennett.yaml").build(elements=2)
     start = scene.hinges[0].opening
     with pytest.raises(fpm.SceneError, match="openings that it can reach"):
-        lead(scene, "A", start, start + 0.8)
+        sweep_travel(scene, "A", start, start + 0.8)
 
 
 def test_a_slide_is_led_by_its_way():
@@ -175,7 +176,7 @@ def test_a_slide_is_led_by_its_way():
     scene.add(Friction(slide, 0.7, 1e-4))
     scene.gravity = (-1.0, 0, 3.0)
     scene.bearings = {slide: 0.25}
-    found = lead(scene, "rail", 0.2, 0.6)
+    found = sweep_travel(scene, "rail", 0.2, 0.6)
     assert found.work["spring rail"] == pytest.approx(5.0 * (1.0 - found.opening))
     assert found.work["friction rail"] == pytest.approx(-0.7)
     assert found.work["weight 0"] == pytest.approx(-2.0)
@@ -189,7 +190,7 @@ def test_the_scissor_mast_by_virtual_work():
     n, k, g = 2, 1.5, 3.0
     scene = structures.load(STRUCTURES / "scissor.yaml").build(n=n, k=k, E=1e4, elements=2)
     scene.gravity = (-g, 0, 0)
-    found = lead(scene, "bay1.pin", np.radians(160), np.radians(60))
+    found = sweep_travel(scene, "bay1.pin", np.radians(160), np.radians(60))
     way = found.opening  # falls, so that work is per unit of -opening
     springs = sum(found.work[f"bay{i + 1}.spring"] for i in range(n))
     assert springs == pytest.approx(n * k * way, rel=1e-3)
@@ -202,7 +203,7 @@ def test_the_bennett_linkage_by_virtual_work():
     """The springs at B and D by the rates of their openings, as the rigid linkage has them."""
     made = structures.load(STRUCTURES / "bennett.yaml")
     scene = made.build(E=1e12, elements=4)
-    found = lead(scene, "B", scene.hinges[1].opening, 0.4)
+    found = sweep_travel(scene, "B", scene.hinges[1].opening, 0.4)
     roll = mu = np.pi / 4
     omega_a = np.arctan2(1, np.tan(mu) * np.cos(roll))
     omega_b = np.arctan2(np.tan(mu), np.sin(roll))
@@ -231,7 +232,7 @@ def test_the_ring_truss_by_virtual_work():
     made = structures.load(STRUCTURES / "ring_truss.yaml")
     scene = made.build(n=n, stow=60.0, mu=0.0, E=1000.0, EA=EA / 1e3)
     bays = [f"pair{i + 1}.bay{k}" for i in range(n) for k in (1, 2)]
-    found = lead(scene, bays, np.radians(60), np.radians(70))
+    found = sweep_travel(scene, bays, np.radians(60), np.radians(70))
 
     def through(slope):
         return 2 * n * np.sqrt(bay**2 + height**2 + 2 * bay * height * np.sin(slope))
@@ -250,7 +251,7 @@ def test_openings_are_counted_from_the_start_to_where_the_travel_begins(first, l
     scene = hinged(0.2)
     scene.add_torsion_spring(0, 0.5, 4.0)
     scene.add(TableSpring(0, (-10.0, 4.5, 10.0), (0.1, 1.1, 0.3)))
-    found = lead(scene, "h1", first, last)
+    found = sweep_travel(scene, "h1", first, last)
     assert found.work["torsion spring h1"] == pytest.approx(
         np.sign(last - first) * 0.5 * (4.0 - found.opening), abs=1e-9
     )
@@ -300,7 +301,7 @@ def piston(angle, r=0.2):
 @pytest.mark.parametrize("end", [180.2, 181, 182.7, 200, 361])
 def test_friction_of_a_joint_that_turns_back_slips_the_way_it_goes(end):
     """A slide at and beyond the dead centre of its crank; there is a position at each."""
-    found = lead(CENTRED.build(rub=3.0), "main", np.radians(10), np.radians(end))
+    found = sweep_travel(CENTRED.build(rub=3.0), "main", np.radians(10), np.radians(end))
     rate, _ = piston(found.opening)
     assert found.work["dry"] == pytest.approx(-3.0 * np.abs(rate), abs=1e-9)
     assert np.abs(found.opening - np.pi).min() < 1e-7
@@ -320,7 +321,7 @@ def test_a_way_from_near_a_dead_centre_stays_on_its_assembly(start, end):
         angle = np.radians(degrees)
         return 0.2 * np.cos(angle) + np.sqrt(ROD**2 - (0.2 * np.sin(angle)) ** 2)
 
-    found = lead(scene, "rail", 0.0, place(end) - place(start))
+    found = sweep_travel(scene, "rail", 0.0, place(end) - place(start))
     x = place(start) + found.opening
     angle = np.arccos((0.2**2 + x**2 - ROD**2) / (0.4 * x))
     expected = 0.5 * (np.radians(250) - angle) / piston(angle)[0]
@@ -334,7 +335,7 @@ def test_bearings_rub_by_forces_in_the_balance_with_their_friction():
     the angle a, and P tan a/(1 + mu tan a) where P drives it."""
     for mu, sign in ((0.3, 1), (0.3, -1), (1.2, 1)):
         scene = CENTRED.build(push=4.0 * sign, mu=mu)
-        found = lead(scene, "main", np.radians(190), np.radians(350))
+        found = sweep_travel(scene, "main", np.radians(190), np.radians(350))
         rate, sine = piston(found.opening)
         slope = np.abs(sine) / np.sqrt(1 - sine**2)
         expected = 4.0 * slope / (1 + sign * mu * slope)
@@ -348,7 +349,7 @@ def test_the_couple_of_a_bearing_acts_about_its_hinge_however_far_that_has_turne
     text = CRANK.replace("{type: bearing, joint: rail, mu: mu}",
                          "{type: bearing, joint: wrist, mu: mu, radius: 100 mm}")  # fmt: skip
     scene = structures.loads(text).build(push=4.0, mu=0.4, t0=10.0)
-    found = lead(scene, "main", np.radians(10), np.radians(170))
+    found = sweep_travel(scene, "main", np.radians(10), np.radians(170))
     angle, lever = found.opening, 0.04
     sine = 0.2 * np.sin(angle) / ROD
     turn = -0.2 * np.cos(angle) / (ROD * np.sqrt(1 - sine**2))  # of the rod, against the ground
@@ -367,9 +368,9 @@ def test_a_way_on_which_a_bearing_locks_itself_is_refused(mu, locks):
     scene = CENTRED.build(r=0.48, push=4.0, mu=mu, t0=10.0)
     if locks:
         with pytest.raises(SceneError, match="bearing rail = 'locked where opening main is 1"):
-            lead(scene, "main", np.radians(10), np.radians(170))
+            sweep_travel(scene, "main", np.radians(10), np.radians(170))
     else:
-        found = lead(scene, "main", np.radians(10), np.radians(170))
+        found = sweep_travel(scene, "main", np.radians(10), np.radians(170))
         rate, sine = piston(found.opening, 0.48)
         slope = sine / np.sqrt(1 - sine**2)
         expected = 4.0 * slope / (1 - mu * slope)
@@ -396,7 +397,7 @@ def test_a_planar_loop_with_bearings_is_led_alike_however_it_lies_in_space():
     works = []
     for text in (flat, turned):
         scene = structures.loads(text).build(push=4.0, mu=0.3, rub=0.5)
-        way = lead(scene, "main", np.radians(10), np.radians(200))
+        way = sweep_travel(scene, "main", np.radians(10), np.radians(200))
         at = np.radians(np.linspace(11, 199, 40))
         works.append([np.interp(at, way.opening, way.work[name]) for name in
                       ("bearing rail", "bearing wrist", "dry", "spring")])  # fmt: skip

@@ -7,7 +7,7 @@ import fpm
 from fpm.elements import Viscosity
 from fpm.elements.bars.beam import Material, Section
 from fpm.reading.responses import Response
-from fpm.reading.shocks import doubt
+from fpm.reading.shocks import shock_warning
 from fpm.structures import loads
 
 STEEL, BAR, FORCE = Material(210e9, 0.3, 7800.0), Section.square(0.01), 1000.0
@@ -104,5 +104,5 @@ def test_a_share_that_is_none_is_refused(share):
 
 def test_a_load_at_once_is_in_doubt_without_viscosity_only():
     stress = Response("s", "stress", ("all",), "", "Pa", "stress", tuple(STRESS))
-    assert "viscosity: 0.2" in doubt(rod(4), stress)
-    assert doubt(rod(4, 0.2), stress) == ""
+    assert "viscosity: 0.2" in shock_warning(rod(4), stress)
+    assert shock_warning(rod(4, 0.2), stress) == ""

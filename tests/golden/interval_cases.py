@@ -97,7 +97,7 @@ def splines() -> Iterator:
         width = (bounds["upper"] - bounds["lower"]).values
         to_unit = BOXES[box].to_unit
         at = [to_unit(bounds[name].values) for name in ("argmin", "argmax")]
-        places = intervals.deciding_places(*at, width, 6)
+        places = intervals.choose_bound_points(*at, width, 6)
         yield places.unit.shape, places.errors(RNG.normal(size=(len(places.unit), *width.shape)))
         chosen, growth = intervals.seek_points(
             runs["normalized"].values, runs["values"].values, 5, candidates=512, seed=2
@@ -138,7 +138,7 @@ def scalars() -> Iterator:
         for one in found:
             yield one.evaluate(trial), one.error, one.usual_error, one.occurrence.open
             border = one.occurrence
-            yield border.certainty(trial), border.doubt(trial), border.infill_points(4)
+            yield border.decision_value(trial), border.doubt(trial), border.infill_points(4)
             yield one.find_presence(*part) is None, one.find_absence(*part) is None
             if not border.is_mixed:  # a search that ends at a border is as good as its last step
                 wide = one.range(), one.range(*part)
@@ -159,7 +159,7 @@ def scalars() -> Iterator:
             yield req.largest_share(some, nominal - 0.5)[:2]
             yield [(limit.worst(*part)[0], limit.best(*part)[0]) for limit in some]
         yield [limit.slack_of(np.array([0.1, np.nan, 3.0])) for limit in limits]
-        yield req.share_reaching(nominal, trial)
+        yield req.least_scales(nominal, trial)
         yield from choices(k, found, limits)
 
 

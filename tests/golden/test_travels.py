@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fpm import structures
-from fpm.travel import classes_of_kinds, lead, parts_of, springs_of
+from fpm.travel import classes_of_kinds, component_classes, springs_of, sweep_travel
 
 ROOT = Path(__file__).parents[2]
 BEFORE = Path(__file__).parent / "travels.json"
@@ -45,7 +45,7 @@ def travel_of(file, name, first, last, parameters):
     scene = structure.build(**parameters)
     hinge = next(hinge for hinge in scene.hinges if name in (None, hinge.name))
     start = 0.0 if name else float(hinge.opening)
-    travel = lead(scene, hinge.name, start + first, start + last)
+    travel = sweep_travel(scene, hinge.name, start + first, start + last)
     order = np.argsort(travel.opening, kind="stable")
     places = start + np.linspace(first, last, 5)[1:-1]
 
@@ -56,7 +56,7 @@ def travel_of(file, name, first, last, parameters):
         "ends": travel.opening[[0, -1]].tolist(),
         "work": {part: at_places(work) for part, work in sorted(travel.work.items())},
         "inertia": at_places(travel.inertia),
-        "classes": [parts_of(scene), classes_of_kinds(scene), springs_of(scene)],
+        "classes": [component_classes(scene), classes_of_kinds(scene), springs_of(scene)],
     }
 
 

@@ -17,7 +17,7 @@ from deployable.intervals import (
 from deployable.intervals.chebyshev import total_degree
 from deployable.intervals.designs import Design, Method
 from deployable.intervals.estimates import error_estimate
-from deployable.intervals.ranges import attained
+from deployable.intervals.ranges import attained_range
 
 TIME = np.linspace(0.0, 1.0, 21)
 BOX = Box(["a", "b", "c"], [0.9, 2.0, -0.1], [1.1, 2.0, 0.1])  # b has no width
@@ -43,7 +43,7 @@ class Nearest(Model):
     def range(self):
         values, unit = self.samples.values, self.samples.unit
         where = unit[values.argmin(axis=0)], unit[values.argmax(axis=0)]
-        return attained(values.min(axis=0), values.max(axis=0), *where)
+        return attained_range(values.min(axis=0), values.max(axis=0), *where)
 
     def error(self, found, window):
         error = self.share * (found.upper - found.lower)

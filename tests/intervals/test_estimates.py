@@ -10,8 +10,8 @@ from deployable.intervals.estimates import (
     MAX_TAIL_RATIO,
     decay_estimate,
     error_estimate,
-    overruled,
-    usual,
+    limit_decay,
+    power_mean,
     widen,
 )
 
@@ -83,7 +83,7 @@ def tails(function, method, order, dimension, count):
     surrogate = fit(design, curves(design.points))
     missed = curves(held_out) - surrogate.evaluate(held_out)
     told = decay_estimate(surrogate, TIME)
-    left = overruled(surrogate, design.points, held_out, missed, told, TIME)
+    left = limit_decay(surrogate, design.points, held_out, missed, told, TIME)
     line = np.linspace(-1, 1, 41)
     dense = np.stack(np.meshgrid(*[line] * dimension), axis=-1).reshape(-1, dimension)
     true = np.abs(surrogate.evaluate(dense) - curves(dense)).max(axis=0)
@@ -133,7 +133,7 @@ def test_the_next_coefficient_of_one_direction_is_told_by_five_runs(degree):
     surrogate = fit(design, curve(design.points))
     held_out = held_out_points(np.ones(2, dtype=bool), 5)
     missed = curve(held_out) - surrogate.evaluate(held_out)
-    left = overruled(surrogate, design.points, held_out, missed, np.ones(1), np.zeros(1))
+    left = limit_decay(surrogate, design.points, held_out, missed, np.ones(1), np.zeros(1))
     largest = max(1e-3, np.abs(missed).max())
     assert left == pytest.approx(MAX_TAIL_RATIO * largest, rel=1e-9)
 
@@ -151,7 +151,7 @@ def test_runs_that_see_the_same_overrule_nothing(unit):
     surrogate = fit(design, (x + x**2 - y**2)[:, None] * np.ones(3))
     missed = np.zeros((len(unit), 3))
     told = decay_estimate(surrogate, TIME)
-    left = overruled(surrogate, design.points, unit, missed, told, TIME)
+    left = limit_decay(surrogate, design.points, unit, missed, told, TIME)
     np.testing.assert_array_equal(left, told)
 
 
@@ -160,7 +160,7 @@ def test_runs_that_see_the_same_overrule_nothing(unit):
 )
 def test_runs_that_were_sought_count_by_a_mean_in_few_directions(directions, expected):
     left_out = np.array([1.0, -2.0, 3.0, -4.0])
-    assert usual(left_out, directions) == pytest.approx(expected, rel=1e-12)
+    assert power_mean(left_out, directions) == pytest.approx(expected, rel=1e-12)
 
 
 def test_metrics_of_known_bounds():

@@ -16,10 +16,10 @@ from deployable.intervals.scalars import (
     fit_scalar,
     influence,
     largest_share,
+    least_scales,
     safe_range,
     safest_choice,
     share_of_box,
-    share_reaching,
     sub_box,
 )
 
@@ -353,11 +353,11 @@ def test_a_box_shrinks_towards_its_nominal_point():
 def test_a_box_shrunk_to_a_points_share_just_holds_it():
     rng = np.random.default_rng(3)
     unit, nominal = rng.uniform(-1, 1, (40, 3)), np.array([0.2, -1.0, 0.9])
-    for point, share in zip(unit, share_reaching(nominal, unit), strict=True):
+    for point, share in zip(unit, least_scales(nominal, unit), strict=True):
         for less, inside in ((0.0, True), (1e-9, False)):
             lower, upper = sub_box(nominal, share - less)
             assert ((lower <= point + 1e-12) & (point <= upper + 1e-12)).all() == inside
-    assert share_reaching(nominal, nominal[None]) == [0.0]
+    assert least_scales(nominal, nominal[None]) == [0.0]
 
 
 BORDERS = {

@@ -14,8 +14,8 @@ import xarray
 from deployable.campaign.pictures.glb import glb_of
 from deployable.campaign.report import from_results, write_page
 from deployable.campaign.report.data import MOST_LINES
-from deployable.campaign.report.motions import MOST_MOVING, how_many_move, shown_runs
-from deployable.campaign.report.pack import thinned
+from deployable.campaign.report.motions import MOST_MOVING, count_moving_runs, shown_runs
+from deployable.campaign.report.pack import choose_instants
 from deployable.campaign.report.page import render
 from deployable.campaign.results.facts import grade
 from deployable.campaign.results.templates import sentence
@@ -115,7 +115,8 @@ def test_motions_are_those_of_the_trajectory_files(results, data):
 
 
 def test_as_many_runs_move_as_a_page_has_room_for():
-    assert how_many_move(30) == MOST_MOVING > how_many_move(60) > how_many_move(10_000) == 7
+    few, more, most = map(count_moving_runs, (30, 60, 10_000))
+    assert few == MOST_MOVING > more > most == 7
 
 
 def test_the_page_names_the_runs_that_do_not_move(results, tmp_path):
@@ -173,7 +174,7 @@ def test_names_cannot_break_out_of_the_page(tmp_path, data):
 def test_thinned_curves_keep_their_extremes():
     rng = np.random.default_rng(1)
     curves = [rng.normal(size=50_000) for _ in range(4)]
-    keep = thinned(curves, most=2000)
+    keep = choose_instants(curves, most=2000)
     assert len(keep) <= 2000 + 2 * len(curves) + 2 and keep[0] == 0 and keep[-1] == 49_999
     for curve in curves:
         assert curve[keep].max() == curve.max() and curve[keep].min() == curve.min()

@@ -7,7 +7,7 @@ from structures_for_tests import FOURBAR, changed, refused
 import fpm
 from fpm.solver.pack import topology
 from fpm.structures import loads
-from fpm.travel import lead
+from fpm.travel import sweep_travel
 
 ALPHA, WIDE, HIGH = 23e-6, 0.02, 0.01  # 1/°C, m, m
 BAR = """
@@ -104,7 +104,7 @@ def test_a_spring_by_a_table_of_temperature_drives_by_it():
         ("assemble: true", "assemble: {hold: [left]}"),
     )
     for t, stiffness in ((-100.0, 0.2), (0.0, 0.15), (150.0, 0.1)):
-        found = lead(loads(warm).build(T=t), "left", 0.0, 1.0, positions=5)
+        found = sweep_travel(loads(warm).build(T=t), "left", 0.0, 1.0, positions=5)
         expected = stiffness * (np.pi / 2 - found.opening)
         assert found.work["s"] == pytest.approx(expected, rel=1e-6)
 

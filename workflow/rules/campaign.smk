@@ -26,4 +26,4 @@ else:
 # Which file to open.
 onsuccess:
     if not workflow.dag_settings.targets:
-        print(WORKFLOW.last_words())
+        print(WORKFLOW.last_log())

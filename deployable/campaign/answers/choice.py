@@ -54,7 +54,7 @@ def answer(
     `choice.json` into `folder`, a campaign's results with its plan. choose, requirements, verify,
     jobs: sections of the config; notify: called with each message; threads: how many simulate."""
     base_plan = read_plan(folder.plan)
-    experiment = widened(base_plan.experiment, choose)
+    experiment = widen_intervals(base_plan.experiment, choose)
     plan = Plan(experiment, base_plan.mechanics, choose_step(experiment), Runs.from_runs([]))
     model = ModelEvaluator(plan, jobs, folder, notify, threads)
     design = design_points(experiment, choose)
@@ -63,17 +63,19 @@ def answer(
     specs = list_limits(requirements, list(experiment.quantities))
     for iteration in range(verify.max_iterations + 1):
         best, safest, safe_ranges, trials = _best(model, base_plan.experiment, choose, specs)
-        points = [*np.concatenate(best.goal_points), *best.worst, *doubted(best, trials, choose)]
-        points += [] if safest is None else [*safest.worst]
+        points = [*np.concatenate(best.goal_points), *best.worst]
+        points += [
+            *points_in_doubt(best, trials, choose),
+            *(() if safest is None else safest.worst),
+        ]
         points = [point for point in points if model.nearest(point)[1] > SAME_POINT]
         if iteration == verify.max_iterations or not points:
             break
         model.add(points)
     error = _error(model, base_plan.experiment, choose, specs, best.is_allowed)
+    decides = find_deciding_parameters(trials, error)
     choice = {
-        "parameters": _parameters(
-            experiment, choose, best.values, deciding(trials, error), safe_ranges, safest
-        ),
+        "parameters": _parameters(experiment, choose, best.values, decides, safe_ranges, safest),
         "kept": best.is_allowed,
         "safe": best.is_safe,
         "goals": list(map(partial(_goal, model), choose.goals, best.goals, best.goal_points)),
@@ -92,7 +94,7 @@ def answer(
     write_result(folder.choice, json.dumps(choice, indent=1, allow_nan=False) + "\n")
 
 
-def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray]:
+def points_in_doubt(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray]:
     """Find points to simulate before a choice is final, as there the surrogates alone rule out what
     may be better: normalized points (k), -1 to 1 in the box, at which an event does not occur that
     must (or the reverse, or a limited quantity is absent), one for each limit that fails so. Of
@@ -116,7 +118,7 @@ def doubted(best: Any, trials: Sequence[Any], choose: Choose) -> list[np.ndarray
     ]
 
 
-def widened(experiment: Experiment, choose: Choose) -> Experiment:
+def widen_intervals(experiment: Experiment, choose: Choose) -> Experiment:
     """Return a copy of an experiment in which the interval of each parameter to be chosen spans all
     nominal values that `choose` (section of the config) allows, with the uncertainty about each."""
     intervals = dict(experiment.intervals)
@@ -128,9 +130,9 @@ def widened(experiment: Experiment, choose: Choose) -> Experiment:
 
 def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
     """Make the points (N, k), -1 to 1 in the box, of the runs that surrogates over all choices are
-    fitted to: a sparse grid and four validation runs. experiment: with the intervals of `widened`;
-    choose: section of the config, whose `order` the grid has along chosen parameters; along others
-    it has that of the experiment's design, at least 2."""
+    fitted to: a sparse grid and four validation runs. experiment: of `widen_intervals`; choose:
+    section of the config, whose `order` the grid has along chosen parameters; along others it has
+    that of the experiment's design, at least 2."""
     from deployable.intervals import held_out_points, make_design
 
     order, box = experiment.design.order, experiment.box
@@ -186,7 +188,7 @@ def _error(
     return max([ROUNDING * size, *(error for error in errors if np.isfinite(error))])
 
 
-def deciding(trials: Sequence[Any], error: float) -> list[bool]:
+def find_deciding_parameters(trials: Sequence[Any], error: float) -> list[bool]:
     """Tell which chosen parameters matter, one flag each, in order: whether tried choices that
     differ only in it (all, if no two do) differ by more than `error` in the first goal, or only
     some of them are allowed; if no choice is allowed, in the least margin to a limit. trials:

@@ -195,7 +195,7 @@ def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict
     box = model.experiment.box
     attained = [box.to_unit(bounds[name].values) for name in ("argmin", "argmax")]
     width = (bounds["upper"] - bounds["lower"]).values
-    points = intervals.deciding_places(*attained, width, MAX_POINTS)
+    points = intervals.choose_bound_points(*attained, width, MAX_POINTS)
     planned = model.plan.runs.normalized
     distances = np.abs(planned - points.unit[:, None]).max(axis=2)
     nearest = distances.argmin(axis=1)

@@ -7,7 +7,7 @@ import os
 from dataclasses import dataclass, replace
 
 import fpm
-from deployable.campaign.answers.choice import design_points, widened
+from deployable.campaign.answers.choice import design_points, widen_intervals
 from deployable.campaign.answers.discretization import MAX_POINTS
 from deployable.campaign.config.disk import bytes_of_run
 from deployable.campaign.config.sections import Campaign, count_runs
@@ -122,7 +122,7 @@ def _further(campaign: Campaign) -> dict[str, list[tuple[int, float]]]:
     if bounds:
         refinement["quantities"] = [(bounds, 1.0)] * iterations
     if campaign.choose.parameters:
-        points = design_points(widened(experiment, campaign.choose), campaign.choose)
+        points = design_points(widen_intervals(experiment, campaign.choose), campaign.choose)
         refinement["the choice"] = [(len(points), 1.0), *[(LANES, 1.0)] * iterations]
     if verify.discretization:
         # Half the step, and a mesh of twice as many elements with half the step; for their orders

@@ -33,7 +33,7 @@ def estimate_limit_state_error(
     none, the first is the change of their event margins; 0 and NaN where these are not known."""
     happens = np.isfinite(model.numbers[:, q])
     if occurrence.is_mixed:
-        scores, score = occurrence.certainty(model.unit), occurrence.run_certainty
+        scores, score = occurrence.decision_value(model.unit), occurrence.run_decision_value
     elif np.isfinite(model.margins[:, q]).all():
         scores, score = model.margins[:, q], lambda numbers, margins: margins
     else:
@@ -92,7 +92,7 @@ def _bisect_segments(
     outer: np.ndarray,
     inner: np.ndarray,
 ) -> float:
-    """The largest size of the certainty at which finer runs differ, between points (P, k)."""
+    """The largest size of the decision value at which finer runs differ, between points (P, k)."""
     if not len(outer):
         return 0.0
     happens = occurrence.evaluate(outer)
@@ -101,4 +101,4 @@ def _bisect_segments(
         numbers, _ = model.evaluate(finest, middle)
         switched = (np.isfinite(numbers[:, q]) != happens)[:, None]
         outer, inner = np.where(switched, middle, outer), np.where(switched, inner, middle)
-    return float(np.abs(occurrence.certainty((outer + inner) / 2)).max())
+    return float(np.abs(occurrence.decision_value((outer + inner) / 2)).max())

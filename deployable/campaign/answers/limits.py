@@ -76,7 +76,7 @@ def assess_limits(
     quantities, and in the runs of `model`, to say where requirements are met. errors (2, q): by
     mesh and step, of the values and of the decision functions (sign: whether one exists), or
     None."""
-    from deployable.intervals.scalars import Limit, largest_share, share_reaching
+    from deployable.intervals.scalars import Limit, largest_share, least_scales
 
     errors = np.zeros((2, len(surrogates))) if errors is None else errors
     limits = [
@@ -93,7 +93,7 @@ def assess_limits(
         for spec, limit in zip(specs, limits, strict=True)
     ])  # fmt: skip
     failing_rows = np.flatnonzero(slack.min(axis=0) < 0)
-    scales = share_reaching(model.nominal, model.unit[failing_rows])
+    scales = least_scales(model.nominal, model.unit[failing_rows])
     failure_point = None
     if len(failing_rows) and scales.min() < largest[0]:  # a run fails where the surrogates do not
         run = failing_rows[scales.argmin()]
@@ -142,7 +142,7 @@ def _has_always(model: ModelEvaluator, q: int) -> bool:
     quantity = model.experiment.numbers[q]
     while isinstance(quantity.at, Quantity):
         quantity = quantity.at
-    return quantity.decider is None and quantity.kind != "event"
+    return quantity.margin_source is None and quantity.kind != "event"
 
 
 def _sure_occurrence(model: ModelEvaluator, limit: Any, q: int) -> int:

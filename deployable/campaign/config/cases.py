@@ -79,7 +79,7 @@ def case_config(raw: Mapping, name: str, case_lists: Mapping[str, Any]) -> tuple
     return rest, changes
 
 
-def fixed_problems(case: Mapping, name: str, intervals: Mapping) -> list[str]:
+def fixed_interval_problems(case: Mapping, name: str, intervals: Mapping) -> list[str]:
     """Check that a case gives no value to a parameter that is an interval: returns a sentence for
     each. case: raw section of the case called `name`; intervals: the campaign's, by parameter."""
     return [
@@ -90,7 +90,7 @@ def fixed_problems(case: Mapping, name: str, intervals: Mapping) -> list[str]:
     ]
 
 
-def in_case(name: str, problem: str) -> str:
+def case_problem(name: str, problem: str) -> str:
     """Turn a problem of one case's config into one of the user's: `scene.parameters.g: ...` into
     `cases.<name>.scene.g: ...`. name: of the case; problem: sentence that starts with its key."""
     key, _, text = problem.partition(":")

@@ -18,8 +18,8 @@ from typing import Any
 
 from deployable.campaign.config.cases import (
     case_config,
-    fixed_problems,
-    in_case,
+    case_problem,
+    fixed_interval_problems,
     naming_problems,
     twin_problems,
     without_cases,
@@ -57,10 +57,10 @@ def load_config(
     lines: dict[str, str] = {}
     for path in paths:
         data, line_numbers = read_file(path)
-        _add(merged, anchored(data, Path(path).parent))
+        _add(merged, anchor_paths(data, Path(path).parent))
         prefix = f"{path}, " if len(paths) > 1 else ""
         lines |= {key: f"{prefix}line {line}: " for key, line in line_numbers.items()}
-    _add(merged, anchored(overrides or {}, "."))
+    _add(merged, anchor_paths(overrides or {}, "."))
     lines |= dict.fromkeys(_keys(overrides or {}), "--config: ")
     try:
         return check_config(merged, source or ", ".join(str(path) for path in paths))
@@ -128,13 +128,13 @@ def _with_cases(campaign: Campaign, raw: Mapping, case_lists: Mapping, source: s
     """The campaign with its cases, each checked as a campaign of its own."""
     cases, campaigns, problems = raw["cases"], {}, []
     for name in cases:
-        fixed = fixed_problems(cases[name], name, raw["intervals"])
+        fixed = fixed_interval_problems(cases[name], name, raw["intervals"])
         config, changes = case_config(raw, name, case_lists)
         _add(config, changes)
         try:
             campaigns[name] = check_config(config)
         except ConfigError as error:
-            fixed = fixed or [in_case(name, problem) for problem in error.problems]
+            fixed = fixed or [case_problem(name, problem) for problem in error.problems]
         problems += fixed
     campaign = replace(campaign, cases=copy.deepcopy(dict(cases)), case_campaigns=campaigns)
     if problems := problems or twin_problems(campaign, cases):
@@ -153,7 +153,7 @@ def merge(target: dict, update: Mapping) -> dict:
     return target
 
 
-def anchored(raw: Mapping, folder: str | Path) -> Mapping:
+def anchor_paths(raw: Mapping, folder: str | Path) -> Mapping:
     """Return the raw config with paths of structures' files and measured curves, relative to
     `folder`, made relative to the working folder if they lie in it, else absolute."""
     anchored_raw = dict(raw)

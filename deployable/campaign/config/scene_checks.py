@@ -39,7 +39,7 @@ from fpm.errors import number_hint
 from fpm.files.outcome import eventful
 from fpm.reading.margins import driving, read_label, travel_of
 from fpm.reading.quantity_definitions import parse
-from fpm.reading.variables import numbers
+from fpm.reading.variables import count_values
 from fpm.solver.pack import topology
 from fpm.travel import springs_of
 
@@ -127,7 +127,7 @@ def _time_problems(experiment: Experiment) -> list[str]:
 def _memory_problems(experiment: Experiment) -> list[str]:
     """Whether the runs that are integrated side by side find room in memory."""
     instants, scene = experiment.solver.instants, experiment.nominal_scene
-    recorded_numbers = numbers(scene, experiment.record) if experiment.record else 0
+    recorded_numbers = count_values(scene, experiment.record) if experiment.record else 0
     instant_numbers = 8 * (6 * len(scene.points) + len(scene.hinges) + 10 + recorded_numbers)
     if instants * instant_numbers <= MOST_NUMBERS:
         return []

@@ -37,12 +37,12 @@ from deployable.campaign.config.models import (
     Verify,
 )
 from deployable.campaign.errors import CampaignError, HeldConfigError
-from deployable.campaign.provenance import made_by
+from deployable.campaign.provenance import run_code_digest
 from fpm import SceneError, structures
 from fpm.files.outcome import eventful
 from fpm.reading.constraint_forces import undetermined_forces
 from fpm.reading.quantity_definitions import parse
-from fpm.reading.shocks import doubt
+from fpm.reading.shocks import shock_warning
 from fpm.structures.reading import read_text
 
 ADAPTIVE = "adaptive"
@@ -221,7 +221,7 @@ class Experiment:
     @property
     def mechanics(self) -> str:
         """Digest of the structure and of all code that computes runs, part of each run's id."""
-        return made_by(self.scene_type.digest)
+        return run_code_digest(self.scene_type.digest)
 
     @cached_property
     def curves(self) -> list[Any]:
@@ -252,7 +252,7 @@ class Experiment:
         quantities = [(q.name, q.response, q.is_instantaneous) for q in self.numbers if q.response]
         undetermined = undetermined_forces(self.nominal_scene, self.curves)
         reasons = {
-            name: (doubt(self.nominal_scene, response) if peak else "")
+            name: (shock_warning(self.nominal_scene, response) if peak else "")
             or undetermined.get(response.name, "")
             for name, response, peak in curves + quantities
         }

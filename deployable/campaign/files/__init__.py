@@ -22,7 +22,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.files.contents import data_of, experiment_of, reading
 from deployable.campaign.files.outside import refuse_outside
 from deployable.campaign.folder import Folder
-from deployable.campaign.provenance import check_code, dated
+from deployable.campaign.provenance import check_code, seal_facts
 from fpm.files.sealed import DamagedError, check, check_content, read_bytes, whole_file
 
 __all__ = ["check_results", "csv_text", "open_dataset", "open_netcdf", "read_json", "refuse_links",
@@ -48,7 +48,8 @@ def result_file(path: str | Path, **facts: str) -> Iterator[Path]:
     seals the file (checksum and origin) and renames it to `path`. facts: texts by name for the
     seal, besides name, program and date. Raises `fpm.errors.ChangedError` if the program's files
     were edited since it was imported."""
-    with whole_file(path, {"name": Path(path).name, **dated(), **_FACTS.get(), **facts}) as file:
+    facts = {"name": Path(path).name, **seal_facts(), **_FACTS.get(), **facts}
+    with whole_file(path, facts) as file:
         yield file
         check_code()
 

@@ -205,10 +205,11 @@ def _standing(plan: Plan, shares: Mapping, step_is_free: bool = True) -> Standin
     elements = int(plan.experiment.scene.parameters.get(target.mesh, 0))
     cost = Resources(runs, seconds, nodes, 0, checked, time, elements, answers)
     state = Standing(target, shares, plan.adaptive, cost, step_is_free)
-    return replace(state, cost=replace(cost, next_runs=added(nodes, state.growth(), affordable)))
+    next_runs = count_added_runs(nodes, state.growth(), affordable)
+    return replace(state, cost=replace(cost, next_runs=next_runs))
 
 
-def added(nodes: int, growth: float, affordable: float) -> int:
+def count_added_runs(nodes: int, growth: float, affordable: float) -> int:
     """Return how many runs the next round adds, a multiple of 8 (`LANES`: eight side by side take
     as long as one): `growth` - 1 times `nodes`, if affordable, but at least a quarter of `nodes`.
     nodes: runs that surrogates are fitted to so far; growth: factor by which their number should

@@ -78,7 +78,7 @@ def shown_runs(folder: str | Path) -> list[ShownRun]:
     ]
 
 
-def how_many_move(particles: int) -> int:
+def count_moving_runs(particles: int) -> int:
     """Return how many moving runs a page has room for, 7 to 24 (`MOST_MOVING`), if each has a
     hundred frames; particles: number of those of the structure."""
     room = MOST_PLACES // (_FEW_FRAMES * particles)
@@ -201,7 +201,7 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
             return []
         runs = shown_runs(folder)
         values = dict(zip(samples["parameter"].values.tolist(), runs[0].values, strict=True))
-        runs = runs[: how_many_move(len(experiment.build(values).position))]
+        runs = runs[: count_moving_runs(len(experiment.build(values).position))]
         paths = [Folder(folder).motions / f"{run.id}.nc" for run in runs]
         for motion, path in zip(motions_of(samples, runs, frames), paths, strict=True):
             write_dataset(motion, path, "Whole motion of a run")

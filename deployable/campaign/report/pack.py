@@ -51,12 +51,12 @@ class _Arrays:
         return entry
 
 
-def compressed(raw: bytes) -> str:
+def compress(raw: bytes) -> str:
     """Compress bytes as base64 text of gzip for the page's script; equal bytes give equal text."""
     return base64.b64encode(gzip.compress(raw, 6, mtime=0)).decode()
 
 
-def packed(data: PageData) -> str:
+def pack(data: PageData) -> str:
     """Pack all data of the page's script as one text (base64 of gzip). Frames are left out of the
     motions until it has at most `PAGE` characters (2.45 million)."""
     text, count = _packed(data, None), max((m.motion.sizes["time"] for m in data.moving), default=0)
@@ -70,10 +70,10 @@ def _packed(data: PageData, frames: int | None) -> str:
     arrays = _Arrays()
     content = json.dumps(payload(data, arrays, frames), separators=(",", ":"), allow_nan=False)
     raw = content.encode()
-    return compressed(np.uint32(len(raw)).tobytes() + raw + bytes(arrays.data))
+    return compress(np.uint32(len(raw)).tobytes() + raw + bytes(arrays.data))
 
 
-def thinned(curves: Sequence[np.ndarray], most: int = MOST_INSTANTS) -> np.ndarray:
+def choose_instants(curves: Sequence[np.ndarray], most: int = MOST_INSTANTS) -> np.ndarray:
     """Choose about `most` instants (or all, if there are fewer) at which curves are drawn, with the
     extremes of every curve. curves: arrays (T); returns increasing indices."""
     count = len(curves[0])
@@ -93,7 +93,7 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
     count stands for each array; the arrays themselves are appended to the bytes of `arrays`.
     frames: number kept of each motion; None: all."""
     bounds = [c for r in data.responses for c in (r.lower, r.upper, r.upper - r.lower)]
-    keep = thinned(bounds)
+    keep = choose_instants(bounds)
 
     grades = {row["name"]: row["grade"] for row in data.facts["responses"]}
 

@@ -14,7 +14,7 @@ from deployable.campaign.pictures.solid import solid_of_motion
 from deployable.campaign.pictures.view import View
 from deployable.campaign.report.data import PageData
 from deployable.campaign.report.failing import lines, panels, prices
-from deployable.campaign.report.pack import compressed, packed
+from deployable.campaign.report.pack import compress, pack
 from deployable.campaign.results.templates import environment
 from deployable.campaign.text.numbers import pretty
 
@@ -56,8 +56,8 @@ def render(data: PageData) -> str:
             style=_text("style.css"),
             script="\n".join(_text(f"js/{name}.js") for name in SCRIPTS),
             still=still_picture(data.moving[0].motion) if data.moving else "",
-            library=compressed(_text("vendor/three.min.js").encode()),
-            payload=packed(data),
+            library=compress(_text("vendor/three.min.js").encode()),
+            payload=pack(data),
         )
     )
 

@@ -18,7 +18,7 @@ from fpm.files.trajectory import read_curves
 from fpm.reading import margins
 from fpm.reading.responses import parse
 from fpm.reading.standards import STANDARDS
-from fpm.travel import classes_of_kinds, parts_of, springs_of
+from fpm.travel import classes_of_kinds, component_classes, springs_of
 
 OPENING_TOLERANCE = 1e-6
 """Difference of openings (share of the travel) that is none."""
@@ -126,7 +126,8 @@ def _travel_sweep(experiment: Any) -> Callable:
 
     @cache
     def curves(values: tuple[float, ...], columns: tuple) -> Any:
-        return margins.led_curves(scene(values), [replace(experiment.curves[0], columns=columns)])
+        response = replace(experiment.curves[0], columns=columns)
+        return margins.travel_curves(scene(values), [response])
 
     def sweep(values: tuple[float, ...], response: Any) -> Any:
         definition = {
@@ -192,7 +193,7 @@ def own_settings(scene: Any, definition: Mapping[str, Any], response: Any) -> li
     the structure, a text each, own before other: `HM 2 for 3` (class of motors). scene:
     `fpm.Scene`; definition: the margin's part of the config; response: the margin (`Response`)."""
     standard = STANDARDS[standard_of(response)]
-    resists, parts = standard.resists[evidence_of(response)], parts_of(scene)
+    resists, parts = standard.resists[evidence_of(response)], component_classes(scene)
     return [
         *(f"{name} {x:g} for {resists[name]:g}"
           for name, x in definition.get("uncertainty_factors", {}).items()),
@@ -207,7 +208,7 @@ def weaker_classes(scene: Any, response: Any) -> list[str]:
     """List the components that the structure's file puts into a class with weaker factors than
     their kind has in a standard, a text each: component, its class, that of its kind. scene:
     `fpm.Scene`; response: a torque margin (`Response`), whose standard is meant."""
-    standard, parts = STANDARDS[standard_of(response)], parts_of(scene)
+    standard, parts = STANDARDS[standard_of(response)], component_classes(scene)
     drives, resists = standard.drives, standard.resists[evidence_of(response)]
     return [
         f"{part} as {parts[part]} for {label}" for part, label in classes_of_kinds(scene).items()

@@ -34,7 +34,7 @@ from deployable.campaign.provenance import as_attribute, check_code
 from deployable.campaign.runs.progress import Notify, Progress, warm_up
 from deployable.campaign.runs.results import Result, groups_of
 from deployable.campaign.runs.store import open_store
-from fpm.files.sealed import sweep
+from fpm.files.sealed import remove_temporary
 from fpm.files.trajectory import Column
 from fpm.reading.variables import words
 
@@ -72,7 +72,7 @@ def run_batch(
     """
     start_clocks = clocks()
     store = open_store(jobs.keep, folder, plan.experiment)
-    sweep(folder)
+    remove_temporary(folder)
     groups = store.groups(plan.unique_runs(), jobs.group)
     batch_groups = share(groups, batch, batches)
     work = [(group, missing) for group in batch_groups if len(missing := store.missing(group))]

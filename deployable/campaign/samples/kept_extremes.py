@@ -62,7 +62,7 @@ def gather(
     ):
         samples.write_box(file, plan)
         file.createDimension("run", len(runs))
-        samples.write_places(file, runs, **_packing(len(runs), len(plan.experiment.intervals)))
+        samples.write_points(file, runs, **_packing(len(runs), len(plan.experiment.intervals)))
         for group in store.groups(runs, jobs.group):
             chunk = _chunk(plan, store, group, jobs.group, notify)
             if first == 0:

@@ -24,7 +24,7 @@ from deployable.campaign.folder import PICTURES, Folder
 from deployable.campaign.provenance import program_digest
 from deployable.campaign.runs.progress import Notify
 from fpm.errors import SceneError
-from fpm.files.sealed import DamagedError, check, sweep
+from fpm.files.sealed import DamagedError, check, remove_temporary
 
 PLAN, SAMPLES, BOUNDS = "plan.json", "samples.nc", "bounds.nc"
 SENSITIVITIES = "sensitivities.nc"
@@ -83,7 +83,7 @@ class Stage:
         try:
             refuse_links(folder.whole)
             for place in folder.stage_folders:
-                sweep(place)
+                remove_temporary(place)
             facts = {"basis": self.basis(sections), **plan_of(folder, self.takes)}
             with results_of(facts):
                 self.work(folder, notify, **arguments)

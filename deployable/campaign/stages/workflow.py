@@ -149,7 +149,7 @@ class Workflow:
             f"last one that was run; add --configfile with the config of the one that is meant"
         )
 
-    def last_words(self) -> str:
+    def last_log(self) -> str:
         """Return the log of the last stage, which ends with the file to open; "" without a log."""
         log = self.folder / f"logs/{stages_of(self.campaign)[-1].name}.log"
         return log.read_text(encoding="utf-8").strip() if log.exists() else ""

@@ -12,10 +12,10 @@ from .requirements import (
     Limit,
     best_choice,
     largest_share,
+    least_scales,
     safe_range,
     safest_choice,
     share_of_box,
-    share_reaching,
     sub_box,
 )
 from .search import NEAREST, TOLERANCE, BoundEstimate, estimate_bounds
@@ -40,9 +40,9 @@ __all__ = [
     "fit_scalar",
     "influence",
     "largest_share",
+    "least_scales",
     "safe_range",
     "safest_choice",
     "share_of_box",
-    "share_reaching",
     "sub_box",
 ]

@@ -51,10 +51,10 @@ class Occurrence:
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
         """Mask (P) of the points `unit` (P, k) in [-1, 1]^k at which the event occurs, as the
-        decision function (`certainty`) has it."""
-        return self.certainty(unit) >= 0
+        decision function (`decision_value`) has it."""
+        return self.decision_value(unit) >= 0
 
-    def certainty(self, unit: np.ndarray) -> np.ndarray:
+    def decision_value(self, unit: np.ndarray) -> np.ndarray:
         """Decision function (P), no probability, at points `unit` (P, k) in [-1, 1]^k: above 0
         where the event occurs, below 0 where not, undecided where its size is below `doubt`.
         Everywhere plus infinity if it occurs in all runs, minus infinity if in none."""
@@ -65,8 +65,8 @@ class Occurrence:
 
     def doubt(self, unit: np.ndarray) -> np.ndarray:
         """Half-width (P) of the undecided band at points `unit` (P, k) in [-1, 1]^k: where the
-        decision function (`certainty`) is smaller in size, the runs do not determine whether the
-        event occurs; 0 if it occurs in all runs or in none."""
+        decision function (`decision_value`) is smaller in size, the runs do not determine whether
+        the event occurs; 0 if it occurs in all runs or in none."""
         if not self.is_mixed:
             return np.zeros(len(unit))
         certain = self._certain
@@ -77,7 +77,7 @@ class Occurrence:
         # Runs too close together, or too rough a border: some lie on the wrong side of it.
         return np.maximum(np.minimum(*nearest), max(1.0, float(-certain.min())))
 
-    def run_certainty(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
+    def run_decision_value(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
         """Decision function (R) at R runs by their own results, to compare runs of two meshes: here
         NaN (R), as only whether the event occurs is known. numbers (R): values of the quantity;
         margins (R): event margins, above 0 where it occurs."""
@@ -88,7 +88,7 @@ class Occurrence:
         """Volume fraction of the box, estimated by 8192 points, where the runs do not determine
         whether the event occurs."""
         spread = self._spread()
-        return float((np.abs(self.certainty(spread)) < self.doubt(spread)).mean())
+        return float((np.abs(self.decision_value(spread)) < self.doubt(spread)).mean())
 
     def infill_points(self, count: int) -> np.ndarray:
         """Points (at most `count`, k) in [-1, 1]^k for further runs, near the border of where the
@@ -110,16 +110,16 @@ class Occurrence:
         return self._level_points((0.0,)) if self.is_mixed else self.points[:0]
 
     def _open_places(self) -> np.ndarray:
-        """Unit points (P, k) at which the certainty has one of a few sizes."""
+        """Unit points (P, k) at which the decision value has one of a few sizes."""
         return self._level_points(_LEVELS)
 
     def _level_points(self, levels: Sequence[float]) -> np.ndarray:
-        """Unit points (P, k) just above each level of the certainty over its scale, each between
-        two points of the box of which one is above and one below all levels."""
+        """Unit points (P, k) just above each level of the decision value over its scale, each
+        between two points of the box of which one is above and one below all levels."""
         spread = spread_points(self._free, _CANDIDATES)
         spread[:, ~self._free] = self.points[0, ~self._free]
         spread = np.concatenate([spread, self.points])
-        certain = self.certainty(spread)
+        certain = self.decision_value(spread)
         highs = spread[certain > max(levels) * self._scale]
         lows = spread[certain < min(levels) * self._scale]
         if not len(highs) or not len(lows):
@@ -129,14 +129,14 @@ class Occurrence:
             high, low = highs, lows
             for _ in range(30):
                 middle = (high + low) / 2
-                happens = (self.certainty(middle) >= level * self._scale)[:, None]
+                happens = (self.decision_value(middle) >= level * self._scale)[:, None]
                 high, low = np.where(happens, middle, high), np.where(happens, low, middle)
             border_points.append(high)
         return np.concatenate(border_points)
 
     @property
     def _scale(self) -> float:
-        """Size of the certainty next to the border."""
+        """Size of the decision value next to the border."""
         return 1.0
 
     @cached_property
@@ -149,8 +149,8 @@ class Occurrence:
         return _matern(unit, points) @ weights
 
     def formula(self) -> Formula:
-        """Write the decision function (`certainty`) as a table that other programs can evaluate;
-        only for an event that occurs in some runs and not in all (`is_mixed`)."""
+        """Write the decision function (`decision_value`) as a table for other programs; only for an
+        event that occurs in some runs and not in all (`is_mixed`)."""
         points, weights = self._support_vectors
         k = points.shape[1]
         constant, scales = np.zeros((1, k), dtype=int), np.full(k, np.sqrt(5) / _LENGTH)
@@ -218,22 +218,22 @@ class FittedOccurrence(Occurrence):
     def agrees(self, slack: float = 0.0) -> bool:
         """Whether the decision function agrees with every run: it is at least minus `error` in runs
         with the event, and below `slack` (in its unit) in those without."""
-        certainty = self.certainty(self.points)
-        agreement = certainty[self.happens] >= -self.error
-        return bool(agreement.all() and (certainty[~self.happens] < slack).all())
+        decision_value = self.decision_value(self.points)
+        agreement = decision_value[self.happens] >= -self.error
+        return bool(agreement.all() and (decision_value[~self.happens] < slack).all())
 
-    def certainty(self, unit: np.ndarray) -> np.ndarray:
+    def decision_value(self, unit: np.ndarray) -> np.ndarray:
         """Decision function (P) at points `unit` (P, k) in [-1, 1]^k, above 0 where the event
         occurs: the fitted event margin, or, if of a time, the time left before `latest` (s)."""
         values = self.fit.evaluate(unit)
         return values if self.latest is None else self.latest - values
 
     def formula(self) -> Formula:
-        """Write the decision function (`certainty`) as a table that other programs can evaluate."""
+        """Write the decision function (`decision_value`) as a table for other programs."""
         formula = self.fit.formula()
         return formula if self.latest is None else formula.shortfall(self.latest)
 
-    def run_certainty(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
+    def run_decision_value(self, numbers: np.ndarray, margins: np.ndarray) -> np.ndarray:
         """Decision function (R) at R runs by their own results: their event margins (R), or, if the
         fit is of a time, the time left before `latest` (s); numbers (R): that time (s)."""
         return margins if self.latest is None else self.latest - numbers

@@ -36,7 +36,7 @@ class Limit:
         [-1, 1]^k: a list of pairs of values (P) and errors (P), first of whether the quantity
         exists (or must not), then, where it has values, of its distance from the level."""
         surrogate = self.surrogate
-        certain = surrogate.occurrence.certainty(unit)
+        certain = surrogate.occurrence.decision_value(unit)
         doubt = surrogate.occurrence.doubt(unit) + self.border
         if np.isinf(self.border):  # all runs agree, and finer ones do not
             certain, doubt = np.sign(certain), np.full(len(unit), 2.0)
@@ -100,7 +100,7 @@ def sub_box(nominal: np.ndarray, scale: float) -> tuple[np.ndarray, np.ndarray]:
     return nominal + scale * (-1.0 - nominal), nominal + scale * (1.0 - nominal)
 
 
-def share_reaching(nominal: np.ndarray, unit: np.ndarray) -> np.ndarray:
+def least_scales(nominal: np.ndarray, unit: np.ndarray) -> np.ndarray:
     """Least scale factors (P) at which the box [-1, 1]^k, shrunk towards a nominal point (k) by
     `sub_box`, still contains each of the points `unit` (P, k) in it."""
     offset = np.asarray(unit, dtype=float) - nominal

@@ -124,7 +124,7 @@ def _gains(
     """Unit points (P, k), most promising first, and how far a run there may exceed `value` (P)."""
     occurrence = surrogate.occurrence
     candidates = _candidates(surrogate, argument)
-    candidates = candidates[occurrence.certainty(candidates) > -occurrence.doubt(candidates)]
+    candidates = candidates[occurrence.decision_value(candidates) > -occurrence.doubt(candidates)]
     gains = sign * (surrogate.predict(candidates) - value) + local_errors(surrogate.fit, candidates)
     physical = surrogate.latest if sign > 0 else surrogate.least
     gains = np.minimum(gains, sign * (physical - value))

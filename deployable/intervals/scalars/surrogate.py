@@ -234,8 +234,8 @@ class ScalarSurrogate:
         lower, upper = self._part(lower, upper)
         if not self.occurrence.is_mixed:
             return (lower + upper) / 2 if self.occurrence.happens.all() == happens else None
-        certainty, points = self.occurrence.certainty, self.occurrence.points
-        value, point = extreme(certainty, 1.0 if happens else -1.0, lower, upper, points, climbs=1)
+        scores, points = self.occurrence.decision_value, self.occurrence.points
+        value, point = extreme(scores, 1.0 if happens else -1.0, lower, upper, points, climbs=1)
         return point if (value >= 0) == happens else None
 
 

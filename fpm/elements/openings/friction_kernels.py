@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.openings.losses_kernels import LOSS, JointForce, follow_rate, force_of, lose
+from fpm.elements.openings.losses_kernels import LOSS, JointForce, add_loss, follow_rate, force_of
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
 from fpm.kernels.events import edge
 from fpm.kernels.hooks import hook
@@ -157,7 +157,7 @@ def forces(part, world, timing):
         helped = where_negative(extra - helped, extra, helped)
         damper = where_negative(slips, sign * helped, damper)
         turn(part.openings, world.state, h, spring + damper)
-        lose(world, part.account, part.openings, part.rates, i, h, damper)
+        add_loss(world, part.account, part.openings, part.rates, i, h, damper)
         loss = 0.5 * stiffness * (most + old_most) * absolute(new_foot - foot)
         store(world.accounts, 0, part.account, load(world.accounts, 0, part.account) + loss)
         if part.bearing is not None:

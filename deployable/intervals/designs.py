@@ -47,7 +47,7 @@ class Design:
         return self.points.shape[1]
 
     @property
-    def runs(self) -> int:
+    def run_count(self) -> int:
         """Number N of points, at each of which the model is run."""
         return self.points.shape[0]
 
@@ -237,8 +237,8 @@ def fit(design: Design, values: np.ndarray) -> Surrogate:
     points that do not determine all coefficients. Tensor grids take one small matrix for each
     direction; other designs least squares by QR factorisation."""
     values = np.asarray(values, dtype=float)
-    if values.shape[:1] != (design.runs,):
-        raise IntervalError("values", values.shape, f"{design.runs} rows, one for each point")
+    if values.shape[:1] != (design.run_count,):
+        raise IntervalError("values", values.shape, f"{design.run_count} rows, one for each point")
     if not len(design.multi_indices):
         raise IntervalError("design", design.method, "a design with an order, to fit a surrogate")
     if not np.isfinite(values).all():
@@ -251,10 +251,10 @@ def fit(design: Design, values: np.ndarray) -> Surrogate:
         coefficients = np.ascontiguousarray(coefficients)
     else:
         basis = product_basis(design.points, design.multi_indices)
-        solution = least_squares(basis, values.reshape(design.runs, -1))
+        solution = least_squares(basis, values.reshape(design.run_count, -1))
         if solution is None:
             allowed = "points that determine every coefficient"
-            raise IntervalError("points", f"{design.runs} of them", allowed)
+            raise IntervalError("points", f"{design.run_count} of them", allowed)
         coefficients = solution[0]
     return Surrogate(
         coefficients.reshape(len(design.multi_indices), *values.shape[1:]), design.multi_indices

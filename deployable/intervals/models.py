@@ -71,7 +71,7 @@ class PolynomialModel(Model):
         self.test_rows = other_runs(samples.unit, design.points)
         self.design = design
         self.surrogate = fit(design, samples.values[match_points(design.points, samples.unit)])
-        self.attributes = {"design_runs": design.runs}
+        self.attributes = {"design_runs": design.run_count}
 
     def range(self) -> Range:
         """Range of the polynomials over the box: bounds (n, T) guaranteed for them, attained bounds

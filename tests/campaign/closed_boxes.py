@@ -82,7 +82,7 @@ class ClosedBench(ModelEvaluator):
             number.kind = "largest"
         self.of, self.plan, self.further, self.unfitted = closed, (1.0, 1.0), [], 0
         self.around = SimpleNamespace(
-            box=box, numbers=[number], quantities={"t": {}}, nominal=np.full(closed.k, 0.5),
+            box=box, quantity_list=[number], quantities={"t": {}}, nominal=np.full(closed.k, 0.5),
             solver=SimpleNamespace(duration=LATEST), intervals={}, name="closed",
         )  # fmt: skip
         self.unit = scan_points(np.ones(closed.k, dtype=bool), count)

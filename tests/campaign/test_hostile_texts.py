@@ -15,7 +15,7 @@ import pytest
 from deployable.campaign.cli import main
 from deployable.campaign.folder import Folder
 from deployable.campaign.results.templates import summary_text
-from deployable.campaign.text.numbers import escaped
+from deployable.campaign.text.numbers import escape_markdown
 from fpm.files.sealed import check, seal, unsealed
 
 EVIL = (
@@ -116,4 +116,4 @@ def test_a_page_of_hostile_texts_has_the_tags_that_it_has(rich, tmp_path):
 
 @pytest.mark.parametrize("evil", EVIL)
 def test_a_text_is_escaped_whatever_it_is(evil):
-    assert "\n" not in escaped(evil) and not raw_in(escaped(evil))
+    assert "\n" not in escape_markdown(evil) and not raw_in(escape_markdown(evil))

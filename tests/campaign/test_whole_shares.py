@@ -121,7 +121,7 @@ def test_a_border_moves_to_where_finer_runs_cease_to_differ():
     found, _ = limit_states.estimate_limit_state_error(model, 0, occurrence, None)
     there = float(occurrence.decision_value(np.array([[0.3]]))[0])
     assert found == pytest.approx(2 * there, rel=0.05)
-    limit = Limit(SimpleNamespace(occurrence=occurrence), "happens", 1.0, border=found)
+    limit = Limit(SimpleNamespace(occurrence=occurrence), "happens", 1.0, border_error=found)
     share, open_ = share_of_box([limit], np.ones(1))
     assert share - open_ < 0.35 < share
 
@@ -171,7 +171,7 @@ def test_a_border_that_no_number_tells_of_does_not_move():
 def test_a_limit_is_described_by_its_own_kind_of_level(monkeypatch):
     monkeypatch.setattr(limits, "words_of", lambda quantity: {})
     quantity = SimpleNamespace(name="q", unit="s")
-    model = SimpleNamespace(experiment=SimpleNamespace(numbers=[quantity]))
+    model = SimpleNamespace(experiment=SimpleNamespace(quantity_list=[quantity]))
     for kind, number, level in (("happens", 1.0, True), ("happens", 0.0, False),
                                 ("at_most", 1.0, 1.0)):  # fmt: skip
         asked = LimitSpec("r", 0, kind, number)
@@ -252,11 +252,11 @@ def test_what_no_run_breaks_is_sure_beyond_the_errors(free, slack, kind, margins
     number = SimpleNamespace(at=None, margin_source=None, kind=kind)
     box = SimpleNamespace(free=np.array(free))
     model = SimpleNamespace(
-        experiment=SimpleNamespace(box=box, numbers=[number]),
+        experiment=SimpleNamespace(box=box, quantity_list=[number]),
         margins=np.array(margins)[:, None],
         unit=np.linspace(-1, 1, len(margins))[:, None],
     )
-    limit = SimpleNamespace(kind="at_most", error=0.1, border=0.2)
+    limit = SimpleNamespace(kind="at_most", error=0.1, border_error=0.2)
     assess_limits = SimpleNamespace(
         limits=[limit], specs=[SimpleNamespace(quantity=0)], worst=[(slack, None)]
     )
@@ -277,11 +277,15 @@ def test_what_no_run_breaks_is_sure_beyond_the_errors(free, slack, kind, margins
 def test_what_no_run_keeps_is_refuted_beyond_the_errors(kind, level, margins, refuted):
     number = SimpleNamespace(at=None, margin_source=None, kind="event")
     model = SimpleNamespace(
-        experiment=SimpleNamespace(box=SimpleNamespace(free=np.array([True])), numbers=[number]),
+        experiment=SimpleNamespace(
+            box=SimpleNamespace(free=np.array([True])), quantity_list=[number]
+        ),
         margins=np.array(margins)[:, None],
         unit=np.linspace(-1, 1, 3)[:, None],
     )
-    limit = SimpleNamespace(kind=kind, level=level, border=0.2, surrogate=SimpleNamespace(fit=None))
+    limit = SimpleNamespace(
+        kind=kind, level=level, border_error=0.2, surrogate=SimpleNamespace(fit=None)
+    )
     result = SimpleNamespace(limits=[limit], specs=[SimpleNamespace(quantity=0)])
     assert limits.is_refuted(model, result, 0) is refuted
 

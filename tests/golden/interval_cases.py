@@ -136,7 +136,7 @@ def scalars() -> Iterator:
         trial, nominal = RNG.uniform(-1, 1, (50, k)), np.full(k, 0.15)
         part = np.full(k, -0.4), np.full(k, 0.7)
         for one in found:
-            yield one.evaluate(trial), one.error, one.usual_error, one.occurrence.open
+            yield one.evaluate(trial), one.error, one.usual_error, one.occurrence.open_fraction
             border = one.occurrence
             yield border.decision_value(trial), border.doubt(trial), border.infill_points(4)
             yield one.find_presence(*part) is None, one.find_absence(*part) is None
@@ -151,7 +151,7 @@ def scalars() -> Iterator:
         yield noisy.evaluate(trial), noisy.trend.evaluate(trial), noisy.fit.left_out
         limits = [
             req.Limit(found[0], "at_most", 2.1), req.Limit(found[1], "at_least", 0.15, 0.01),
-            req.Limit(found[2], "happens", 1.0, border=0.1), req.Limit(found[4], "at_most", 0.7),
+            req.Limit(found[2], "happens", 1.0, 0.0, 0.1), req.Limit(found[4], "at_most", 0.7),
         ]  # fmt: skip
         free = np.ones(k, bool)
         for some in (limits[:1], limits[1:2], limits[2:], limits):

@@ -243,7 +243,7 @@ def test_what_only_comes_too_late_is_told_by_its_time():
     missed = np.where((time <= 2.5) & (points[:, 0] > -0.5), time, np.nan)
     other = fit_scalar(points, missed, latest=2.5)
     assert type(other.occurrence) is type(fit_scalar(points, missed).occurrence)
-    assert other.occurrence.open > 0.1
+    assert other.occurrence.open_fraction > 0.1
     # Nor can it be later there than runs last.
     assert fit_scalar(points, missed).range().high > 2.51
     assert other.range().high <= 2.5
@@ -391,7 +391,7 @@ def test_a_border_that_no_function_tells_is_open_as_far_as_it_is_rough():
     x = np.linspace(-1, 1, 200)[:, None]
     happens = np.where(np.abs(x[:, 0]) < 0.5, rng.random(200) < 0.5, x[:, 0] > 0)
     found = Occurrence(x, happens)
-    assert 0.3 < found.open < 0.55
+    assert 0.3 < found.open_fraction < 0.55
 
 
 @pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 0, 2), (1, 2, 0)])

@@ -19,7 +19,13 @@ from deployable.campaign.report.pack import choose_instants
 from deployable.campaign.report.page import render
 from deployable.campaign.results.facts import grade
 from deployable.campaign.results.templates import sentence
-from deployable.campaign.text.numbers import coded, measured, number, spread, unbroken
+from deployable.campaign.text.numbers import (
+    insert_no_breaks,
+    number,
+    render_html,
+    spread,
+    with_error,
+)
 
 
 def text_of(data):
@@ -155,7 +161,7 @@ def test_a_page_without_motions_is_a_page(tmp_path, data):
 def test_no_line_ends_between_a_number_and_its_unit(tmp_path, data):
     told = "0.0618 m at 0.977 s, ± 1 % of 1.2 × 10⁹ N m/rad; 9 runs, k = 0.4"
     kept = "0.0618_m at 0.977_s, ±_1_% of 1.2_×_10⁹_N_m/rad; 9 runs, k_=_0.4"
-    assert unbroken(told, ["m", "N m/rad"]).replace("\N{NO-BREAK SPACE}", "_") == kept
+    assert insert_no_breaks(told, ["m", "N m/rad"]).replace("\N{NO-BREAK SPACE}", "_") == kept
     config = "height: 10 m\n"  # to be copied as it is
     write_page(replace(data, config=config), tmp_path / "page.html")
     assert f"<pre>{config}</pre>" in (tmp_path / "page.html").read_text(encoding="utf-8")
@@ -222,8 +228,8 @@ def test_a_large_error_comes_with_what_to_do_about_it(data):
     assert "Let `accuracy` have more `max_runs`" in said(accuracy={})
     shut = [{"time": 0.0, "contact": "stop"}]
     assert "something has closed" in said(closures=shut) and "something has closed" not in said()
-    assert "<code>accuracy" in coded(said())
-    assert "&lt;b&gt;" in coded("<b>")
+    assert "<code>accuracy" in render_html(said())
+    assert "&lt;b&gt;" in render_html("<b>")
 
 
 def test_what_one_parameter_does_alone_has_gaps_where_it_is_lost_in_the_error(results, data):
@@ -270,7 +276,7 @@ def test_the_headline_says_how_far_the_responses_go(data):
     width, error = first["largest_difference"], first["error_at_largest_difference"]
     text = sentence("headline", data.facts)
     assert text.startswith("The x-component of the position of T (x) may differ by up to ")
-    assert text.count("may differ by up to ") == 2 and measured(width, error, "m") in text
+    assert text.count("may differ by up to ") == 2 and with_error(width, error, "m") in text
     three = altered(data, responses=[first, second, first]).facts
     assert sentence("headline", three).endswith(" 1 more below.")
     given = sentence("given", data.facts)
@@ -294,9 +300,9 @@ def parameter(units, *ends):
 
 def test_numbers_as_people_write_them():
     assert number(0.0617852) == "0.0618"
-    assert measured(0.0617852, 0.0046, "m") == "0.062 ± 0.005 m"
-    assert measured(-46.2, 3.0, "m s-1") == "−46 ± 3 m/s"
-    assert measured(0.0617852, 1e-6, "m") == measured(0.0617852, None, "m") == "0.0618 m"
+    assert with_error(0.0617852, 0.0046, "m") == "0.062 ± 0.005 m"
+    assert with_error(-46.2, 3.0, "m s-1") == "−46 ± 3 m/s"
+    assert with_error(0.0617852, 1e-6, "m") == with_error(0.0617852, None, "m") == "0.0618 m"
     assert number(-2.5) == "−2.5"
     assert number(1.05e9) == "1.05 × 10⁹"
     assert number(1e9) == "10⁹"

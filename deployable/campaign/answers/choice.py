@@ -237,7 +237,7 @@ def _goal(
 ) -> dict:
     sign, end, name = goal
     q = list(model.experiment.quantities).index(name)
-    quantity = model.experiment.numbers[q]
+    quantity = model.experiment.quantity_list[q]
     description = {"end": end, "quantity": name, "units": quantity.unit, **words_of(quantity)}
     description |= {"sense": "minimise" if sign > 0 else "maximise", "value": number(value)}
     *lower_row, row = (model.describe_point(point, q) for point in points)

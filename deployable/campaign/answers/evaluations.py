@@ -139,8 +139,8 @@ class ModelEvaluator:
         """Fit an `intervals.scalars.ScalarSurrogate` to the runs for each quantity, in order."""
         from deployable.intervals.scalars import fit_scalar
 
-        end = self.experiment.solver.duration
-        columns = zip(self.numbers.T, self.margins.T, self.experiment.numbers, strict=True)
+        end, quantities = self.experiment.solver.duration, self.experiment.quantity_list
+        columns = zip(self.numbers.T, self.margins.T, quantities, strict=True)
         return [
             fit_scalar(self.unit, column, end if q.is_time else None, q.least, margin)
             for column, margin, q in columns

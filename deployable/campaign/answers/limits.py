@@ -139,7 +139,7 @@ def is_refuted(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
 
 def _has_always(model: ModelEvaluator, q: int) -> bool:
     """Whether quantity `q` (index) is one that every run has."""
-    quantity = model.experiment.numbers[q]
+    quantity = model.experiment.quantity_list[q]
     while isinstance(quantity.at, Quantity):
         quantity = quantity.at
     return quantity.margin_source is None and quantity.kind != "event"
@@ -153,14 +153,14 @@ def _sure_occurrence(model: ModelEvaluator, limit: Any, q: int) -> int:
     if not np.isfinite(margins).all():
         return 0
     surrogate = fit_scalar(model.unit, margins)
-    margin_range, error = surrogate.range(), surrogate.error + limit.border
+    margin_range, error = surrogate.range(), surrogate.error + limit.border_error
     return int(margin_range.low > error) - int(-margin_range.high > error)
 
 
 def describe_limit(model: ModelEvaluator, spec: LimitSpec) -> dict:
     """Describe a limit (`spec`) as a dict for JSON: its quantity (name, units, words), kind
     ("at_most", "at_least", "happens") and level. model: has the quantities."""
-    quantity = model.experiment.numbers[spec.quantity]
+    quantity = model.experiment.quantity_list[spec.quantity]
     level = bool(spec.level) if spec.kind == "happens" else spec.level
     description = {"quantity": quantity.name, "units": quantity.unit, **words_of(quantity)}
     return {**description, "kind": spec.kind, "level": level}

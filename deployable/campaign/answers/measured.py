@@ -337,7 +337,7 @@ def _of_left(
     numbers = np.array([record.numbers for record in records])
     center, half = result.hull.mean(axis=0), np.maximum(np.ptp(result.hull, axis=0) / 2, 1e-9)
     bounds = []
-    for q, quantity in enumerate(model.experiment.numbers):
+    for q, quantity in enumerate(model.experiment.quantity_list):
         happens = np.isfinite(numbers[:, q])
         lower, upper, error = np.nan, np.nan, np.nan
         if happens.any():
@@ -387,7 +387,7 @@ def _next_tests(
         for response, band in zip(test.responses, test.curves.bands, strict=True):
             bands[response] = min(band.min(), bands.get(response, np.inf))
     rows = []
-    for i, curve in enumerate(model.experiment.curves):
+    for i, curve in enumerate(model.experiment.response_list):
         if curve.kind == "margin":
             continue
         spread = np.ptp(curves[:, i], axis=0)

@@ -164,7 +164,7 @@ def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> list
 def _travel_problems(experiment: Experiment) -> list[str]:
     """Which travels the structure cannot make, at the nominal values and a few positions."""
     problems = []
-    for curve in experiment.curves:
+    for curve in experiment.response_list:
         if curve.kind == "margin":
             openings, _ = read_label(curve.columns[0][1])
             try:
@@ -197,7 +197,7 @@ def _quantity_problems(experiment: Experiment) -> list[str]:
     if not experiment.quantities:
         return []
     elements = eventful(experiment.nominal_scene)
-    _, errors = parse(experiment.quantities, experiment.curves, elements)
+    _, errors = parse(experiment.quantities, experiment.response_list, elements)
     return [_sentence(error.key, error) for error in errors]
 
 

@@ -231,14 +231,15 @@ class Experiment:
     @cached_property
     def record(self) -> tuple[tuple[str, str], ...]:
         """Columns that responses need, sorted: pairs of variable and label (element, component)."""
-        return tuple(sorted({need for curve in self.curves for need in curve.needs}))
+        return tuple(sorted({need for curve in self.response_list for need in curve.needs}))
 
     @cached_property
-    def numbers(self) -> list[Any]:
+    def quantity_list(self) -> list[Any]:
         """Quantities (of a run) as `fpm.reading.quantities.Quantity`; raises `fpm.SceneError`."""
         if not self.quantities:
             return []
-        quantities, problems = parse(self.quantities, self.curves, eventful(self.nominal_scene))
+        elements = eventful(self.nominal_scene)
+        quantities, problems = parse(self.quantities, self.response_list, elements)
         for problem in problems:
             raise problem
         return quantities
@@ -248,9 +249,11 @@ class Experiment:
         """Why the model does not determine the value of a response or quantity, and advice, in
         words, by name; without those that it determines. Peaks of shocks depend on mesh and step;
         forces of joints that others make redundant are arbitrary."""
-        curves = [(curve.name, curve, True) for curve in self.curves]
-        quantities = [(q.name, q.response, q.is_instantaneous) for q in self.numbers if q.response]
-        undetermined = undetermined_forces(self.nominal_scene, self.curves)
+        curves = [(curve.name, curve, True) for curve in self.response_list]
+        quantities = [
+            (q.name, q.response, q.is_instantaneous) for q in self.quantity_list if q.response
+        ]
+        undetermined = undetermined_forces(self.nominal_scene, self.response_list)
         reasons = {
             name: (shock_warning(self.nominal_scene, response) if peak else "")
             or undetermined.get(response.name, "")
@@ -417,7 +420,7 @@ def count_runs(experiment: Experiment) -> int:
         return experiment.accuracy.max_runs
     if design.method == "sobol":  # its points take a while to make, and their number is known
         return design.samples + 1
-    return make_design(design, experiment.box).runs + 1 + experiment.held_out
+    return make_design(design, experiment.box).run_count + 1 + experiment.held_out
 
 
 # -- sections as files and commands have them ------------------------------------------------------

@@ -140,7 +140,8 @@ def _estimate_quantities(experiment: Experiment, samples: Any) -> dict[str, _Qua
     unit, numbers = samples["normalized"].values, samples["quantities"].values
     margins = margins_of_samples(experiment, samples, np.arange(len(unit)))
     estimates = {}
-    for quantity, values, margin in zip(experiment.numbers, numbers.T, margins.T, strict=True):
+    columns = zip(experiment.quantity_list, numbers.T, margins.T, strict=True)
+    for quantity, values, margin in columns:
         end = experiment.solver.duration if quantity.is_time else None
         surrogate = fit_scalar(unit, values, end, quantity.least, margin)
         bounds = estimate_bounds(surrogate, unit, values)

@@ -161,7 +161,7 @@ def motions_of(samples: xarray.Dataset, runs: Sequence[ShownRun], frames: int = 
 
 def _own_curves(experiment: Any, outcome: Any) -> dict:
     """Responses and events of a run, as variables of its motion."""
-    curves = np.array([response.evaluate(outcome) for response in experiment.curves])
+    curves = np.array([response.evaluate(outcome) for response in experiment.response_list])
     impacts = outcome.impacts()
     return {
         "curves": (("response", "instant"), curves, {"long_name": "value of the response"}),

@@ -75,7 +75,7 @@ def facts_of(
         with open_netcdf(folder.quantities) as data:
             facts["quantities"] = quantity_rows(data, experiment.solver.duration)
             further = int(data.further_runs)
-        for row, quantity in zip(facts["quantities"], experiment.numbers, strict=True):
+        for row, quantity in zip(facts["quantities"], experiment.quantity_list, strict=True):
             row |= words_of(quantity)
             if not row["runs_with"] and (approach := _approach(quantity, experiment, folder)):
                 row["reached"] = approach
@@ -412,7 +412,8 @@ def _approach(quantity: Any, experiment: Any, folder: Folder) -> dict[str, Any]:
         }
         latch = latches[quantity.places[0]]
         opening = "opening", (scene.hinges[latch.hinge].name,)
-        response = next((c for c in experiment.curves if (c.kind, c.subjects) == opening), None)
+        matches = (c for c in experiment.response_list if (c.kind, c.subjects) == opening)
+        response = next(matches, None)
         level = latch.angle
     elif quantity.kind != "crossing":
         response = None

@@ -32,7 +32,7 @@ def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dic
     experiment, scene = plan.experiment, plan.experiment.nominal_scene
     rows = {row["name"]: row for row in quantities}
     least = [
-        number for number in experiment.numbers
+        number for number in experiment.quantity_list
         if number.kind == "smallest" and number.response.kind == "margin"
     ]  # fmt: skip
     scenes = [experiment.build(corner) for corner in corners(experiment.intervals)] if least else []
@@ -126,7 +126,7 @@ def _travel_sweep(experiment: Any) -> Callable:
 
     @cache
     def curves(values: tuple[float, ...], columns: tuple) -> Any:
-        response = replace(experiment.curves[0], columns=columns)
+        response = replace(experiment.response_list[0], columns=columns)
         return margins.travel_curves(scene(values), [response])
 
     def sweep(values: tuple[float, ...], response: Any) -> Any:

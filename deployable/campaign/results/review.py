@@ -196,7 +196,7 @@ def _keeps(row: Mapping[str, Any], kind: str, level: float) -> bool:
 class _Sheet:
     def __init__(self, facts: Mapping[str, Any], experiment: Any, standard: str):
         self.facts, self.standard = facts, standard
-        self._numbers = {number.name: number for number in experiment.numbers}
+        self._numbers = {number.name: number for number in experiment.quantity_list}
         self._tolerance = experiment.solver.energy_tolerance
         self._mechanism = facts["mechanism"]
         self._margins = self._mechanism["margins"]

@@ -30,16 +30,17 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     env = jinja2.Environment(
         loader=jinja2.FileSystemLoader([_FOLDER, _FOLDER.parent / "report"]), autoescape=html,
         trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined,
-        finalize=(lambda v: numbers.unbroken(v, units) if type(v) is str else v) if html else None,
+        finalize=(lambda v: numbers.insert_no_breaks(v, units) if type(v) is str else v)
+        if html else None,
     )  # fmt: skip
     of_numbers = ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
-                  "position", "measured", "earliest", "capitalised")  # fmt: skip
+                  "position", "with_error", "earliest", "capitalise")  # fmt: skip
     env.filters |= {name: getattr(numbers, name) for name in of_numbers}
     env.filters |= {
         "met_text": met_text, "decisive": decisive, "moments": moments,
         "happens_only": happens_only, "doubts": doubts,
         "first_lower": lambda text: text[:1].lower() + text[1:],
-        "coded": partial(numbers.coded, units=units),
+        "coded": partial(numbers.render_html, units=units),
     }  # fmt: skip
     env.tests |= {
         "varying": varies,
@@ -66,7 +67,7 @@ def _escaped(facts: Any, code: str = "") -> Any:
         }
     if isinstance(facts, list | tuple):
         return [_escaped(item, code) for item in facts]
-    return numbers.escaped(facts, code) if isinstance(facts, str) else facts
+    return numbers.escape_markdown(facts, code) if isinstance(facts, str) else facts
 
 
 def met_text(row: Mapping[str, Any]) -> str:

@@ -39,7 +39,7 @@ def quantity(value: float | None, units: str, digits: int = 3, missing: str = "u
     return missing if value is None else with_unit(number(value, digits), units)
 
 
-def measured(value: float, error: float | None, units: str) -> str:
+def with_error(value: float, error: float | None, units: str) -> str:
     """Write a number with its error, both rounded to the first digit of the error: `0.062 ± 0.005
     m`; units: as in files (`m s-1`). The number alone, with three digits, where the error is None,
     0 or below a thousandth of it."""
@@ -118,7 +118,7 @@ def _ends(row: Mapping[str, Any]) -> list[str]:
     return [f"{end:z.{places}f}".replace("-", "−") if end else "0" for end in (lower, upper)]
 
 
-def capitalised(text: str) -> str:
+def capitalise(text: str) -> str:
     """Make the first letter of a sentence a capital, the rest as it is."""
     return text[:1].upper() + text[1:]
 
@@ -149,14 +149,14 @@ def spread(parameter: Mapping[str, Any]) -> str:
     return f"{number(parameter['lower'], 4)} to {quantity(parameter['upper'], units, 4)}"
 
 
-def escaped(text: str, code: str = "") -> str:
+def escape_markdown(text: str, code: str = "") -> str:
     """Escape a text from outside, such as a name, as one line that Markdown and terminals show
     unchanged; code: characters not to escape, such as a backtick."""
     line = "".join(sign for sign in " ".join(text.split()) if sign.isprintable())
     return line.translate({ord(sign): f"\\{sign}" for sign in "|<>`*[]\\&~$" if sign not in code})
 
 
-def unbroken(text: str, units: Iterable[str]) -> str:
+def insert_no_breaks(text: str, units: Iterable[str]) -> str:
     """Replace spaces of a text by no-break spaces between numbers and their units, signs, powers of
     ten or names (`k = 2`), and hyphens before numbers by minus signs. units: spellings such as
     `m/s`, besides those of seconds, radians, per cent."""
@@ -169,12 +169,13 @@ def unbroken(text: str, units: Iterable[str]) -> str:
     return re.sub(r"(?<=[\d±]) (?=[\d×])|(?<=\d) (?=±)|(?<=×) (?=10)", _NO_BREAK, text)
 
 
-def coded(text: str, units: Iterable[str] = ()) -> Any:
+def render_html(text: str, units: Iterable[str] = ()) -> Any:
     """Turn a sentence into HTML (`markupsafe.Markup`): escaped, what stands between backticks as
     `<code>`, and no-break spaces between numbers and units. units: spellings such as `m/s`."""
     from markupsafe import Markup, escape
 
-    return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", unbroken(str(escape(text)), units)))
+    text = insert_no_breaks(str(escape(text)), units)
+    return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", text))
 
 
 def position(row: Mapping[str, Any], time: float) -> str:

@@ -84,7 +84,7 @@ class Occurrence:
         return np.full(len(numbers), np.nan)
 
     @cached_property
-    def open(self) -> float:
+    def open_fraction(self) -> float:
         """Volume fraction of the box, estimated by 8192 points, where the runs do not determine
         whether the event occurs."""
         spread = self._spread()

@@ -22,14 +22,14 @@ class Limit:
     quantity: its `surrogate`, None where only values of runs are compared (`slack_of`). kind:
     "at_most" or "at_least" a `level`, in the quantity's unit, or "happens", with level 1 if the
     event must occur and 0 if it must not; run_error: error of the runs themselves, as by mesh and
-    step, in the quantity's unit; border: their error in the decision function that tells where the
-    event occurs (`Occurrence.certainty`), infinite if finer runs differ in whether it does."""
+    step, in the quantity's unit; border_error: their error in the decision function, by which the
+    event occurs (`Occurrence.decision_value`); infinite if finer runs differ in whether it does."""
 
     surrogate: ScalarSurrogate | None
     kind: str
     level: float
     run_error: float = 0.0
-    border: float = 0.0
+    border_error: float = 0.0
 
     def conditions(self, unit: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
         """Functions that are not below 0 where the limit is satisfied, at points `unit` (P, k) in
@@ -37,8 +37,8 @@ class Limit:
         exists (or must not), then, where it has values, of its distance from the level."""
         surrogate = self.surrogate
         certain = surrogate.occurrence.decision_value(unit)
-        doubt = surrogate.occurrence.doubt(unit) + self.border
-        if np.isinf(self.border):  # all runs agree, and finer ones do not
+        doubt = surrogate.occurrence.doubt(unit) + self.border_error
+        if np.isinf(self.border_error):  # all runs agree, and finer ones do not
             certain, doubt = np.sign(certain), np.full(len(unit), 2.0)
         if self.kind == "happens":
             return [(certain if self.level else -certain, doubt)]

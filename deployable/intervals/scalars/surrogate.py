@@ -291,7 +291,7 @@ def _occurrence(
     if latest is not None and np.isfinite(fit.error):
         by_time = FittedOccurrence(points, happens, fit, fit.error, latest)
         borders += [by_time] if by_time.agrees() else []
-    return min(reversed(borders), key=lambda border: border.open)
+    return min(reversed(borders), key=lambda border: border.open_fraction)
 
 
 @dataclass(frozen=True)

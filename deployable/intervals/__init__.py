@@ -2,8 +2,7 @@
 
 Given a box of interval parameters, `make_design` says where to run the model, `fit` turns its
 responses into polynomials, and `surrogate_range` or `bounds_dataset` bound them at every instant.
-The package knows nothing of the model: it takes arrays, or netCDF files as datasets.
-"""
+The package knows nothing of the model: it takes arrays, or netCDF files as datasets."""
 
 from .bounds import add_errors, bounds_dataset, compare_bounds, compare_runs, hausdorff
 from .box import Box, held_out_points, match_points

@@ -95,16 +95,14 @@ class PolynomialModel(Model):
 
 
 class ScanModel(Model):
-    """Bounds by the runs alone, without a fit: all of them, whatever the design (ignored); they may
-    be more than memory holds.
+    """Bounds by all runs, without a fit, whatever the design (ignored); they may exceed the memory.
 
     The bounds grow with every run and are never wider than the true ones. How much they grew from
     the first half of the runs to all of them is their error: an estimate of what is still missing,
     no limit. How much they grew with the last quarter alone is in the dataset too, and which share
     of the box can be expected to leave the bounds at one instant (`estimates.share_outside`).
     Samples are read in chunks of runs, unless the dataset has the least and largest values of each
-    quarter.
-    """
+    quarter."""
 
     kind = "least and largest sample"
 
@@ -132,8 +130,7 @@ class ScanModel(Model):
         return attained_range(total.low, total.high, unit[total.low_run], unit[total.high_run])
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Growth (n, T) of the bounds from the first half of the runs to all of them, as an error;
-        bounds and window are ignored."""
+        """Growth (n, T) of bounds by the second half of runs, as an error; arguments unused."""
         return ErrorEstimate(self.growth, self.growth, np.zeros_like(self.growth))
 
     def variables(self) -> dict:
@@ -159,8 +156,7 @@ def _count_chosen(samples: Samples) -> int:
 
 
 class SplineModel(Model):
-    """One spline through all runs, whatever their design and role, as a model of the responses;
-    `samples`: of these runs.
+    """One spline through all runs (`samples`), whatever their role, as a model of the responses.
 
     Its bounds contain every run, and are attained by the spline or a run; they are no enclosure.
     The error is what a run and the spline through all the others differ by (its left-out error):
@@ -171,8 +167,7 @@ class SplineModel(Model):
     - of runs that were sought where the bounds are decided (`design.method` "adaptive"), in up to
       three directions, instead a power mean over all of them (`estimates.power_mean`).
 
-    Added is the largest difference between a run and the spline through all.
-    """
+    Added is the largest difference between a run and the spline through all."""
 
     kind = "attained range of a spline through all runs"
 

@@ -148,9 +148,8 @@ def _with_digest(content, facts: Mapping[str, str]) -> dict[str, str]:
 
 
 def _digest(path: Path, size: int):
-    """Hash of the first `size` bytes of a file, which may be larger than memory.
-
-    A large one is read once for several checks by one process, as long as it is the same."""
+    """Hash of the first `size` bytes of a file, which may be larger than memory; a large one is
+    read once for several checks by one process, as long as it is the same."""
     if size < _LARGE:
         return _hash(path, size)
     st = path.stat()

@@ -132,8 +132,7 @@ class VectorKey(Key):
 
 @dataclass(frozen=True)
 class DirectionKey(Key):
-    """Key whose value is a unit vector (3,), given by a letter (x, -x, ...), three numbers of one
-    dimension, or from point to point."""
+    """Key of a unit vector (3,): a letter (x, -x, ...), three numbers of one unit, two points."""
 
     allowed = "x, y, z, -x, -y, -z, [x, y, z], or {from: P, to: Q} with two points"
 

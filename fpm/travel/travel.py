@@ -147,7 +147,6 @@ class _Sweep:
 
 def _add_bends(scene, samples: SampledTravel, openings: int) -> None:
     """Add positions at which forces of elements bend, and at which joints with friction reverse.
-
     openings: first column of the samples' values with openings; rates of joints follow them."""
     bends = [(openings + hinge, angle) for hinge, angle in sorted(set(_bends(scene)))]
     rates = openings + len(scene.hinges)

@@ -107,8 +107,8 @@ def test_runs_beside_a_border_are_made_again_the_nearest_first(inside, outside):
 
 
 def test_a_border_moves_to_where_finer_runs_cease_to_differ():
-    """Of what happens above x = 0, and by finer runs above 0.3: twice the certainty there, as the
-    rest of the way counts as much again."""
+    """Of what happens above x = 0, and by finer runs above 0.3: twice the decision value there, as
+    the rest of the way counts as much again."""
     x = np.linspace(-1, 1, 21)[:, None]
     model = SimpleNamespace(unit=x, numbers=np.where(x > 0.01, 1.0, np.nan), margins=np.nan * x)
 

@@ -14,8 +14,7 @@
     runs         how many runs it took, over choices and intervals
     simulated    how many of them were simulated in the last call
 
-The runs are those of a sparse grid over the choices and the box about each. Two goals trade off.
-"""
+The runs are those of a sparse grid over the choices and the box about each. Two goals trade off."""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
 """The runs of a campaign, and further ones wherever an answer asks for them.
 
-Further runs go through the campaign's store, so that they are found again.
-"""
+Further runs go through the campaign's store, so that they are found again."""
 
 from __future__ import annotations
 
@@ -37,8 +36,7 @@ class ModelEvaluator:
     taken: `unfitted` counts the others, `unfitted_with` (q) those of them with each quantity.
 
     plan: sets scene, step and mesh; jobs: section of the config; folder: of the results; notify:
-    called with each message; threads: number that simulate. A new evaluator has no runs yet (but
-    see `from_folder`)."""
+    called with each message; threads: how many. It has no runs yet (but see `from_folder`)."""
 
     max_further: float = math.inf
 

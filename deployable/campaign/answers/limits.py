@@ -42,13 +42,12 @@ def list_limits(requirements: Mapping[str, Mapping], quantities: list[str]) -> l
 
 @dataclass(frozen=True)
 class LimitAssessment:
-    """How l limits are kept over the parameter box, by surrogates, and in R simulated runs. specs:
-    the limits as the config sets them; limits: the same with their surrogates
-    (`intervals.scalars.Limit`); slack (l, R): margin of each limit in each run, below 0 if broken;
-    worst: least margin of each limit in the box, and its normalized point (k); largest: scale (0 to
-    1) of the largest box about the nominal point in which all limits hold, then, if below 1, index
-    of the limit that fails first beyond it, and where; failure_point (k): normalized point at which
-    a limit fails, None if none does."""
+    """How l limits are kept over the box, by surrogates, and in R simulated runs. specs: the limits
+    as the config sets them; limits: the same with their surrogates (`intervals.scalars.Limit`);
+    slack (l, R): margin of limits in runs, below 0 if broken; worst: least margin of each limit in
+    the box, and its normalized point (k); largest: scale (0 to 1) of the largest box about the
+    nominal point in which all limits hold, then, if below 1, index of the limit that fails first
+    beyond it, and where; failure_point (k): normalized, where a limit fails, None if none does."""
 
     specs: Sequence[LimitSpec]
     limits: list[Any]
@@ -74,8 +73,7 @@ def assess_limits(
 ) -> LimitAssessment:
     """Assess limits (`specs`, as the config sets them) over the box by the surrogates of all
     quantities, and in the runs of `model`, to say where requirements are met. errors (2, q): by
-    mesh and step, of the values and of the decision functions (sign: whether one exists), or
-    None."""
+    mesh and step, of values and of decision functions (sign: whether one exists), or None."""
     from deployable.intervals.scalars import Limit, largest_share, least_scales
 
     errors = np.zeros((2, len(surrogates))) if errors is None else errors

@@ -27,8 +27,7 @@
 
 Curves by response are {units, times, values, bands, lower, upper}: measured, and of all runs; and
 but for a check {best, rates, alike}: the nearest run as the sensor has it, with its rates, and the
-part of the residual's variance that a multiple of the time, the value, ... explains.
-"""
+part of the residual's variance that a multiple of the time, the value, ... explains."""
 
 from __future__ import annotations
 

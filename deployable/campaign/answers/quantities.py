@@ -11,11 +11,10 @@ their bounds take, `further.nc`.
     runs_with, runs_without         in how many runs there is such a number, and in how many not
     happens, happens_uncertainty    share of the box in which there is, and what of it is open
     error_limit, error_border       errors by step and mesh, if verified, for shares of the box: of
-                                    the number, and of the certainty that there is one
+                                    the number, and of whether there is one
     is_time, fit                    1 for times of the run; what was fitted
     least                           physical lower bound, NaN where there is none
-    share, alone, fixed, halved (quantity, parameter)   what each parameter contributes
-"""
+    share, alone, fixed, halved (quantity, parameter)   what each parameter contributes"""
 
 from __future__ import annotations
 

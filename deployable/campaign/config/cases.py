@@ -14,8 +14,7 @@ from deployable.campaign.config.sections import Campaign, Experiment, Interval
 
 
 def folder_name(case: str) -> str:
-    """Return the name of the folder of a case's results, below that of the campaign; case: its
-    name, in which spaces become `-`."""
+    """Return the folder of a case below the campaign's; case: its name (spaces become `-`)."""
     return re.sub(" +", "-", case)
 
 

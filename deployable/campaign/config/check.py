@@ -4,8 +4,7 @@
     campaign.experiment.solver.duration
 
 Everything wrong with it is collected into one `ConfigError`: what the models of its sections refuse
-(`models`, by `read`), then what needs the scene (`scene_checks`).
-"""
+(`models`, by `read`), then what needs the scene (`scene_checks`)."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
 """A campaign as the program knows it: its config, checked and resolved, as frozen dataclasses.
 
-Whatever a config leaves open (an accuracy, an interval given as a percentage) is a number here; the
-other sections are those of `models`. They become JSON by `as_json`, and come back by `from_data`.
-"""
+What a config leaves open (an accuracy, an interval in per cent) is a number here; the other
+sections are those of `models`. They become JSON by `as_json`, and come back by `from_data`."""
 
 from __future__ import annotations
 
@@ -289,15 +288,13 @@ class Experiment:
         return self.build(self._nominal_values)
 
     def parameters(self, values: Mapping[str, float]) -> dict[str, Any]:
-        """Return the values of all structure parameters by name for one run, each in its
-        parameter's unit: defaults, replaced by those of the config, then by `values` of the
-        interval parameters, by name."""
+        """Return the values of all structure parameters by name for one run, each in its unit:
+        defaults, replaced by those of the config, then by `values` of the interval parameters."""
         defaults = {name: p.default for name, p in self.scene_type.parameters.items()}
         return {**defaults, **self.scene.parameters, **values}
 
     def build(self, values: Mapping[str, float]) -> Any:
-        """Build the `fpm.Scene` of one run. values: of the interval parameters by name, in their
-        units. Raises `fpm.SceneError`."""
+        """Build the `fpm.Scene` of a run; raises `fpm.SceneError`. values: by name, in its unit."""
         return self.scene_type.build(**self.parameters(values))
 
 

@@ -1,8 +1,7 @@
 """A campaign's files: whole or absent, sealed (`fpm.files.sealed`), and known by what they are of.
 
 The seal of a result says, beside its name, of which `plan` it is (the digest of its runs), what
-its stage made it from (`basis`, the digest of code and config), and what computed it when.
-"""
+its stage made it from (`basis`, the digest of code and config), and what computed it when."""
 
 from __future__ import annotations
 

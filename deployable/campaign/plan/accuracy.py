@@ -3,8 +3,7 @@
 Each round has a plan (`rounds/<round>/plan.json`) with a mesh, a step, and runs through which a
 spline goes; those of later rounds are sought where the bounds are decided. A round whose plan says
 so is checked: its bounds know what a finer mesh and half the step change. What comes next is
-decided by `decide`; here results become its arguments and its decision a plan.
-"""
+decided by `decide`; here results become its arguments and its decision a plan."""
 
 from __future__ import annotations
 

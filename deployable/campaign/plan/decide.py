@@ -1,8 +1,7 @@
 """What comes next towards an accuracy: more runs, a finer mesh or step, a check, or an end.
 
 Pure logic, without files or runs. Errors are shares of the widths of responses and quantities, by
-part: surrogate, step and mesh.
-"""
+part: surrogate, step and mesh."""
 
 from __future__ import annotations
 

@@ -90,9 +90,9 @@ class OmittedRun:
 
 @dataclass(frozen=True)
 class RunVerdicts:
-    """For R runs of a campaign whether each meets all requirements, `met` (R, bool), with its k
-    parameter `values` (R, k) and its q quantities, `numbers` (R, q), in their units, NaN for one
-    that does not occur."""
+    """For R runs whether each meets all requirements, `met` (R, bool), with its k parameter
+    `values` (R, k) and its q quantities, `numbers` (R, q), in their units, NaN if it does not
+    occur."""
 
     values: np.ndarray
     met: np.ndarray
@@ -162,8 +162,7 @@ class PageData:
 
     @property
     def lines(self) -> list[int]:
-        """Indices in `runs` of those drawn as thin lines: neither fitted nor nominal, at most 48
-        (`MOST_LINES`), evenly chosen."""
+        """Indices in `runs` of thin lines: not fitted, not nominal, at most 48 (`MOST_LINES`)."""
         runs = [i for i in self.unfitted if self.runs[i].role != "nominal"]
         indices = np.unique(np.linspace(0, len(runs) - 1, min(len(runs), MOST_LINES)).round())
         return [runs[int(i)] for i in indices] if runs else []

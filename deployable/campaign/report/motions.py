@@ -46,8 +46,7 @@ class ShownRun:
 def shown_runs(folder: str | Path) -> list[ShownRun]:
     """List the runs that a campaign's page shows moving, at most 24 (`MOST_MOVING`): the nominal
     one (or a scan's first), then those at the bounds of the quantities, then those with the least
-    and largest value of each response at the time at which its bounds differ most. folder: of the
-    results."""
+    and largest value of each response when its bounds differ most. folder: of the results."""
 
     folder = Path(folder)
     with (

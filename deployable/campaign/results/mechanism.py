@@ -152,8 +152,7 @@ def evidence_of(margin: Any) -> str:
 
 
 def failed_components(margin: Any) -> list[str]:
-    """List the names of the components, such as a spring that failed, without which a torque margin
-    is taken. margin: its `Response`."""
+    """List the components, as a spring that failed, without which a torque `margin` is taken."""
     return list(margin.subjects[margin.subjects.index(standard_of(margin)) + 2 :])
 
 

@@ -1,8 +1,7 @@
 """The review sheet: each clause of a standard with what a campaign showed of it, as rows of text.
 
 Nothing in it claims compliance: it says what an analysis of a model showed, of what was stated. A
-row is met only where the numbers that it prints show it, with their errors.
-"""
+row is met only where the numbers that it prints show it, with their errors."""
 
 from __future__ import annotations
 
@@ -135,8 +134,7 @@ def edition_of(standard: str) -> str:
 
 
 def as_csv(rows: Iterable[Mapping[str, str]], standard: str) -> str:
-    """Write a review sheet as CSV text, headings first. rows: the sheet's dicts (`rows_of`);
-    standard: a key of `CLAUSES`."""
+    """Write a review sheet as CSV with headings. rows: of `rows_of`; standard: of `CLAUSES`."""
     heads = {**HEADS, "standard": "standard", "state": "state"}
     titled = ({**row, "standard": edition_of(standard)} for row in rows)
     return csv_text([row[name] for name in COLUMNS] for row in (heads, *titled))
@@ -514,8 +512,7 @@ class _Sheet:
     # -- clauses that are about no single quantity -------------------------------------------------
 
     def redundant(self) -> dict[str, str] | None:
-        """Row on whether the torque margin holds with each single driving spring left out in turn;
-        None where no spring drives."""
+        """Row on whether the margin holds without any one driving spring; None if none drives."""
         margins = {
             name: margin for name, margin in self._margins.items()
             if margin["standard"] == self.standard and not margin["own"]

@@ -21,8 +21,7 @@ With `keep: extremes` (`campaign.samples.kept_extremes`) there are no values, an
 runs are as small as can be.
 
 No variable is named after a response, so that a response may have any name. This file is all that
-the interval side needs.
-"""
+the interval side needs."""
 
 from __future__ import annotations
 

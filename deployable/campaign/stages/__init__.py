@@ -53,12 +53,10 @@ class Stage:
     and the files that it reads and writes. The function `work` of its module is imported when the
     stage runs: a process loads what it needs.
 
-    sections: names of the config sections that it depends on; takes: names of the result files that
-    it reads; leaves: function of a campaign that returns the names of those it writes, `{batch}`
-    for the number of a batch; options: of its command, keys of `OPTIONS`; is_sought: True if only
-    campaigns with an `accuracy` have it, False if only others, None if all; draws: whether it only
-    shows results.
-    """
+    sections: names of the config sections that it depends on; takes: names of result files that it
+    reads; leaves: function of a campaign that names those it writes, `{batch}` for the number of a
+    batch; options: of its command, keys of `OPTIONS`; is_sought: True if only campaigns with an
+    `accuracy` have it, False if only others, None if all; draws: whether it only shows results."""
 
     name: str
     text: str

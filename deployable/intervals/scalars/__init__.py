@@ -1,8 +1,7 @@
 """Numbers of runs over the box: a peak, the time of an event. One surrogate each, from all runs.
 
 A number is smooth in the parameters where curves are not, and has no time of its own: it is fitted
-directly. Where what it is of does not happen in a run, that run has none (NaN).
-"""
+directly. Where what it is of does not happen in a run, that run has none (NaN)."""
 
 from .fits import Fit, best_fit
 from .occurrence import Occurrence

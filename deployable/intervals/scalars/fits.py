@@ -1,8 +1,7 @@
 """What is fitted to a number of runs: the polynomial or spline that foretells left-out runs best.
 
 Every run is left out in turn, without a second fit: for least squares its error is e / (1 - h), h
-the leverage (Allen 1974, the PRESS statistic); for a spline see `splines`.
-"""
+the leverage (Allen 1974, the PRESS statistic); for a spline see `splines`."""
 
 from __future__ import annotations
 

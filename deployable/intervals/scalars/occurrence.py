@@ -4,8 +4,7 @@ The border is where the smoothest function vanishes that is at least 1 in all ru
 happens and at most -1 in all others: a support vector machine with a hard margin (Cortes and Vapnik
 1995), whose kernel is Matérn's for functions with two derivatives. Open is where the size of the
 function is below those at the nearest runs of both kinds, which there are next to the border at
-least 1. Further runs are sought about the border (Basudhar and Missoum 2010).
-"""
+least 1. Further runs are sought about the border (Basudhar and Missoum 2010)."""
 
 from __future__ import annotations
 
@@ -85,8 +84,7 @@ class Occurrence:
 
     @cached_property
     def open_fraction(self) -> float:
-        """Volume fraction of the box, estimated by 8192 points, where the runs do not determine
-        whether the event occurs."""
+        """Volume fraction of the box (8192 points) where runs do not decide if the event occurs."""
         spread = self._spread()
         return float((np.abs(self.decision_value(spread)) < self.doubt(spread)).mean())
 
@@ -240,7 +238,7 @@ class FittedOccurrence(Occurrence):
 
     def doubt(self, unit: np.ndarray) -> np.ndarray:
         """Half-width (P) of the undecided band at points `unit` (P, k) in [-1, 1]^k, to which the
-        size of `certainty` is compared: everywhere `error`, that of the fit."""
+        size of `decision_value` is compared: everywhere `error`, that of the fit."""
         return np.full(len(unit), self.error)
 
     @property

@@ -50,8 +50,7 @@ class Limit:
 
     @property
     def error(self) -> float:
-        """Estimated error of the quantity's values, in its unit: its surrogate's, NaN without a
-        fit, plus that of the runs."""
+        """Error of the quantity, in its unit: the surrogate's (NaN without fit) plus the runs'."""
         return self.surrogate.error + self.run_error
 
     def slack_of(self, values: np.ndarray) -> np.ndarray:
@@ -216,9 +215,8 @@ class Goal:
     sign: float = 1.0
 
     def value(self, lower: np.ndarray, upper: np.ndarray) -> tuple[float, np.ndarray]:
-        """Value of the objective, without the sign, over the part of the box from `lower` to
-        `upper` (k each, in [-1, 1]), and the points where its bound is attained, (1, k), of a width
-        where both are, (2, k)."""
+        """Value of the objective, without sign, over the box from `lower` to `upper` (k each, in
+        [-1, 1]), and the points of its bound, (1, k), of a width of both, (2, k)."""
         if self.kind == "width":
             interval = self.surrogate.range(lower, upper, climbs=1)
             return interval.width, np.array([interval.argmin, interval.argmax])
@@ -228,12 +226,11 @@ class Goal:
 
 @dataclass(frozen=True)
 class Choice:
-    """Chosen parameter `values` (c), in their units, and how good they are in the worst case over
-    the box about them. goals (g): values of the objectives; slack: least margin of all limits,
-    infinite without any; slacks (l): least margin of each limit, attained at points `worst` (l, k)
-    in [-1, 1]^k; goal_points: g arrays of the points where each objective's bounds are attained,
-    (1, k), of a width (2, k); safety: least limit margin over its estimated error, infinite without
-    a limit of a level."""
+    """Chosen parameter `values` (c), in their units, and how good they are in the worst case of the
+    box about them. goals (g): of the objectives; slack: least margin of all limits, infinite
+    without any; slacks (l): least margin of each limit, attained at points `worst` (l, k) in [-1,
+    1]^k; goal_points: g arrays of the points where each objective's bounds are attained, (1, k), of
+    a width (2, k); safety: least margin over its error, infinite without a limit of a level."""
 
     values: np.ndarray
     goals: np.ndarray

@@ -1,7 +1,6 @@
 """Revolute hinges: impulses that close every hinge at the end of the step (hinge.py).
 
-The matrix of the impulses (hinge_matrix.py) is built at the start of the step and serves three
-times:
+The matrix of impulses (hinge_matrix.py) is built at the start of a step and serves three times:
 
 1. `aim`: impulses that would close the hinge if the rates of its gaps stayed as they are over the
    step, less what was missing so in the step before. What is left is the change from step to step

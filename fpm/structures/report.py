@@ -99,7 +99,7 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
     supports = np.where(dofs % 6 < 3, 1.0, size)[:, None] * motion[dofs]
     support_names = {arm.particle: name for name, arm in scene.supports.items()}
     names = [f"support {support_names.get(p, f'of particle {p}')}" for p, _ in fixed]
-    kinds = np.where(rules.second == 0, "support", "joint")
+    kinds = np.where(rules.is_on_second == 0, "support", "joint")
     names += [f"{kind} {name}" for kind, name in zip(kinds, rules.joint, strict=True)]
     return np.concatenate([supports, joints]), names
 

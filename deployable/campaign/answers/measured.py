@@ -145,7 +145,7 @@ class _Test:
         self.responses = list(settings.columns.values())
         self.instants = np.linspace(0.0, base.solver.duration, base.solver.instants)
         self.rows = [list(base.responses).index(response) for response in self.responses]
-        self.units = [base.curves[row].unit for row in self.rows]
+        self.units = [base.response_list[row].unit for row in self.rows]
         sensor = settings.unknown
         limits = [list(sensor.delay)]
         for center, widths in ((1.0, sensor.gain), (0.0, sensor.offset)):

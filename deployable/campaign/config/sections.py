@@ -223,7 +223,7 @@ class Experiment:
         return run_code_digest(self.scene_type.digest)
 
     @cached_property
-    def curves(self) -> list[Any]:
+    def response_list(self) -> list[Any]:
         """Responses (curves over time) as `fpm.responses.Response`; raises `fpm.SceneError`."""
         return [fpm.responses.parse(n, d, self.nominal_scene) for n, d in self.responses.items()]
 

@@ -25,7 +25,7 @@ from deployable.campaign.results.facts import (
     quantity_errors,
 )
 from deployable.campaign.results.templates import sentence
-from deployable.campaign.text.numbers import interval, measured, number, quantity, share
+from deployable.campaign.text.numbers import interval, number, quantity, share, with_error
 from deployable.intervals import Box, scalars
 from deployable.intervals.scalars.surrogate import Extremes
 
@@ -242,7 +242,7 @@ def test_what_mesh_and_step_decide_is_told_beside_its_numbers(raw, tmp_path, mon
     """By check, summary and page; of the response that is in doubt, and the peak of it alone."""
     why = "nothing softens it: state a `stiffness`"
     monkeypatch.setattr(
-        sections, "doubt", lambda scene, response: why if response.name == "BD" else ""
+        sections, "shock_warning", lambda scene, response: why if response.name == "BD" else ""
     )
     raw["quantities"] = {
         name: {kind: "BD"} for name, kind in (("top", "largest"), ("end", "final"))
@@ -398,5 +398,5 @@ def test_a_choice_that_changes_nothing_is_no_advice(kept):
 
 def test_no_number_is_minus_zero():
     assert number(-0.0) == "0" and quantity(-0.0, "rad") == "0 rad"
-    assert measured(-1e-9, 0.1, "m") == "0.0 ± 0.1 m"
+    assert with_error(-1e-9, 0.1, "m") == "0.0 ± 0.1 m"
     assert interval({"lower": -1e-9, "upper": 0.5, "error": 0.1, "units": "m"}) == "0.00 to 0.50 m"

@@ -60,7 +60,8 @@ class Running:
         )
 
     def merge(self, rival: Running | None) -> Running:
-        """Return least and largest values of these runs and of `rival`'s (None: these alone)."""
+        """Return the least and largest values of these runs and those of `rival`, with the runs
+        that have them; None: these alone."""
         if rival is None:
             return self
         lower = _comes_first(rival.low, self.low, rival.low_run, self.low_run)

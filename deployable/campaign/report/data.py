@@ -162,7 +162,8 @@ class PageData:
 
     @property
     def lines(self) -> list[int]:
-        """Indices in `runs` of thin lines: not fitted, not nominal, at most 48 (`MOST_LINES`)."""
+        """Indices in `runs` of those drawn as thin lines: neither fitted nor nominal, at most 48
+        (`MOST_LINES`), evenly chosen."""
         runs = [i for i in self.unfitted if self.runs[i].role != "nominal"]
         indices = np.unique(np.linspace(0, len(runs) - 1, min(len(runs), MOST_LINES)).round())
         return [runs[int(i)] for i in indices] if runs else []

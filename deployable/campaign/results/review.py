@@ -134,7 +134,8 @@ def edition_of(standard: str) -> str:
 
 
 def as_csv(rows: Iterable[Mapping[str, str]], standard: str) -> str:
-    """Write a review sheet as CSV with headings. rows: of `rows_of`; standard: of `CLAUSES`."""
+    """Write a review sheet as CSV text, headings first. rows: the sheet's dicts (`rows_of`);
+    standard: a key of `CLAUSES`."""
     heads = {**HEADS, "standard": "standard", "state": "state"}
     titled = ({**row, "standard": edition_of(standard)} for row in rows)
     return csv_text([row[name] for name in COLUMNS] for row in (heads, *titled))

@@ -1,8 +1,7 @@
 """Bounds of a deployable structure's motion over interval parameters.
 
 `deployable.intervals` is interval mathematics, `deployable.campaign` what joins it to `fpm`, the
-mechanics. They are imported on first use, so that `__main__` can set up numerics before.
-"""
+mechanics. They are imported on first use, so that `__main__` can set up numerics before."""
 
 from importlib import import_module
 from importlib.util import find_spec

@@ -6,8 +6,7 @@
 The only package that knows both `fpm` (mechanics) and `intervals` (interval mathematics). The two
 meet in netCDF files. Rooms in the order of a campaign: `config`, `plan`, `runs`, `results`;
 `stages` joins them to files, `workflow` and its rules the stages. What this package itself offers
-is imported on first use, so that `__main__` can set up numerics that are not loaded yet.
-"""
+is imported on first use, so that `__main__` can set up numerics that are not loaded yet."""
 
 # Before all others: it notes what they are imported from.
 import deployable.campaign.provenance  # noqa: F401

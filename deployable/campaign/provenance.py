@@ -1,8 +1,7 @@
 """What computed a result: the program, its code as it was imported, the machine and the packages.
 
 netCDF files have it as the attribute `provenance`; seals of all results have it with the moment, so
-that the same results are the same but for their seals.
-"""
+that the same results are the same but for their seals."""
 
 from __future__ import annotations
 

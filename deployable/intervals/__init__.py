@@ -2,8 +2,7 @@
 
 Given a box of interval parameters, `make_design` says where to run the model, `fit` turns its
 responses into polynomials, and `surrogate_range` or `bounds_dataset` bound them at every instant.
-The package knows nothing of the model: it takes arrays, or netCDF files as datasets.
-"""
+The package knows nothing of the model: it takes arrays, or netCDF files as datasets."""
 
 from .bounds import add_errors, bounds_dataset, compare_bounds, compare_runs, hausdorff
 from .box import Box, held_out_points, match_points
@@ -12,7 +11,7 @@ from .designs import METHODS, Design, fit, make_design
 from .errors import IntervalError
 from .models import MODELS, Model
 from .ranges import Range, surrogate_range
-from .rounds import BoundPoints, deciding_places, seek_points
+from .rounds import BoundPoints, choose_bound_points, seek_points
 from .sensitivity import parameter_sensitivity, sensitivity_dataset, surrogate_dataset
 from .spline_extremes import spline_range
 from .splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
@@ -32,9 +31,9 @@ __all__ = [
     "add_errors",
     "bounds_dataset",
     "check_spline_runs",
+    "choose_bound_points",
     "compare_bounds",
     "compare_runs",
-    "deciding_places",
     "fit",
     "fit_spline",
     "hausdorff",

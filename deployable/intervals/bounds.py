@@ -63,8 +63,7 @@ def bounds_dataset(
         ``argmax`` (response, time, parameter), the parameter values where; and numbers over
         response, such as ``largest_width`` and ``error_share_of_width``. No bound is below the
         physical one, ``response_least`` (response), where samples have that; ``largest_impossible``
-        says by how much the model was.
-    """
+        says by how much the model was."""
     import xarray as xr
 
     kind = MODELS[check_choice("model", model, MODELS)]
@@ -186,8 +185,7 @@ def add_errors(
     None: 0.5 % of the duration) of each instant counts. The copy gets ``error_surrogate`` and
     ``error_<name>`` (response, time), and ``share_surrogate`` and ``share_<name>`` (response),
     fractions of the width, both integrated over time; ``largest_error``, its time and
-    ``error_share_of_width`` are the sum's.
-    """
+    ``error_share_of_width`` are the sum's."""
     time = bounds["time"].values
     area = np.trapezoid((bounds["upper"] - bounds["lower"]).values, time)
     axes = ("response", "time")
@@ -252,8 +250,7 @@ def compare_bounds(
         integral of the distance over the integral of the reference's width; NaN or infinite for
         zero width.
     width_ratio
-        integral of the width over that of the reference; NaN or infinite for zero width.
-    """
+        integral of the width over that of the reference; NaN or infinite for zero width."""
     distance = hausdorff(lower, upper, reference_lower, reference_upper)
     width = np.trapezoid(reference_upper - reference_lower, time)
     index = int(np.argmax(distance))
@@ -278,8 +275,7 @@ def compare_runs(lower: np.ndarray, upper: np.ndarray, values: np.ndarray) -> di
     lower, upper
         Bounds (T) of one response.
     values
-        That response (H, T) in H runs at the same T instants.
-    """
+        That response (H, T) in H runs at the same T instants."""
     distances = np.maximum(lower - values, values - upper)
     if not distances.size:
         return {"coverage": float("nan"), "worst_violation": 0.0}

@@ -23,8 +23,7 @@ class Box:
     names
         Names of the k parameters, each once.
     lower, upper
-        Bounds (k) in the units of the parameters, lower <= upper.
-    """
+        Bounds (k) in the units of the parameters, lower <= upper."""
 
     names: tuple[str, ...]
     lower: np.ndarray
@@ -79,8 +78,7 @@ class Box:
         return np.where(self.free, values, self.lower)
 
     def corners(self) -> np.ndarray:
-        """Corners of the box in normalized coordinates (2^f, k): -1 or 1 in the f intervals with a
-        width, 0 in the others."""
+        """Corners of the box (2^f, k), normalized: -1 or 1 in f intervals with a width, else 0."""
         choices = [(-1.0, 1.0) if free else (0.0,) for free in self.free]
         return np.array(list(itertools.product(*choices)))
 

@@ -11,8 +11,7 @@ b <= 1 at all, it explains; between, it is undecided. Waves of runs follow in th
 what is not excluded, where the next polynomials are less wrong (history matching, Craig et al.
 1997, with bounded errors in place of probabilities). Extremes over the hull, of a coordinate or of
 the misfit, are found by sequential linear programming with a trust region and second-order
-corrections (Fletcher and Sainz de la Maza 1989).
-"""
+corrections (Fletcher and Sainz de la Maza 1989)."""
 
 from __future__ import annotations
 
@@ -54,8 +53,7 @@ class Measurement(NamedTuple):
 
     times (T) in s; values, bands (n, T) in the units of the responses, bands above 0; limits (2, 1
     + 2 n): lower and upper delay (s), gain of each response, then offset of each; axes: indices of
-    the box's coordinates on which the test depends; starts: number of its own unknown values.
-    """
+    the box's coordinates on which the test depends; starts: number of its own unknown values."""
 
     times: np.ndarray
     values: np.ndarray
@@ -128,8 +126,7 @@ def fit_curves(
     hull
         Lower and upper coordinates (2, p) of the part that is fitted; runs near it count.
     own_errors
-        Errors (n, T) of the runs themselves, such as those of their time step.
-    """
+        Errors (n, T) of the runs themselves, such as those of their time step."""
     center, half = hull.mean(axis=0), np.maximum(np.ptp(hull, axis=0) / 2, 1e-9)
     unit = (points - center) / half
     rows = np.flatnonzero((np.abs(unit) <= 1.0 + 2 * _WIDER).all(axis=1))
@@ -312,8 +309,7 @@ class Calibration:
     samples (S, k): points that are not excluded, extremes of their hull among them. runs: made
     here, of all tests; worst: (test, response, instant) at which the best run is farthest off;
     residuals (n, T) of each test there; data: the runs of each test. misfits (N, k + 1): points
-    spread over the box, and their least misfit by the surrogates.
-    """
+    spread over the box, and their least misfit by the surrogates."""
 
     hull: np.ndarray
     starts: list[np.ndarray]
@@ -550,8 +546,7 @@ def calibrate(
         Largest numbers of waves of runs, and of runs of each test; twice both where no point
         explains.
     notify
-        Called with messages.
-    """
+        Called with messages."""
     state = _Waves(tests, times, evaluate, finer, hull, data or no_runs(tests, times), notify)
     for attempt in range(_ATTEMPTS):
         problem, least, pool = state.narrow(1.0, waves, most)
@@ -595,9 +590,8 @@ def calibrate_together(
     tests: Sequence[Measurement], times: np.ndarray, evaluate: Callable, finer: Callable,
     hull: np.ndarray, waves: int = 6, notify: Callable = lambda indices, text: None,
 ) -> tuple[Calibration, list[Calibration]]:  # fmt: skip
-    """Find what of a box explains all tests, and what each explains alone: the first is a part of
-    what they have in common. Arguments as of `calibrate`; `notify` is called with the indices of
-    tests and a message."""
+    """Find what of a box explains all tests, and what each explains alone: the first is part of
+    what these share. Arguments as of `calibrate`; `notify` gets indices of tests and a message."""
 
     def find(indices: Sequence[int], hull: np.ndarray, data: Sequence[TestRuns]) -> Calibration:
         return calibrate(
@@ -644,8 +638,7 @@ def no_runs(tests: Sequence[Measurement], times: np.ndarray) -> list[TestRuns]:
 
 
 def _misfits(state: _Waves) -> np.ndarray:
-    """Points (N, k) spread over the box, with their least misfit by the surrogates of the last wave
-    that had them in its hull."""
+    """Points (N, k) over the box and their least misfit by surrogates of the last wave there."""
     k, rows = state.k, []
     spread = scan_points(np.ptp(state.widest[:, :k], axis=0) > 0, _SPOTS)
     for low, high in (state.widest, state.hull):

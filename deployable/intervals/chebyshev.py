@@ -3,8 +3,7 @@
 A set of multi-indices has the shape (M, k); row m stands for T_(i_1)(x_1) ... T_(i_k)(x_k). Orders
 are given per direction; a direction of order 0 does not enter.
 
-Source: Trefethen, Approximation Theory and Approximation Practice (SIAM 2013), chapters 2-4.
-"""
+Source: Trefethen, Approximation Theory and Approximation Practice (SIAM 2013), chapters 2-4."""
 
 from __future__ import annotations
 
@@ -35,8 +34,7 @@ def roots(order: int) -> np.ndarray:
 
 def lobatto(order: int) -> np.ndarray:
     """The n + 1 extreme points of the Chebyshev polynomial of degree n in [-1, 1], ascending;
-    order: n, 0 gives the point 0. From n = 1 on they contain -1 and 1, and those of order n are
-    among those of order 2n."""
+    order: n; 0 gives the point 0, others contain -1 and 1 and are among those of 2n."""
     return _sine(2 * np.arange(order + 1) - order, order) if order else np.zeros(1)
 
 
@@ -106,8 +104,7 @@ def _within_budget(order: Sequence[int], costs: Callable[[int], dict[int, int]])
 
 
 def product_basis(points: np.ndarray, indices: np.ndarray) -> np.ndarray:
-    """Values (N, M) of M Chebyshev products, of degrees `indices` (M, k), at points (N, k) in [-1,
-    1]^k."""
+    """Values (N, M) of Chebyshev products, degrees `indices` (M, k), at points (N, k), |x| <= 1."""
     values = np.ones((len(points), len(indices)))
     for j in range(indices.shape[1]):
         highest = int(indices[:, j].max(initial=0))

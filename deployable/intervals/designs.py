@@ -2,8 +2,7 @@
 
 `make_design` is the one entry, `fit` gives the polynomials. All points are in unit coordinates
 [-1, 1]^k; an interval of zero width contributes one point (0) in its direction. A new design is a
-function that makes it, and a line in `METHODS`.
-"""
+function that makes it, and a line in `METHODS`."""
 
 from __future__ import annotations
 
@@ -47,15 +46,14 @@ class Design:
         return self.points.shape[1]
 
     @property
-    def runs(self) -> int:
+    def run_count(self) -> int:
         """Number N of points, at each of which the model is run."""
         return self.points.shape[0]
 
 
 @dataclass(frozen=True)
 class Method:
-    """A type of design of experiments, an entry of `METHODS`: how it is made, and what a user must
-    give.
+    """A type of design of experiments (entry of `METHODS`): how it is made, what a user must give.
 
     make: ``make(orders, free, limit, **options)`` returns a `Design`. orders (k): polynomial
     orders, 0 in directions without a width, None where a user gave none; free (k): mask of the
@@ -63,8 +61,7 @@ class Method:
     that is known, and that raises if there are too many; options: its keyword-only arguments, for
     users. needs_order: whether a user must give an order. symmetric: whether directions in another
     order have the same points, in that order; those of a sequence have not, so that such a design
-    is always made in one order of the parameters, a campaign's in the structure's.
-    """
+    is always made in one order of the parameters, a campaign's in the structure's."""
 
     make: Callable[..., Design]
     needs_order: bool = True
@@ -103,8 +100,7 @@ def make_design(
     max_runs
         Largest number of points that is allowed.
     options
-        Of ``sobol``: ``samples``, the number of points (1024), and ``seed`` of the sequence (0).
-    """
+        Of ``sobol``: ``samples``, the number of points (1024), and ``seed`` of the sequence (0)."""
     kind = METHODS[check_choice("method", method, METHODS)]
     if isinstance(box, Box):
         free = box.free
@@ -213,10 +209,9 @@ def scan_points(
 
 
 def spread_points(free: np.ndarray, count: int, seed: int = 1) -> np.ndarray:
-    """Points (about `count`, k) in [-1, 1]^k from which extreme values are sought: corners and a
-    Sobol sequence, half of it pushed to faces; along a line if only one direction has a width, one
-    point if none has. free (k): mask of the directions with a width, 0 in the others; seed: of the
-    sequence."""
+    """Points (about `count`, k) in [-1, 1]^k from which extremes are sought: corners and a Sobol
+    sequence, half of it pushed to faces; along a line if one direction has a width, a point if none
+    has. free (k): mask of the directions with a width, 0 in the others; seed: of the sequence."""
     dimension = int(np.sum(free))
     if dimension == 0:
         return np.zeros((1, len(free)))
@@ -237,8 +232,8 @@ def fit(design: Design, values: np.ndarray) -> Surrogate:
     points that do not determine all coefficients. Tensor grids take one small matrix for each
     direction; other designs least squares by QR factorisation."""
     values = np.asarray(values, dtype=float)
-    if values.shape[:1] != (design.runs,):
-        raise IntervalError("values", values.shape, f"{design.runs} rows, one for each point")
+    if values.shape[:1] != (design.run_count,):
+        raise IntervalError("values", values.shape, f"{design.run_count} rows, one for each point")
     if not len(design.multi_indices):
         raise IntervalError("design", design.method, "a design with an order, to fit a surrogate")
     if not np.isfinite(values).all():
@@ -251,10 +246,10 @@ def fit(design: Design, values: np.ndarray) -> Surrogate:
         coefficients = np.ascontiguousarray(coefficients)
     else:
         basis = product_basis(design.points, design.multi_indices)
-        solution = least_squares(basis, values.reshape(design.runs, -1))
+        solution = least_squares(basis, values.reshape(design.run_count, -1))
         if solution is None:
             allowed = "points that determine every coefficient"
-            raise IntervalError("points", f"{design.runs} of them", allowed)
+            raise IntervalError("points", f"{design.run_count} of them", allowed)
         coefficients = solution[0]
     return Surrogate(
         coefficients.reshape(len(design.multi_indices), *values.shape[1:]), design.multi_indices

@@ -4,8 +4,7 @@
 polynomial on a patch lies between its least and its largest coefficient, and the coefficients at
 the vertices are its values there. Halving patches makes the enclosure sharp at a quadratic rate,
 and a patch that cannot beat the best value known is dropped (Garloff 1985; Smith 2009). Where the
-extreme value sits in a corner, as for monotone responses, one patch is enough.
-"""
+extreme value sits in a corner, as for monotone responses, one patch is enough."""
 
 from __future__ import annotations
 
@@ -45,8 +44,7 @@ def grid_enclosure(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Bound T polynomials on [-1, 1]^k: returns lower and upper bounds (T), inflated extremes on a
     grid. c (M, T): coefficients; indices (M, k): degrees of the Chebyshev products; density: grid
-    points (extreme points of T_m) per degree, fewer where the grid would be too large; without one,
-    bounds are infinite.
+    points (extreme points of T_m) per degree, fewer if too many; without one, bounds are infinite.
 
     Two inflations are valid, and the smaller one is taken for each polynomial:
 
@@ -55,8 +53,7 @@ def grid_enclosure(
       values.
     - with x_j = cos t_j, between the nodes of a grid of spacing h_j in t_j a function exceeds its
       multilinear interpolant by at most sum_j h_j^2 / 8 max |d^2 p / d t_j^2|, and |d^2 p / d
-      t_j^2| <= sum i_j^2 |c_i|. Sharper where the coefficients decay.
-    """
+      t_j^2| <= sum i_j^2 |c_i|. Sharper where the coefficients decay."""
     degrees = indices.max(axis=0)
     total = c.shape[1]
     while density > 1 and np.prod(density * degrees + 1.0) > _MAX_GRID:

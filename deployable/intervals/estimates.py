@@ -10,8 +10,7 @@ are within e of those of f (Hausdorff distance). It is estimated, at every insta
 and then widened in time: the largest estimate within a short window counts. Two oscillations that
 differ in phase agree wherever they cross, so that an instant by itself can look right by accident;
 a window of half a period or more cannot. Neither a comparison of two orders nor a count of samples
-outside the bounds is used: near collisions both saw nothing of errors of a tenth of the width.
-"""
+outside the bounds is used: near collisions both saw nothing of errors of a tenth of the width."""
 
 from __future__ import annotations
 
@@ -33,7 +32,7 @@ RATIOS = 2.0, 16.0
 continued by: those of the first and of the fourth order."""
 
 MAX_DIRECTIONS = 3
-"""Most directions in which the left-out errors of sought runs are averaged (see `usual`)."""
+"""Most directions in which the left-out errors of sought runs are averaged (see `power_mean`)."""
 
 _INDEPENDENT = 1e-3  # least singular value, beside the largest, of what held-out runs see
 
@@ -104,8 +103,7 @@ def decay_estimate(
 
     time (T): instants (s) of the last axis, or None. With it, the largest coefficients within
     `window` (half width, s; None: 0.5 % of the duration) count: one that passes through zero would
-    pretend a decay, or hide one.
-    """
+    pretend a decay, or hide one."""
     indices, c = surrogate.multi_indices, np.abs(surrogate.coefficients)
     if time is not None:
         c = widen(time, c, window)
@@ -138,8 +136,7 @@ def limit_decay(
     that is exact then has a tail as large as its last coefficients. But the next two coefficients
     along each direction follow from the residuals, if there are enough runs to determine them. Then
     the tail is at most 10 times (`MAX_TAIL_RATIO`) the larger of the sum of their sizes and the
-    largest residual; with fewer runs it stays as it is.
-    """
+    largest residual; with fewer runs it stays as it is."""
     highest = surrogate.degrees
     next_two = [
         np.where(np.arange(len(highest)) == j, highest[j] + excess, 0)
@@ -160,7 +157,7 @@ def limit_decay(
     return np.minimum(decay, MAX_TAIL_RATIO * widen(time, size_sum, window))
 
 
-def usual(left_out: np.ndarray, directions: int) -> np.ndarray:
+def power_mean(left_out: np.ndarray, directions: int) -> np.ndarray:
     """Error (...) of a function fitted to adaptively sampled runs: a power mean of their
     leave-one-out errors `left_out` (N, ...), the power being the number of `directions` (parameters
     that vary). Any run may be next to the point that decides, and runs were placed where the fit

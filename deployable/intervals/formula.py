@@ -18,8 +18,7 @@ class Formula:
     indices (M, k): degrees i; coefficients (M); points (N, k), weights (N), scales (k): those of
     the kernel; kernel, of a distance d: `cube` d^3, `fading` exp(-d), or `matern` (1 + d + d^2 / 3)
     exp(-d). root: None, or a formula r of the first k - 1 coordinates from which the last one
-    follows: 2 sqrt(r / root_scale) - 1, with r / root_scale clipped to [0, 1].
-    """
+    follows: 2 sqrt(r / root_scale) - 1, with r / root_scale clipped to [0, 1]."""
 
     indices: np.ndarray
     coefficients: np.ndarray

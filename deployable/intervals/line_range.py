@@ -6,8 +6,7 @@ is closed when its Taylor bound cannot exceed the best value found, when g is mo
 it (then its ends, which are evaluated, hold the maximum), or when g is so surely concave that
 Newton's iteration finds its one maximum. Every cell ends in one of these ways, so no extreme value
 is missed: the result is as exact as the eigenvalues of the colleague matrix (Trefethen 2013,
-chapter 18) but needs no division by the leading coefficient and costs far less.
-"""
+chapter 18) but needs no division by the leading coefficient and costs far less."""
 
 from __future__ import annotations
 

@@ -15,8 +15,8 @@ from .estimates import (
     decay_estimate,
     error_estimate,
     limit_decay,
+    power_mean,
     share_outside,
-    usual,
 )
 from .ranges import Range, surrogate_range, to_range
 from .samples import Running, Samples
@@ -71,7 +71,7 @@ class PolynomialModel(Model):
         self.test_rows = find_other_runs(samples.points, design.points)
         self.design = design
         self.surrogate = fit(design, samples.values[match_points(design.points, samples.points)])
-        self.attributes = {"design_runs": design.runs}
+        self.attributes = {"design_runs": design.run_count}
 
     def range(self) -> Range:
         """Range of the polynomials over the box: bounds (n, T) guaranteed for them, attained bounds
@@ -95,16 +95,14 @@ class PolynomialModel(Model):
 
 
 class ScanModel(Model):
-    """Bounds by the runs alone, without a fit: all of them, whatever the design (ignored); they may
-    be more than memory holds.
+    """Bounds by all runs, without a fit, whatever the design (ignored); they may exceed the memory.
 
     The bounds grow with every run and are never wider than the true ones. How much they grew from
     the first half of the runs to all of them is their error: an estimate of what is still missing,
     no limit. How much they grew with the last quarter alone is in the dataset too, and which share
     of the box can be expected to leave the bounds at one instant (`estimates.share_outside`).
     Samples are read in chunks of runs, unless the dataset has the least and largest values of each
-    quarter.
-    """
+    quarter."""
 
     kind = "least and largest sample"
 
@@ -128,14 +126,11 @@ class ScanModel(Model):
     def range(self) -> Range:
         """Least and largest values (n, T) of all runs, as outer and as attained bounds, and the
         points (n, T, k) in [-1, 1]^k of these runs."""
-        total = self.total
-        return to_range(
-            total.low, total.high, self.points[total.low_run], self.points[total.high_run]
-        )
+        total, points = self.total, self.points
+        return to_range(total.low, total.high, points[total.low_run], points[total.high_run])
 
     def error(self, bounds: Range, window: float | None) -> ErrorEstimate:
-        """Growth (n, T) of the bounds from the first half of the runs to all of them, as an error;
-        bounds and window are ignored."""
+        """Growth (n, T) of bounds by the second half of runs, as an error; arguments unused."""
         return ErrorEstimate(self.growth, self.growth, np.zeros_like(self.growth))
 
     def variables(self) -> dict:
@@ -161,8 +156,7 @@ def _count_corners(samples: Samples) -> int:
 
 
 class SplineModel(Model):
-    """One spline through all runs, whatever their design and role, as a model of the responses;
-    `samples`: of these runs.
+    """One spline through all runs (`samples`), whatever their role, as a model of the responses.
 
     Its bounds contain every run, and are attained by the spline or a run; they are no enclosure.
     The error is what a run and the spline through all the others differ by (its left-out error):
@@ -171,10 +165,9 @@ class SplineModel(Model):
       (there the spline need not extrapolate), and in several directions over the runs next to where
       each bound is attained, one more than there are directions;
     - of runs that were sought where the bounds are decided (`design.method` "adaptive"), in up to
-      three directions, instead a power mean over all of them (`estimates.usual`).
+      three directions, instead a power mean over all of them (`estimates.power_mean`).
 
-    Added is the largest difference between a run and the spline through all.
-    """
+    Added is the largest difference between a run and the spline through all."""
 
     kind = "attained range of a spline through all runs"
 
@@ -218,7 +211,7 @@ class SplineModel(Model):
         spline = self.spline
         free = int((spline.scales > 0).sum())
         if self.averages:
-            left_out = usual(spline.left_out, free)
+            left_out = power_mean(spline.left_out, free)
         else:
             left_out = np.abs(spline.left_out[self.tests_spline]).max(axis=0)
             if free > 1:

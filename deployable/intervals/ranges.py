@@ -1,7 +1,6 @@
 """Ranges over the box: what bounds a function of the parameters, guaranteed or attained.
 
-`surrogate_range` is that of a polynomial, `to_range` that of anything else.
-"""
+`surrogate_range` is that of a polynomial, `to_range` that of anything else."""
 
 from __future__ import annotations
 
@@ -32,8 +31,7 @@ class Range:
 
     @property
     def gap(self) -> np.ndarray:
-        """By how much (...) the interval of the outer bounds is wider than that of the attained
-        ones, both sides together."""
+        """By how much (...) outer bounds lie outside the attained ones, both sides together."""
         return (self.inner_lower - self.lower) + (self.upper - self.inner_upper)
 
 

@@ -2,8 +2,7 @@
 
 m = d/r - 1 with d, r >= 0 grows without end where r vanishes, and polynomials follow it badly. The
 share h = r/(r + d) = 1/(2 + m), from 0 to 1, does not: its denominator vanishes nowhere. It falls
-with m, so that its bounds are those of m, each of the other side, and its error is one at either.
-"""
+with m: its bounds are those of m, each of the other side; its error is one at either."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ class BoundPoints:
         return np.maximum(sizes[self.lower, n, instants], sizes[self.upper, n, instants])
 
 
-def deciding_places(
+def choose_bound_points(
     argmin: np.ndarray, argmax: np.ndarray, width: np.ndarray, count: int
 ) -> BoundPoints:
     """Choose at most `count` points that stand for where bounds are attained, to repeat runs there
@@ -84,8 +84,7 @@ def seek_points(
     candidates: int = 16384,
     seed: int = 0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Find the next sample points of an adaptive design: where a spline through the runs exceeds
-    their bounds most.
+    """Find the next points of an adaptive design: where a spline exceeds the bounds most.
 
     Parameters
     ----------
@@ -103,8 +102,7 @@ def seek_points(
     tuple of numpy.ndarray
         Points (at most `count`, k), fewer where no more exceed the bounds; and by how much the
         bounds of each response (n) would grow: Hausdorff distance, mean over time, relative to the
-        mean width of its bounds.
-    """
+        mean width of its bounds."""
     instants = np.linspace(0, values.shape[2] - 1, min(values.shape[2], _SEEK_INSTANTS)).astype(int)
     values = values[:, :, np.unique(instants)]
     width = np.ptp(values, axis=0).mean(axis=1)

@@ -178,8 +178,7 @@ def read_samples(samples: xr.Dataset, responses: Sequence[str] | None = None) ->
     in the place of ``values`` and ``role``, the least and largest value within each quarter of its
     runs, ``lower`` and ``upper`` (quarter, response, time), and which runs have them, ``lower_run``
     and ``upper_run`` (-1: no runs); perhaps ``nominal`` (response, time), the responses at nominal
-    parameters, at which its first run then is.
-    """
+    parameters, at which its first run then is."""
     arrays = ("values",) if "lower_run" not in samples else _RUNNING
     for name in ("time", "response", *arrays, "normalized", "value"):
         if name not in samples:

@@ -81,8 +81,7 @@ def sensitivity_dataset(
         short time (without such runs, by the decay of its coefficients): a width that is not above
         it may be the fit's noise. Over (response, parameter): ``width_overall``, the width where it
         is above ``error``, integrated over time, as a fraction of the sum over all parameters, and
-        ``total_overall``, the variance-weighted mean of the total indices.
-    """
+        ``total_overall``, the variance-weighted mean of the total indices."""
     import xarray as xr
 
     data = read_samples(samples, responses)
@@ -144,8 +143,7 @@ def surrogate_dataset(
     xarray.Dataset
         ``coefficient`` (response, term, time) in the response's units, ``multi_index`` (term,
         parameter), the degrees of each term. A design without order has no terms and no
-        coefficients.
-    """
+        coefficients."""
     import xarray as xr
 
     data, indices = read_samples(samples, responses), design.multi_indices

@@ -4,8 +4,7 @@ On a line the cubes |x - x_i|^3 of a thousand runs cancel each other down to not
 is its values and second derivatives at the runs, whose equations are tridiagonal and diagonally
 dominant whatever the spacing (Green and Silverman, Nonparametric Regression, 1994, chapter 2).
 Elsewhere the matrix of the cubes is reduced to the vectors orthogonal to the linear functions, on
-which it is positive definite (Wendland 2005, chapter 8).
-"""
+which it is positive definite (Wendland 2005, chapter 8)."""
 
 from __future__ import annotations
 
@@ -22,9 +21,8 @@ MIN_SPACING, MIN_SPACING_ON_LINE = 1e-4, 1e-6
 
 def distinct(points: np.ndarray, factor: float = 1.0) -> np.ndarray:
     """Choose the runs that a fit takes, without near repeats: returns increasing indices. points
-    (N, k): of the runs, in [-1, 1]^k; factor: chosen ones are farther apart (Euclidean) than this
-    times 1e-4, or times 1e-6 where all lie on a line along one direction; of nearer ones the first
-    stays."""
+    (N, k): of the runs, in [-1, 1]^k; factor: they are farther apart (Euclidean) than this times
+    1e-4, or times 1e-6 where all lie along one direction; of nearer ones the first stays."""
     on_line = (np.ptp(points, axis=0) > 0).sum() <= 1
     # equal runs in bulk first: a tree would list all their pairs
     _, first = np.unique(np.round(points, 9) + 0.0, axis=0, return_index=True)

@@ -2,8 +2,7 @@
 
 A search that stops before it has converged, or begins at one point of several that are nearly as
 good, ends where rounding decides: its bounds differ between processors by a thousand times the
-rounding. Each search here goes on until the next step can gain nothing above rounding.
-"""
+rounding. Each search here goes on until the next step can gain nothing above rounding."""
 
 from __future__ import annotations
 
@@ -30,8 +29,7 @@ def spline_range(spline: Spline, candidates: int = CANDIDATES) -> Range:
     climbs from the best of all the runs and candidates (spread over the box, its faces, edges and
     corners), in each column from at most 2 + 2 f that are apart, f being the number of parameters
     that vary. No enclosure: the result's `lower` and `upper` are the attained values themselves;
-    they contain every run, those that count as repeats too.
-    """
+    they contain every run, those that count as repeats too."""
     shape = spline.weights.shape[1:]
     flat = spline.weights.reshape(len(spline.weights), -1)
     k = len(spline.scales)

@@ -5,8 +5,7 @@ polyharmonic spline sum_i w_i |x - x_i|^3 + a + b x, in one dimension the natura
 takes its course from the runs nearby; it goes through any set of runs, held-out ones and scans
 included. Where the response is smooth, its error falls slower than a polynomial's; next to a jump
 it overshoots by a tenth of it. Source: Wendland, Scattered Data Approximation (Cambridge 2005),
-chapter 8; left-out errors without refitting: Rippa 1999. How it is solved: spline_equations.py.
-"""
+chapter 8; left-out errors without refitting: Rippa 1999. How it is solved: spline_equations.py."""
 
 from __future__ import annotations
 
@@ -43,8 +42,7 @@ class Spline:
     the spline through all others, infinite where these give no spline; values (N, ...): of the
     runs; lowest, highest (...) and argmin, argmax (..., k): extreme values of all runs given,
     repeated ones too, and their points; misfit (...): largest difference of the spline and a run,
-    by rounding and by runs that are nearly the same.
-    """
+    by rounding and by runs that are nearly the same."""
 
     points: np.ndarray
     scales: np.ndarray
@@ -85,8 +83,7 @@ class Spline:
 
     def formula(self) -> Formula:
         """Write the spline of a single number (weights (N + 1 + f, 1), on a line (2 N, 1)) as a
-        table that other programs can evaluate. Where the runs differ in one parameter only, many
-        runs close together cost digits."""
+        table for other programs. Where runs differ in one parameter, close ones cost digits."""
         count, free = len(self.points), self.scales > 0
         linear = np.zeros(1 + len(free))
         if not self.on_line:

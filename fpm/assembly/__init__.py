@@ -85,8 +85,7 @@ class Assembly(NamedTuple):
 
 
 def assemble(scene, hold: Sequence[str] = ()) -> None:
-    """Force the parts of a scene together at its joints; the scene, changed in place, is then in
-    static balance and at rest.
+    """Force a scene's parts (changed in place) together at its joints, in static balance, at rest.
 
     Positions and frames become those of the assembled structure, scene.assembly the result. Beams
     keep lengths and axes without stress; points stated later refer to the scene before. hold: names
@@ -314,11 +313,10 @@ def _negative(apply, count: int) -> np.ndarray:
 def linearise(
     scene, poses, conditions, elastic, impulses, scales, free, weight, ease=None, ratio=MASS_SHARE
 ):
-    """Set up the linear equations of a Newton step towards static balance; returns a function
-    solve(forces, lacks) and the gradient (6n,) of the strain energy and of conditions times
-    impulses.
+    """Set up linear equations of a Newton step to static balance; returns a function solve(forces,
+    gap_changes) and the gradient (6n,) of strain energy plus conditions times impulses.
 
-    solve: takes forces (6n,), N and N m, and lacks (c,), by how much the conditions, times
+    solve: takes forces (6n,), N and N m, and gap_changes (c,), by how much the conditions, times
     `weight`, shall change; returns the motion (6n,), shifts as fractions of the size, turns (rad),
     and the change (c,) of impulses, NaN where the matrix is singular. scene: for masses; poses: of
     all n particles; conditions: the c that close joints (Conditions); elastic: Elastic or
@@ -347,8 +345,8 @@ def linearise(
     except RuntimeError:  # exactly singular
         solver = None
 
-    def solve(forces, lacks):
-        right = np.concatenate([(scales * forces)[free] / unit, lacks])
+    def solve(forces, gap_changes):
+        right = np.concatenate([(scales * forces)[free] / unit, gap_changes])
         solution = np.full(len(right), np.nan) if solver is None else solver.solve(right)
         step = np.zeros(count)
         step[free] = solution[: len(free)]

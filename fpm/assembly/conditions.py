@@ -106,8 +106,8 @@ class Conditions(NamedTuple):
     joint: name of each one's joint; pairs (c, 2): indices of particles; axis_types (c,): GLOBAL or
     BODY_FIXED, gap along a direction that is global or fixed to the first particle, or NORMAL, two
     directions at right angles; axis1 (c, 3): the direction; axis2 (c, 3): for NORMAL that on the
-    second, in its frame; arms (c, 2, 3) m: from particles to points, in their frames; second (c,):
-    1, or 0 where the point is held at `place` (c, 3) m, global, instead."""
+    second, in its frame; arms (c, 2, 3) m: from particles to points, in their frames; is_on_second
+    (c,): 1, or 0 where the point is held at `place` (c, 3) m, global, instead."""
 
     joint: list[str]
     pairs: np.ndarray
@@ -115,7 +115,7 @@ class Conditions(NamedTuple):
     axis1: np.ndarray
     axis2: np.ndarray
     arms: np.ndarray
-    second: np.ndarray
+    is_on_second: np.ndarray
     place: np.ndarray
 
     def weight(self, size: float) -> np.ndarray:
@@ -168,7 +168,7 @@ class Conditions(NamedTuple):
             np.einsum("...cij,cj->...ci", end.frame, self.arms[:, k])
             for k, end in enumerate((first, second))
         ]
-        factor = self.second[:, None]
+        factor = self.is_on_second[:, None]
         offset = first.position + arms[0] - factor * (second.position + arms[1]) - self.place
         return axis1, axis2, arms, offset
 
@@ -183,7 +183,7 @@ class Conditions(NamedTuple):
         axis1, axis2, arms, offset = self._parts(first, second)
         types = self.axis_types[:, None]
         normal, is_body_fixed = types == NORMAL, types == BODY_FIXED
-        factor, turn = self.second[:, None], np.cross(axis1, axis2)
+        factor, turn = self.is_on_second[:, None], np.cross(axis1, axis2)
         shift = np.where(normal, 0.0, axis1)
         lever = np.cross(arms[0], axis1) + np.where(is_body_fixed, np.cross(axis1, offset), 0.0)
         return np.concatenate(

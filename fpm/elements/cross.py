@@ -7,8 +7,7 @@ import numpy as np
 
 
 def cross(a, b) -> np.ndarray:
-    """Return the vector products (..., 3) of vectors a and b, both (..., 3): what numpy.cross
-    returns, faster for few vectors."""
+    """Return vector products (..., 3) of a and b, both (..., 3), as numpy.cross, only faster."""
     a, b = np.asarray(a, float), np.asarray(b, float)
     if a.ndim == 1:
         (a1, a2, a3), (b1, b2, b3) = a.tolist(), b.tolist()

@@ -34,8 +34,7 @@ class FieldSpec:
 class Number(FieldSpec):
     """Spec of a field of one or more numbers. unit: as "N m"; least, above: lower bound, itself
     allowed (least) or not (above), None: none; finite: whether infinity is refused; optional:
-    whether None is allowed; count: how many numbers; zero: whether descriptions of elements say a
-    0."""
+    whether None is allowed; count: how many numbers; zero: whether descriptions say a 0."""
 
     unit: str = ""
     least: float | None = None

@@ -75,16 +75,14 @@ class Outcome(Curves):
     def gap(self) -> np.ndarray:
         """Largest constraint error in position (t,), m, at the recorded instants, of hinges solved
         alone (`are_alone`: no other joint on their bodies), 0 without any: distance of both
-        particles' points, or of the point to where it is held. Of all other joints:
-        `records["joint_gap"]`."""
+        particles' points, or of one to where it is held. Of others: `records["joint_gap"]`."""
         return self._recorded_or_zero("hinge_gap")
 
     @property
     def axis_gap(self) -> np.ndarray:
         """Largest constraint error in axes (t,) at the recorded instants, of hinges solved alone
         (`are_alone`: no other joint on their bodies), 0 without any: sine of the angle between the
-        axes that a hinge has on its two particles. Of all other joints:
-        `records["joint_axis_gap"]`."""
+        axes that a hinge has on its particles. Of others: `records["joint_axis_gap"]`."""
         return self._recorded_or_zero("hinge_axis_gap")
 
     def _recorded_or_zero(self, name: str) -> np.ndarray:

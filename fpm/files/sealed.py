@@ -148,9 +148,8 @@ def _with_digest(content, facts: Mapping[str, str]) -> dict[str, str]:
 
 
 def _digest(path: Path, size: int):
-    """Hash of the first `size` bytes of a file, which may be larger than memory.
-
-    A large one is read once for several checks by one process, as long as it is the same."""
+    """Hash of the first `size` bytes of a file, which may be larger than memory; a large one is
+    read once for several checks by one process, as long as it is the same."""
     if size < _LARGE:
         return _hash(path, size)
     st = path.stat()
@@ -190,7 +189,7 @@ def whole_file(path: str | os.PathLike, facts: Mapping[str, str] | None = None) 
         temporary.unlink(missing_ok=True)
 
 
-def sweep(folder: str | os.PathLike) -> list[Path]:
+def remove_temporary(folder: str | os.PathLike) -> list[Path]:
     """Remove from a folder what ended processes here left of `whole_file`; returns the paths."""
     paths = []
     with suppress(FileNotFoundError, NotADirectoryError):

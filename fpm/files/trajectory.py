@@ -80,10 +80,10 @@ class Curves:
         """Return the columns (t,) of a recorded variable by label: "cable_tension" by its cable."""
         return {label: x for (name, label), x in self.columns.items() if name == variable}
 
-    def times(self, event: str, places: Iterable[str]) -> np.ndarray:
+    def times(self, event: str, elements: Iterable[str]) -> np.ndarray:
         """Return the times (s), increasing, at which any of some elements had an event. event: its
-        name, such as "latches"; places: the elements' names."""
-        names = [e.events if e.name in places else () for e in self.eventful]
+        name, such as "latches"; elements: the elements' names."""
+        names = [e.events if e.name in elements else () for e in self.eventful]
         numbers = [labels.index(event) if event in labels else -1 for labels in names]
         rows = self.events[:, 2] == np.array(numbers)[self.events[:, 1].astype(int)]
         return np.sort(self.events[rows, 0])

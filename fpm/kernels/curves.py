@@ -65,7 +65,7 @@ def curve_integral(world, curve, t):
 
 
 @kernel
-def travel(world, curve, by_rate, t):
+def travel_factor(world, curve, by_rate, t):
     """Return by what a motor's turn (rad; by_rate: rad/s) is multiplied to give that made by time t
     (s): the value of its curve or, if by_rate, the curve's integral from 0 to t. world: solver
     state with all curves (World); curve: index, -1: the curve that is always 1."""

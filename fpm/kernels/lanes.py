@@ -6,8 +6,7 @@ silently (on index wrap-around, on alias checks, on large loop bodies).
 
 A register holds eight ``float64`` or sixteen ``float32`` (512 bits; LLVM splits it on narrower
 machines). The lanes never mix, so a sample's numbers do not depend on which samples run beside it.
-Multiply-add may be fused (``contract``); nothing else is relaxed, so that the same machine gives
-the same bits in every run.
+Multiply-add may be fused (``contract``); nothing else is relaxed: one machine, the same bits.
 
 Arrays hold lanes along the last, contiguous axis: ``(rows, fields, WIDTH)``; ``load(a, i, k)``
 reads the lanes ``a[i, k, :]``. With a pair of rows ``(i, j)`` it reads both into a lane type of

@@ -39,8 +39,7 @@ class RecordedMotion(NamedTuple):
 class Shapes(NamedTuple):
     """The s shapes to draw of a scene: beam elements, then rigid bodies as boxes. names: of each;
     nodes (s, 2): indices of the particles at both ends, bodies' twice; length (s,): m; half (s, 2):
-    half width and height (m); corners (s, 2, 4, 3), m: of both ends, from the particle in its
-    axes."""
+    half width and height (m); corners (s, 2, 4, 3), m: of ends, from the particle in its axes."""
 
     names: list[str]
     nodes: np.ndarray

@@ -12,7 +12,7 @@ import numpy as np
 
 from fpm.errors import SceneError
 from fpm.reading.standards import CLASSES, STANDARDS
-from fpm.travel import Travel, find_reels, parts_of, sweep
+from fpm.travel import Travel, component_classes, find_reels, sweep
 from fpm.travel.balance import TINY
 from fpm.travel.positions import interpolate
 
@@ -35,7 +35,7 @@ DRIVES = 1e-6
 STOW = "stow"
 """The opening at the start of a run, whichever that is."""
 
-OPTIONAL = ("from", "evidence", "with", "locked", "without", "classes", "uncertainty_factors",
+OPTIONAL = ("from", "evidence", "with", "locks", "without", "classes", "uncertainty_factors",
             "actuation_factors", "accelerate", "deliver")  # fmt: skip
 UNITS = {"rad": 1.0, "deg": np.pi / 180, "m": 1.0, "mm": 1e-3}
 
@@ -53,7 +53,7 @@ class Abscissa(NamedTuple):
 class OpeningPath(NamedTuple):
     """Path of openings (joint coordinates) moved quasi-statically (a travel). openings: names of
     hinges or slides moved together; first, last: begin and end of the first of them (rad, m; None:
-    each run's own at its start); locks: names of hinges locked at their start."""
+    each run's own at its start); locks: names of hinges locks at their start."""
 
     openings: tuple[str, ...]
     first: float | None
@@ -120,7 +120,7 @@ def sweep_travel(scene, responses: Iterable[Any]) -> Any:
     return SimpleNamespace(time=np.linspace(0.0, 1.0, 201), columns=columns)
 
 
-def read(spec: Any) -> Any:
+def read_margin(spec: Any) -> Any:
     """Return the Response that the definition of a torque or force margin in a config states. spec:
     the definition (`responses.Definition`); raises SceneError for wrong keys and values."""
     path, abscissa = _path_of(spec)
@@ -154,10 +154,10 @@ def _path_of(spec) -> tuple[OpeningPath, Abscissa]:
         spec.one_of(hinges, value=name)
     if len(set(openings)) < len(openings):
         raise _error(spec, "with", [*openings], "each opening once")
-    locks = tuple(spec.one_of(hinges, "locked", name) for name in _names(spec, "locked"))
+    locks = tuple(spec.one_of(hinges, "locks", name) for name in _names(spec, "locks"))
     for name in locks:
         if name in openings:
-            raise _error(spec, "locked", name, "openings that are not moved")
+            raise _error(spec, "locks", name, "openings that are not moved")
     hinge = hinges[openings[0]]
     unit = "m" if hinge.slides else "rad"
     ends = [_opening(spec, key, hinge, unit) for key in ("from", "to")]
@@ -171,7 +171,7 @@ def _path_of(spec) -> tuple[OpeningPath, Abscissa]:
 
 def _classes_of(spec) -> dict[str, str]:
     """Class of each component that counts, by name: all but those left out."""
-    parts = parts_of(spec.scene)
+    parts = component_classes(spec.scene)
     inactive = [spec.one_of(parts, "without", name) for name in _names(spec, "without")]
     classes = parts | {
         spec.one_of(parts, "classes", part): spec.one_of(CLASSES, f"classes.{part}", name)
@@ -256,15 +256,15 @@ class _WeightedTravel:
 
 def values(response: Any, run: Any) -> np.ndarray:
     """Return the margin (t,), without unit and at most 99, at t positions evenly spaced over its
-    travel, as many as the run has instants. response: a margin, made by `read`; run: recorded
-    series (`Curves`) of a run, or what `sweep_travel` returns."""
+    travel, as many as the run has instants. response: made by `read_margin`; run: series (`Curves`)
+    of a run, or what `sweep_travel` returns."""
     time = run.time
     return _WeightedTravel(response, run).margin((time - time[0]) / (time[-1] - time[0]))
 
 
 def least(response: Any, run: Any) -> tuple[float, float]:
-    """Return the least margin over its travel, and the opening (rad, m) there. response: a margin,
-    made by `read`; run: recorded series (`Curves`) of a run, or what `sweep_travel` returns."""
+    """Return the least margin over its travel, and the opening (rad, m) there. response: made by
+    `read_margin`; run: series (`Curves`) of a run, or what `sweep_travel` returns."""
     travel = _WeightedTravel(response, run)
     position, margin = travel.least()
     return margin, float(interpolate(travel.positions, travel.opening, np.array([position]))[0])
@@ -272,7 +272,7 @@ def least(response: Any, run: Any) -> tuple[float, float]:
 
 def torque_budget(response: Any, run: Any) -> Budget:
     """Return the torque budget, component by component, at the opening where a margin is least.
-    response: the margin, made by `read`; run: `Curves` of a run, or what `sweep_travel` returns."""
+    response: made by `read_margin`; run: `Curves` of a run, or what `sweep_travel` returns."""
     travel = _WeightedTravel(response, run)
     position, margin = travel.least()
     points = np.array([position])

@@ -60,17 +60,17 @@ class Quantity:
         return 0.0 if self.is_time or KINDS[self.kind].positive else self.response.least
 
     @property
-    def decider(self) -> "Quantity | None":
+    def margin_source(self) -> "Quantity | None":
         """The quantity whose `margin` tells by how much this one exists: itself (crossing, settling
         to a target), or of a value that giving its time; None: runs only tell whether it does."""
         if isinstance(self.instant, Quantity):
-            return self.instant.decider
+            return self.instant.margin_source
         settles = self.kind == "settling" and self.target is not None
         return self if self.kind == "crossing" or settles else None
 
     def margin(self, values: np.ndarray) -> np.ndarray:
         """Return by how much (...) a crossing or settling occurs, in the response's unit, > 0 if it
-        does, else < 0, continuous. values (..., t): of the response. Only for a `decider`."""
+        does, else < 0, continuous. values (..., t): of the response. Only for a `margin_source`."""
         if self.kind == "settling":
             return self.tolerance - np.abs(values[..., -1] - self.target)
         return crossing_margin(values - self.level, self.direction, self.number)

@@ -329,7 +329,7 @@ FORMS = {
 
 def _read_record(variable: Variable) -> ResponseType:
     """The response type of a variable by itself."""
-    read, mandatory = FORMS[variable.form]
+    read, mandatory = FORMS[variable.response_form]
     return ResponseType(read, mandatory=mandatory, positive=variable.positive, shock=variable.shock)
 
 
@@ -361,10 +361,12 @@ KINDS = {
                    lambda response, run: run.energies[response.subjects[0]],
                    positive=("strain", "spring", "contact")),
     **{name: ResponseType(_latch, shock=name == "latch_moment") for name in SERIES},
-    **{name: _read_record(variable) for name, variable in VARIABLES.items() if variable.form},
+    **{name: _read_record(v) for name, v in VARIABLES.items() if v.response_form},
     "opening_rate": ResponseType(partial(_opening, unit="rad s-1", words="rate of the opening")),
     "joint_moment": ResponseType(_moment, _sum, optional=("part",), shock=True),
     "joint_power": ResponseType(_moment, _power, optional=("part",), shock=True),
     "loss": ResponseType(_loss, _dissipated_energy),
-    "margin": ResponseType(margins.read, margins.values, ("to", "standard"), margins.OPTIONAL),
+    "margin": ResponseType(
+        margins.read_margin, margins.values, ("to", "standard"), margins.OPTIONAL
+    ),
 }  # fmt: skip

@@ -12,8 +12,7 @@ unknown      corners of the rectangle with the same radii of gyration, with t = 
              distance of its corners from the middle; of closed and full sections an estimate
              that is mostly too large
 
-The shear stress of transverse forces is left out: in slender bars it is smaller by height/length.
-"""
+The shear stress of transverse forces is left out: in slender bars smaller by height/length."""
 
 from collections.abc import Iterable
 

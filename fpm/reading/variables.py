@@ -38,11 +38,11 @@ class Variable(NamedTuple):
     """A variable that runs record on request. unit (UDUNITS), long_name: of its values;
     names(scene): returns names of items that it may be recorded of; probe(scene, name): returns
     what the time loop has to record for an item; values(recording, name): returns (t,), or (t,
-    parts); parts: components of each item, as "x". form: how a definition of a response names a
-    column (key of `fpm.reading.responses.FORMS`), "": there is no response of that name; shock:
-    whether an impact makes it jump (`fpm.reading.shocks`); positive: whether it is never below 0;
-    along: the labels' dimension in files is <name>_<along>; separator: text in a label before which
-    the item's name ends, "": none; time_dim: name of the dimension of its values."""
+    parts); parts: components of each item, as "x". response_form: how a definition of a response
+    names a column (key of `fpm.reading.responses.FORMS`), "": there is no response of that name;
+    shock: whether an impact makes it jump (`fpm.reading.shocks`); positive: whether it is never
+    below 0; dim_suffix: the labels' dimension in files is <name>_<dim_suffix>; separator: text in a
+    label before which the item's name ends, "": none; time_dim: dimension of its values."""
 
     unit: str
     long_name: str
@@ -50,10 +50,10 @@ class Variable(NamedTuple):
     probe: Callable[[Scene, str], Probe]
     values: Callable[[Recording, str], np.ndarray]
     parts: Sequence[str] = ()
-    form: str = ""
+    response_form: str = ""
     shock: bool = False
     positive: bool = False
-    along: str = "of"
+    dim_suffix: str = "of"
     separator: str = ""
     time_dim: str = "time"
 
@@ -63,7 +63,7 @@ class Variable(NamedTuple):
         distance; of quasi-static travels none, for the same reason."""
         if self.separator == LED_FROM:
             return []
-        place = f"{PLACE}0.5" if self.form == "section" else ""
+        place = f"{PLACE}0.5" if self.response_form == "section" else ""
         names = [f"{name}{place}" for name in self.names(scene)]
         return [f"{name} {part}" for name in names for part in self.parts] if self.parts else names
 
@@ -191,20 +191,20 @@ def _travel(recording: Recording, name: str, variable: str) -> np.ndarray:
     return margins.column_of(travel, variable, part)
 
 
-_vector = partial(Variable, parts=AXES, form="vector")
+_vector = partial(Variable, parts=AXES, response_form="vector")
 _of_opening = partial(
     Variable,
     probe=lambda scene, name: Probe(forces=scene.hinges[_hinge(scene, name)].particles),
     values=_opening_rate,
 )
 _by_who_acts = partial(
-    Variable, probe=lambda scene, name: Probe(moments=True), parts=PARTS, along="by"
+    Variable, probe=lambda scene, name: Probe(moments=True), parts=PARTS, dim_suffix="by"
 )
 _in_bar = partial(
     Variable,
     names=bars.bars_of,
     probe=lambda scene, name: _keep_bars(scene, [name.partition(PLACE)[0]]),
-    form="section",
+    response_form="section",
     shock=True,
     separator=PLACE,
 )
@@ -212,7 +212,7 @@ _travel_variable = partial(
     Variable,
     names=lambda scene: [hinge.name for hinge in scene.hinges],
     probe=lambda scene, name: Probe(),
-    along="along",
+    dim_suffix="along",
     separator=LED_FROM,
     time_dim=LED_OVER,
 )
@@ -278,13 +278,13 @@ VARIABLES = {
         "Pa", "largest equivalent stress (von Mises) in bars",
         lambda scene: ["all", *bars.bars_of(scene)] if scene.beams else [],
         lambda scene, name: _keep_bars(scene, _chosen_bars(scene, name)),
-        _stress, form="bar", shock=True, positive=True,
+        _stress, response_form="bar", shock=True, positive=True,
     ),
     "clearance": Variable(
         "m", "shortest distance of the surfaces of two bars",
         lambda scene: [" to ".join(pair) for pair in combinations(bars.bars_of(scene), 2)],
         lambda scene, name: _keep_bars(scene, name.split(" to ")),
-        _clearance, form="bars",
+        _clearance, response_form="bars",
     ),
     margins.OPENING: _travel_variable(
         "rad", "opening (rad; of slides m) that is moved quasi-statically, at each position; the "
@@ -331,7 +331,7 @@ def add_probe(scene: Scene, columns: Iterable[Column]) -> Scene:
     return result
 
 
-def numbers(scene: Scene, columns: Iterable[Column]) -> int:
+def count_values(scene: Scene, columns: Iterable[Column]) -> int:
     """Return how many floating-point values the time loop stores at each instant of a run of a
     scene to record `columns`, pairs (variable, label)."""
     from fpm.elements.particles import probe_kernels
@@ -352,7 +352,7 @@ def read_records(recording: Recording, columns: Iterable[Column]) -> dict[str, S
         curves = [variable.column(recording, label) for label in labels]
         rows = max(map(len, curves))  # travels have positions of their own
         curves = [np.pad(column, (0, rows - len(column)), mode="edge") for column in curves]
-        dimension, axis = f"{name}_{variable.along}", variable.time_dim
+        dimension, axis = f"{name}_{variable.dim_suffix}", variable.time_dim
         values = np.stack(curves, axis=1)
         unit, text = variable.unit_of(recording.scene, labels), variable.long_name
         series[name] = Series(values, unit, text, dimension, labels, axis, sources.reading())

@@ -148,8 +148,7 @@ class Scene:
     # -- particles and beams ------------------------------------------------------------------
 
     def add_particles(self, position, mass, inertia, frame=None, velocity=0.0, spin=0.0):
-        """Add n particles; returns their indices (n,). SceneError for masses that are not positive,
-        and frames that are no rotations.
+        """Add n particles; returns indices (n,). SceneError for masses <= 0, frames no rotations.
 
         Parameters
         ----------
@@ -366,8 +365,7 @@ class Scene:
         self.add(Load(beam, np.asarray(force, float), np.asarray(moment, float), int(curve)))
 
     def drive(self, particle: int, velocity=(0, 0, 0), spin=(0, 0, 0), curve: int = -1) -> None:
-        """Prescribe the motion of a particle. Several drives of one particle add up (spins: one
-        turn after another in each step).
+        """Prescribe the motion of a particle. Its drives add up (spins: one turn after another).
 
         Parameters
         ----------

@@ -39,8 +39,7 @@ DENSE = 100
 
 class StableStep(NamedTuple):
     """Stability limit of a scene. step: largest stable time step (s), inf: none; frequency: the
-    scene's highest angular frequency (rad/s); element: name of that with most energy in this
-    mode."""
+    scene's highest angular frequency (rad/s); element: with most energy in its mode."""
 
     step: float
     frequency: float

@@ -49,8 +49,8 @@ the correction after it to 1e-4; below the second they are those of conditions t
 def consistent_scene(scene: Scene) -> Scene:
     """Return the scene itself, or a copy with velocities and spins that its joints, motors and
     drives allow, for the start of a run. Where none are allowed, as where motors contradict each
-    other, those with the least error are taken: joints gape then, by which the run fails. Raises
-    SceneError as `check_masses` does."""
+    other, those with the least error are taken: joints gape then, and the run fails. Raises
+    SceneError as `check_masses`."""
     check_masses(scene)
     # One for each that has any: of a motor and a latch on one hinge, the motor alone.
     rates = [(scene.hinges[h.hinge], h.rate_at_start(scene)) for h in Turn.find(scene)]

@@ -82,15 +82,15 @@ class Builder:
 
     def point(self, name: str) -> np.ndarray:
         """Return the position (3,), m, at the start of a point (its full name), or SkippedError."""
-        return self.get("points", name).position
+        return self.find("points", name).position
 
-    def keep(self, group: str, name: str, value: Any) -> None:
-        """Store what was built for an entry (a bar, a joint, ...) of the file, for `get`. group:
+    def store(self, group: str, name: str, value: Any) -> None:
+        """Store what was built for an entry (a bar, a joint, ...) of the file, for `find`. group:
         the section in which it stands, as "bars"; name: its full name; value: what was built."""
         self._values[group, name] = value
 
-    def get(self, group: str, name: str) -> Any:
-        """Return what `keep` stored for an entry (group, as "bars"; full name), or SkippedError."""
+    def find(self, group: str, name: str) -> Any:
+        """Return what `store` kept for an entry (group, as "bars"; full name), or SkippedError."""
         try:
             return self._values[group, name]
         except KeyError:

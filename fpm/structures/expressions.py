@@ -1,10 +1,9 @@
 """Arithmetic on names, numbers and units, and nothing else.
 
 A text is parsed by Python's own grammar, its tree is checked against a list of what is allowed, and
-turned into two chains of functions, for the value and for its dimension: nothing is ever handed to
-`eval`. Values are single numbers; a batch is evaluated sample by sample, so that a sample's last
-digits do not depend on its neighbours (the vector units of a processor round a sine differently
-from its scalar ones)."""
+turned into two chains of functions, for value and dimension: nothing is ever handed to `eval`.
+Values are single numbers; a batch is evaluated sample by sample, so that a sample's last digits do
+not depend on its neighbours (processors round a vector's sine differently from one number's)."""
 
 import ast
 import math

@@ -132,8 +132,7 @@ class VectorKey(Key):
 
 @dataclass(frozen=True)
 class DirectionKey(Key):
-    """Key whose value is a unit vector (3,), given by a letter (x, -x, ...), three numbers of one
-    dimension, or from point to point."""
+    """Key of a unit vector (3,): a letter (x, -x, ...), three numbers of one unit, two points."""
 
     allowed = "x, y, z, -x, -y, -z, [x, y, z], or {from: P, to: Q} with two points"
 
@@ -172,7 +171,7 @@ class GroupMember(NamedTuple):
     number: int | None = None
 
     def __call__(self, build: Builder) -> Any:
-        value = build.get(self.group, self.name)
+        value = build.find(self.group, self.name)
         return value if self.number is None else value + self.number
 
 
@@ -241,11 +240,11 @@ class PointKey(Key):
         if node.entries.keys() == {"part", "at"}:
             part = self.part.read(node.entries["part"], place.child("part"))
             point = place.child("at").reference(node.entries["at"], "points")
-            return lambda build: (part(build), build.get("points", point))
+            return lambda build: (part(build), build.find("points", point))
         if not isinstance(node.value, str):
             place.refuse(node, self.allowed)
         point = place.reference(node, "points")
-        return lambda build: (build.find_part(point, place.key), build.get("points", point))
+        return lambda build: (build.find_part(point, place.key), build.find("points", point))
 
 
 @dataclass(frozen=True)

@@ -158,8 +158,7 @@ class FileRecord:
                     raise ChangedError(str(path))
 
     def files_of(self, pattern: str) -> set[Path]:
-        """Return the absolute paths of the files that a glob `pattern` of DATA matches in the
-        structure's folder."""
+        """Return absolute paths of files in the structure's folder that a glob of DATA matches."""
         names = glob.glob(str(self.folder / pattern), recursive=True, include_hidden=True)
         return {path.resolve() for path in map(Path, names) if path.is_file()}
 
@@ -167,8 +166,7 @@ class FileRecord:
         return set().union(*map(self.files_of, self.data or ()))
 
     def adopt(self, record: "FileRecord") -> None:
-        """Note files of another structure, which this one loads, as its own. record: the
-        other's."""
+        """Note files of another structure, which this one loads, as its own. record: of that."""
         self._states_now |= {p: record._states[p] for p in record.files if p not in self.files}
 
     def list_hidden_reads(self) -> list[str]:
@@ -185,9 +183,8 @@ class FileRecord:
 
 
 class Build:
-    """Callable that builds a structure's scene and checks the files opened meanwhile; called with
-    values of its parameters by keyword. function: does the building, called likewise; record: the
-    structure's sealed FileRecord."""
+    """Builds a structure's scene and checks files opened meanwhile; called with parameter values by
+    keyword. function: builds it, called likewise; record: its sealed FileRecord."""
 
     def __init__(self, function: Callable, record: FileRecord):
         self.function, self.record = function, record

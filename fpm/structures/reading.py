@@ -121,8 +121,7 @@ class Problems:
         self._problems.setdefault((line, text), Problem(line, sentence))
 
     def refuse(self, line: int, key: str, value: object, allowed: str) -> None:
-        """Note that a key (dotted path) on a line has a value that is not allowed. value: as given;
-        allowed: what would be, in words."""
+        """Note that a key (dotted path) on a line has a value not `allowed` (what is, in words)."""
         self.say(line, f"{key}: {show(value)} is not allowed; allowed: {allowed}")
 
     def no_key(self, line: int, key: str, keys: Iterable[str], hint: str) -> None:
@@ -189,8 +188,7 @@ _NOT_YAML = (  # what PyYAML says, whether it is where that begins, and what to 
 
 
 def why_not_yaml(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
-    """Return where a text is not YAML (None: unknown), and what is wrong or to be done in words.
-    error: PyYAML's."""
+    """Return where a text is not YAML (None: unknown), and why, in words. error: PyYAML's."""
     problem = ", ".join(part for part in (error.context, error.problem) if part)
     for pattern, is_context, words in _NOT_YAML:
         if re.search(pattern, problem):
@@ -258,7 +256,7 @@ def check_keys(node: Node, key: str, keys: tuple[str, ...], problems: Problems) 
         problems.no_key(node.lines[name], join_key(key, name), keys, hint)
 
 
-def as_meant(node: Node, keys: tuple[str, ...], problems: Problems) -> Node:
+def correct_keys(node: Node, keys: tuple[str, ...], problems: Problems) -> Node:
     """Return the file's top table `node` with misspelt keys renamed to those of `keys`, the allowed
     ones, that are likely meant; each misspelling is noted in `problems`."""
     check_keys(node, "", keys, problems)

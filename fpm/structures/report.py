@@ -78,10 +78,9 @@ def mobility(scene: Scene) -> Mobility:
 
 def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
     """Return the Jacobian (c, 6 b) of a scene's c scalar constraints at the start by the velocities
-    of its b moving rigid bodies (bars as rigid), and names (c) of their joints and supports, as
-    "joint knee". Six columns a body: velocity (3) of its point at the mean of all particles, and
-    angular velocity (3) times the structure's size (largest extent); rows of angles are times the
-    size, too."""
+    of its b moving rigid bodies (bars as rigid), and names (c) of joints and supports, as "joint
+    knee". Six columns a body: velocity (3) of its point at the mean of all particles, and angular
+    velocity (3) times the structure's size (largest extent); rows of angles times it, too."""
     numbers, rules, count = bodies(scene), conditions_of(scene), len(scene.position)
     is_fixed = np.isin(numbers, numbers[scene.fixed.all(axis=1)])
     moving = np.unique(numbers[~is_fixed])
@@ -100,7 +99,7 @@ def jacobian(scene: Scene) -> tuple[np.ndarray, list[str]]:
     supports = np.where(dofs % 6 < 3, 1.0, size)[:, None] * motion[dofs]
     support_names = {arm.particle: name for name, arm in scene.supports.items()}
     names = [f"support {support_names.get(p, f'of particle {p}')}" for p, _ in fixed]
-    kinds = np.where(rules.second == 0, "support", "joint")
+    kinds = np.where(rules.is_on_second == 0, "support", "joint")
     names += [f"{kind} {name}" for kind, name in zip(kinds, rules.joint, strict=True)]
     return np.concatenate([supports, joints]), names
 
@@ -134,8 +133,7 @@ def longer_steps(structure: SceneType, step: float) -> list[tuple[str, float, fl
 
 
 def cost(scene: Scene, duration: float, safety: float = SAFETY) -> RunCost:
-    """Estimate what a run of a scene costs. duration: simulated time (s); safety: fraction of the
-    stable step that is taken as step."""
+    """Estimate a run's cost. duration: simulated (s); safety: step over the stable step."""
     limit = stable_step(scene)
     steps = max(1, math.ceil(duration / (safety * limit.step))) if limit.step < np.inf else 1
     seconds = machine() * run_seconds(scene, steps, 0)

@@ -60,7 +60,7 @@ def _place(build: Builder, model: FileStatements) -> None:
         axes = [build.numbers.get(f"{name}.{axis}") for axis in "xyz"]
         if None not in axes:
             positions.append(np.array(axes))
-            build.keep("points", name, Point(name, positions[-1]))
+            build.store("points", name, Point(name, positions[-1]))
     if positions:
         build.size = float(np.ptp(positions, axis=0).max())
 
@@ -76,7 +76,7 @@ def _scene(build: Builder, model: FileStatements) -> Scene:
     if "parts:ground" in model.names.uses:
         ground = int(scene.add_particles((0.0, 0.0, 0.0), 1.0, 1.0)[0])
         scene.fix(ground)
-        build.keep("parts", "ground", Ground("ground", {}))
+        build.store("parts", "ground", Ground("ground", {}))
     return scene
 
 
@@ -106,8 +106,8 @@ def _build(build: Builder, entry: Entry) -> None:
         build.scene.classes |= {element: classes.get(element, word) for element in new}
     if isinstance(value, Body):
         value.particles = np.arange(count0, len(build.scene.position))
-        build.keep("parts", entry.name, value)
-    build.keep(entry.statement.group, entry.name, value)
+        build.store("parts", entry.name, value)
+    build.store(entry.statement.group, entry.name, value)
 
 
 def _assemble(build: Builder, model: FileStatements) -> None:
@@ -136,7 +136,7 @@ def _finish(build: Builder, model: FileStatements) -> None:
         _note(build, 0, f"bodies: {error.key}", error)
     parts = [entry for entry in model.entries if entry.statement.group in PARTS]
     for entry in parts if len(parts) > 1 else ():
-        particles = build.get("parts", entry.name).particles
+        particles = build.find("parts", entry.name).particles
         if not (build.joints_of.keys() & particles.tolist() or scene.fixed[particles].any()):
             allowed = "parts with a joint, a cable, a support or a drive"
             text = f"{entry.key}: nothing joins it to anything; allowed: {allowed}"

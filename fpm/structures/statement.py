@@ -100,7 +100,7 @@ CLASS = {"class": ChoiceKey(None, "in margins; left out: by what it is", options
 def key_of(kind: type[ElementType], name: str, default_text: str = "", **changes: Any) -> Key:
     """Return the Key of a structure file for a field of an element type. kind: the type; name: of
     the field; default_text: what leaving the key out means, for fields without default; changes:
-    attributes of the Key to replace."""
+    other attributes of the Key."""
     field = specs(kind)[name]
     default = {f.name: f.default for f in fields(kind)}[name]
     default = NO_VALUE if default is MISSING else default
@@ -154,8 +154,7 @@ def acting(
 
 
 def whole(kind: type[ElementType]) -> Statement:
-    """Register and return the Statement of an element type `kind` that acts on a joint, by its
-    fields alone, which are its keys."""
+    """Register and return the Statement of an element type `kind` on a joint; keys: its fields."""
     text = (kind.__doc__ or "").split("\n")[0]
     return acting(kind, text)(lambda build, args: build.scene.add(element(kind, args)))
 

@@ -21,9 +21,9 @@ from fpm.structures.names import Names
 from fpm.structures.reading import (
     Node,
     Problems,
-    as_meant,
     check_keys,
     commas,
+    correct_keys,
     read,
     read_text,
 )
@@ -107,7 +107,7 @@ def loads(text: str, source: str = "structure") -> SceneType:
         remedy = "use `check` or `run` with it; allowed: a structure's, such as the one its `scene`"
         problems.say(0, f"this is a campaign's file: {remedy} names")
         problems.stop()
-    table = as_meant(node, KEYS, problems)
+    table = correct_keys(node, KEYS, problems)
     parameters = table.entries.get("parameters", Node({}))
     if not parameters.is_table:
         problems.refuse(parameters.line, "parameters", parameters.plain, "a mapping from names")

@@ -49,8 +49,7 @@ class ElementForces:
         return self._act()[:, 0]  # once more: nothing is passed on the way
 
     def copy_history(self) -> list[np.ndarray]:
-        """Return copies of all floating-point arrays of the elements, with their memory (as bristle
-        deflections), for `restore`."""
+        """Return copies of the elements' float arrays (as bristle deflections), for `restore`."""
         return [array.copy() for array in _numbers(self.parts)]
 
     def restore(self, history: list[np.ndarray]) -> None:

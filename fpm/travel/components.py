@@ -25,7 +25,7 @@ DRAGS = ("FR", "HY")
 """Classes of what only resists (ElementType.resists_as)."""
 
 
-def parts_of(scene) -> dict[str, str]:
+def component_classes(scene) -> dict[str, str]:
     """Return the components of a scene's virtual work (springs, friction, loads, ...) by name, each
     with its class, a key of CLASSES in `fpm.reading.standards`, as "S" for springs: the one that
     the structure's file states, else that of the element's type."""
@@ -56,7 +56,7 @@ def find_reels(scene) -> list[str]:
     """Return the names of components of a scene that no slow motion of an opening can follow, as
     they depend on time: cables that a curve of time reels in or out, and their friction."""
     names = [name for c in scene.cables if c.curve >= 0 and c.reel for name in _of_cable(scene, c)]
-    return [name for name in parts_of(scene) if name in names]
+    return [name for name in component_classes(scene) if name in names]
 
 
 def _of_cable(scene, cable: Cable) -> tuple[str, ...]:

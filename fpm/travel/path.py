@@ -56,7 +56,7 @@ class Path:
     """Moves a joint coordinate (opening) of a scene slowly, through static equilibria, and holds
     the state reached: `poses` of n particles, the `opening` (rad, m), and `tangent`, the motion
     (6n,), m, rad, of all particles per unit of it. openings: names of hinges or slides that move
-    together, the first by the `opening`; locks: names of hinges locked as at the start."""
+    together, the first by the `opening`; locks: names of hinges locks as at the start."""
 
     def __init__(self, scene, openings: Sequence[str], locks: Sequence[str]):
         self.scene, self._key = scene, f"opening {openings[0]}"
@@ -136,15 +136,15 @@ class Path:
         is_converged = False
         for _ in range(MAX_ITERATIONS):
             solve, gradient = self._equations(poses, conditions, self._ease)
-            lacks = -self._weight * conditions.gaps(poses)
-            motion, change = solve(-gradient, lacks)
+            gap_changes = -self._weight * conditions.gaps(poses)
+            motion, change = solve(-gradient, gap_changes)
             largest = np.abs(motion).max(initial=0.0)
             if not np.isfinite(largest):
                 break
             factor = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
             poses = poses.displace(factor * self._scales * motion)
             self._impulses = self._impulses + factor * change
-            was_converged, gap = is_converged, np.abs(lacks).max(initial=0.0)
+            was_converged, gap = is_converged, np.abs(gap_changes).max(initial=0.0)
             is_converged = largest <= MOTION_TOLERANCE and gap <= MOTION_TOLERANCE
             if was_converged and is_converged:
                 self.poses, self.opening, self.tangent = poses, value, self._motion(solve)
@@ -153,7 +153,7 @@ class Path:
                 self.balance.follow(poses)
                 return
         allowed = "openings that it can reach quasi-statically, with all joints closed;"
-        allowed += " other openings that nothing decides may be `locked`"
+        allowed += " other openings that nothing decides may be `locks`"
         raise MisfitError(self._key, f"{value:.6g}", allowed)
 
     def state(self) -> tuple:
@@ -195,7 +195,7 @@ class Path:
             rates[particle, kind, axis] = rate_at(self.poses, hinge, motion)
         return rates.ravel()
 
-    def in_bearings(self, friction: np.ndarray) -> list[float]:
+    def compute_bearing_work(self, friction: np.ndarray) -> list[float]:
         """Return virtual work (N m, on slides N) of friction in each bearing, per unit of the
         opening moved, at most 0; by the force in its joint (on a slide, across it), in balance with
         all friction. friction: forces and moments (6n,), N and N m, of other components that only
@@ -207,8 +207,8 @@ class Path:
         rates = np.array(self.rates(list(self.scene.bearings)))
         opens = [self._opens(hinge) for hinge in hinges]
         pushes = [-b * np.sign(rate) * x for b, rate, x in zip(levers, rates, opens, strict=True)]
-        lacks = np.zeros(len(self._weight))
-        first, *changes = (self._solve(forces, lacks)[1] for forces in (friction, *pushes))
+        gap_changes = np.zeros(len(self._weight))
+        first, *changes = (self._solve(forces, gap_changes)[1] for forces in (friction, *pushes))
         joints, pushing = np.array(self._conditions.joint), self._conditions.axis_types != NORMAL
         masks = [(joints == hinge.joint) & pushing for hinge in hinges]
         for rows in masks:
@@ -218,7 +218,7 @@ class Path:
         forces, is_solved = forces_with_friction(base, slopes)
         if not is_solved:
             name = hinges[int(np.argmax(levers * forces))].name
-            place = f"locked where {self._key} is {self.opening:.6g}"
+            place = f"locks where {self._key} is {self.opening:.6g}"
             allowed = "a way on which no bearing's friction presses its joint harder than it is "
             allowed += "pushed (self-locking): less `mu`, or a way that ends before"
             raise SceneError(f"bearing {name}", place, allowed)
@@ -236,7 +236,7 @@ class Path:
         rates = rows[-len(scene.hinges) :] @ np.stack([self.tangent, self._motion(solve)], axis=1)
         if np.abs(np.diff(rates)).max() > FREEDOM_TOLERANCE * np.abs(rates).max():
             allowed = "an opening that decides the motion of all others, by joints, springs or"
-            allowed += " loops; let others be `locked`"
+            allowed += " loops; let others be `locks`"
             raise SceneError(self._key, "(not the only freedom)", allowed)
 
     def _moving(self, poses: ParticlePoses) -> np.ndarray:
@@ -266,9 +266,9 @@ class Path:
 
     def _motion(self, solve) -> np.ndarray:
         """The motion (6n,) per unit of the opening."""
-        lacks = np.zeros(len(self._weight))
-        lacks[-len(self._hinges) :] = [-1.0 if hinge.slides else 1.0 for hinge in self._hinges]
-        return self._scales * solve(np.zeros(len(self._scales)), self._weight * lacks)[0]
+        gap_changes = np.zeros(len(self._weight))
+        gap_changes[-len(self._hinges) :] = [-1.0 if h.slides else 1.0 for h in self._hinges]
+        return self._scales * solve(np.zeros(len(self._scales)), self._weight * gap_changes)[0]
 
     def _conditions_at(self, value: float) -> Conditions:
         """Conditions of all joints; the last hold the led openings, the first one at `value`."""

@@ -97,8 +97,7 @@ class SampledTravel:
         return self._measure(position, self._states[k] if k >= 0 else None)
 
     def add_bend(self, position: float) -> None:
-        """Sample a position (0 to 1) at which values have a kink or jump, and mark it, so that
-        nothing is interpolated across it."""
+        """Sample a position (0 to 1) of a kink or jump; nothing is interpolated across it."""
         self.add(position)
         self._bends.add(position)
 

@@ -63,7 +63,7 @@ def sweep(
 
     scene: at its start; openings: name of a hinge, or of several, of which the others go as far
     from their start as the first does; first, last: values of the opening (rad, of slides m) at
-    both ends; locks: names of hinges that are locked at their opening at the start; positions:
+    both ends; locks: names of hinges that are locks at their opening at the start; positions:
     number of evenly spaced positions, at least 2; None: as many as it takes, with those at which a
     moment has a kink. Raises SceneError where the opening does not decide the motion of all,
     MisfitError where it cannot be moved to a value in balance."""
@@ -124,7 +124,7 @@ class _Sweep:
             part.approach(path.poses, motion)
         row = [part.compute_work(path.poses, tangent) for part in self._parts]
         friction = sum((part.friction_forces() for part in self._parts), np.zeros(len(tangent)))
-        row += path.in_bearings(friction)
+        row += path.compute_bearing_work(friction)
         row.append(path.balance.strain(path.poses))
         row.append(tangent @ (masses(self._scene, path.poses) @ tangent))
         row += [*path.update_openings(), *path.rates(self._rubbing)]
@@ -147,7 +147,6 @@ class _Sweep:
 
 def _add_bends(scene, samples: SampledTravel, openings: int) -> None:
     """Add positions at which forces of elements bend, and at which joints with friction reverse.
-
     openings: first column of the samples' values with openings; rates of joints follow them."""
     bends = [(openings + hinge, angle) for hinge, angle in sorted(set(_bends(scene)))]
     rates = openings + len(scene.hinges)

@@ -77,12 +77,12 @@ class ClosedBench(ModelEvaluator):
         late = closed.kind == "late"
         number = SimpleNamespace(name="t", unit="s", is_time=late, least=None, instant=None,
                                  kind="crossing" if closed.kind == "margin" else "event",
-                                 decider=closed.kind == "margin" or None)  # fmt: skip
+                                 margin_source=closed.kind == "margin" or None)  # fmt: skip
         if closed.kind == "limit":
             number.kind = "largest"
         self.of, self.plan, self.refinements, self.rest_count = closed, (1.0, 1.0), [], 0
         self.around = SimpleNamespace(
-            box=box, numbers=[number], quantities={"t": {}}, nominal=np.full(closed.k, 0.5),
+            box=box, quantity_list=[number], quantities={"t": {}}, nominal=np.full(closed.k, 0.5),
             solver=SimpleNamespace(duration=LATEST), intervals={}, name="closed",
         )  # fmt: skip
         self.points = scan_points(np.ones(closed.k, dtype=bool), count)

@@ -82,7 +82,7 @@ def facts_of(quantities=(), requirements=(), margins=None, **mechanism):
 
 def experiment(numbers=()):
     """The experiment."""
-    return SimpleNamespace(numbers=numbers, solver=SimpleNamespace(energy_tolerance=0.005))
+    return SimpleNamespace(quantity_list=numbers, solver=SimpleNamespace(energy_tolerance=0.005))
 
 
 def sheet(quantities=(), requirements=(), numbers=(), margins=None, **mechanism):

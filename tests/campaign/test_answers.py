@@ -236,7 +236,7 @@ def test_ends_take_no_more_rounds_than_they_may(rounds, monkeypatch):
 
     class Bench:
         points = np.zeros((0, 1))
-        experiment = SimpleNamespace(numbers=[None])
+        experiment = SimpleNamespace(quantity_list=[None])
 
         def surrogates(self):
             return [None]

@@ -153,7 +153,7 @@ def test_a_trajectory_tells_its_parameters(config, tmp_path):
 
 def values_in(path, config) -> np.ndarray:
     """Values (n, t) of the responses, from a trajectory."""
-    return np.array([r.evaluate(read_curves(path)) for r in config.experiment.curves])
+    return np.array([r.evaluate(read_curves(path)) for r in config.experiment.response_list])
 
 
 @pytest.mark.parametrize("keep", KEEP)

@@ -15,7 +15,7 @@ import yaml
 
 from deployable.campaign.cli import main
 from deployable.campaign.config.check import load_config
-from deployable.campaign.config.loader import look
+from deployable.campaign.config.loader import check_snakemake_arguments
 from deployable.campaign.errors import ConfigError, of_files
 from fpm.files.sealed import DamagedError, read_bytes
 
@@ -158,5 +158,5 @@ def test_trouble_with_files_has_its_remedy(tmp_path, monkeypatch, error, limit, 
 def test_a_folder_that_snakemake_cannot_write_to_is_refused_before_it_tries(monkeypatch, capsys):
     monkeypatch.setattr(os, "access", lambda path, how: False)
     with pytest.raises(SystemExit):
-        look(["-c2"])
+        check_snakemake_arguments(["-c2"])
     assert "cannot be written to" in capsys.readouterr().err

@@ -134,6 +134,6 @@ def test_responses_are_those_of_the_structure_as_it_is_built(tmp_path, request):
     with pytest.raises(ConfigError, match=r"responses\.psi"):
         load_config([path])
     path.write_text(SCISSOR.replace("HINGE", min(two)), encoding="utf-8")
-    assert load_config([path]).experiment.curves[0].subjects == (min(two),)
+    assert load_config([path]).experiment.response_list[0].subjects == (min(two),)
     path.write_text(SCISSOR.replace("HINGE", last).replace("n: 2", "n: 3"), encoding="utf-8")
-    assert load_config([path]).experiment.curves[0].subjects == (last,)
+    assert load_config([path]).experiment.response_list[0].subjects == (last,)

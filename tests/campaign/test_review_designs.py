@@ -46,7 +46,7 @@ def test_beside_a_margin_by_own_factors_is_that_of_the_standard(tmp_path):
     assert list(known.experiment.responses) == ["open", "both", "plain", "both_by_standard"]
     assert "uncertainty_factors" not in known.experiment.responses["both_by_standard"]
     assert list(known.requirements) == ["both", "plain"]
-    columns = {curve.name: curve.columns for curve in known.experiment.curves}
+    columns = {curve.name: curve.columns for curve in known.experiment.response_list}
     assert columns["both"] == columns["both_by_standard"], "another factor takes no run"
 
 
@@ -225,7 +225,10 @@ def test_each_least_margin_is_known_and_nothing_else(monkeypatch, tmp_path):
     scene = structures.load(DESIGNS / "flap.yaml").build()
     built = []
     experiment = SimpleNamespace(
-        numbers=numbers, nominal_scene=scene, intervals={}, build=lambda at: built.append(at) or at
+        quantity_list=numbers,
+        nominal_scene=scene,
+        intervals={},
+        build=lambda at: built.append(at) or at,
     )
     plan = SimpleNamespace(experiment=experiment, runs=[SimpleNamespace(id="one")])
     monkeypatch.setattr(mechanism, "read_plan", lambda path: plan)

@@ -10,7 +10,7 @@ import yaml
 
 from deployable import campaign
 from deployable.campaign.answers import discretization
-from deployable.campaign.answers.choice import deciding, design_points
+from deployable.campaign.answers.choice import design_points, find_deciding_parameters
 from deployable.campaign.answers.evaluations import ModelEvaluator
 from deployable.campaign.answers.quantity_bounds import _bounds
 from deployable.campaign.cli import main
@@ -25,7 +25,7 @@ from deployable.campaign.results.facts import (
     quantity_errors,
 )
 from deployable.campaign.results.templates import sentence
-from deployable.campaign.text.numbers import interval, measured, number, quantity, share
+from deployable.campaign.text.numbers import interval, number, quantity, share, with_error
 from deployable.intervals import Box, scalars
 from deployable.intervals.scalars.surrogate import Extremes
 
@@ -370,13 +370,13 @@ GRID = [(1.0, 3.0), (1.0, 4.0), (2.0, 3.0), (2.0, 4.0)]
     ],
 )
 def test_only_what_changes_the_worth_of_a_choice_decides(kept, worth, expected):
-    assert deciding(choices(worth, kept, GRID), 0.1) == expected
+    assert find_deciding_parameters(choices(worth, kept, GRID), 0.1) == expected
 
 
 def test_where_choices_lie_on_no_grid_all_are_compared():
     places = [(1.0, 3.0, 5.0), (1.5, 3.5, 5.5)]
-    assert deciding(choices([-1.0, -1.0], False, places), 0.0) == [False] * 3
-    assert deciding(choices([-1.0, -2.0], False, places), 0.0) == [True] * 3
+    assert find_deciding_parameters(choices([-1.0, -1.0], False, places), 0.0) == [False] * 3
+    assert find_deciding_parameters(choices([-1.0, -2.0], False, places), 0.0) == [True] * 3
 
 
 @pytest.mark.parametrize("kept", [True, False])
@@ -398,5 +398,5 @@ def test_a_choice_that_changes_nothing_is_no_advice(kept):
 
 def test_no_number_is_minus_zero():
     assert number(-0.0) == "0" and quantity(-0.0, "rad") == "0 rad"
-    assert measured(-1e-9, 0.1, "m") == "0.0 ± 0.1 m"
+    assert with_error(-1e-9, 0.1, "m") == "0.0 ± 0.1 m"
     assert interval({"lower": -1e-9, "upper": 0.5, "error": 0.1, "units": "m"}) == "0.00 to 0.50 m"

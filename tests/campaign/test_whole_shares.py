@@ -107,8 +107,8 @@ def test_runs_beside_a_border_are_made_again_the_nearest_first(inside, outside):
 
 
 def test_a_border_moves_to_where_finer_runs_cease_to_differ():
-    """Of what happens above x = 0, and by finer runs above 0.3: twice the certainty there, as the
-    rest of the way counts as much again."""
+    """Of what happens above x = 0, and by finer runs above 0.3: twice the decision value there, as
+    the rest of the way counts as much again."""
     x = np.linspace(-1, 1, 21)[:, None]
     model = SimpleNamespace(points=x, numbers=np.where(x > 0.01, 1.0, np.nan), margins=np.nan * x)
 
@@ -121,7 +121,7 @@ def test_a_border_moves_to_where_finer_runs_cease_to_differ():
     found, _ = limit_states.estimate_limit_state_error(model, 0, occurrence, None)
     there = float(occurrence.decision(np.array([[0.3]]))[0])
     assert found == pytest.approx(2 * there, rel=0.05)
-    limit = Limit(SimpleNamespace(occurrence=occurrence), "happens", 1.0, border=found)
+    limit = Limit(SimpleNamespace(occurrence=occurrence), "happens", 1.0, border_error=found)
     share, open_ = share_of_box([limit], np.ones(1))
     assert share - open_ < 0.35 < share
 
@@ -171,7 +171,7 @@ def test_a_border_that_no_number_tells_of_does_not_move():
 def test_a_limit_is_described_by_its_own_kind_of_level(monkeypatch):
     monkeypatch.setattr(limits, "words_of", lambda quantity: {})
     quantity = SimpleNamespace(name="q", unit="s")
-    model = SimpleNamespace(experiment=SimpleNamespace(numbers=[quantity]))
+    model = SimpleNamespace(experiment=SimpleNamespace(quantity_list=[quantity]))
     for kind, number, level in (("happens", 1.0, True), ("happens", 0.0, False),
                                 ("at_most", 1.0, 1.0)):  # fmt: skip
         asked = LimitSpec("r", 0, kind, number)
@@ -249,14 +249,14 @@ def test_what_happened_in_all_runs_is_no_proof_without_a_margin():
 )
 def test_what_no_run_breaks_is_sure_beyond_the_errors(free, slack, kind, margins, sure):
     """Of the number, 0.1, and of where it exists, 0.2."""
-    number = SimpleNamespace(instant=None, decider=None, kind=kind)
+    number = SimpleNamespace(instant=None, margin_source=None, kind=kind)
     box = SimpleNamespace(free=np.array(free))
     model = SimpleNamespace(
-        experiment=SimpleNamespace(box=box, numbers=[number]),
+        experiment=SimpleNamespace(box=box, quantity_list=[number]),
         margins=np.array(margins)[:, None],
         points=np.linspace(-1, 1, len(margins))[:, None],
     )
-    limit = SimpleNamespace(kind="at_most", error=0.1, border=0.2)
+    limit = SimpleNamespace(kind="at_most", error=0.1, border_error=0.2)
     assess_limits = SimpleNamespace(
         limits=[limit], specs=[SimpleNamespace(quantity=0)], worst=[(slack, None)]
     )
@@ -275,13 +275,17 @@ def test_what_no_run_breaks_is_sure_beyond_the_errors(free, slack, kind, margins
     ],
 )
 def test_what_no_run_keeps_is_refuted_beyond_the_errors(kind, level, margins, refuted):
-    number = SimpleNamespace(instant=None, decider=None, kind="event")
+    number = SimpleNamespace(instant=None, margin_source=None, kind="event")
     model = SimpleNamespace(
-        experiment=SimpleNamespace(box=SimpleNamespace(free=np.array([True])), numbers=[number]),
+        experiment=SimpleNamespace(
+            box=SimpleNamespace(free=np.array([True])), quantity_list=[number]
+        ),
         margins=np.array(margins)[:, None],
         points=np.linspace(-1, 1, 3)[:, None],
     )
-    limit = SimpleNamespace(kind=kind, level=level, border=0.2, surrogate=SimpleNamespace(fit=None))
+    limit = SimpleNamespace(
+        kind=kind, level=level, border_error=0.2, surrogate=SimpleNamespace(fit=None)
+    )
     result = SimpleNamespace(limits=[limit], specs=[SimpleNamespace(quantity=0)])
     assert limits.is_refuted(model, result, 0) is refuted
 

@@ -10,7 +10,7 @@ import fpm
 from fpm.elements import Friction
 from fpm.errors import SceneError
 from fpm.structures import loads
-from fpm.travel import parts_of, sweep
+from fpm.travel import component_classes, sweep
 
 INERTIA = 1.1  # kg m², of the sheet about its hinge
 SHEET = """
@@ -44,7 +44,7 @@ def half(angle):
 @pytest.mark.parametrize(("first", "last"), [(0.0, 2.0), (2.0, 0.5)])
 def test_the_mean_is_a_spring_and_the_rest_resists_both_ways(first, last):
     scene = loads(SHEET).build()
-    assert parts_of(scene) == {
+    assert component_classes(scene) == {
         "tape (spring h)": "HA",
         "tape (hysteresis h)": "HY",
     }  # no class is stated
@@ -64,9 +64,9 @@ def test_a_harness_with_a_set_resists_as_one():
     harness = harness.replace("back: [0.03 N m + half, -0.06 N m + 3*half]",
                               "back: [0.05 N m + 2*half, -0.05 N m + 2*half]")  # fmt: skip
     scene = loads(harness).build()
-    assert parts_of(scene) == {"tape (spring h)": "HA", "tape (hysteresis h)": "HA"}
+    assert component_classes(scene) == {"tape (spring h)": "HA", "tape (hysteresis h)": "HA"}
     spring = loads(harness.replace("class: HA", "class: S")).build()
-    assert parts_of(spring) == {"tape (spring h)": "S", "tape (hysteresis h)": "HY"}
+    assert component_classes(spring) == {"tape (spring h)": "S", "tape (hysteresis h)": "HY"}
     found = sweep(scene, "h", 0.0, 1.0)
     both = found.work["tape (spring h)"] + found.work["tape (hysteresis h)"]
     assert both == pytest.approx(0.05 * (0.3 - found.opening), abs=1e-8)

@@ -15,7 +15,7 @@ from fpm.reading.quantities import KINDS
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.standards import CLASSES, STANDARDS
 from fpm.reading.variables import VARIABLES
-from fpm.travel import parts_of
+from fpm.travel import component_classes
 
 HARNESS = {"classes": {"spring h1": "HA"}}
 
@@ -167,8 +167,8 @@ def test_more_random_designs(seed):
         ({"to": 0.0}, "to", "another opening than"),
         ({"standard": "ecss"}, "standard", "ecss-e-st-33-01c"),
         ({"evidence": "hope"}, "evidence", "theory, measurement"),
-        ({"locked": "h1"}, "locked", "a list of names"),
-        ({"locked": ["h1"]}, "locked", "openings that are not moved"),
+        ({"locks": "h1"}, "locks", "a list of names"),
+        ({"locks": ["h1"]}, "locks", "openings that are not moved"),
         ({"with": ["h1"]}, "with", "each opening once"),
         ({"without": ["spring h9"]}, "without", "torsion spring h1"),
         ({"classes": {"friction h1": "XX"}}, "classes.friction h1", "FR"),
@@ -192,7 +192,7 @@ def test_where_nothing_acts_is_refused():
 
 
 def test_a_table_without_a_class_is_a_harness():
-    assert parts_of(panel())["spring h1"] == "HA"
+    assert component_classes(panel())["spring h1"] == "HA"
 
 
 def test_a_reeled_cable_is_left_out_or_refused():
@@ -249,7 +249,7 @@ def test_friction_of_a_cable_is_friction():
     scene.add(Friction(0, 0.05))
     definition = {"margin": "h1", "to": "90 deg", "standard": "ecss-e-st-33-01c"}
     response = responses.parse("m", definition, scene)
-    assert parts_of(scene)["friction cable pull"] == "FR"
+    assert component_classes(scene)["friction cable pull"] == "FR"
     run = margins.sweep_travel(scene, [response])
     fixed, (x, y) = np.hypot(2, 2), (-1.0, 1.0)
     free, start = np.hypot(x, y - 1), np.hypot(1 - x, y)

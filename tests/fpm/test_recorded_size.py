@@ -4,7 +4,7 @@ import pytest
 
 import fpm
 from deployable.campaign.config.sections import scene_type
-from fpm.reading.variables import VARIABLES, add_probe, numbers
+from fpm.reading.variables import VARIABLES, add_probe, count_values
 from fpm.solver.pack import pack
 
 
@@ -26,4 +26,4 @@ def test_numbers_are_those_of_the_arrays(variable):
         pytest.skip("the linkage has none of it")
     asked = [(variable, labels[0])]
     more = kept(add_probe(scene, asked)) - kept(scene)
-    assert numbers(scene, asked) == more > 0
+    assert count_values(scene, asked) == more > 0

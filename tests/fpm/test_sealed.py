@@ -9,7 +9,7 @@ import time
 import pytest
 
 from fpm.files import sealed
-from fpm.files.sealed import DamagedError, check, check_content, seal, sweep, unseal, whole_file
+from fpm.files.sealed import DamagedError, check, check_content, seal, unseal, whole_file
 
 CONTENT = {
     ".nc": bytes(range(256)) * 20,
@@ -115,10 +115,10 @@ def test_what_dead_processes_left_is_swept_and_nothing_else(tmp_path):
     (tmp_path / ".mine.nc").write_text("x")
     with whole_file(tmp_path / "b.nc") as temporary:
         temporary.write_text("being written")
-        assert len(sweep(tmp_path)) == 1
+        assert len(sealed.remove_temporary(tmp_path)) == 1
         assert temporary.exists()
     assert sorted(p.name for p in tmp_path.iterdir()) == [".mine.nc", "b.nc"]
-    assert sweep(tmp_path / "nowhere") == []
+    assert sealed.remove_temporary(tmp_path / "nowhere") == []
 
 
 def test_what_a_killed_process_left_is_swept_before_its_parent_has_noticed(tmp_path):
@@ -126,7 +126,7 @@ def test_what_a_killed_process_left_is_swept_before_its_parent_has_noticed(tmp_p
     with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as child:
         left = tmp_path / f".bounds.{sealed._host()}-{child.pid}.part.nc"
         left.write_text("half")
-        assert sealed.sweep(tmp_path) == []
+        assert sealed.remove_temporary(tmp_path) == []
         child.kill()
         time.sleep(0.2)
-        assert sealed.sweep(tmp_path) == [left]
+        assert sealed.remove_temporary(tmp_path) == [left]

@@ -40,7 +40,7 @@ def test_an_exact_latch_is_told_with_every_force_and_nothing_else():
         assert warn(scene, response(kind)) == ""
     for part, told in (("latch", True), ("spring", False), ("damper", False), ("stop", False)):
         assert bool(warn(scene, response("joint_moment", "knee", part))) == told
-    assert warn(flap(latch={"angle": 1.0, "stiffness": 5.0}), response("joint_moment")) == ""
+    assert warn(flap(latch={"angle": 1, "stiffness": 5}), response("joint_moment"))
 
 
 @pytest.mark.parametrize(
@@ -54,7 +54,7 @@ def test_an_exact_latch_is_told_with_every_force_and_nothing_else():
     ],
 )
 def test_a_load_that_begins_at_once_is_told_where_there_are_bars(curve, sudden):
-    assert ("a load begins at once" in warn(rod(curve), response("stress", "all"))) == sudden
+    assert ("a load begins" in warn(rod(curve), response("stress", "all"))) == sudden
     assert warn(rod(curve), response("velocity", "tip")) == ""
     rigid = bars()
     rigid.add_load(1, force=(1.0, 0, 0))

@@ -14,7 +14,7 @@ from fpm import structures
 from fpm.assembly.conditions import ParticlePoses
 from fpm.elements import Friction, RigidFriction, SyncLoop, TableSpring
 from fpm.errors import SceneError
-from fpm.travel import STRAIN, parts_of, sweep
+from fpm.travel import STRAIN, component_classes, sweep
 from fpm.travel.acting import ElementForces
 
 STRUCTURES = Path(__file__).parents[2] / "config/structures"
@@ -28,7 +28,7 @@ def test_a_panel_on_one_hinge():
     scene.gravity = (0, -1.0, 0)
     found = sweep(scene, "h1", 0.0, np.pi / 2)
     angle = found.opening
-    assert parts_of(scene).keys() == found.work.keys()
+    assert component_classes(scene).keys() == found.work.keys()
     expected = {
         "weight 0": -2.0 * 0.5 * np.cos(angle),
         "torsion spring h1": 0.1 * (np.pi - angle),
@@ -44,7 +44,8 @@ def test_friction_slips_the_way_that_its_joint_goes():
     scene = hinged(1.0)
     scene.add(Friction(0, 0.3))
     for first, last in ((1.0, 1.5), (1.5, 1.0), (0.5, 0.2)):
-        assert sweep(scene, "h1", first, last).work["friction h1"] == pytest.approx(-0.3, rel=2e-6)
+        work = sweep(scene, "h1", first, last).work["friction h1"]
+        assert work == pytest.approx(-0.3, rel=2e-6)
 
 
 def test_friction_that_sticks_exactly_slips_alike():
@@ -62,8 +63,8 @@ def test_bearings_rub_by_the_forces_of_their_joints():
     scene.add(SyncLoop("belt", (0, 1), (0.06, 0.03), 1e8))
     scene.bearings = {0: 0.1 * 0.02, 1: 0.2 * 0.03}
     found = sweep(scene, "h1", 0.2, 1.2)
-    assert parts_of(scene)["bearing h2"] == "FR"
-    assert parts_of(scene).keys() == found.work.keys()
+    assert component_classes(scene)["bearing h2"] == "FR"
+    assert component_classes(scene).keys() == found.work.keys()
     for name, lever, weight in (("h1", 0.002, 36.0), ("h2", 2 * 0.006, 18.0)):
         expected = -lever * np.hypot(weight, 5)  # the belt gives a little
         assert found.work[f"bearing {name}"] == pytest.approx(expected, rel=1e-4)
@@ -366,7 +367,7 @@ def test_a_way_on_which_a_bearing_locks_itself_is_refused(mu, locks):
     """The rod's largest slope to the rail is 0.48/sqrt(0.5^2 - 0.48^2) = 3.43 = 1/0.2917."""
     scene = CENTRED.build(r=0.48, push=4.0, mu=mu, t0=10.0)
     if locks:
-        with pytest.raises(SceneError, match="bearing rail = 'locked where opening main is 1"):
+        with pytest.raises(SceneError, match="bearing rail = 'locks where opening main is 1"):
             sweep(scene, "main", np.radians(10), np.radians(170))
     else:
         found = sweep(scene, "main", np.radians(10), np.radians(170))

@@ -56,7 +56,7 @@ def columns(scene, without: list[str]) -> list[tuple[str, str]]:
     and the step leave, divided by the 1e-10 by which the matrix of joints is eased. A processor
     that rounds otherwise moves it by 1e-6 of itself, and the motion by nothing.
     """
-    led = {name for name, variable in VARIABLES.items() if variable.along == "along"}
+    led = {name for name, variable in VARIABLES.items() if variable.dim_suffix == "along"}
     known = VARIABLES.keys() - led - set(without)
     undetermined = {name.removeprefix("joint ") for name in redundant(scene)}
     return [

@@ -97,7 +97,7 @@ def splines() -> Iterator:
         width = (bounds["upper"] - bounds["lower"]).values
         to_unit = BOXES[box].to_unit
         at = [to_unit(bounds[name].values) for name in ("argmin", "argmax")]
-        places = intervals.deciding_places(*at, width, 6)
+        places = intervals.choose_bound_points(*at, width, 6)
         yield (
             places.points.shape,
             places.errors(RNG.normal(size=(len(places.points), *width.shape))),
@@ -139,7 +139,7 @@ def scalars() -> Iterator:
         trial, nominal = RNG.uniform(-1, 1, (50, k)), np.full(k, 0.15)
         part = np.full(k, -0.4), np.full(k, 0.7)
         for one in found:
-            yield one.evaluate(trial), one.error, one.usual_error, one.occurrence.open
+            yield one.evaluate(trial), one.error, one.usual_error, one.occurrence.open_fraction
             border = one.occurrence
             yield border.decision(trial), border.band(trial), border.infill_points(4)
             yield one.find_presence(*part) is None, one.find_absence(*part) is None
@@ -154,7 +154,7 @@ def scalars() -> Iterator:
         yield noisy.evaluate(trial), noisy.trend.evaluate(trial), noisy.fit.left_out
         limits = [
             req.Limit(found[0], "at_most", 2.1), req.Limit(found[1], "at_least", 0.15, 0.01),
-            req.Limit(found[2], "happens", 1.0, border=0.1), req.Limit(found[4], "at_most", 0.7),
+            req.Limit(found[2], "happens", 1.0, 0.0, 0.1), req.Limit(found[4], "at_most", 0.7),
         ]  # fmt: skip
         free = np.ones(k, bool)
         for some in (limits[:1], limits[1:2], limits[2:], limits):
@@ -162,7 +162,7 @@ def scalars() -> Iterator:
             yield req.largest_share(some, nominal - 0.5)[:2]
             yield [(limit.worst(*part)[0], limit.best(*part)[0]) for limit in some]
         yield [limit.find_margins(np.array([0.1, np.nan, 3.0])) for limit in limits]
-        yield req.share_reaching(nominal, trial)
+        yield req.least_scales(nominal, trial)
         yield from choices(k, found, limits)
 
 

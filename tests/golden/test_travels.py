@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fpm import structures
-from fpm.travel import classes_of_kinds, parts_of, springs_of, sweep
+from fpm.travel import classes_of_kinds, component_classes, springs_of, sweep
 
 ROOT = Path(__file__).parents[2]
 BEFORE = Path(__file__).parent / "travels.json"
@@ -56,7 +56,7 @@ def travel_of(file, name, first, last, parameters):
         "ends": travel.opening[[0, -1]].tolist(),
         "work": {part: at_places(work) for part, work in sorted(travel.work.items())},
         "inertia": at_places(travel.inertia),
-        "classes": [parts_of(scene), classes_of_kinds(scene), springs_of(scene)],
+        "classes": [component_classes(scene), classes_of_kinds(scene), springs_of(scene)],
     }
 
 

@@ -15,7 +15,7 @@ def samples_of(function, box, design, time, held_out=4, names=("response",)):
     unit = np.concatenate([design.points, np.zeros((1, box.dimension)), extra])
     value = box.from_unit(unit)
     table = np.array([np.reshape(function(v), (len(names), -1)) for v in value])
-    role = ["node"] * design.runs + ["nominal"] + ["held_out"] * len(extra)
+    role = ["node"] * design.run_count + ["nominal"] + ["held_out"] * len(extra)
     axes = ("run", "parameter")
     data = {"normalized": (axes, unit), "value": (axes, value), "role": ("run", role)}
     data["values"] = (("run", "response", "time"), table)

@@ -12,7 +12,7 @@ from deployable import intervals
 def test_places_follow_where_bounds_are_attained():
     """Bounds that are attained at one end, then at the other: these are the places."""
     argmin = np.where(np.arange(50) < 30, -1.0, 1.0).reshape(1, 50, 1)
-    places = intervals.deciding_places(argmin, -argmin, np.ones((1, 50)), 8)
+    places = intervals.choose_bound_points(argmin, -argmin, np.ones((1, 50)), 8)
     assert sorted(places.points[:, 0]) == [-1.0, 1.0]
     assert (places.points[places.lower, 0] == argmin[..., 0]).all()
     assert (places.points[places.upper, 0] == -argmin[..., 0]).all()
@@ -24,11 +24,11 @@ def test_few_places_are_spread_by_the_weight_of_the_instants(rng_seed=3):
     width = np.ones((2, 300))
     width[:, :200] = 1e-3
     attained[:, 200:] = 0.1 * attained[:, 200:] + 0.5
-    one = intervals.deciding_places(attained, attained, width, 1)
+    one = intervals.choose_bound_points(attained, attained, width, 1)
     assert abs(one.points - 0.5).max() < 0.1
     spread = []
     for count in (1, 4, 8):
-        places = intervals.deciding_places(attained, attained, width, count)
+        places = intervals.choose_bound_points(attained, attained, width, count)
         assert len(places.points) == count
         apart = np.linalg.norm(attained - places.points[places.lower], axis=-1)
         spread.append(float((apart * width).sum()))
@@ -37,10 +37,10 @@ def test_few_places_are_spread_by_the_weight_of_the_instants(rng_seed=3):
 
 def test_a_response_without_width_decides_no_places():
     attained = np.random.default_rng(5).uniform(-1, 1, (1, 60, 2))
-    alone = intervals.deciding_places(attained, -attained, np.ones((1, 60)), 5)
+    alone = intervals.choose_bound_points(attained, -attained, np.ones((1, 60)), 5)
     still = np.concatenate([np.full((1, 60, 2), 0.9), attained])
     width = np.concatenate([np.zeros((1, 60)), np.ones((1, 60))])
-    both = intervals.deciding_places(still, -still, width, 5)
+    both = intervals.choose_bound_points(still, -still, width, 5)
     np.testing.assert_array_equal(both.points, alone.points)
     np.testing.assert_array_equal(both.lower[1], alone.lower[0])
     np.testing.assert_array_equal(both.upper[1], alone.upper[0])
@@ -48,7 +48,7 @@ def test_a_response_without_width_decides_no_places():
 
 def test_errors_of_places_are_those_of_the_nearest():
     argmin, argmax = np.full((1, 4, 1), -1.0), np.full((1, 4, 1), 1.0)
-    places = intervals.deciding_places(argmin, argmax, np.ones((1, 4)), 8)
+    places = intervals.choose_bound_points(argmin, argmax, np.ones((1, 4)), 8)
     changes = np.zeros((2, 1, 4))
     changes[int(places.lower[0, 0]), 0] = [0.1, -0.3, 0.0, 0.2]
     changes[int(places.upper[0, 0]), 0] = [-0.2, 0.1, 0.0, 0.2]

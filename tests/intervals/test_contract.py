@@ -62,7 +62,7 @@ def registered(monkeypatch):
 
 def test_a_design_of_ones_own_is_made_fitted_and_refused(registered):
     design = make_design("star", BOX, 2, arm=0.5)
-    assert (design.method, design.order, design.runs) == ("star", (2, 0, 2), 5)
+    assert (design.method, design.order, design.run_count) == ("star", (2, 0, 2), 5)
     samples = samples_of(plane, BOX, design, TIME, names=("x", "y"))
     bounds = bounds_dataset(samples, design)
     np.testing.assert_allclose(bounds["lower"][0], 0.9 - 0.1 * TIME, atol=1e-12)

@@ -24,7 +24,7 @@ def test_roots_are_those_of_the_paper():
     n = 3
     paper = np.cos((2 * np.arange(1, n + 2) - 1) / (n + 1) * np.pi / 2)
     np.testing.assert_allclose(np.sort(paper), roots(n), atol=1e-15)
-    assert make_design("tensor_roots", 2, n).runs == (n + 1) ** 2
+    assert make_design("tensor_roots", 2, n).run_count == (n + 1) ** 2
 
 
 @pytest.mark.parametrize("order", [1, 2, 3, 5, 8, 16, 32])
@@ -75,30 +75,30 @@ def test_every_method_reproduces_polynomials_of_its_total_degree(method, k, orde
 @pytest.mark.parametrize("k", [1, 2, 3])
 @pytest.mark.parametrize("method", ["tensor_roots", "tensor_lobatto", "smolyak"])
 def test_a_design_may_have_as_many_runs_as_are_allowed_and_no_more(method, k):
-    runs = make_design(method, k, 4).runs
-    assert make_design(method, k, 4, max_runs=runs).runs == runs
+    runs = make_design(method, k, 4).run_count
+    assert make_design(method, k, 4, max_runs=runs).run_count == runs
     with pytest.raises(IntervalError, match=f"not {runs}"):
         make_design(method, k, 4, max_runs=runs - 1)
 
 
 def test_smolyak_needs_fewer_runs_than_the_grid():
-    assert make_design("smolyak", 4, 4).runs < 5**4 / 3
+    assert make_design("smolyak", 4, 4).run_count < 5**4 / 3
 
 
 def test_zero_width_contributes_one_point():
     box = Box(["a", "b", "c"], [0.0, 5.0, 0.0], [1.0, 5.0, 1.0])
     for method, runs in (("tensor_roots", 16), ("smolyak", None)):
         design = make_design(method, box, 3)
-        assert runs in (None, design.runs)
+        assert runs in (None, design.run_count)
         assert not design.points[:, 1].any()
     point = Box(["a"], [2.0], [2.0])
     for method in ("tensor_roots", "tensor_lobatto", "smolyak", "sobol"):
-        assert make_design(method, point, 3).runs == 1
+        assert make_design(method, point, 3).run_count == 1
     assert len(held_out_points(point.free, 4)) == 0
 
 
 def test_order_per_direction():
-    assert make_design("tensor_lobatto", 2, [4, 0]).runs == 5
+    assert make_design("tensor_lobatto", 2, [4, 0]).run_count == 5
     assert len(total_degree([4, 2])) == 9  # i / 4 + j / 2 <= 1
 
 
@@ -112,7 +112,7 @@ def test_order_64_is_stable(method):
 
 def test_scan_contains_the_corners_and_repeats_with_its_seed():
     design = make_design("sobol", 3, samples=100, seed=5)
-    assert design.runs == 100
+    assert design.run_count == 100
     assert keys(Box(["a", "b", "c"], [-1] * 3, [1] * 3).corners()) <= keys(design.points)
     assert (design.points == make_design("sobol", 3, samples=100, seed=5).points).all()
 

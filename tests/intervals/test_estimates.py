@@ -11,7 +11,7 @@ from deployable.intervals.estimates import (
     decay_estimate,
     error_estimate,
     limit_decay,
-    usual,
+    power_mean,
     widen,
 )
 
@@ -160,7 +160,7 @@ def test_runs_that_see_the_same_overrule_nothing(unit):
 )
 def test_runs_that_were_sought_count_by_a_mean_in_few_directions(directions, expected):
     left_out = np.array([1.0, -2.0, 3.0, -4.0])
-    assert usual(left_out, directions) == pytest.approx(expected, rel=1e-12)
+    assert power_mean(left_out, directions) == pytest.approx(expected, rel=1e-12)
 
 
 def test_metrics_of_known_bounds():

@@ -55,7 +55,7 @@ def test_designs_have_as_many_runs_and_the_same_polynomials_and_points(method):
         design, _ = made(method, order)
         back = np.argsort(order)
         basis = sorted(map(tuple, design.multi_indices[:, back]))
-        counts.add((design.runs, len(design.points), tuple(basis)))
+        counts.add((design.run_count, len(design.points), tuple(basis)))
         points.add(tuple(sorted(map(tuple, design.points[:, back]))))
     assert len(counts) == 1
     assert (len(points) == 1) == METHODS[method].symmetric

@@ -16,10 +16,10 @@ from deployable.intervals.scalars import (
     fit_scalar,
     influence,
     largest_share,
+    least_scales,
     safe_range,
     safest_choice,
     share_of_box,
-    share_reaching,
     sub_box,
 )
 
@@ -243,7 +243,7 @@ def test_what_only_comes_too_late_is_told_by_its_time():
     missed = np.where((time <= 2.5) & (points[:, 0] > -0.5), time, np.nan)
     other = fit_scalar(points, missed, latest=2.5)
     assert type(other.occurrence) is type(fit_scalar(points, missed).occurrence)
-    assert other.occurrence.open > 0.1
+    assert other.occurrence.open_fraction > 0.1
     # Nor can it be later there than runs last.
     assert fit_scalar(points, missed).range().high > 2.51
     assert other.range().high <= 2.5
@@ -353,11 +353,11 @@ def test_a_box_shrinks_towards_its_nominal_point():
 def test_a_box_shrunk_to_a_points_share_just_holds_it():
     rng = np.random.default_rng(3)
     unit, nominal = rng.uniform(-1, 1, (40, 3)), np.array([0.2, -1.0, 0.9])
-    for point, share in zip(unit, share_reaching(nominal, unit), strict=True):
+    for point, share in zip(unit, least_scales(nominal, unit), strict=True):
         for less, inside in ((0.0, True), (1e-9, False)):
             lower, upper = sub_box(nominal, share - less)
             assert ((lower <= point + 1e-12) & (point <= upper + 1e-12)).all() == inside
-    assert share_reaching(nominal, nominal[None]) == [0.0]
+    assert least_scales(nominal, nominal[None]) == [0.0]
 
 
 BORDERS = {
@@ -391,7 +391,7 @@ def test_a_border_that_no_function_tells_is_open_as_far_as_it_is_rough():
     x = np.linspace(-1, 1, 200)[:, None]
     happens = np.where(np.abs(x[:, 0]) < 0.5, rng.random(200) < 0.5, x[:, 0] > 0)
     found = Occurrence(x, happens)
-    assert 0.3 < found.open < 0.55
+    assert 0.3 < found.open_fraction < 0.55
 
 
 @pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 0, 2), (1, 2, 0)])

@@ -42,7 +42,7 @@ def test_dataset_per_instant_and_overall():
 
 def test_a_constant_response_has_no_shares():
     design = make_design("tensor_roots", 2, 2)
-    found = parameter_sensitivity(fit(design, np.full((design.runs, 1), 0.25)))
+    found = parameter_sensitivity(fit(design, np.full((design.run_count, 1), 0.25)))
     assert (found.width < 1e-15).all()
     assert np.isfinite(found.total).all()
 

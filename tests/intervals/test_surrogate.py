@@ -30,10 +30,10 @@ def test_restriction_to_a_line():
 
 def test_trailing_axes_are_kept_and_least_squares_smooths():
     design = make_design("sobol", 2, 2, samples=18)
-    values = np.random.default_rng(0).standard_normal((design.runs, 3, 4))
+    values = np.random.default_rng(0).standard_normal((design.run_count, 3, 4))
     surrogate = fit(design, values)
     assert surrogate.evaluate(np.zeros((5, 2))).shape == (5, 3, 4)
-    rest = (values - surrogate.evaluate(design.points)).reshape(design.runs, -1)
+    rest = (values - surrogate.evaluate(design.points)).reshape(design.run_count, -1)
     from deployable.intervals.chebyshev import product_basis
 
     basis = product_basis(design.points, design.multi_indices)

@@ -14,12 +14,12 @@ import xarray
 from deployable.campaign.pictures.glb import glb_of
 from deployable.campaign.report import from_results, write_page
 from deployable.campaign.report.data import MOST_LINES
-from deployable.campaign.report.motions import MOST_MOVING, how_many_move, shown_runs
+from deployable.campaign.report.motions import MOST_MOVING, count_moving_runs, shown_runs
 from deployable.campaign.report.pack import thin_curves
 from deployable.campaign.report.page import render
 from deployable.campaign.results.facts import grade
 from deployable.campaign.results.templates import sentence
-from deployable.campaign.text.numbers import measured, number, spread, tie_units, to_html
+from deployable.campaign.text.numbers import number, spread, tie_units, to_html, with_error
 
 
 def text_of(data):
@@ -115,7 +115,8 @@ def test_motions_are_those_of_the_trajectory_files(results, data):
 
 
 def test_as_many_runs_move_as_a_page_has_room_for():
-    assert how_many_move(30) == MOST_MOVING > how_many_move(60) > how_many_move(10_000) == 7
+    few, more, most = map(count_moving_runs, (30, 60, 10_000))
+    assert few == MOST_MOVING > more > most == 7
 
 
 def test_the_page_names_the_runs_that_do_not_move(results, tmp_path):
@@ -269,7 +270,7 @@ def test_the_headline_says_how_far_the_responses_go(data):
     width, error = first["largest_difference"], first["error_at_largest_difference"]
     text = sentence("headline", data.facts)
     assert text.startswith("The x-component of the position of T (x) may differ by up to ")
-    assert text.count("may differ by up to ") == 2 and measured(width, error, "m") in text
+    assert text.count("may differ by up to ") == 2 and with_error(width, error, "m") in text
     three = altered(data, responses=[first, second, first]).facts
     assert sentence("headline", three).endswith(" 1 more below.")
     given = sentence("given", data.facts)
@@ -293,9 +294,9 @@ def parameter(units, *ends):
 
 def test_numbers_as_people_write_them():
     assert number(0.0617852) == "0.0618"
-    assert measured(0.0617852, 0.0046, "m") == "0.062 ± 0.005 m"
-    assert measured(-46.2, 3.0, "m s-1") == "−46 ± 3 m/s"
-    assert measured(0.0617852, 1e-6, "m") == measured(0.0617852, None, "m") == "0.0618 m"
+    assert with_error(0.0617852, 0.0046, "m") == "0.062 ± 0.005 m"
+    assert with_error(-46.2, 3.0, "m s-1") == "−46 ± 3 m/s"
+    assert with_error(0.0617852, 1e-6, "m") == with_error(0.0617852, None, "m") == "0.0618 m"
     assert number(-2.5) == "−2.5"
     assert number(1.05e9) == "1.05 × 10⁹"
     assert number(1e9) == "10⁹"

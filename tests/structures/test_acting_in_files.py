@@ -23,7 +23,7 @@ from fpm.elements import (
 from fpm.structures import loads
 from fpm.structures.describe import describe
 from fpm.structures.report import longer_steps
-from fpm.travel import parts_of
+from fpm.travel import component_classes
 
 HINGES = """
   oil: {type: damper, joint: root, damping: 0.1 N m s/rad}
@@ -111,7 +111,7 @@ def test_classes_and_bearings_of_margins():
                    ("type: friction, ", "type: friction, class: HD, "),
                    ("record:", f"  {more}"))  # fmt: skip
     scene = loads(text).build()
-    assert parts_of(scene) == {
+    assert component_classes(scene) == {
         "spring": "S", "dry": "HD", "ends (stop root below)": "S", "ends (stop root above)": "S",
         "tape": "HA", "bearing root": "FR", "strain of bars": "S",
     }  # fmt: skip

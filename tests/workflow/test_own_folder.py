@@ -72,7 +72,7 @@ def test_a_structure_with_latches_starts_with_the_question_whether_they_catch(tm
     mine.write_bytes(shipped.structures()["boom"].read_bytes())
     make_folder(tmp_path / "made", str(mine))
     made = load_config([tmp_path / "made" / CAMPAIGN])
-    numbers = {quantity.name: quantity.places for quantity in made.experiment.numbers}
+    numbers = {quantity.name: quantity.places for quantity in made.experiment.quantity_list}
     assert numbers == {
         "t_root_latch": ("latch root_latch",),
         "t_tube1_latch": ("latch tube1.latch",),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from deployable.campaign.config.loader import look
+from deployable.campaign.config.loader import check_snakemake_arguments
 from deployable.campaign.errors import ConfigError
 from deployable.campaign.stages.workflow import Workflow
 
@@ -81,14 +81,15 @@ def test_files_are_found_among_all_arguments_of_snakemake(tmp_path):
     good, bad = tmp_path / "good.yaml", tmp_path / "bad.yaml"
     good.write_text(GOOD, encoding="utf-8")
     bad.write_text("a: [", encoding="utf-8")
-    look(["-c2", "--configfile", str(good), "--config", "a=1", "-n", "--", str(bad)])
+    options = ["-c2", "--configfile", str(good), "--config", "a=1", "-n", "--", str(bad)]
+    check_snakemake_arguments(options)
     for arguments in (
         ["-c2", "--configfile", str(good), str(bad), "-n"],
         ["all", f"--configfile={bad}", "--config", "jobs={group: 1}"],
         ["--configfiles", str(bad), "--cores", "2"],
     ):
         with pytest.raises(SystemExit):
-            look(arguments)
+            check_snakemake_arguments(arguments)
 
 
 def test_the_default_campaign_is_checked_too(workplace):

@@ -14,8 +14,7 @@
     runs         how many runs it took, over choices and intervals
     simulated    how many of them were simulated in the last call
 
-The runs are those of a sparse grid over the choices and the box about each. Two goals trade off.
-"""
+The runs are those of a sparse grid over the choices and the box about each. Two goals trade off."""
 
 from __future__ import annotations
 
@@ -63,17 +62,19 @@ def answer(
     specs = list_limits(requirements, list(experiment.quantities))
     for iteration in range(verify.max_iterations + 1):
         best, safest, safe_ranges, trials = _best(model, base_plan.experiment, choose, specs)
-        points = [*np.concatenate(best.goal_points), *best.worst, *recheck(best, trials, choose)]
-        points += [] if safest is None else [*safest.worst]
+        points = [*np.concatenate(best.goal_points), *best.worst]
+        points += [
+            *recheck(best, trials, choose),
+            *(() if safest is None else safest.worst),
+        ]
         points = [point for point in points if model.nearest(point)[1] > SAME_POINT]
         if iteration == verify.max_iterations or not points:
             break
         model.add(points)
     error = _error(model, base_plan.experiment, choose, specs, best.is_allowed)
+    decides = find_deciding_parameters(trials, error)
     choice = {
-        "parameters": _parameters(
-            experiment, choose, best.values, deciding(trials, error), safe_ranges, safest
-        ),
+        "parameters": _parameters(experiment, choose, best.values, decides, safe_ranges, safest),
         "kept": best.is_allowed,
         "safe": best.is_safe,
         "goals": list(map(partial(_goal, model), choose.goals, best.goals, best.goal_points)),
@@ -129,8 +130,10 @@ def widen_intervals(experiment: Experiment, choose: Choose) -> Experiment:
 def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
     """Make the points (N, k), -1 to 1 in the box, of the runs that surrogates over all choices are
     fitted to: a sparse grid and four validation runs. experiment: with intervals of
-    `widen_intervals`; choose: section of the config, whose `order` the grid has along chosen
-    parameters; along others it has that of the experiment's design, at least 2."""
+    `widen_intervals`; choose:
+    section of the config, whose `order` the grid has along chosen
+    parameters; along others it has
+    that of the experiment's design, at least 2."""
     from deployable.intervals import held_out_points, make_design
 
     order, box = experiment.design.order, experiment.box
@@ -186,7 +189,7 @@ def _error(
     return max([ROUNDING * size, *(error for error in errors if np.isfinite(error))])
 
 
-def deciding(trials: Sequence[Any], error: float) -> list[bool]:
+def find_deciding_parameters(trials: Sequence[Any], error: float) -> list[bool]:
     """Tell which chosen parameters matter, one flag each, in order: whether tried choices that
     differ only in it (all, if no two do) differ by more than `error` in the first goal, or only
     some of them are allowed; if no choice is allowed, in the least margin to a limit. trials:
@@ -235,7 +238,7 @@ def _goal(
 ) -> dict:
     sign, end, name = goal
     q = list(model.experiment.quantities).index(name)
-    quantity = model.experiment.numbers[q]
+    quantity = model.experiment.quantity_list[q]
     description = {"end": end, "quantity": name, "units": quantity.unit, **words_of(quantity)}
     description |= {"sense": "minimise" if sign > 0 else "maximise", "value": number(value)}
     *lower_row, row = (model.describe_point(point, q) for point in points)

@@ -3,8 +3,7 @@ time step, and once with that on a mesh twice as fine.
 
 Each component begins with what changes beside the runs before: a finer mesh takes half the step
 anyway, which so counts once. The change is continued to what all further halvings would change, by
-its order: that of a few runs with a quarter of the step, or on a mesh half as fine.
-"""
+its order: that of a few runs with a quarter of the step, or on a mesh half as fine."""
 
 from __future__ import annotations
 
@@ -39,8 +38,7 @@ COMPONENTS = ("step", "mesh")
 
 def checked_components(plan: Plan, verify: Verify) -> tuple[str, ...]:
     """Return which errors of a plan's bounds are to be estimated, of "step" (of time) and "mesh":
-    with an `accuracy` in the config what the plan's round asks for, else both or none, as the
-    section `verify` has it."""
+    with an `accuracy` what the plan's round asks for, else both or none, as `verify` has it."""
     if plan.experiment.is_adaptive:
         return plan.adaptive.check
     return COMPONENTS if verify.discretization else ()
@@ -195,7 +193,7 @@ def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict
     box = model.experiment.box
     attained = [box.to_unit(bounds[name].values) for name in ("argmin", "argmax")]
     width = (bounds["upper"] - bounds["lower"]).values
-    sites = intervals.deciding_places(*attained, width, MAX_POINTS)
+    sites = intervals.choose_bound_points(*attained, width, MAX_POINTS)
     run_points = model.plan.runs.normalized
     distances = np.abs(run_points - sites.points[:, None]).max(axis=2)
     nearest = distances.argmin(axis=1)

@@ -1,7 +1,6 @@
 """The runs of a campaign, and further ones wherever an answer asks for them.
 
-Further runs go through the campaign's store, so that they are found again.
-"""
+Further runs go through the campaign's store, so that they are found again."""
 
 from __future__ import annotations
 
@@ -38,8 +37,7 @@ class ModelEvaluator:
     quantity.
 
     plan: sets scene, step and mesh; jobs: section of the config; folder: of the results; notify:
-    called with each message; threads: number that simulate. A new evaluator has no runs yet (but
-    see `from_folder`)."""
+    called with each message; threads: how many. It has no runs yet (but see `from_folder`)."""
 
     max_refinements: float = math.inf
 
@@ -141,8 +139,8 @@ class ModelEvaluator:
         """Fit an `intervals.scalars.ScalarSurrogate` to the runs for each quantity, in order."""
         from deployable.intervals.scalars import fit_scalar
 
-        end = self.experiment.solver.duration
-        columns = zip(self.numbers.T, self.margins.T, self.experiment.numbers, strict=True)
+        end, quantities = self.experiment.solver.duration, self.experiment.quantity_list
+        columns = zip(self.numbers.T, self.margins.T, quantities, strict=True)
         return [
             fit_scalar(self.points, column, end if q.is_time else None, q.least, margin)
             for column, margin, q in columns

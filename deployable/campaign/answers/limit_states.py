@@ -1,11 +1,9 @@
-"""What mesh and step add to the border of the part of the box in which something happens: runs near
-it again, with the finest of both.
+"""What mesh and step add to the border of where something happens: runs near it, with both finer.
 
 Where these agree about what happens, the border fits the finer runs as well as it does the others.
 Else it moves: by how much finer runs change what the border is told by, as the time of an event
 that may come too late; or, where runs only tell whether it happens, to where finer ones cease to
-differ. That is continued as if it fell at the first order: what happens or not tells no order.
-"""
+differ. That is continued as if it fell at the first order: what happens or not tells no order."""
 
 from __future__ import annotations
 
@@ -93,7 +91,7 @@ def _bisect_segments(
     outer: np.ndarray,
     inner: np.ndarray,
 ) -> float:
-    """The largest size of the certainty at which finer runs differ, between points (P, k)."""
+    """The largest size of the decision value at which finer runs differ, between points (P, k)."""
     if not len(outer):
         return 0.0
     happens = occurrence.evaluate(outer)

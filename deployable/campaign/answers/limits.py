@@ -42,13 +42,12 @@ def list_limits(requirements: Mapping[str, Mapping], quantities: list[str]) -> l
 
 @dataclass(frozen=True)
 class LimitAssessment:
-    """How l limits are kept over the parameter box, by surrogates, and in R simulated runs. specs:
-    the limits as the config sets them; limits: the same with their surrogates
-    (`intervals.scalars.Limit`); margins (l, R): of each limit in each run, below 0 if broken;
-    worst: least margin of each limit in the box, and its normalized point (k); largest: scale (0 to
-    1) of the largest box about the nominal point in which all limits hold, then, if below 1, index
-    of the limit that fails first beyond it, and where; failure_point (k): normalized point at which
-    a limit fails, None if none does."""
+    """How l limits are kept over the box, by surrogates, and in R simulated runs. specs: the limits
+    as the config sets them; limits: the same with their surrogates (`intervals.scalars.Limit`);
+    margins (l, R): of limits in runs, below 0 if broken; worst: least margin of each limit in the
+    box, and its normalized point (k); largest: scale (0 to 1) of the largest box about the nominal
+    point in which all limits hold, then, if below 1, index of the limit that fails first beyond it,
+    and where; failure_point (k): normalized, where a limit fails, None if none does."""
 
     specs: Sequence[LimitSpec]
     limits: list[Any]
@@ -74,9 +73,8 @@ def assess_limits(
 ) -> LimitAssessment:
     """Assess limits (`specs`, as the config sets them) over the box by the surrogates of all
     quantities, and in the runs of `model`, to say where requirements are met. errors (2, q): by
-    mesh and step, of the values and of the decision functions (sign: whether one exists), or
-    None."""
-    from deployable.intervals.scalars import Limit, largest_share, share_reaching
+    mesh and step, of values and of decision functions (sign: whether one exists), or None."""
+    from deployable.intervals.scalars import Limit, largest_share, least_scales
 
     errors = np.zeros((2, len(surrogates))) if errors is None else errors
     limits = [
@@ -93,7 +91,7 @@ def assess_limits(
         for spec, limit in zip(specs, limits, strict=True)
     ])  # fmt: skip
     failing_rows = np.flatnonzero(margins.min(axis=0) < 0)
-    scales = share_reaching(model.nominal, model.points[failing_rows])
+    scales = least_scales(model.nominal, model.points[failing_rows])
     failure_point = None
     if len(failing_rows) and scales.min() < largest[0]:  # a run fails where the surrogates do not
         run = failing_rows[scales.argmin()]
@@ -141,10 +139,10 @@ def is_refuted(model: ModelEvaluator, result: LimitAssessment, i: int) -> bool:
 
 def _has_always(model: ModelEvaluator, q: int) -> bool:
     """Whether quantity `q` (index) is one that every run has."""
-    quantity = model.experiment.numbers[q]
+    quantity = model.experiment.quantity_list[q]
     while isinstance(quantity.instant, Quantity):
         quantity = quantity.instant
-    return quantity.decider is None and quantity.kind != "event"
+    return quantity.margin_source is None and quantity.kind != "event"
 
 
 def _sure_occurrence(model: ModelEvaluator, limit: Any, q: int) -> int:
@@ -155,14 +153,14 @@ def _sure_occurrence(model: ModelEvaluator, limit: Any, q: int) -> int:
     if not np.isfinite(margins).all():
         return 0
     surrogate = fit_scalar(model.points, margins)
-    margin_range, error = surrogate.range(), surrogate.error + limit.border
+    margin_range, error = surrogate.range(), surrogate.error + limit.border_error
     return int(margin_range.low > error) - int(-margin_range.high > error)
 
 
 def describe_limit(model: ModelEvaluator, spec: LimitSpec) -> dict:
     """Describe a limit (`spec`) as a dict for JSON: its quantity (name, units, words), kind
     ("at_most", "at_least", "happens") and level. model: has the quantities."""
-    quantity = model.experiment.numbers[spec.quantity]
+    quantity = model.experiment.quantity_list[spec.quantity]
     level = bool(spec.level) if spec.kind == "happens" else spec.level
     description = {"quantity": quantity.name, "units": quantity.unit, **words_of(quantity)}
     return {**description, "kind": spec.kind, "level": level}

@@ -28,8 +28,7 @@
     runs
 
 Curves by response are {units, times, values, bands, lower, upper, best, rates}: measured, of all
-runs, and of the nearest run as the sensor has it, with its rates, which a check has not.
-"""
+runs, and of the nearest run as the sensor has it, with its rates, which a check has not."""
 
 from __future__ import annotations
 
@@ -149,7 +148,7 @@ class _Test:
         self.responses = list(settings.columns.values())
         self.instants = np.linspace(0.0, base.solver.duration, base.solver.instants)
         self.rows = [list(base.responses).index(response) for response in self.responses]
-        self.units = [base.curves[row].unit for row in self.rows]
+        self.units = [base.response_list[row].unit for row in self.rows]
         sensor = settings.unknown
         limits = [list(sensor.delay)]
         for center, widths in ((1.0, sensor.gain), (0.0, sensor.offset)):
@@ -335,7 +334,7 @@ def _of_left(
     numbers = np.array([record.numbers for record in records])
     center, half = result.hull.mean(axis=0), np.maximum(np.ptp(result.hull, axis=0) / 2, 1e-9)
     bounds = []
-    for q, quantity in enumerate(model.experiment.numbers):
+    for q, quantity in enumerate(model.experiment.quantity_list):
         happens = np.isfinite(numbers[:, q])
         lower, upper, error = np.nan, np.nan, np.nan
         if happens.any():
@@ -385,7 +384,7 @@ def _next_tests(
         for response, band in zip(test.responses, test.curves.bands, strict=True):
             bands[response] = min(band.min(), bands.get(response, np.inf))
     rows = []
-    for i, curve in enumerate(model.experiment.curves):
+    for i, curve in enumerate(model.experiment.response_list):
         if curve.kind == "margin":
             continue
         spread = np.ptp(curves[:, i], axis=0)

@@ -11,11 +11,10 @@ their bounds take, `further.nc`.
     runs_with, runs_without         in how many runs there is such a number, and in how many not
     happens, happens_uncertainty    share of the box in which there is, and what of it is open
     error_limit, error_border       errors by step and mesh, if verified, for shares of the box: of
-                                    the number, and of the certainty that there is one
+                                    the number, and of whether there is one
     is_time, fit                    1 for times of the run; what was fitted
     least                           physical lower bound, NaN where there is none
-    share, alone, fixed, halved (quantity, parameter)   what each parameter contributes
-"""
+    share, alone, fixed, halved (quantity, parameter)   what each parameter contributes"""
 
 from __future__ import annotations
 
@@ -104,9 +103,9 @@ def quantities_dataset(
         variables.put("error_border", _DIM, shifts, text("the event margin"))
     _put_occurrence(variables, model, bounds, shifts)
     _put_shares(variables, model, bounds)
-    times = [int(quantity.is_time) for quantity in model.experiment.numbers]
+    times = [int(quantity.is_time) for quantity in model.experiment.quantity_list]
     variables.put("is_time", _DIM, times, "1 for times of the run", "1")
-    least = [np.nan if q.least is None else q.least for q in model.experiment.numbers]
+    least = [np.nan if q.least is None else q.least for q in model.experiment.quantity_list]
     variables.put("least", _DIM, least, "physical lower bound of the quantity")
     kinds = [b.surrogate.fit.kind if b.surrogate.fit else "none" for b in bounds]
     variables["fit"] = (_DIM, kinds, {"long_name": "what was fitted to the runs"})
@@ -155,7 +154,7 @@ def _put_occurrence(
     variables.put("runs_without", _DIM, absences, "number of runs without the quantity", "1")
     free = model.experiment.box.free
     limits = [
-        Limit(b.surrogate, "happens", 1.0, border=float(shift))
+        Limit(b.surrogate, "happens", 1.0, border_error=float(shift))
         for b, shift in zip(bounds, shifts, strict=True)
     ]
     shares = np.array([share_of_box([limit], free) for limit in limits])
@@ -209,7 +208,7 @@ def coordinates(model: ModelEvaluator) -> dict:
     attributes by name, for names and units of the model's quantities and interval parameters, and
     lower, upper and nominal value of each interval."""
     experiment = model.experiment
-    quantities, parameters = experiment.numbers, experiment.scene_type.parameters
+    quantities, parameters = experiment.quantity_list, experiment.scene_type.parameters
     names, rows = list(experiment.intervals), experiment.intervals.values()
     columns = {
         "quantity": ("quantity", [q.name for q in quantities], "name of the quantity"),

@@ -54,7 +54,7 @@ def converge_bounds(
     `max_iterations` iterations; 0: by the runs so far. An iteration adds runs to `model` at the
     surrogates' bounds and where these may still go farther, at limit-state surfaces of events, and
     where the limits `specs` are worst, then refits; where none is to be added, it ends."""
-    mispredictions = np.zeros((len(model.experiment.numbers), 2))
+    mispredictions = np.zeros((len(model.experiment.quantity_list), 2))
     for iteration in range(max_iterations + 1):
         surrogates = model.surrogates()
         bounds = [_bounds(model, q, s, mispredictions[q]) for q, s in enumerate(surrogates)]
@@ -94,7 +94,7 @@ def _infill(bounds: QuantityBounds) -> list[np.ndarray]:
     """Unit points (k) of the next runs for one quantity."""
     points = [point for estimate in bounds.estimates for point in estimate.points]
     occurrence = bounds.surrogate.occurrence
-    if occurrence.open > _MIN_FRACTION:
+    if occurrence.open_fraction > _MIN_FRACTION:
         points += list(occurrence.infill_points(_SURFACE))
     return points
 

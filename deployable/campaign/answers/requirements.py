@@ -17,8 +17,7 @@
 
 The runs that decide were made with those of the quantities' ends. Margins are below 0 where a limit
 is broken, null where something does not happen. A place is parameter values by name; `simulated` is
-the quantity of the run there.
-"""
+the quantity of the run there."""
 
 from __future__ import annotations
 

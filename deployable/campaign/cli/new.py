@@ -39,8 +39,7 @@ GITIGNORE = "/results/\n/exports/\n/report.html\n/.snakemake/\n"
 
 
 def starts() -> list[str]:
-    """List the names that a new folder can start from: shipped campaigns, and shipped structures
-    that none of these is about."""
+    """List names that a new folder can start from: shipped campaigns, structures without one."""
     campaigns = shipped.campaigns()
     scenes = [load(path)["scene"] for path in campaigns.values()]
     scene_names = {scene.get("name") or Path(scene["file"]).stem for scene in scenes}

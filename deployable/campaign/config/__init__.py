@@ -2,5 +2,4 @@
 
 `loader` reads YAML, by `models` pydantic finds what is wrong alone (`read`) and `scene_checks` what
 needs the scene; `resolve` fills in what is left open, `check` puts them in order, and `sections`
-are what comes out of it.
-"""
+are what comes out of it."""

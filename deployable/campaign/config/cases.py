@@ -14,8 +14,7 @@ from deployable.campaign.config.sections import Campaign, Experiment, Interval
 
 
 def folder_name(case: str) -> str:
-    """Return the name of the folder of a case's results, below that of the campaign; case: its
-    name, in which spaces become `-`."""
+    """Return the folder of a case below the campaign's; case: its name (spaces become `-`)."""
     return re.sub(" +", "-", case)
 
 
@@ -79,7 +78,7 @@ def case_config(raw: Mapping, name: str, case_lists: Mapping[str, Any]) -> tuple
     return rest, changes
 
 
-def fixed_problems(case: Mapping, name: str, intervals: Mapping) -> list[str]:
+def fixed_interval_problems(case: Mapping, name: str, intervals: Mapping) -> list[str]:
     """Check that a case gives no value to a parameter that is an interval: returns a sentence for
     each. case: raw section of the case called `name`; intervals: the campaign's, by parameter."""
     return [
@@ -90,7 +89,7 @@ def fixed_problems(case: Mapping, name: str, intervals: Mapping) -> list[str]:
     ]
 
 
-def in_case(name: str, problem: str) -> str:
+def case_problem(name: str, problem: str) -> str:
     """Turn a problem of the config made for one case into one of the user's config:
     `scene.parameters.g: ...` into `cases.<name>.scene.g: ...`. So are all keys that a case may
     state (`scene.file`: `file`); before a problem of any other key stands `cases.<name>: `. name:

@@ -4,8 +4,7 @@
     campaign.experiment.solver.duration
 
 Everything wrong with it is collected into one `ConfigError`: what the models of its sections refuse
-(`models`, by `read`), then what needs the scene (`scene_checks`).
-"""
+(`models`, by `read`), then what needs the scene (`scene_checks`)."""
 
 from __future__ import annotations
 
@@ -18,8 +17,8 @@ from typing import Any
 
 from deployable.campaign.config.cases import (
     case_config,
-    fixed_problems,
-    in_case,
+    case_problem,
+    fixed_interval_problems,
     naming_problems,
     twin_problems,
     without_cases,
@@ -128,13 +127,13 @@ def _with_cases(campaign: Campaign, raw: Mapping, case_lists: Mapping, source: s
     """The campaign with its cases, each checked as a campaign of its own."""
     cases, campaigns, problems = raw["cases"], {}, []
     for name in cases:
-        fixed = fixed_problems(cases[name], name, raw["intervals"])
+        fixed = fixed_interval_problems(cases[name], name, raw["intervals"])
         config, changes = case_config(raw, name, case_lists)
         _add(config, changes)
         try:
             campaigns[name] = check_config(config)
         except ConfigError as error:
-            fixed = fixed or [in_case(name, problem) for problem in error.problems]
+            fixed = fixed or [case_problem(name, problem) for problem in error.problems]
         problems += fixed
     campaign = replace(campaign, cases=copy.deepcopy(dict(cases)), case_campaigns=campaigns)
     if problems := problems or twin_problems(campaign, cases):

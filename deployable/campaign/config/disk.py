@@ -17,8 +17,7 @@ _EVENTS_BYTES = 40  # of a run's impacts, compressed: some ten
 
 
 def bytes_of_run(campaign: Campaign) -> float:
-    """Estimate the bytes on disk that one run of a campaign takes, in the store of runs (by
-    `jobs.keep`) and in `samples.nc`."""
+    """Estimate the bytes on disk of one run: in the store (by `jobs.keep`) and `samples.nc`."""
     experiment = campaign.experiment
     instants, responses = experiment.solver.instants, len(experiment.responses)
     if campaign.jobs.keep == "extremes":

@@ -185,7 +185,7 @@ def read_file(path: str | Path) -> Text:
         raise ConfigError(error.source, [problem.text for problem in error.problems]) from None
 
 
-def look(arguments: Sequence[str] | None = None) -> None:
+def check_snakemake_arguments(arguments: Sequence[str] | None = None) -> None:
     """Check the files that Snakemake's arguments name (None: the arguments of this process), and
     end the process with status 1 and a message if one cannot be read, is not YAML, or asks for
     Python in it to be run, or if the working folder cannot be written to. Snakemake reads them

@@ -48,7 +48,7 @@ def resolve_tests(
 
 
 def _test_problems(test: MeasuredTest, file: CurvesFile, experiment: Experiment) -> Iterator[str]:
-    curves = {curve.name: curve for curve in experiment.curves if curve.kind != "margin"}
+    curves = {curve.name: curve for curve in experiment.response_list if curve.kind != "margin"}
     columns = [name for name in file.columns if not name.endswith(_BAND)]
     for column, response in test.columns.items():
         if column not in file.columns:

@@ -2,8 +2,7 @@
 
 Types and `Rule`s are the limits; the texts below the fields are those of docs/config.md; what
 fields of a section must be together is in `__post_init__`. pydantic is imported where a config is
-checked, not where a section is used, since that takes 0.1 s.
-"""
+checked, not where a section is used, since that takes 0.1 s."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ from fpm.errors import number_hint
 from fpm.files.outcome import eventful
 from fpm.reading.margins import driving, read_label, travel_of
 from fpm.reading.quantity_definitions import parse
-from fpm.reading.variables import numbers
+from fpm.reading.variables import count_values
 from fpm.solver.pack import topology
 from fpm.travel import springs_of
 
@@ -127,7 +127,7 @@ def _time_problems(experiment: Experiment) -> list[str]:
 def _memory_problems(experiment: Experiment) -> list[str]:
     """Whether the runs that are integrated side by side find room in memory."""
     instants, scene = experiment.solver.instants, experiment.nominal_scene
-    recorded_numbers = numbers(scene, experiment.record) if experiment.record else 0
+    recorded_numbers = count_values(scene, experiment.record) if experiment.record else 0
     instant_numbers = 8 * (6 * len(scene.points) + len(scene.hinges) + 10 + recorded_numbers)
     if instants * instant_numbers <= MOST_NUMBERS:
         return []
@@ -164,7 +164,7 @@ def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> list
 def _travel_problems(experiment: Experiment) -> list[str]:
     """Which travels the structure cannot make, at the nominal values and a few positions."""
     problems = []
-    for curve in experiment.curves:
+    for curve in experiment.response_list:
         if curve.kind == "margin":
             openings, _ = read_label(curve.columns[0][1])
             try:
@@ -197,7 +197,7 @@ def _quantity_problems(experiment: Experiment) -> list[str]:
     if not experiment.quantities:
         return []
     elements = eventful(experiment.nominal_scene)
-    _, errors = parse(experiment.quantities, experiment.curves, elements)
+    _, errors = parse(experiment.quantities, experiment.response_list, elements)
     return [_sentence(error.key, error) for error in errors]
 
 

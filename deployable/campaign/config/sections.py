@@ -1,8 +1,7 @@
 """A campaign as the program knows it: its config, checked and resolved, as frozen dataclasses.
 
-Whatever a config leaves open (an accuracy, an interval given as a percentage) is a number here; the
-other sections are those of `models`. They become JSON by `as_json`, and come back by `from_data`.
-"""
+What a config leaves open (an accuracy, an interval in per cent) is a number here; the other
+sections are those of `models`. They become JSON by `as_json`, and come back by `from_data`."""
 
 from __future__ import annotations
 
@@ -224,21 +223,22 @@ class Experiment:
         return digest_code(self.scene_type.digest)
 
     @cached_property
-    def curves(self) -> list[Any]:
+    def response_list(self) -> list[Any]:
         """Responses (curves over time) as `fpm.responses.Response`; raises `fpm.SceneError`."""
         return [fpm.responses.parse(n, d, self.nominal_scene) for n, d in self.responses.items()]
 
     @cached_property
     def record(self) -> tuple[tuple[str, str], ...]:
         """Columns that responses need, sorted: pairs of variable and label (element, component)."""
-        return tuple(sorted({need for curve in self.curves for need in curve.needs}))
+        return tuple(sorted({need for curve in self.response_list for need in curve.needs}))
 
     @cached_property
-    def numbers(self) -> list[Any]:
+    def quantity_list(self) -> list[Any]:
         """Quantities (of a run) as `fpm.reading.quantities.Quantity`; raises `fpm.SceneError`."""
         if not self.quantities:
             return []
-        quantities, problems = parse(self.quantities, self.curves, eventful(self.nominal_scene))
+        elements = eventful(self.nominal_scene)
+        quantities, problems = parse(self.quantities, self.response_list, elements)
         for problem in problems:
             raise problem
         return quantities
@@ -248,9 +248,11 @@ class Experiment:
         """Why the model does not determine the value of a response or quantity, and advice, in
         words, by name; without those that it determines. Peaks of shocks depend on mesh and step;
         forces of joints that others make redundant are arbitrary."""
-        curves = [(curve.name, curve, True) for curve in self.curves]
-        quantities = [(q.name, q.response, q.is_instantaneous) for q in self.numbers if q.response]
-        redundancies = undetermined_forces(self.nominal_scene, self.curves)
+        curves = [(curve.name, curve, True) for curve in self.response_list]
+        quantities = [
+            (q.name, q.response, q.is_instantaneous) for q in self.quantity_list if q.response
+        ]
+        redundancies = undetermined_forces(self.nominal_scene, self.response_list)
         reasons = {
             name: (warn(self.nominal_scene, response) if peak else "")
             or redundancies.get(response.name, "")
@@ -286,15 +288,13 @@ class Experiment:
         return self.build(self._nominal_values)
 
     def parameters(self, values: Mapping[str, float]) -> dict[str, Any]:
-        """Return the values of all structure parameters by name for one run, each in its
-        parameter's unit: defaults, replaced by those of the config, then by `values` of the
-        interval parameters, by name."""
+        """Return the values of all structure parameters by name for one run, each in its unit:
+        defaults, replaced by those of the config, then by `values` of the interval parameters."""
         defaults = {name: p.default for name, p in self.scene_type.parameters.items()}
         return {**defaults, **self.scene.parameters, **values}
 
     def build(self, values: Mapping[str, float]) -> Any:
-        """Build the `fpm.Scene` of one run. values: of the interval parameters by name, in their
-        units. Raises `fpm.SceneError`."""
+        """Build the `fpm.Scene` of a run; raises `fpm.SceneError`. values: by name, in its unit."""
         return self.scene_type.build(**self.parameters(values))
 
 
@@ -417,7 +417,7 @@ def count_runs(experiment: Experiment) -> int:
         return experiment.accuracy.max_runs
     if design.method == "sobol":  # its points take a while to make, and their number is known
         return design.samples + 1
-    return make_design(design, experiment.box).runs + 1 + experiment.held_out
+    return make_design(design, experiment.box).run_count + 1 + experiment.held_out
 
 
 # -- sections as files and commands have them ------------------------------------------------------

@@ -216,7 +216,7 @@ def _selected_run(
         instants=solver.instants,
         step=step,
         energy_tolerance=solver.energy_tolerance,
-        responses=tuple(experiment.curves),
+        responses=tuple(experiment.response_list),
         attributes=attributes,
         folder=folder,
     )

@@ -3,8 +3,7 @@
 In every frame `axes` has all particles, and the elements as lines; `solid` the elements as
 hexahedra between their sections; `cables` the cables, where there are any. Numbers are in SI units,
 of 64 bits, as they are in the motion. Format: VTK's XML formats,
-https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html.
-"""
+https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html."""
 
 from __future__ import annotations
 
@@ -104,9 +103,8 @@ def grid_text(
     time: float,
 ) -> str:  # fmt: skip
     """Write the text of a .vtu file with one unstructured grid. points (n, 3): positions (m);
-    cells: pairs of VTK's number of a cell type, such as 3 for lines, and cells (m, k) as indices of
-    their points; of_points, of_cells: data arrays by name, a row for each point or cell; time: of
-    the frame (s)."""
+    cells: pairs of VTK's number of a type, as 3 for lines, and cells (m, k) as indices of points;
+    of_points, of_cells: data arrays by name, a row for each point or cell; time: in s."""
     connectivity = np.concatenate([nodes.ravel() for _, nodes in cells]).astype(np.int64)
     sizes = np.concatenate([np.full(len(nodes), nodes.shape[1]) for _, nodes in cells])
     kinds = np.concatenate([np.full(len(nodes), kind, np.uint8) for kind, nodes in cells])

@@ -1,8 +1,7 @@
 """A campaign's files: whole or absent, sealed (`fpm.files.sealed`), and known by what they are of.
 
 The seal of a result says, beside its name, of which `plan` it is (the digest of its runs), what
-its stage made it from (`basis`, the digest of code and config), and what computed it when.
-"""
+its stage made it from (`basis`, the digest of code and config), and what computed it when."""
 
 from __future__ import annotations
 
@@ -48,7 +47,8 @@ def result_file(path: str | Path, **facts: str) -> Iterator[Path]:
     seals the file (checksum and origin) and renames it to `path`. facts: texts by name for the
     seal, besides name, program and date. Raises `fpm.errors.ChangedError` if the program's files
     were edited since it was imported."""
-    with whole_file(path, {"name": Path(path).name, **stamp(), **_FACTS.get(), **facts}) as file:
+    facts = {"name": Path(path).name, **stamp(), **_FACTS.get(), **facts}
+    with whole_file(path, facts) as file:
         yield file
         check_code()
 

@@ -1,9 +1,8 @@
 """A whole motion as one glTF 2.0 file (.glb) that plays in viewers and in Blender.
 
-Particles are nodes that move and turn; bars, cables and the pins of hinges are one skinned mesh,
-whose every corner follows the particle at its end. glTF's axes are right-handed with y up: x, z and
--y of ours. Metres, seconds. Format: Khronos, glTF 2.0 specification, https://registry.khronos.org/glTF/specs/2.0.
-"""
+Particles are nodes that move and turn; bars, cables and pins of hinges are one skinned mesh, whose
+corners follow particles. glTF's axes are right-handed with y up: x, z and -y of ours. Metres,
+seconds. Format: Khronos, glTF 2.0 specification, https://registry.khronos.org/glTF/specs/2.0."""
 
 from __future__ import annotations
 

@@ -2,8 +2,7 @@
 
 The middles of two faces do not tell which is nearer where one is long: of a tube within a tube the
 inner face's may be. So depths are compared at a point where both faces are on the page. Where these
-comparisons form a cycle, or faces intersect, their middles decide.
-"""
+comparisons form a cycle, or faces intersect, their middles decide."""
 
 from __future__ import annotations
 

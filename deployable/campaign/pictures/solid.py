@@ -31,8 +31,7 @@ class CablePoints:
 
     @cached_property
     def stretches(self) -> np.ndarray:
-        """Indices (s, 2), among the p points of all cables, of the ends of each straight stretch:
-        successive points of one cable."""
+        """Indices (s, 2), among the p points, of both ends of each straight stretch of a cable."""
         first = np.flatnonzero(self.cable[1:] == self.cable[:-1])
         return np.stack([first, first + 1], axis=1)
 

@@ -1,2 +1,1 @@
-"""Which runs a campaign has, under which names, and with which time step; and, towards an
-`accuracy`, which runs come next."""
+"""Which runs a campaign has, their names and time step; towards an `accuracy`, which come next."""

@@ -3,8 +3,7 @@
 Each round has a plan (`rounds/<round>/plan.json`) with a mesh, a step, and runs through which a
 spline goes; those of later rounds are sought where the bounds are decided. A round whose plan says
 so is checked: its bounds know what a finer mesh and half the step change. What comes next is
-decided by `decide`; here results become its arguments and its decision a plan.
-"""
+decided by `decide`; here results become its arguments and its decision a plan."""
 
 from __future__ import annotations
 
@@ -140,7 +139,8 @@ def _estimate_quantities(experiment: Experiment, samples: Any) -> dict[str, _Qua
     points, numbers = samples["normalized"].values, samples["quantities"].values
     margins = margins_of_samples(experiment, samples, np.arange(len(points)))
     estimates = {}
-    for quantity, values, margin in zip(experiment.numbers, numbers.T, margins.T, strict=True):
+    columns = zip(experiment.quantity_list, numbers.T, margins.T, strict=True)
+    for quantity, values, margin in columns:
         end = experiment.solver.duration if quantity.is_time else None
         surrogate = fit_scalar(points, values, end, quantity.least, margin)
         bounds = estimate_bounds(surrogate, points, values)
@@ -205,7 +205,8 @@ def _standing(plan: Plan, shares: Mapping, is_step_free: bool = True) -> Refinem
     elements = int(plan.experiment.scene.parameters.get(target.mesh, 0))
     cost = Resources(runs, seconds, nodes, 0, check_runs, time, elements, answers)
     state = RefinementState(target, shares, plan.adaptive, cost, is_step_free)
-    return replace(state, cost=replace(cost, next_runs=add_runs(nodes, state.growth(), affordable)))
+    next_runs = next_runs = add_runs(nodes, state.growth(), affordable)
+    return replace(state, cost=replace(cost, next_runs=next_runs))
 
 
 def add_runs(nodes: int, growth: float, affordable: float) -> int:

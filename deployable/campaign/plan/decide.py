@@ -1,8 +1,7 @@
 """What comes next towards an accuracy: more runs, a finer mesh or step, a check, or an end.
 
 Pure logic, without files or runs. Errors are shares of the widths of responses and quantities, by
-part: surrogate, step and mesh.
-"""
+part: surrogate, step and mesh."""
 
 from __future__ import annotations
 
@@ -91,14 +90,14 @@ class Decision:
 @dataclass(frozen=True)
 class Errors:
     """Estimated errors of the bounds of the response or quantity `name`, as fractions of its width.
-    aim: tolerance of their sum; parts: by component, "surrogate" and, if known, "step", "mesh"."""
+    tolerance: of their sum; parts: by component, "surrogate" and, if known, "step", "mesh"."""
 
     name: str
-    aim: float
+    tolerance: float
     parts: Mapping[str, float]
 
     @property
-    def whole(self) -> float:
+    def total(self) -> float:
         """Sum of the errors by surrogate, step and mesh, as a fraction of the interval's width."""
         return sum(self.parts.values())
 
@@ -117,12 +116,12 @@ class Errors:
         """Error that the surrogate may have, as a fraction of the width: the tolerance less the
         errors by mesh and step, but at least a quarter of the tolerance."""
         mesh, step = self.parts.get("mesh", 0.0), self.parts.get("step", 0.0)
-        return max(self.aim - mesh - step, (1 - _FINAL_SHARE) * self.aim)
+        return max(self.tolerance - mesh - step, (1 - _FINAL_SHARE) * self.tolerance)
 
     def __str__(self) -> str:
         components = ", ".join(f"{part} {_percent(value)}" for part, value in self.parts.items())
-        whole, aim = _percent(self.whole), _percent(self.aim)
-        return f"{self.name} {whole} of the width ({components}), tolerance {aim}"
+        total, tolerance = _percent(self.total), _percent(self.tolerance)
+        return f"{self.name} {total} of the width ({components}), tolerance {tolerance}"
 
 
 @dataclass(frozen=True)
@@ -151,12 +150,12 @@ class RefinementState:
     @cached_property
     def unmet(self) -> list[Errors]:
         """Errors of responses and quantities above their tolerances, without unknown ones (NaN)."""
-        return [error for error in self._all if error.whole > error.aim]
+        return [error for error in self._all if error.total > error.tolerance]
 
     @property
     def _all(self) -> list[Errors]:
-        aims = self.accuracy.tolerances
-        return [Errors(name, aims[name], parts) for name, parts in self.shares.items()]
+        tolerances = self.accuracy.tolerances
+        return [Errors(name, tolerances[name], parts) for name, parts in self.shares.items()]
 
     @cached_property
     def needs(self) -> dict[str, Need]:
@@ -186,7 +185,7 @@ class RefinementState:
            what is beyond its tolerance, and what it would take."""
         if not self.unmet:
             if "step" in self.state.check:
-                closest = max(self._all, key=lambda error: error.whole / error.aim)
+                closest = max(self._all, key=lambda error: error.total / error.tolerance)
                 reason = f"no error exceeds its tolerance; nearest to it is {closest}"
                 return Decision("stop", reason, met=True)
             reason = "the surrogate's error is small enough"
@@ -197,13 +196,13 @@ class RefinementState:
             return self._end("; ".join(dict.fromkeys(n.why_not for n in self.needs.values())))
         finer = [error for error in self.reducible if self.needs[error.name].action != "runs"]
         if finer:  # comes before runs, which are all made again then
-            worst = max(finer, key=lambda error: error.discretization / error.aim)
+            worst = max(finer, key=lambda error: error.discretization / error.tolerance)
             action = self.needs[worst.name].action
             check = ("mesh",) if action == "mesh" else _PARTS
             return Decision(action, f"{worst}; the {action} is halved", check)
         if reason := self._exceeds_budget("runs"):
             return self._end(reason)
-        worst = max(self.reducible, key=lambda error: error.whole / error.aim)
+        worst = max(self.reducible, key=lambda error: error.total / error.tolerance)
         check = _PARTS if self._is_last() else ()
         return Decision("runs", f"{worst}; {self.cost.next_runs} runs are added", check)
 
@@ -220,14 +219,15 @@ class RefinementState:
     def _need(self, error: Errors) -> Need:
         """Too coarse a mesh comes first; where none finer can be had, runs help what it leaves."""
         is_first = all(record.action in ("mesh", "step") for record in self.state.rounds)
-        if not error.discretization > (_INITIAL_SHARE if is_first else _FINAL_SHARE) * error.aim:
+        share = _INITIAL_SHARE if is_first else _FINAL_SHARE
+        if not error.discretization > share * error.tolerance:
             return Need("runs", self._stagnation(error))
         action, cause = error.larger, self._exceeds_budget(error.larger)
         if not (self.accuracy.mesh if action == "mesh" else self.is_step_free):
             cause = f"the config keeps its {action}"
         elif not cause and action == "mesh" and self._is_not_converging(error):
             cause = "a finer mesh does not get there within the budget"
-        is_needed = not cause or error.discretization >= error.aim
+        is_needed = not cause or error.discretization >= error.tolerance
         return Need(action, cause) if is_needed else Need("runs")
 
     def _stagnation(self, error: Errors) -> str:
@@ -289,18 +289,19 @@ class RefinementState:
         return Decision("stop", f"{cause}: {unmet}. {takes}")
 
     def _takes(self, error: Errors) -> str:
-        """What it would take to bring one error down to its aim, by how parts fell so far."""
+        """What it would take to bring one error down to its tolerance, by how parts fell so far."""
         if self._stagnation(error):
             return f"more runs do not help {error.name}"
         nodes, seconds, texts = self.cost.nodes, self.cost.run_seconds, []
-        if error.discretization > _FINAL_SHARE * error.aim:
+        if error.discretization > _FINAL_SHARE * error.tolerance:
             fall = self._fall(error) or 2.0
             if fall < _HARDLY:
                 return f"{error.name} has an error of the mesh that hardly falls with a finer one"
             halvings = _halvings(error, fall)
             seconds *= {"mesh": 4, "step": 2}[error.larger] ** halvings
             texts.append(f"a {error.larger} {2**halvings} times as fine")
-        allowance = max(error.aim - min(error.discretization, error.aim / 2), 0.1 * error.aim)
+        tolerance = error.tolerance
+        allowance = max(tolerance - min(error.discretization, tolerance / 2), 0.1 * tolerance)
         if error.parts["surrogate"] > allowance:
             nodes = math.ceil(nodes * min(error.parts["surrogate"] / allowance, 100.0))
             texts.append(f"some {nodes} runs")
@@ -326,8 +327,8 @@ class RefinementState:
 
 
 def _halvings(error: Errors, fall: float) -> int:
-    """How often a mesh must be halved for its error to take half of the aim."""
-    return max(1, math.ceil(math.log(2 * error.discretization / error.aim) / math.log(fall)))
+    """How often a mesh must be halved for its error to take half of its tolerance."""
+    return max(1, math.ceil(math.log(2 * error.discretization / error.tolerance) / math.log(fall)))
 
 
 def _percent(value: float) -> str:

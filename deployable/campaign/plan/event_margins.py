@@ -23,9 +23,9 @@ def margins_of(experiment: Experiment, values: np.ndarray) -> np.ndarray:
     continuous where a quantity comes and goes in the box, and so locates that border."""
     names = list(experiment.responses)
     margins = np.full((len(values), len(experiment.quantities)), np.nan)
-    for q, quantity in enumerate(experiment.numbers):
-        if (decider := quantity.decider) is not None and len(values):
-            margins[:, q] = decider.margin(values[:, names.index(decider.response.name)])
+    for q, quantity in enumerate(experiment.quantity_list):
+        if (source := quantity.margin_source) is not None and len(values):
+            margins[:, q] = source.margin(values[:, names.index(source.response.name)])
     return margins
 
 
@@ -33,7 +33,8 @@ def margins_of_samples(experiment: Experiment, samples: Any, rows: Sequence[int]
     """Compute event margins (r, q), by how much each run has each quantity (`margins_of`), of r
     runs of an open `samples.nc` (`netCDF4.Dataset` or `xarray.Dataset`); NaN if it holds no curves
     of them. rows: indices of the runs, in the order wanted."""
-    if "values" not in samples.variables or all(q.decider is None for q in experiment.numbers):
+    has_source = any(q.margin_source is not None for q in experiment.quantity_list)
+    if "values" not in samples.variables or not has_source:
         return np.full((len(rows), len(experiment.quantities)), np.nan)
     parts = [rows[first : first + _BLOCK] for first in range(0, len(rows), _BLOCK)]
     values = samples.variables["values"]

@@ -12,8 +12,7 @@
               `met`: null unless this is the plan after the last round, which has no new runs; and
               what its bounds are to `check`
 
-A run that serves two roles is listed twice, with the same id, and simulated once.
-"""
+A run that serves two roles is listed twice, with the same id, and simulated once."""
 
 from __future__ import annotations
 

@@ -32,16 +32,16 @@ class Runs(Sequence[PlannedRun]):
     """Sequence of N runs, held as arrays: an index gives a `PlannedRun`, a slice or a list of
     indices another sequence. role (N): indices into `ROLES` (nominal, node, held_out, ...); points
     (N, k): normalized points, kept as `normalized`; values (N, k): of the interval parameters, in
-    their units; name: function that returns a run's id from its values, a tuple of k numbers."""
+    their units; id_of: function that returns a run's id from its values, a tuple of k numbers."""
 
     def __init__(
         self,
         role: np.ndarray,
         points: np.ndarray,
         values: np.ndarray,
-        name: Callable[[tuple[float, ...]], str],
+        id_of: Callable[[tuple[float, ...]], str],
     ):
-        self.role, self.normalized, self.values, self.name = role, points, values, name
+        self.role, self.normalized, self.values, self.id_of = role, points, values, id_of
 
     @classmethod
     def from_runs(cls, runs: Sequence[PlannedRun]) -> Runs:
@@ -62,9 +62,9 @@ class Runs(Sequence[PlannedRun]):
             index = np.array(index, int)
         role, points, values = self.role[index], self.normalized[index], self.values[index]
         if np.ndim(role):
-            return Runs(role, points, values, self.name)
+            return Runs(role, points, values, self.id_of)
         physical = tuple(values.tolist())
-        return PlannedRun(self.name(physical), ROLES[role], tuple(points.tolist()), physical)
+        return PlannedRun(self.id_of(physical), ROLES[role], tuple(points.tolist()), physical)
 
     def __eq__(self, runs: object) -> bool:
         return isinstance(runs, Runs) and self.digest == runs.digest

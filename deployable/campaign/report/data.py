@@ -90,9 +90,9 @@ class OmittedRun:
 
 @dataclass(frozen=True)
 class RunVerdicts:
-    """For R runs of a campaign whether each meets all requirements, `met` (R, bool), with its k
-    parameter `values` (R, k) and its q quantities, `numbers` (R, q), in their units, NaN for one
-    that does not occur."""
+    """For R runs whether each meets all requirements, `met` (R, bool), with its k parameter
+    `values` (R, k) and its q quantities, `numbers` (R, q), in their units, NaN if it does not
+    occur."""
 
     values: np.ndarray
     met: np.ndarray

@@ -36,10 +36,9 @@ class Panel:
 
 
 def meets(limits: Iterable[Mapping], names: Sequence[str], numbers: np.ndarray) -> np.ndarray:
-    """Mask (R) of the runs that meet all limits of the requirements. limits: dicts in
-    `summary.json` with quantity, kind ("at_most", "at_least", "happens") and level; names: of the q
-    quantities; numbers (R, q): their values in the runs, NaN if absent, which breaks any limit but
-    `happens: false` (level 0)."""
+    """Mask (R) of the runs that meet all requirements' limits. limits: dicts in `summary.json` with
+    quantity, kind ("at_most", "at_least", "happens") and level; names: of the q quantities; numbers
+    (R, q): their values, NaN if absent, which breaks any limit but `happens: false`."""
     from deployable.intervals.scalars import Limit
 
     met = np.ones(len(numbers), dtype=bool)

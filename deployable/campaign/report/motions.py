@@ -46,8 +46,7 @@ class ShownRun:
 def shown_runs(folder: str | Path) -> list[ShownRun]:
     """List the runs that a campaign's page shows moving, at most 24 (`MOST_MOVING`): the nominal
     one (or a scan's first), then those at the bounds of the quantities, then those with the least
-    and largest value of each response at the time at which its bounds differ most. folder: of the
-    results."""
+    and largest value of each response when its bounds differ most. folder: of the results."""
 
     folder = Path(folder)
     with (
@@ -78,7 +77,7 @@ def shown_runs(folder: str | Path) -> list[ShownRun]:
     ]
 
 
-def how_many_move(particles: int) -> int:
+def count_moving_runs(particles: int) -> int:
     """Return how many moving runs a page has room for, 7 to 24 (`MOST_MOVING`), if each has a
     hundred frames; particles: number of those of the structure."""
     room = MOST_PLACES // (_FEW_FRAMES * particles)
@@ -161,7 +160,7 @@ def motions_of(samples: xarray.Dataset, runs: Sequence[ShownRun], frames: int = 
 
 def _read_curves(experiment: Any, outcome: Any) -> dict:
     """Responses and events of a run, as variables of its motion."""
-    curves = np.array([response.evaluate(outcome) for response in experiment.curves])
+    curves = np.array([response.evaluate(outcome) for response in experiment.response_list])
     impacts = outcome.impacts()
     return {
         "curves": (("response", "instant"), curves, {"long_name": "value of the response"}),
@@ -201,7 +200,7 @@ def make_motions(folder: str | Path, frames: int = 401) -> list[Path]:
             return []
         runs = shown_runs(folder)
         values = dict(zip(samples["parameter"].values.tolist(), runs[0].values, strict=True))
-        runs = runs[: how_many_move(len(experiment.build(values).position))]
+        runs = runs[: count_moving_runs(len(experiment.build(values).position))]
         paths = [Folder(folder).motions / f"{run.id}.nc" for run in runs]
         for motion, path in zip(motions_of(samples, runs, frames), paths, strict=True):
             write_dataset(motion, path, "Whole motion of a run")

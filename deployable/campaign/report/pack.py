@@ -1,8 +1,7 @@
 """Data as the page's script takes them, compress: JSON, and the arrays that it points to.
 
 Bounds stay in double precision, thin lines are single. Long curves are thinned, their extremes are
-kept. Each moving run is the glTF file of `pictures.glb`.
-"""
+kept. Each moving run is the glTF file of `pictures.glb`."""
 
 from __future__ import annotations
 

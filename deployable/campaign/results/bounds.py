@@ -1,10 +1,9 @@
 """From `samples.nc` to surrogate, bounds and sensitivities, by the `intervals` package.
 
 The files are described at `intervals.bounds_dataset`, `intervals.surrogate_dataset` and
-`intervals.sensitivity_dataset`; all have the coordinates `response`, `response_units`,
-`response_long_name`, and of the box `parameter`, `box_lower`, `box_upper`, `box_nominal`,
-`box_units`. Surrogate and sensitivities are the polynomial's, also where the bounds are a spline's.
-"""
+`intervals.sensitivity_dataset`; all have coordinates `response`, `response_units`,
+`response_long_name`, of the box `parameter`, `box_lower`, `box_upper`, `box_nominal`, `box_units`.
+Surrogate and sensitivities are the polynomial's, also where the bounds are a spline's."""
 
 from __future__ import annotations
 

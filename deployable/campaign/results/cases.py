@@ -18,8 +18,7 @@
     next          the next test that measured curves ask for, with its `case`; null: none
     notes         [{notes, cases}]: a text on what makes numbers of these cases doubtful
 
-A failure decides before what is undecided, and that before what is met; then the smaller margin.
-"""
+A failure decides before what is undecided, and that before what is met; then the smaller margin."""
 
 from __future__ import annotations
 
@@ -95,8 +94,8 @@ def _next_tests(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
 
 def combine_met(verdicts: Iterable[str]) -> str:
     """Return what several cases make of a requirement: `all` only where each meets it, `none` where
-    each fails in the whole box, `some` where any fails, else `undecided`. verdicts: one of these
-    words for each case."""
+    each fails everywhere, `some` where any fails, else `undecided`. verdicts: such a word by
+    case."""
     verdicts = set(verdicts)
     if len(verdicts) == 1:
         return verdicts.pop()

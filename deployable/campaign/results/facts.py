@@ -75,7 +75,7 @@ def facts_of(
         with open_netcdf(folder.quantities) as data:
             facts["quantities"] = quantity_rows(data, experiment.solver.duration)
             refinements = int(data.further_runs)
-        for row, quantity in zip(facts["quantities"], experiment.numbers, strict=True):
+        for row, quantity in zip(facts["quantities"], experiment.quantity_list, strict=True):
             row |= words_of(quantity)
             if not row["runs_with"] and (approach := _approach(quantity, experiment, folder)):
                 row["reached"] = approach
@@ -144,9 +144,8 @@ def varies(row: Mapping) -> bool:
 
 def of_bounds(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict[str, Any]:
     """Collect what `bounds.nc` and `samples.nc` tell as plain data, a part of `summary.json`:
-    parameters, design of the runs, contacts that close in the nominal run, and bounds by response.
-    bounds, samples: those files, open; published: largest difference of the bounds in the
-    literature, by name of response."""
+    parameters, design, contacts that close in the nominal run, and bounds by response. bounds,
+    samples: those files, open; published: largest difference in the literature by response."""
     count, time = counts(samples), bounds["time"][:]
     keys = ("parameter", "box_units", "box_lower", "box_nominal", "box_upper")
     names = ("name", "units", "lower", "nominal", "upper")
@@ -286,9 +285,9 @@ def along_of(data: Any, i: int) -> dict[str, Any] | None:
 
 
 def grade(error: float | None, width: float) -> str:
-    """Return a word for an estimated error relative to `width`, the difference of the bounds in the
-    same unit: `small` below 5 %, `large` from 25 %, `noticeable` between, `unknown` where error is
-    None or width 0."""
+    """Return a word for an error relative to `width`, the difference of the bounds in its unit:
+    `small` below 5 %, `large` from 25 %, `noticeable` between, `unknown` if error is None or width
+    0."""
     if error is None or not width > 0:
         return "unknown"
     share = error / width
@@ -414,7 +413,8 @@ def _approach(quantity: Any, experiment: Any, folder: Folder) -> dict[str, Any]:
         }
         latch = latches[quantity.places[0]]
         opening = "opening", (scene.hinges[latch.hinge].name,)
-        response = next((c for c in experiment.curves if (c.kind, c.subjects) == opening), None)
+        matches = (c for c in experiment.response_list if (c.kind, c.subjects) == opening)
+        response = next(matches, None)
         level = latch.angle
     elif quantity.kind != "crossing":
         response = None

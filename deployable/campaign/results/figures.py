@@ -1,7 +1,6 @@
 """Envelope figures in the manner of the paper's Figure 4, sensitivities, and nominal moments.
 
-Bounds differ by dash as well as by colour, so that a grey print can be read.
-"""
+Bounds differ by dash as well as by colour, so that a grey print can be read."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from fpm.files.trajectory import read_curves
 from fpm.reading import margins
 from fpm.reading.responses import parse
 from fpm.reading.standards import STANDARDS
-from fpm.travel import classes_of_kinds, parts_of, springs_of
+from fpm.travel import classes_of_kinds, component_classes, springs_of
 
 OPENING_TOLERANCE = 1e-6
 """Difference of openings (share of the travel) that is none."""
@@ -32,7 +32,7 @@ def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dic
     experiment, scene = plan.experiment, plan.experiment.nominal_scene
     rows = {row["name"]: row for row in quantities}
     least = [
-        number for number in experiment.numbers
+        number for number in experiment.quantity_list
         if number.kind == "smallest" and number.response.kind == "margin"
     ]  # fmt: skip
     scenes = [experiment.build(corner) for corner in corners(experiment.intervals)] if least else []
@@ -126,7 +126,8 @@ def _travel_sweep(experiment: Any) -> Callable:
 
     @cache
     def curves(values: tuple[float, ...], columns: tuple) -> Any:
-        return margins.sweep_travel(scene(values), [replace(experiment.curves[0], columns=columns)])
+        response = replace(experiment.response_list[0], columns=columns)
+        return margins.sweep_travel(scene(values), [response])
 
     def sweep(values: tuple[float, ...], response: Any) -> Any:
         definition = {
@@ -151,8 +152,7 @@ def evidence_of(margin: Any) -> str:
 
 
 def failed_components(margin: Any) -> list[str]:
-    """List the names of the components, such as a spring that failed, without which a torque margin
-    is taken. margin: its `Response`."""
+    """List the components, as a spring that failed, without which a torque `margin` is taken."""
     return list(margin.subjects[margin.subjects.index(standard_of(margin)) + 2 :])
 
 
@@ -192,7 +192,7 @@ def list_deviations(scene: Any, definition: Mapping[str, Any], response: Any) ->
     the structure, a text each, own before other: `HM 2 for 3` (class of motors). scene:
     `fpm.Scene`; definition: the margin's part of the config; response: the margin (`Response`)."""
     standard = STANDARDS[standard_of(response)]
-    resists, parts = standard.resists[evidence_of(response)], parts_of(scene)
+    resists, parts = standard.resists[evidence_of(response)], component_classes(scene)
     return [
         *(f"{name} {x:g} for {resists[name]:g}"
           for name, x in definition.get("uncertainty_factors", {}).items()),
@@ -207,7 +207,7 @@ def weaker_classes(scene: Any, response: Any) -> list[str]:
     """List the components that the structure's file puts into a class with weaker factors than
     their kind has in a standard, a text each: component, its class, that of its kind. scene:
     `fpm.Scene`; response: a torque margin (`Response`), whose standard is meant."""
-    standard, parts = STANDARDS[standard_of(response)], parts_of(scene)
+    standard, parts = STANDARDS[standard_of(response)], component_classes(scene)
     drives, resists = standard.drives, standard.resists[evidence_of(response)]
     return [
         f"{part} as {parts[part]} for {label}" for part, label in classes_of_kinds(scene).items()

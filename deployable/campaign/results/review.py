@@ -1,8 +1,7 @@
 """The review sheet: each clause of a standard with what a campaign showed of it, as rows of text.
 
 Nothing in it claims compliance: it says what an analysis of a model showed, of what was stated. A
-row is met only where the numbers that it prints show it, with their errors.
-"""
+row is met only where the numbers that it prints show it, with their errors."""
 
 from __future__ import annotations
 
@@ -199,7 +198,7 @@ def _keeps(row: Mapping[str, Any], kind: str, level: float) -> bool:
 class _Sheet:
     def __init__(self, facts: Mapping[str, Any], experiment: Any, standard: str):
         self.facts, self.standard = facts, standard
-        self._numbers = {number.name: number for number in experiment.numbers}
+        self._numbers = {number.name: number for number in experiment.quantity_list}
         self._tolerance = experiment.solver.energy_tolerance
         self._mechanism = facts["mechanism"]
         self._margins = self._mechanism["margins"]
@@ -517,8 +516,7 @@ class _Sheet:
     # -- clauses that are about no single quantity -------------------------------------------------
 
     def redundant(self) -> dict[str, str] | None:
-        """Row on whether the torque margin holds with each single driving spring left out in turn;
-        None where no spring drives."""
+        """Row on whether the margin holds without any one driving spring; None if none drives."""
         margins = {
             name: margin for name, margin in self._margins.items()
             if margin["standard"] == self.standard and not margin["own"]

@@ -30,10 +30,11 @@ def environment(units: Iterable[str] = (), html: bool = False) -> Any:
     env = jinja2.Environment(
         loader=jinja2.FileSystemLoader([_FOLDER, _FOLDER.parent / "report"]), autoescape=html,
         trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined,
-        finalize=(lambda v: numbers.tie_units(v, units) if type(v) is str else v) if html else None,
+        finalize=(lambda v: numbers.tie_units(v, units) if type(v) is str else v)
+        if html else None,
     )  # fmt: skip
     of_numbers = ("number", "quantity", "percent", "share", "interval", "place", "spread", "pretty",
-                  "position", "measured", "earliest", "capitalise")  # fmt: skip
+                  "position", "with_error", "earliest", "capitalise")  # fmt: skip
     env.filters |= {name: getattr(numbers, name) for name in of_numbers}
     env.filters |= {
         "met_text": met_text, "decisive": decisive, "moments": moments,

@@ -27,8 +27,7 @@ class Counts:
 
 
 def keeps_extremes(samples: Any) -> bool:
-    """Whether the open `samples.nc` holds only least and largest values over its runs (`jobs.keep:
-    extremes`), not each run's curves."""
+    """Whether an open `samples.nc` has least and largest values (`jobs.keep: extremes`) only."""
     return "lower_run" in samples.variables
 
 

@@ -4,8 +4,7 @@ A batch is one process, or several that share its groups. A process takes its ru
 integrates a group side by side, and hands it to the store while the next is integrated, so that
 memory stays bounded and a killed job loses one group of each process at most, and what of the next
 was integrated while it was written. A run that fails does not harm the others: they are written,
-and the failures are listed at the end.
-"""
+and the failures are listed at the end."""
 
 from __future__ import annotations
 
@@ -34,7 +33,7 @@ from deployable.campaign.provenance import as_attribute, check_code
 from deployable.campaign.runs.progress import Notify, Progress, warm_up
 from deployable.campaign.runs.results import Result, groups_of
 from deployable.campaign.runs.store import open_store
-from fpm.files.sealed import sweep
+from fpm.files.sealed import remove_temporary
 from fpm.files.trajectory import Column
 from fpm.reading.variables import words
 
@@ -68,11 +67,10 @@ def run_batch(
     folder: of the store; manifest: path of the JSON file to be written, with numbers of runs and
     seconds; notify: called with each message; threads, processes: threads that share a group of
     runs, and processes that share the groups. Raises `CampaignError` with the runs that failed,
-    after all others were written; then there is no manifest.
-    """
+    after all others were written; then there is no manifest."""
     start_clocks = clocks()
     store = open_store(jobs.keep, folder, plan.experiment)
-    sweep(folder)
+    remove_temporary(folder)
     groups = store.groups(plan.unique_runs(), jobs.group)
     batch_groups = share(groups, batch, batches)
     work = [(group, missing) for group in batch_groups if len(missing := store.missing(group))]

@@ -12,8 +12,7 @@ quarters of the scan consist of whole chunks. In the file:
     quantities(run, quantity)               NaN where what is asked for does not happen
     event_time, event_contact, event_closing (run, event)   impacts, the times in single precision,
                                             padded with NaN, -1, -1
-    overlap                                 largest overlap of the faces of a contact, rad
-"""
+    overlap                                 largest overlap of the faces of a contact, rad"""
 
 from __future__ import annotations
 

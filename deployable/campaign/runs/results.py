@@ -69,7 +69,7 @@ class Store:
 
     def __init__(self, folder: Path, experiment: Experiment):
         self.folder, self.experiment = folder, experiment
-        self.responses, self.quantities = experiment.curves, experiment.numbers
+        self.responses, self.quantities = experiment.response_list, experiment.quantity_list
         self.damage: dict[Path, DamagedError] = {}
         self.absences: dict[str, set[Column]] = {}
 

@@ -8,8 +8,7 @@
                 responses, contact events and quantities only. Other groups have other files:
                 another design, size of group or response simulates its runs again;
 `ScanExtremes`  one netCDF file per chunk of a scan, with the least and largest values over time
-                (`campaign.runs.extremes`).
-"""
+                (`campaign.runs.extremes`)."""
 
 from __future__ import annotations
 
@@ -111,8 +110,7 @@ class Responses(Store):
     responses (single precision), events and quantities."""
 
     def path(self, group: Runs) -> Path:
-        """Return the path of a group's file, named by its runs, and its responses and quantities
-        with the code that evaluates them."""
+        """Return the path of a group's file, named by runs, responses, quantities, their code."""
         return self.folder / f"{self.file_of(group)}.nc"
 
     def missing(self, group: Runs) -> Runs:

@@ -13,8 +13,7 @@ It has the variables of `campaign.samples.samples`, but for those of every run's
     overlap                                         largest of all runs, rad
 
 There is no role and no name of a run: the first is the nominal one, the others are nodes, and the
-name follows from the values (`campaign.plan.runs.run_id`).
-"""
+name follows from the values (`campaign.plan.runs.run_id`)."""
 
 from __future__ import annotations
 
@@ -62,7 +61,7 @@ def gather(
     ):
         samples.write_box(file, plan)
         file.createDimension("run", len(runs))
-        samples.write_places(file, runs, **_packing(len(runs), len(plan.experiment.intervals)))
+        samples.write_points(file, runs, **_packing(len(runs), len(plan.experiment.intervals)))
         for group in store.groups(runs, jobs.group):
             chunk = _chunk(plan, store, group, jobs.group, notify)
             if first == 0:

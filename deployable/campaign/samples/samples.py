@@ -21,8 +21,7 @@ With `keep: extremes` (`campaign.samples.kept_extremes`) there are no values, an
 runs are as small as can be.
 
 No variable is named after a response, so that a response may have any name. This file is all that
-the interval side needs.
-"""
+the interval side needs."""
 
 from __future__ import annotations
 
@@ -100,12 +99,12 @@ def _write_runs(file: Any, plan: Plan) -> None:
     file.createDimension("event", None)
     _text(file, "role", "run", [run.role for run in runs], "what the run is for")
     _text(file, "run_id", "run", [run.id for run in runs], "name of the trajectory")
-    write_places(file, runs)
+    write_points(file, runs)
     for name, column, unit in zip(plan.experiment.intervals, runs.values.T, units, strict=True):
         _numbers(file, f"parameter_{name}", ("run",), column, f"value of {name}", units=unit)
 
 
-def write_places(file: Any, runs: Runs, **packing: Any) -> None:
+def write_points(file: Any, runs: Runs, **packing: Any) -> None:
     """Write the points of runs in the box, as variables `normalized` (-1 to 1) and `value` (in the
     parameters' units), each (run, parameter), into an open `netCDF4.Dataset`, whose dimensions
     exist. packing: options of `createVariable`."""

@@ -1,7 +1,6 @@
 """What comes along with the program: the workflow, its profiles, campaigns and structures.
 
-`workflow` and `config` are links to the checkout's folders, which a wheel has as files.
-"""
+`workflow` and `config` are links to the checkout's folders, which a wheel has as files."""
 
 from pathlib import Path
 

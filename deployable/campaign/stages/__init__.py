@@ -24,7 +24,7 @@ from deployable.campaign.folder import PICTURES, Folder
 from deployable.campaign.provenance import program_digest
 from deployable.campaign.runs.progress import Notify
 from fpm.errors import SceneError
-from fpm.files.sealed import DamagedError, check, sweep
+from fpm.files.sealed import DamagedError, check, remove_temporary
 
 PLAN, SAMPLES, BOUNDS = "plan.json", "samples.nc", "bounds.nc"
 SENSITIVITIES = "sensitivities.nc"
@@ -53,12 +53,10 @@ class Stage:
     and the files that it reads and writes. The function `work` of its module is imported when the
     stage runs: a process loads what it needs.
 
-    sections: names of the config sections that it depends on; takes: names of the result files that
-    it reads; leaves: function of a campaign that returns the names of those it writes, `{batch}`
-    for the number of a batch; options: of its command, keys of `OPTIONS`; is_adaptive: True if only
-    campaigns with an `accuracy` have it, False if only others, None if all; draws: whether it only
-    shows results.
-    """
+    sections: names of the config sections that it depends on; takes: names of result files that it
+    reads; leaves: function of a campaign that names those it writes, `{batch}` for the number of a
+    batch; options: of its command, keys of `OPTIONS`; is_adaptive: True if only campaigns with an
+    `accuracy` have it, False if only others, None if all; draws: whether it only shows results."""
 
     name: str
     text: str
@@ -83,7 +81,7 @@ class Stage:
         try:
             refuse_links(folder.whole)
             for place in folder.stage_folders:
-                sweep(place)
+                remove_temporary(place)
             facts = {"basis": self.basis(sections), **plan_of(folder, self.takes)}
             with results_of(facts):
                 self.work(folder, notify, **arguments)

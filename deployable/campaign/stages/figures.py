@@ -21,7 +21,7 @@ def work(folder: Folder, notify: Notify, error: Any) -> None:
     names = drawings(experiment)
     if "ranges" in names:
         check_results(folder, (PLAN, SAMPLES, *ANSWERS))
-        _ = experiment.numbers  # refused before anything is drawn, if the structure is
+        _ = experiment.quantity_list  # refused before anything is drawn, if the structure is
     draw_envelopes(folder.bounds, error.shade_above, folder.figures)
     if "sensitivities" in names:
         draw_sensitivities(folder.sensitivities, folder.overviews)

@@ -127,8 +127,7 @@ class Workflow:
                 reasons[str(folder.report)] = str(error)
 
     def results(self) -> list[str]:
-        """Return the paths of the files meant for the reader: summary, figures and page; of a
-        campaign with cases also theirs."""
+        """Return paths of the files to read: summary, figures and page; with cases also theirs."""
         if self.cases:
             files = map(str, self.files_of(STAGES["cases"]))
             return [*files, *(path for case in self.cases.values() for path in case.results())]
@@ -196,8 +195,7 @@ def run(
     -------
     xarray.Dataset
         The content of `bounds.nc` in memory, as `intervals.bounds_dataset` describes it; with
-        cases a dict of it by the name of the case.
-    """
+        cases a dict of it by the name of the case."""
     with one_thread():
         campaign, notify = _campaign(config), notify or MessagePrinter(sys.stderr)
         for _, variant in variants(campaign):

@@ -39,7 +39,7 @@ def quantity(value: float | None, units: str, digits: int = 3, missing: str = "u
     return missing if value is None else with_unit(number(value, digits), units)
 
 
-def measured(value: float, error: float | None, units: str) -> str:
+def with_error(value: float, error: float | None, units: str) -> str:
     """Write a number with its error, both rounded to the first digit of the error: `0.062 ± 0.005
     m`; units: as in files (`m s-1`). The number alone, with three digits, where the error is None,
     0 or below a thousandth of it."""
@@ -174,7 +174,8 @@ def to_html(text: str, units: Iterable[str] = ()) -> Any:
     `<code>`, and no-break spaces between numbers and units. units: spellings such as `m/s`."""
     from markupsafe import Markup, escape
 
-    return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", tie_units(str(escape(text)), units)))
+    text = tie_units(str(escape(text)), units)
+    return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", text))
 
 
 def position(row: Mapping[str, Any], time: float) -> str:

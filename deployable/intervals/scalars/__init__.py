@@ -1,8 +1,7 @@
 """Numbers of runs over the box: a peak, the time of an event. One surrogate each, from all runs.
 
 A number is smooth in the parameters where curves are not, and has no time of its own: it is fitted
-directly. Where what it is of does not happen in a run, that run has none (NaN).
-"""
+directly. Where what it is of does not happen in a run, that run has none (NaN)."""
 
 from .fits import Fit, best_fit
 from .occurrence import Occurrence
@@ -12,10 +11,10 @@ from .requirements import (
     Limit,
     best_choice,
     largest_share,
+    least_scales,
     safe_range,
     safest_choice,
     share_of_box,
-    share_reaching,
     sub_box,
 )
 from .search import NEAREST, TOLERANCE, BoundEstimate, estimate_bounds
@@ -40,9 +39,9 @@ __all__ = [
     "fit_scalar",
     "influence",
     "largest_share",
+    "least_scales",
     "safe_range",
     "safest_choice",
     "share_of_box",
-    "share_reaching",
     "sub_box",
 ]

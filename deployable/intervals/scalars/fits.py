@@ -1,8 +1,7 @@
 """What is fitted to a number of runs: the polynomial or spline that foretells left-out runs best.
 
 Every run is left out in turn, without a second fit: for least squares its error is e / (1 - h), h
-the leverage (Allen 1974, the PRESS statistic); for a spline see `splines`.
-"""
+the leverage (Allen 1974, the PRESS statistic); for a spline see `splines`."""
 
 from __future__ import annotations
 
@@ -14,7 +13,7 @@ import scipy
 
 from ..chebyshev import Surrogate, least_squares, product_basis, total_degree
 from ..errors import IntervalError
-from ..estimates import usual
+from ..estimates import power_mean
 from ..formula import Formula, polynomial
 from ..spline_equations import distinct
 from ..splines import MAX_RUNS, Spline, check_spline_runs, fit_spline
@@ -123,8 +122,8 @@ class Fit:
     @property
     def usual_error(self) -> float:
         """Estimated error where runs were sampled adaptively, next to the points that decide: a
-        power mean of the leave-one-out errors (`estimates.usual`)."""
-        return float(usual(self.left_out, int((np.ptp(self.points, axis=0) > 0).sum())))
+        power mean of the leave-one-out errors (`estimates.power_mean`)."""
+        return float(power_mean(self.left_out, int((np.ptp(self.points, axis=0) > 0).sum())))
 
     @property
     def trend(self) -> Fit:

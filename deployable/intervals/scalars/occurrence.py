@@ -4,8 +4,7 @@ The border is where the smoothest function vanishes that is at least 1 in all ru
 happens and at most -1 in all others: a support vector machine with a hard margin (Cortes and Vapnik
 1995), whose kernel is Matérn's for functions with two derivatives. Open is where the size of the
 function is below those at the nearest runs of both kinds, which there are next to the border at
-least 1. Further runs are sought about the border (Basudhar and Missoum 2010).
-"""
+least 1. Further runs are sought about the border (Basudhar and Missoum 2010)."""
 
 from __future__ import annotations
 
@@ -65,8 +64,8 @@ class Occurrence:
 
     def band(self, points: np.ndarray) -> np.ndarray:
         """Half-width (P) of the undecided band at `points` (P, k) in [-1, 1]^k: where the
-        decision function (`decision`) is smaller in size, the runs do not determine whether the
-        event occurs; 0 if it occurs in all runs or in none."""
+        decision function (`decision`) is smaller in size, the runs do not determine whether
+        the event occurs; 0 if it occurs in all runs or in none."""
         if not self.is_mixed:
             return np.zeros(len(points))
         decision = self._decision
@@ -84,9 +83,8 @@ class Occurrence:
         return np.full(len(numbers), np.nan)
 
     @cached_property
-    def open(self) -> float:
-        """Volume fraction of the box, estimated by 8192 points, where the runs do not determine
-        whether the event occurs."""
+    def open_fraction(self) -> float:
+        """Volume fraction of the box (8192 points) where runs do not decide if the event occurs."""
         spread = self._spread()
         return float((np.abs(self.decision(spread)) < self.band(spread)).mean())
 
@@ -110,12 +108,12 @@ class Occurrence:
         return self._level_points((0.0,)) if self.is_mixed else self.points[:0]
 
     def _open_places(self) -> np.ndarray:
-        """Unit points (P, k) at which the certainty has one of a few sizes."""
+        """Unit points (P, k) at which the decision value has one of a few sizes."""
         return self._level_points(_LEVELS)
 
     def _level_points(self, levels: Sequence[float]) -> np.ndarray:
-        """Unit points (P, k) just above each level of the certainty over its scale, each between
-        two points of the box of which one is above and one below all levels."""
+        """Unit points (P, k) just above each level of the decision value over its scale, each
+        between two points of the box of which one is above and one below all levels."""
         spread = spread_points(self._free, _CANDIDATES)
         spread[:, ~self._free] = self.points[0, ~self._free]
         spread = np.concatenate([spread, self.points])
@@ -136,7 +134,7 @@ class Occurrence:
 
     @property
     def _scale(self) -> float:
-        """Size of the certainty next to the border."""
+        """Size of the decision value next to the border."""
         return 1.0
 
     @cached_property
@@ -149,8 +147,8 @@ class Occurrence:
         return _matern(x, points) @ weights
 
     def formula(self) -> Formula:
-        """Write the decision function (`decision`) as a table that other programs can evaluate;
-        only for an event that occurs in some runs and not in all (`is_mixed`)."""
+        """Write the decision function (`decision`) as a table for other programs; only for an
+        event that occurs in some runs and not in all (`is_mixed`)."""
         points, weights = self._support_vectors
         k = points.shape[1]
         constant, scales = np.zeros((1, k), dtype=int), np.full(k, np.sqrt(5) / _LENGTH)
@@ -229,7 +227,7 @@ class FittedOccurrence(Occurrence):
         return values if self.latest is None else self.latest - values
 
     def formula(self) -> Formula:
-        """Write the decision function (`decision`) as a table that other programs can evaluate."""
+        """Write the decision function (`decision`) as a table for other programs."""
         formula = self.fit.formula()
         return formula if self.latest is None else formula.shortfall(self.latest)
 

@@ -22,14 +22,14 @@ class Limit:
     quantity: its `surrogate`, None where only values of runs are compared (`find_margins`). kind:
     "at_most" or "at_least" a `level`, in the quantity's unit, or "happens", with level 1 if the
     event must occur and 0 if it must not; run_error: error of the runs themselves, as by mesh and
-    step, in the quantity's unit; border: their error in the decision function that tells where the
-    event occurs (`Occurrence.decision`), infinite if finer runs differ in whether it does."""
+    step, in the quantity's unit; border_error: their error in the decision function, by which the
+    event occurs (`Occurrence.decision`); infinite if finer runs differ in whether it does."""
 
     surrogate: ScalarSurrogate | None
     kind: str
     level: float
     run_error: float = 0.0
-    border: float = 0.0
+    border_error: float = 0.0
 
     def conditions(self, points: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
         """Functions that are not below 0 where the limit is satisfied, at `points` (P, k) in
@@ -37,8 +37,8 @@ class Limit:
         exists (or must not), then, where it has values, of its distance from the level."""
         surrogate = self.surrogate
         decision = surrogate.occurrence.decision(points)
-        band = surrogate.occurrence.band(points) + self.border
-        if np.isinf(self.border):  # all runs agree, and finer ones do not
+        band = surrogate.occurrence.band(points) + self.border_error
+        if np.isinf(self.border_error):  # all runs agree, and finer ones do not
             decision, band = np.sign(decision), np.full(len(points), 2.0)
         if self.kind == "happens":
             return [(decision if self.level else -decision, band)]
@@ -50,8 +50,7 @@ class Limit:
 
     @property
     def error(self) -> float:
-        """Estimated error of the quantity's values, in its unit: its surrogate's, NaN without a
-        fit, plus that of the runs."""
+        """Error of the quantity, in its unit: the surrogate's (NaN without fit) plus the runs'."""
         return self.surrogate.error + self.run_error
 
     def find_margins(self, values: np.ndarray) -> np.ndarray:
@@ -100,7 +99,7 @@ def sub_box(nominal: np.ndarray, scale: float) -> tuple[np.ndarray, np.ndarray]:
     return nominal + scale * (-1.0 - nominal), nominal + scale * (1.0 - nominal)
 
 
-def share_reaching(nominal: np.ndarray, points: np.ndarray) -> np.ndarray:
+def least_scales(nominal: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Least scale factors (P) at which the box [-1, 1]^k, shrunk towards a nominal point (k) by
     `sub_box`, still contains each of the `points` (P, k) in it."""
     offset = np.asarray(points, dtype=float) - nominal
@@ -216,9 +215,8 @@ class Goal:
     sign: float = 1.0
 
     def value(self, lower: np.ndarray, upper: np.ndarray) -> tuple[float, np.ndarray]:
-        """Value of the objective, without the sign, over the part of the box from `lower` to
-        `upper` (k each, in [-1, 1]), and the points where its bound is attained, (1, k), of a width
-        where both are, (2, k)."""
+        """Value of the objective, without sign, over the box from `lower` to `upper` (k each, in
+        [-1, 1]), and the points of its bound, (1, k), of a width of both, (2, k)."""
         if self.kind == "width":
             interval = self.surrogate.range(lower, upper, climbs=1)
             return interval.width, np.array([interval.argmin, interval.argmax])
@@ -228,12 +226,11 @@ class Goal:
 
 @dataclass(frozen=True)
 class Choice:
-    """Chosen parameter `values` (c), in their units, and how good they are in the worst case over
-    the box about them. goals (g): values of the objectives; margin: least margin of all limits,
-    infinite without any; margins (l): least margin of each limit, attained at points `worst` (l, k)
-    in [-1, 1]^k; goal_points: g arrays of the points where each objective's bounds are attained,
-    (1, k), of a width (2, k); safety: least limit margin over its estimated error, infinite without
-    a limit of a level."""
+    """Chosen parameter `values` (c), in their units, and how good they are in the worst case of the
+    box about them. goals (g): of the objectives; margin: least margin of all limits, infinite
+    without any; margins (l): least margin of each limit, attained at points `worst` (l, k) in [-1,
+    1]^k; goal_points: g arrays of the points where each objective's bounds are attained, (1, k), of
+    a width (2, k); safety: least margin over its error, infinite without a limit of a level."""
 
     values: np.ndarray
     goals: np.ndarray

@@ -4,8 +4,7 @@ at which further runs may extend a bound.
 A point is worth a run where the surrogate, with its local error in favour, exceeds the extreme run:
 an upper confidence bound, as in Bayesian optimisation (Jones, Schonlau and Welch 1998), with errors
 by leave-one-out validation in place of a posterior deviation. Next to jumps and limit-state
-surfaces these errors stay large until runs enclose the place, so that the search goes on there.
-"""
+surfaces these errors stay large until runs enclose the place, so that the search goes on there."""
 
 from __future__ import annotations
 
@@ -51,11 +50,11 @@ def estimate_bounds(
     values: np.ndarray,
     mispredictions: Sequence[float] = (0.0, 0.0),
 ) -> tuple[BoundEstimate, ...]:
-    """Estimate the lower and the upper bound of a quantity from its surrogate and the values (N) of
-    runs at `points` (N, k) in [-1, 1]^k, NaN where a run has none: two estimates, in this order; an
-    empty tuple where no run has a value. mispredictions: for the lower and the upper bound, by how
-    much the last run made at that end of the surrogate differed from it; 0 without such a run,
-    infinite where it had no value."""
+    """Estimate the lower and the upper bound of a quantity from its surrogate and values (N) of
+    runs at `points` (N, k) in [-1, 1]^k, NaN where a run has none: two estimates; an empty tuple
+    where no run has a value. mispredictions: for the lower and the upper bound, by how much the
+    last run at that end of the surrogate differed from it; 0 without such a run, infinite without a
+    value."""
     if surrogate.fit is None:
         return ()
     surrogate_range = surrogate.range()

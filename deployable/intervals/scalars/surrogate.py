@@ -165,9 +165,8 @@ class ScalarSurrogate:
         return np.where(self.occurrence.evaluate(points), self.predict(points), np.nan)
 
     def formulas(self) -> tuple[Formula | None, Formula | bool]:
-        """Two tables that other programs can evaluate: of the fit, None without one; and of the
-        decision function, at least 0 where the quantity exists, or True or False if it exists in
-        all runs or in none."""
+        """Two tables for other programs: of the fit, None without one; and of the decision
+        function, at least 0 where the quantity exists; True, False: in all runs, in none."""
         sure = not self.occurrence.is_mixed
         return (
             None if self.fit is None else self.fit.formula(),
@@ -253,8 +252,7 @@ def fit_scalar(
     margin (N): event margin, how far a run is from having the event, above 0 where it occurs, NaN
     where not known. The border between runs with and without a value is the one that leaves least
     volume undecided: by the runs alone, where the fit reaches `latest`, or where a fit to `margin`,
-    if known of all runs, vanishes.
-    """
+    if known of all runs, vanishes."""
     points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
     happens = np.isfinite(values)
     fit = best_fit(points[happens], values[happens]) if happens.any() else None
@@ -291,7 +289,7 @@ def _occurrence(
     if latest is not None and np.isfinite(fit.error):
         by_time = FittedOccurrence(points, happens, fit, fit.error, latest)
         borders += [by_time] if by_time.agrees() else []
-    return min(reversed(borders), key=lambda border: border.open)
+    return min(reversed(borders), key=lambda border: border.open_fraction)
 
 
 @dataclass(frozen=True)

@@ -70,7 +70,7 @@ def _measure_level(
         tests = held_out_of(case, choice, design)
         band = bounds.take_bounds(choice, design, tests, runs)
         # a spline goes through the held-out runs too
-        count = design.runs + (len(tests) if choice.model == "spline" else 0)
+        count = design.run_count + (len(tests) if choice.model == "spline" else 0)
         record = {
             "level": level.label,
             "elements": level.elements,
@@ -79,7 +79,7 @@ def _measure_level(
             "choice": choice.label,
             **asdict(choice),
             "runs": count,
-            "held_out": design.runs + len(tests) - count,
+            "held_out": design.run_count + len(tests) - count,
             "cpu": runs.cost(count) + band.cpu,
             "cpu_batch": runs.cpu,
             "cpu_bounds": band.cpu,

@@ -1,7 +1,6 @@
 """Forces, strain energy and strains of beam elements (theory: beam.py).
 
-Elements whose axes are those of their particles, as on straight links, have arrays of their own
-type, for which less is computed."""
+Elements with the axes of their particles, as on straight links, have arrays of their own type."""
 
 from typing import NamedTuple
 

@@ -7,8 +7,7 @@ with the length L of them all,
 
 Points between its ends are pulleys of no radius: the tension is one all along. The unstrained
 length may change with a curve of time, as when a winch takes cable in; the winch gives -T (1 + e/2)
-dR/dt, the pull on the strained cable less the strain energy that leaves with it; it stands at the
-first point.
+dR/dt, the pull on the strained cable less the strain energy that leaves it, at the first point.
 
 A cable that rubs at these points has a strain and a tension in every stretch. Its material slips
 over a point, where the cable turns by the angle a, as soon as T' on one side is more than T exp(mu
@@ -141,8 +140,7 @@ class Cable(ElementType):
             yield self.beams[i : i + 2], self.stiffness * lengths.sum() / (shortest * length)
 
     def topology(self):
-        """Return what must be equal in scenes simulated side by side: name, particles, curve, and
-        whether it has friction."""
+        """Return what must agree in scenes run side by side: name, particles, curve, friction."""
         return self.name, tuple(beam.particle for beam in self.beams), self.curve, self.has_friction
 
     @classmethod

@@ -21,8 +21,8 @@ from fpm.elements.cables.cable_kernels import (
     energy_of_cable,
     find_pull,
     find_unstrained_length,
-    lay,
     list_excess,
+    measure_path,
     note_events,
     pull_points,
     record_cable,
@@ -90,7 +90,7 @@ def exponential(x):
 @kernel
 def turn_angle(part, j):
     """Return the angle (rad, 0 to pi) by which a cable turns at its point j, between its ends
-    (index among all cables' points). part: arrays of all cables (RubbingCables), after `lay`."""
+    (index among all cables' points). part: arrays of all (RubbingCables), after `measure_path`."""
     first, second = get3(part.stretches, j - 1, DIRECTION), get3(part.stretches, j, DIRECTION)
     normal = cross(first, second)
     return arctan2(sqrt(dot(normal, normal)), dot(first, second))
@@ -152,7 +152,8 @@ def find_tensions(part, world, timing, c):
     """Find and store in part.slip the tension (N) of every stretch of cable c, which has
     friction: measures its lengths, and lets it slip. part: arrays of all cables (RubbingCables);
     world (World): solver state; timing (StepTime): times of the step (s)."""
-    length, rest = lay(part, world.state, c), find_unstrained_length(part, world, timing, c)
+    length = measure_path(part, world.state, c)
+    rest = find_unstrained_length(part, world, timing, c)
     last, excess = load(part.state, c, LONGER), length - rest
     reel_length = rest - load(part.state, c, UNSTRAINED)
     store(part.state, c, LONGER_BEFORE, last)
@@ -190,8 +191,8 @@ def gain(part, j, soft):
 @hook(RubbingCables)
 def work_before(part, world, timing):
     """Add the winches' work (J) over the step that ends now to column part.account of
-    world.accounts, and what friction took to part.loss. part: all cables (RubbingCables); world:
-    World; timing: unused."""
+    world.accounts, and what friction took to part.loss. part: all (RubbingCables); world: World;
+    timing: unused."""
     work, loss = load(world.accounts, 0, part.account), load(world.accounts, 0, part.loss)
     for c in range(part.curve.shape[0]):
         if not part.has_friction[c]:

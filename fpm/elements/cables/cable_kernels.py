@@ -65,7 +65,7 @@ class Cables(NamedTuple):
 
 
 @kernel
-def lay(part, state, c):
+def measure_path(part, state, c):
     """Measure cable c: stores directions and lengths (m) of its stretches now in part.stretches,
     and returns its whole length (m). part: Cables or RubbingCables; state: World.state."""
     first, last = part.start[c], part.start[c + 1] - 1
@@ -98,7 +98,7 @@ def find_unstrained_length(part, world, timing, c):
 def find_pull(part, world, timing, c):
     """Store elongation, unstrained length (m) and winch force (N) of cable c, without friction, in
     part.state, tension (N) in part.stretches. part: Cables; world: World; timing: StepTime (s)."""
-    length = lay(part, world.state, c)
+    length = measure_path(part, world.state, c)
     store(part.state, c, LONGER_BEFORE, load(part.state, c, LONGER))
     store(part.state, c, UNSTRAINED_BEFORE, load(part.state, c, UNSTRAINED))
     store(part.state, c, WINCH_BEFORE, load(part.state, c, WINCH))

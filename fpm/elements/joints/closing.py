@@ -89,9 +89,9 @@ def count_turns(turns, part, condition):
 
 
 @kernel
-def keep(b, r, state, i, axes):
+def save_pose(b, r, state, i, axes):
     """Save the position (m) and the axes 2 and 3 of particle i in row r of `b`, the working memory
-    of bodies (body_scratch), at the start of a step, for `restore`. state: of the particles
+    of bodies (body_scratch), at the start of a step, for `restore_pose`. state: of the particles
     (World.state); axes: the particle's three unit vectors, global."""
     put3(b, r, OLD_X, get3(state, i, X))
     put3(b, r, OLD_D2, axes[1])
@@ -99,8 +99,8 @@ def keep(b, r, state, i, axes):
 
 
 @kernel
-def restore(b, r, state, i):
-    """Set particle i back to the position and axes that `keep` saved in row r of `b`, bodies'
+def restore_pose(b, r, state, i):
+    """Set particle i back to the position and axes that `save_pose` saved in row r of `b`, bodies'
     working memory. i, r: indices or pairs of them; state: World.state, changed."""
     put3(state, i, X, get3(b, r, OLD_X))
     put3(state, i, D2, get3(b, r, OLD_D2))

@@ -67,8 +67,7 @@ class JointBase(ElementType):
 
     @property
     def joint(self) -> str:
-        """Name of the whole joint to which the element belongs: by default its own; of both angles
-        of a universal joint that joint's."""
+        """Name of the whole joint: its own; of angles of a universal joint that joint's."""
         return self.name
 
     @staticmethod
@@ -105,17 +104,15 @@ class JointBase(ElementType):
 
 @dataclass(frozen=True)
 class Hinge(JointBase):
-    """A hinge, or other joint coordinate (opening) of a joint, between the ends of two arms from
-    particles.
+    """A hinge, or other coordinate (opening) of a joint, between ends of arms from two particles.
 
-    name: no other's; beams: the rigid arms; axes (2, 3): the axis in each particle's frame;
-    references (2, 3): directions normal to the axis, one in each frame, that coincide at opening 0;
-    opening (rad): at the start, with full turns; it grows when the second particle turns by the
-    right-hand rule about the axis against the first; support: global axes along which the hinge
-    point is held, as "xz". type: "revolute"; "prismatic": a slide, whose opening (m) is the
-    distance along the axis from the first arm's end to the second's, plus `offset` (m); "universal"
-    and "cross": the first and the second angle of a universal joint; the axis of each is fixed in
-    its first particle."""
+    name: unique; beams: rigid arms; axes (2, 3): the axis in each particle's frame; references (2,
+    3): directions normal to the axis, one in each frame, that coincide at opening 0; opening (rad):
+    at the start, with full turns; it grows when the second particle turns by the right-hand rule
+    about the axis against the first; support: global axes along which the hinge point is held, as
+    "xz". type: "revolute"; "prismatic": a slide, whose opening (m) is the distance along the axis
+    from the first arm's end to the second's, plus `offset` (m); "universal" and "cross": the first
+    and the second angle of a universal joint; each axis is fixed in its first particle."""
 
     name: str
     beams: tuple[VirtualBeam, VirtualBeam]

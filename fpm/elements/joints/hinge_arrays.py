@@ -46,8 +46,7 @@ GAP, TILT = 0, 1  # watched, and recorded
 
 
 class Hinges(NamedTuple):
-    """Arrays of the h hinges solved alone, no movable body of which is in another joint (lanes:
-    samples).
+    """Arrays of the h hinges solved alone, with movable bodies in no other joint; lanes: samples.
 
     Hinge i has the bodies 2 i and 2 i + 1. ends (2 h,): particle of each body; bodies (2 h, 15,
     lanes): arm, axis, reference, normal to both, inverse masses; hinges (h, 6, lanes): held axes,

@@ -1,7 +1,6 @@
 """Revolute hinges: impulses that close every hinge at the end of the step (hinge.py).
 
-The matrix of the impulses (hinge_matrix.py) is built at the start of the step and serves three
-times:
+The matrix of impulses (hinge_matrix.py) is built at the start of a step and serves three times:
 
 1. `aim`: impulses that would close the hinge if the rates of its gaps stayed as they are over the
    step, less what was missing so in the step before. What is left is the change from step to step
@@ -20,7 +19,7 @@ from fpm.elements.joints.closing import (
     coarse,
     count_hinge,
     report_gaps,
-    restore,
+    restore_pose,
     turn_little,
     watch,
 )
@@ -164,7 +163,7 @@ def nudge(state, i, r, b, step):
 
 
 @kernel
-def ask(part, state, h, rate):
+def set_goal(part, state, h, rate):
     """Store in GOAL of hinge h, in part.hinge_scratch, the rates that its impulses must produce to
     close it in the time 1/rate: -rate (1/s) times the gap (m), the sines of both tilts, and the
     distance of its point from where it is held (m). part: Hinges; state: World.state."""
@@ -191,11 +190,11 @@ def move(part, world, timing):
             if open_[h]:
                 pair = ends[2 * h], ends[2 * h + 1]
                 if n > 0:
-                    restore(b, (2 * h, 2 * h + 1), state, pair)
+                    restore_pose(b, (2 * h, 2 * h + 1), state, pair)
                 move_bodies(state, world.particles, pair, timing.step)
         for h in range(w.shape[0]):
             if open_[h]:
-                ask(part, state, h, rate)
+                set_goal(part, state, h, rate)
                 if n == 0:
                     for k in range(8):
                         store(w, h, MISS + k, load(w, h, MISS + k) + load(w, h, GOAL + k))
@@ -233,13 +232,13 @@ def look_back(part, world, timing):
         axes = frame(start, pair)
         half = -1.0 * get3(world.particles, pair, HALF)
         turn_frame(start, pair, axes, half_turn(to_local(axes, get3(start, pair, P)), half))
-        ask(part, start, h, 0.5 / timing.step)
+        set_goal(part, start, h, 0.5 / timing.step)
     find_impulses(part)
     for h in range(part.hinge_scratch.shape[0]):
         pair, rows = (ends[2 * h], ends[2 * h + 1]), (2 * h, 2 * h + 1)
         add3(start, pair, V, -2.0 * get3(b, rows, DV))
         add3(start, pair, P, -2.0 * get3(b, rows, DP))
-        restore(b, rows, start, pair)
+        restore_pose(b, rows, start, pair)
         count_hinge(part.sums, part, h, ALL)
 
 

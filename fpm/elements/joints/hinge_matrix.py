@@ -8,7 +8,7 @@ complement), then the supports. hinge.py uses it. The two particles of hinge h a
 with a short chain of operations, so that the processor works on several at once. Kernels take a
 named tuple with `ends`, `bodies`, ... as hinge_kernels.py has it."""
 
-from fpm.elements.joints.closing import keep
+from fpm.elements.joints.closing import save_pose
 from fpm.elements.joints.hinge_arrays import (
     ARM,
     AXIS_IM,
@@ -209,7 +209,7 @@ def prepare_bodies(world, part, kick):
         i = part.ends[r]
         x = get3(state, i, X)
         axes = frame(state, i)
-        keep(w, r, state, i, axes)
+        save_pose(w, r, state, i, axes)
         v = load(world.particles, i, KICK) * get3(state, i, F) + get3(state, i, V)
         put3(state, i, V, v)
         put3(state, i, P, kick * get3(state, i, M) + get3(state, i, P))

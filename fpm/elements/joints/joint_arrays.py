@@ -58,9 +58,8 @@ GAP, TILT = 0, 1  # watched, and recorded: the same places as of hinges, which s
 
 
 class Pattern(NamedTuple):
-    """Which blocks of the coupled joints' matrix are not zero, and where, in the order in which
-    joints are eliminated; block (j, k) stands row by row from an `offset` in the matrix. All
-    integers.
+    """Which blocks of the coupled joints' matrix are not zero, and where, in the order of
+    elimination; block (j, k) stands row by row from an `offset` in the matrix. All integers.
 
     first, count (j,): first constraint equation of each joint, and how many; diagonal (j,): offsets
     of blocks (j, j); meets (m, 5): two joints, side of each at which they share a body, offset of

@@ -10,9 +10,9 @@ from fpm.elements.joints.closing import (
     clear,
     coarse,
     count_joints,
-    keep,
     report_gaps,
-    restore,
+    restore_pose,
+    save_pose,
     turn_little,
     watch,
 )
@@ -95,7 +95,7 @@ def kick_bodies(part, state, kick):
     for s in range(part.particle.shape[0]):
         i = part.particle[s]
         axes = frame(state, i)
-        keep(b, s, state, i, axes)
+        save_pose(b, s, state, i, axes)
         put6(b, s, INVERSE, world_inverse(axes, get3(bodies, s, HIJ)))
         for k in (ALL_FORCE, ALL_MOMENT):
             put3(b, s, k, 0.0 * axes[1])
@@ -211,7 +211,7 @@ def move_bodies(part, state, repeat, step):
         i = part.particle[s]
         if not part.is_driven[s]:
             if repeat:
-                restore(b, s, state, i)
+                restore_pose(b, s, state, i)
             put3(state, i, X, step * get3(state, i, V) + get3(state, i, X))
             axes = frame(state, i)
             rate = (0.5 * step) * get3(part.bodies, s, HIJ)
@@ -309,7 +309,7 @@ def close_before(part, start, step):
             add3(start, i, P, -2.0 * moment)
         add3(b, s, ALL_FORCE, force)
         add3(b, s, ALL_MOMENT, moment)
-        restore(b, s, start, i)
+        restore_pose(b, s, start, i)
     count_joints(part, ALL)
 
 

@@ -135,10 +135,9 @@ class RigidRelease(AnyRelease, Rigid):
 
 @dataclass(frozen=True)
 class RigidLatch(AnyLatch, Rigid):
-    """A latch that stops the opening (joint coordinate) of a hinge, an index, and holds it exactly
-    where it caught it: within capture_range (rad) of `angle` (rad), coming from `side` ("below",
-    "above" or "either"), at no more than max_capture_rate (rad/s); on a slide in m. name: in
-    results, "": the hinge's."""
+    """A latch that stops the opening (joint coordinate) of a hinge (index) and holds it where it
+    caught it: within capture_range (rad) of `angle` (rad), coming from `side` ("below", "above" or
+    "either"), at no more than max_capture_rate (rad/s); on a slide in m. name: "": the hinge's."""
 
     hinge: int = on_hinge()
     angle: float = number("rad")

@@ -8,10 +8,10 @@ from fpm.elements.joints.joint_arrays import HOLDS, RATE, SOLVED_IMPULSE, TARGET
 from fpm.elements.joints.turn_kernels import (
     HOLD_FIELDS,
     HOLD_MOMENT,
-    account,
     add_late_moment,
     end_work_of,
     moment_of,
+    register_work_hooks,
 )
 from fpm.elements.openings.losses_kernels import LOSS as PREVIOUS_RATE  # which holds a rate here
 from fpm.elements.openings.losses_kernels import RATE as LAST
@@ -74,7 +74,7 @@ def forces(part, world, timing):
         turn(part.openings, world.state, h, brake)
 
 
-account(RigidFrictions, WORKS, -1.0)
+register_work_hooks(RigidFrictions, WORKS, -1.0)
 
 
 @kernel

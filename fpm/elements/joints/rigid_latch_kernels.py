@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.joints.joint_arrays import HOLDS, RATE, TARGET, Turns
-from fpm.elements.joints.turn_kernels import HOLD_FIELDS, account, end_work, moment_of
+from fpm.elements.joints.turn_kernels import HOLD_FIELDS, end_work, moment_of, register_work_hooks
 from fpm.elements.openings.latch_kernels import (
     CATCH_RATE,
     CATCH_TIME,
@@ -65,7 +65,7 @@ class RigidLatches(NamedTuple):
 hook(RigidLatches, "note_events")(note_events)
 
 
-account(RigidLatches, WORKS, -1.0)
+register_work_hooks(RigidLatches, WORKS, -1.0)
 
 
 @hook(RigidLatches)

@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.joints.joint_arrays import TARGET, Turns
-from fpm.elements.joints.turn_kernels import HOLD_FIELDS, HOLD_MOMENT, account, end_work
+from fpm.elements.joints.turn_kernels import HOLD_FIELDS, HOLD_MOMENT, end_work, register_work_hooks
 from fpm.elements.openings.opening_kernels import Openings
-from fpm.kernels.curves import bend_after, travel
+from fpm.kernels.curves import bend_after, travel_factor
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
 
@@ -50,12 +50,12 @@ def prepare(part, world, timing):
             bend = bend_after(world, part.curve[i], timing.time)
             if bend < timing.step:
                 store(part.turns.impact, 0, 0, bend / timing.step)
-        distance = travel(world, part.curve[i], part.by_rate[i], timing.time + timing.step)
+        distance = travel_factor(world, part.curve[i], part.by_rate[i], timing.time + timing.step)
         target = load(part.numbers, i, START) + distance * load(part.numbers, i, TRAVEL)
         store(part.turns.state, part.turn[i], TARGET, target)
 
 
-account(RigidMotors, WORKS, 1.0)
+register_work_hooks(RigidMotors, WORKS, 1.0)
 
 
 @hook(RigidMotors)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fpm.elements.joints.joint_arrays import HOLDS, Turns
-from fpm.elements.joints.turn_kernels import HOLD_MOMENT, account, end_work
+from fpm.elements.joints.turn_kernels import HOLD_MOMENT, end_work, register_work_hooks
 from fpm.elements.openings.opening_kernels import Openings, turn
 from fpm.elements.openings.release_kernels import STEPS, let_go, note_events
 from fpm.kernels.hooks import hook
@@ -63,7 +63,7 @@ def forces(part, world, timing):
 hook(RigidReleases, "note_events")(note_events)
 
 
-account(RigidReleases, WORKS, -1.0)
+register_work_hooks(RigidReleases, WORKS, -1.0)
 
 
 @hook(RigidReleases)

@@ -2,7 +2,7 @@
 
 The impulse of a step is known when all else is; its moment is that by the length of the kick. By
 the trapezium rule it does half of its work on the way to the positions at which it acts, and half
-on the way from there, as all other moments do (losses_kernels.lose).
+on the way from there, as all other moments do (losses_kernels.add_loss).
 
 And what coupled joints among which some hold openings do otherwise: `prepare` only kicks the
 bodies; `solve` finds the impulses, again where it was decided otherwise, and tells the rates that
@@ -71,7 +71,7 @@ def work_on(openings, h, moment):
 
 
 @kernel
-def give(world, account, work):
+def add_to_account(world, account, work):
     """Add `work` (lanes, J) to the energy account (column) of index `account` in world.accounts."""
     store(world.accounts, 0, account, load(world.accounts, 0, account) + work)
 
@@ -95,7 +95,7 @@ def add_late_moment(moments, openings, h, moment):
         store(moments, row, WORK, load(moments, row, WORK) + work_on(openings, h, moment))
 
 
-def account(arrays, first, sign):
+def register_work_hooks(arrays, first, sign):
     """Register the hooks `work_before` and `work_due`, which add up the work of an element type
     that holds joint coordinates exactly; called once, where its kernels are defined. arrays: its
     named tuple; first: index of the field HOLD_MOMENT in part.state; sign: 1 if its account counts
@@ -107,12 +107,12 @@ def account(arrays, first, sign):
         part.account. part: arrays of the elements; world: solver state; timing: not used."""
         for i in range(part.hinge.shape[0]):
             work = work_on(part.openings, part.hinge[i], load(part.state, i, first + HOLD_MOMENT))
-            give(world, part.account, sign * work)
+            add_to_account(world, part.account, sign * work)
 
     @hook(arrays)
     def work_due(part, world, energies, row):
-        """Add the work (J) that `end_work` counted after the instant was recorded, but is due
-        before it, to the recorded energies. part: elements' arrays; world: not used; energies
+        """Add the work (J) that `end_work` counted after the instant was recorded but is due
+        before it, to recorded energies. part: arrays; world: not used; energies
         (instants, columns, lanes): changed in row `row` (the instant's) and column ACCOUNTS +
         part.account."""
         for i in range(part.hinge.shape[0]):
@@ -138,7 +138,7 @@ def end_work_of(part, world, i, moment, first, sign):
     account part.account of World. part: arrays of the elements; world: World; first: index of
     HOLD_MOMENT in part.state, where the moment is kept; sign: 1 for work given, -1 for losses."""
     work = sign * work_on(part.openings, part.hinge[i], moment)
-    give(world, part.account, work)
+    add_to_account(world, part.account, work)
     store(part.state, i, first + HOLD_MOMENT, moment)
     store(part.state, i, first + WORK_DUE, work)
 

@@ -16,8 +16,7 @@ from fpm.elements.openings.opening import Connector, on_hinge
 class Contact(Connector):
     """Faces that touch where the opening of a revolute joint is below zero.
 
-    hinge: index; stiffness: moment that opens it for each radian of its opening (joint coordinate)
-    below zero (N m/rad)."""
+    hinge: index; stiffness: moment that opens it per radian of opening below zero (N m/rad)."""
 
     hinge: int = on_hinge(types=("revolute",))
     stiffness: float = stiffness(text="moment for each radian below zero")

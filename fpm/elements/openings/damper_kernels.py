@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.openings.losses_kernels import follow_rate, lose
+from fpm.elements.openings.losses_kernels import add_loss, follow_rate
 from fpm.elements.openings.opening_kernels import Openings, turn
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load
@@ -35,4 +35,4 @@ def forces(part, world, timing):
         rate = follow_rate(part.openings, part.rates, i, h, timing)
         moment = -1.0 * load(part.numbers, i, DAMPING) * rate
         turn(part.openings, world.state, h, moment)
-        lose(world, part.account, part.openings, part.rates, i, h, moment)
+        add_loss(world, part.account, part.openings, part.rates, i, h, moment)

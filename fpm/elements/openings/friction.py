@@ -19,7 +19,7 @@ from fpm.elements.fields import damping, number
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.kind import Energy, Watch
-from fpm.elements.openings.opening import JOINT_LOSS, Connector, on_hinge, softness, start_angles
+from fpm.elements.openings.opening import JOINT_LOSS, Connector, mobility, on_hinge, start_angles
 from fpm.elements.openings.table_spring import bends, check_table, table_array
 from fpm.errors import SceneError
 
@@ -145,7 +145,7 @@ class Friction(Connector):
         the field `damping`, else 0.3 of critical for the inertias of the hinge's two particles."""
         if self.damping is not None:
             return self.damping
-        inverse = softness(scene, self.hinge)
+        inverse = mobility(scene, self.hinge)
         return 2 * DAMPING_RATIO * np.sqrt(self.stiffness / inverse) if inverse else 0.0
 
     @classmethod

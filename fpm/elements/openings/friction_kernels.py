@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.openings.losses_kernels import LOSS, JointForce, follow_rate, force_of, lose
+from fpm.elements.openings.losses_kernels import LOSS, JointForce, add_loss, follow_rate, force_of
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
 from fpm.kernels.events import edge
 from fpm.kernels.hooks import hook
@@ -59,7 +59,7 @@ def bend_at(points, start, i, most, psi):
     coordinate psi (rad, lanes), linear between the points of its table. points (p, 2, lanes):
     coordinate (rad) and change of slope there, of all tables; start: index of each element's first
     point; both None: no tables; most: deflection (rad, lanes) below the table's first coordinate,
-    or without a table."""
+    or without one."""
     if points is not None:
         for j in range(start[i], start[i + 1]):
             ramp = psi - load(points, j, ANGLE)
@@ -157,7 +157,7 @@ def forces(part, world, timing):
         gain = where_negative(extra - gain, extra, gain)
         damper = where_negative(slips, sign * gain, damper)
         turn(part.openings, world.state, h, spring + damper)
-        lose(world, part.account, part.openings, part.rates, i, h, damper)
+        add_loss(world, part.account, part.openings, part.rates, i, h, damper)
         loss = 0.5 * stiffness * (most + old_most) * absolute(new_foot - foot)
         store(world.accounts, 0, part.account, load(world.accounts, 0, part.account) + loss)
         if part.bearing is not None:

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.openings.losses_kernels import RATE, follow_rate, lose, onset, press
+from fpm.elements.openings.losses_kernels import RATE, add_loss, follow_rate, onset, press
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
 from fpm.kernels.events import edge, note
 from fpm.kernels.hooks import hook
@@ -155,7 +155,7 @@ def forces(part, world, timing):
         spring, damper = hold(part, i, sign * rate)
         moment = sign * (spring + damper)
         turn(part.openings, world.state, h, moment)
-        lose(world, part.account, part.openings, part.rates, i, h, sign * damper)
+        add_loss(world, part.account, part.openings, part.rates, i, h, sign * damper)
         impulse = 0.5 * timing.step * (moment + load(part.state, i, MOMENT))
         store(part.state, i, IMPULSE, load(part.state, i, IMPULSE) + impulse)
         store(part.state, i, MOMENT, moment)

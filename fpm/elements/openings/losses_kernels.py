@@ -59,7 +59,7 @@ def follow_rate(openings, history, i, h, timing):
 
 
 @kernel
-def lose(world, account, openings, history, i, h, moment):
+def add_loss(world, account, openings, history, i, h, moment):
     """Add to World.accounts the energy (J) that a moment of element i on hinge h takes out in the
     step that ends now, and store the moment for the next step. world (World): solver state;
     account: index in World.accounts; openings: all joint coordinates (Openings); history (elements,

@@ -6,7 +6,7 @@ import numpy as np
 
 from fpm.elements.openings.losses_kernels import follow_rate
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
-from fpm.kernels.curves import travel
+from fpm.kernels.curves import travel_factor
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
 
@@ -56,7 +56,7 @@ def forces(part, world, timing):
         h = part.hinge[i]
         for k in (MOMENT, VISCOUS):
             store(part.state, i, k + 1, load(part.state, i, k))
-        distance = travel(world, part.curve[i], part.by_rate[i], timing.time)
+        distance = travel_factor(world, part.curve[i], part.by_rate[i], timing.time)
         target = load(part.numbers, i, START) + distance * load(part.numbers, i, TURN)
         error = target - load(part.openings.angles, h, NEW)
         advance = target - load(part.state, i, TARGET)

@@ -288,7 +288,7 @@ def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
     return [(row, (soft + softest) / inverse) for row, inverse in rows if inverse > 0]
 
 
-def softness(scene, hinge: int) -> float:
+def mobility(scene, hinge: int) -> float:
     """Return the acceleration of a joint coordinate by a unit moment (slides: force), the joint's
     two particles alone: 1/(kg m²), slides 1/kg; 0 where both are held. hinge: index in `scene`."""
     joint, no_turn = scene.hinges[hinge], turns_of(scene).no_turn

@@ -112,10 +112,9 @@ def update(part, state):
 def turn(openings, state, h, moment):
     """Apply a moment (N m, lanes) about the axis of hinge h (index) to its second particle, and its
     opposite to the first: it is added to the forces in `state` and, where moments are recorded by
-    component (springs, dampers, ...), to that of the acting element type, openings.part. On a slide
-    it is a force (N) along the axis, on both particles at the point of the second, so that they are
-    in balance. openings: the field `openings` of that type's arrays (Openings); state: of all
-    particles (World.state), changed."""
+    component (springs, dampers, ...), to that of the acting type, openings.part. On a slide it is a
+    force (N) along the axis, on both particles at the second's point, so that they are in balance.
+    openings: of that type's arrays (Openings); state: of all particles (World.state), changed."""
     first, second = openings.ends[2 * h], openings.ends[2 * h + 1]
     axis = get3(openings.axes, h, 0)
     if is_slide(openings.slides, h):

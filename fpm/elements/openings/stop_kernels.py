@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fpm.elements.openings.losses_kernels import follow_rate, lose, press
+from fpm.elements.openings.losses_kernels import add_loss, follow_rate, press
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
 from fpm.kernels.events import note_crossings
 from fpm.kernels.hooks import hook
@@ -58,7 +58,7 @@ def forces(part, world, timing):
             load(part.numbers, i, DAMPING),
         )
         turn(part.openings, world.state, h, -side * (spring + damper))
-        lose(world, part.account, part.openings, part.rates, i, h, -side * damper)
+        add_loss(world, part.account, part.openings, part.rates, i, h, -side * damper)
 
 
 @hook(Stops)

@@ -14,7 +14,7 @@ import numpy as np
 
 from fpm.elements.fields import index, number, stiffness, topology
 from fpm.elements.kind import Deformations, Energy, Series
-from fpm.elements.openings.opening import TURNING, ConnectorElement, relative_turn, softness
+from fpm.elements.openings.opening import TURNING, ConnectorElement, mobility, relative_turn
 from fpm.errors import SceneError
 
 
@@ -79,10 +79,10 @@ class SyncLoop(ConnectorElement):
         with how particles' motions strain them: one on each hinge of a loop, both together at least
         as stiff as the loop; None without any that can move. By Cauchy and Schwarz (r1 psi1 - r2
         psi2)² <= r1² psi1²/s1 + r2² psi2²/s2 with s1 + s2 = 1; with s1 : s2 as r² w, w being each
-        hinge's `softness`, nothing is lost where they share no body."""
+        hinge's `mobility`, nothing is lost where they share no body."""
         hinges, stiffness, element = [], [], []
         for i, loop in enumerate(cls.find(scene)):
-            soft = [softness(scene, hinge) for hinge in loop.hinges]
+            soft = [mobility(scene, hinge) for hinge in loop.hinges]
             total = sum(r**2 * w for r, w in zip(loop.radii, soft, strict=True))
             for hinge, w in zip(loop.hinges, soft, strict=True):
                 if w > 0:

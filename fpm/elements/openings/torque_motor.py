@@ -17,9 +17,8 @@ from fpm.elements.openings.opening import on_hinge
 class TorqueMotor(AnyMotor):
     """Moves a joint by a torque, or force, that falls with the speed, evenly down to none.
 
-    hinge: index; torque: at rest (N m); curve: index in Scene.curves of the curve of time that
-    multiplies it, -1: none; no_load: speed at which it is 0 (rad/s), infinite: it does not fall. On
-    a slide the units are N and m/s."""
+    hinge: index; torque: at rest (N m); curve: index in Scene.curves of its factor over time, -1:
+    none; no_load: speed at which it is 0 (rad/s), infinite: never. On a slide N and m/s."""
 
     hinge: int = on_hinge()
     torque: float = number("N m", text="its moment at rest")

@@ -295,8 +295,7 @@ def release(build, args):
     Adds a Release to the scene, or a RigidRelease where stiffness is None. build: Builder of the
     sample, with its scene; args: values of an entry: joint (index of a hinge), stiffness, damping
     (0: none) and, each or None, hold (joint coordinate, rad; m on a slide; None: as at the start),
-    time (s), watch (index of another hinge) and level (its coordinate; passing it frees the
-    joint)."""
+    time (s), watch (index of another hinge), level (coordinate there that frees the joint)."""
     if args.time is None and args.watch is None:
         build.refuse("time", None, "a time, or a joint to `watch`")
     if (args.watch is None) != (args.level is None):

@@ -57,8 +57,7 @@ def _axes(build, args) -> np.ndarray:
 
 
 def _further(args, particles) -> Iterator[tuple[str, tuple[int, int], list[int]]]:
-    """Name and particles of joints of the first part with those after the second, and their places
-    among the parts."""
+    """Name and particles of joints of the first part with those after the second; their places."""
     for k in range(2, len(particles)):
         label = args.parts[k].name.rpartition(".")[2]  # without that of its unit
         yield f"{args.name}_{label}", (particles[0], particles[k]), [0, k]

@@ -176,9 +176,8 @@ def drive(build, args):
 def motion(build, args):
     """How a part moves at the start, as a rigid body.
 
-    Sets velocities of its particles in the scene. build: Builder of the sample, with its scene;
-    args: values of an entry: part (Body), velocity (3,) m/s of the point about (Point), spin
-    (angular velocity (3,), rad/s)."""
+    Sets its particles' velocities in the scene. build: Builder of the sample; args: values of an
+    entry: part (Body), velocity (3,) m/s of the point about (Point), spin (3,) rad/s."""
     scene, particles = build.scene, args.part.particles
     arms = scene.position[particles] - args.about.position
     scene.velocity[particles] = args.velocity + np.cross(args.spin, arms)

@@ -175,9 +175,8 @@ def _straight(scene, args, points, directions, normal) -> list[int]:
 
 
 def _stretches(scene, args, points, directions, normal) -> list[int]:
-    """A bar through more points, stretch by stretch; the particles at the points.
-
-    Each stretch is lumped by itself (lumping.py); where two meet, masses and inertias add."""
+    """A bar through more points, stretch by stretch; the particles at the points. Each stretch is
+    lumped by itself (lumping.py); where two meet, masses and inertias add."""
     axes = [triad(direction, normal) for direction in directions]
     shape = args.elements, args.section, args.material, args.inertia_scale
     lumps = [lump(np.linalg.norm(end - start), *shape) for start, end in pairwise(points)]
@@ -274,9 +273,8 @@ def body(build, args):
 def mass(build, args):
     """A mass at a point of a part, with its centre there.
 
-    Adds to mass and inertia of the part's particle in the scene. build: Builder of the sample, with
-    its scene; args: values of an entry: part (Body), at (Point), mass (kg), inertia (about every
-    axis, kg m²)."""
+    Adds to mass and inertia of the part's particle in the scene. build: Builder of the sample;
+    args: values of an entry: part (Body), at (Point), mass (kg), inertia (every axis, kg m²)."""
     scene, particle = build.scene, args.part.particle(args.at.name)
     distance = float(np.linalg.norm(args.at.position - scene.position[particle]))
     if distance > POINT_TOL * build.size:

@@ -36,7 +36,7 @@ _PENALTY = 100.0  # in units of the box for each band beyond the level
 _ITERATIONS, _STARTS, _CELLS = 40, 8, 64
 _CORNERS = 4  # most directions of whose box the corners are run
 _SPREAD_SHARE = 0.05  # of the difference of runs: so far left-out errors tell of those between
-_UNBOUNDED = 1e3  # times the band and the size: an error that is not known
+_ERROR_CEILING = 1e3  # times the band and the size: an error that is not known
 _WIDER = 0.02  # of the hull's width, which is added on each side, and of the level
 _PRECISE = 0.05  # of the band, at which the surrogate's error no longer matters
 _STATIONARY = 0.8  # of the hull's volume, above which a wave does not pay where errors are small
@@ -110,7 +110,7 @@ class CurveFit(NamedTuple):
 
 def fit_curves(
     test: Measurement, points: np.ndarray, curves: np.ndarray, times: np.ndarray,
-    hull: np.ndarray, own_errors: np.ndarray | float = 0.0,
+    hull: np.ndarray, run_errors: np.ndarray | float = 0.0,
 ) -> CurveFit:  # fmt: skip
     """Fit the polynomials of the total degree whose leave-one-out errors are least; the errors of
     the result are the largest of these, with that of cubic interpolation between instants.
@@ -125,26 +125,26 @@ def fit_curves(
         Recorded instants (R) in s, at least four.
     hull
         Lower and upper coordinates (2, p) of the part that is fitted; runs near it count.
-    own_errors
+    run_errors
         Errors (n, T) of the runs themselves, such as those of their time step."""
     center, half = hull.mean(axis=0), np.maximum(np.ptp(hull, axis=0) / 2, 1e-9)
-    unit = (points - center) / half
-    rows = np.flatnonzero((np.abs(unit) <= 1.0 + 2 * _WIDER).all(axis=1))
-    rows = rows if len(rows) else np.abs(unit).max(axis=1).argmin()[None]
+    x = (points - center) / half
+    rows = np.flatnonzero((np.abs(x) <= 1.0 + 2 * _WIDER).all(axis=1))
+    rows = rows if len(rows) else np.abs(x).max(axis=1).argmin()[None]
     # A run that is left out must not stand there a second time.
-    rows = rows[np.unique(unit[rows].round(9), axis=0, return_index=True)[1]]
-    unit, curves = unit[rows], curves[rows]
+    rows = rows[np.unique(x[rows].round(9), axis=0, return_index=True)[1]]
+    x, curves = x[rows], curves[rows]
     middle = test.limits[:, 0].mean()
-    sampled = scipy.interpolate.CubicSpline(times, curves, axis=2)(test.times - middle)
-    flat = sampled.reshape(len(rows), -1)
-    free = np.ptp(unit, axis=0) > 0
+    samples = scipy.interpolate.CubicSpline(times, curves, axis=2)(test.times - middle)
+    flat = samples.reshape(len(rows), -1)
+    free = np.ptp(x, axis=0) > 0
     best, least = None, inf
     for degree in range(9):
         terms = comb(degree + int(free.sum()), degree)
         if degree and (terms > 0.75 * len(rows) or not free.any()):
             break
         indices = total_degree(np.where(free, degree, 0))
-        basis = product_basis(unit, indices)
+        basis = product_basis(x, indices)
         if (solution := least_squares(basis, flat, 1e-7)) is None:
             break
         coefficients, leverage = solution
@@ -160,11 +160,11 @@ def fit_curves(
     # Left-out errors of runs that hardly resemble each other bound nothing between them.
     bands, size = test.bands.ravel(), np.abs(flat).max(axis=0)
     is_known = errors <= np.maximum(_SPREAD_SHARE * np.ptp(flat, axis=0), _PRECISE * bands)
-    errors = np.where(is_known, 3.0 * errors, _UNBOUNDED * (bands + size))
+    errors = np.where(is_known, 3.0 * errors, _ERROR_CEILING * (bands + size))
     gaps = _interpolation_errors(times, curves, np.ptp(test.limits[:, 0]))
     places = np.clip(test.times - middle, times[0], times[-1])
     gaps = [np.interp(places, times, gap) for gap in gaps]
-    errors = errors.reshape(sampled.shape[1:]) + gaps + own_errors
+    errors = errors.reshape(samples.shape[1:]) + gaps + run_errors
     return CurveFit(test, center, half, spline, indices, errors)
 
 
@@ -253,8 +253,8 @@ class _Problem:
                 break
             merit = cost @ values + penalty * max(misfit - level, 0.0)
             sides = np.clip(hull - values, -radius * half, radius * half)
-            step, predicted = self._step(residuals, jacobian, sides, half, sign, cost, level)
-            gain = merit - cost @ values - predicted
+            step, prediction = self._step(residuals, jacobian, sides, half, sign, cost, level)
+            gain = merit - cost @ values - prediction
             if gain <= 1e-4 * (np.abs(cost) @ half if cost.any() else max(merit, 0.01)):
                 break
             for _ in range(2):  # the second with the curvature that the first met
@@ -264,8 +264,8 @@ class _Problem:
                 ratio = (merit - cost @ trial - penalty * max(trial_misfit - level, 0.0)) / gain
                 if ratio > 0.3:
                     break
-                curved = trial_residuals - jacobian @ step
-                step, _ = self._step(curved, jacobian, sides, half, sign, cost, level)
+                curved_residuals = trial_residuals - jacobian @ step
+                step, _ = self._step(curved_residuals, jacobian, sides, half, sign, cost, level)
             if ratio > 0.05:
                 values, misfit = trial, trial_misfit
                 residuals, jacobian = trial_residuals, trial_jacobian
@@ -283,19 +283,19 @@ class _Problem:
         penalty = _PENALTY if cost.any() else 1.0
         excess, reach = self.excess(residuals, sign), np.abs(jacobian) @ np.abs(sides).max(axis=0)
         rows = np.flatnonzero(excess + reach >= max(level, (excess - reach).max()))
-        unit = np.where(half > 0, half, 1.0)
-        scaled = jacobian[rows] * unit
+        scales = np.where(half > 0, half, 1.0)
+        slopes = jacobian[rows] * scales
         limit = self.errors[rows] / self.bands[rows] * sign + level
-        slack = -np.ones((len(rows), 1))
-        matrix = np.block([[scaled, slack], [-scaled, slack]])
+        column = -np.ones((len(rows), 1))
+        matrix = np.block([[slopes, column], [-slopes, column]])
         bound = np.concatenate([limit - residuals[rows], limit + residuals[rows]])
-        bounds = [*(sides / unit).T, (0.0, None)]
+        bounds = [*(sides / scales).T, (0.0, None)]
         result = scipy.optimize.linprog(
-            np.append(cost * unit, penalty), matrix, bound, bounds=bounds, method="highs-ds"
+            np.append(cost * scales, penalty), matrix, bound, bounds=bounds, method="highs-ds"
         )
         if result.x is None:
             return np.zeros(self.size), inf
-        return result.x[:-1] * unit, float(result.fun)
+        return result.x[:-1] * scales, float(result.fun)
 
 
 @dataclass(frozen=True)
@@ -378,13 +378,13 @@ class _Waves:
     def run(self, values: np.ndarray, problem: _Problem) -> tuple[np.ndarray, float]:
         """Run all tests at the variables `values`, keep that if no run came nearer; return the
         values with those of the sensors that fit best, and the misfit."""
-        own_fits, points = [], []
+        run_fits, points = [], []
         for t, (test, places) in enumerate(zip(self.tests, problem.places, strict=True)):
             points.append(values[places[: test.dimension]])
             curves = self.add(t, points[t][None])
             hull = np.array([points[t], points[t]])
-            own_fits.append(fit_curves(test, points[t][None], curves, self.times, hull))
-        run_problem = _Problem(own_fits, self.k)
+            run_fits.append(fit_curves(test, points[t][None], curves, self.times, hull))
+        run_problem = _Problem(run_fits, self.k)
         hull = np.array([values, values])
         for test, places in zip(self.tests, problem.places, strict=True):
             hull[:, places[test.dimension :]] = [[-1.0], [1.0]]
@@ -400,7 +400,7 @@ class _Waves:
         hardly ever catches. number: of the attempt, each with runs of its own."""
         problem = self.problems[0][1]
         free = np.zeros(problem.size, bool)
-        free[self.narrowed] = np.ptp(self.widest[:, self.narrowed], axis=0) > 0
+        free[self.inputs] = np.ptp(self.widest[:, self.inputs], axis=0) > 0
         center, half = self.widest.mean(axis=0), np.ptp(self.widest, axis=0) / 2
         count = _CHECKS // len(self.tests)
         for point in scan_points(free, count * (number + 1), corners=False)[-count:]:
@@ -445,7 +445,7 @@ class _Waves:
             )
             if not pool:
                 return problem, least, []
-            pool = self.extremes(problem, limit, pool, np.eye(problem.size)[self.narrowed])
+            pool = self.extremes(problem, limit, pool, np.eye(problem.size)[self.inputs])
             low, high = np.min(pool, axis=0), np.max(pool, axis=0)
             wider = _WIDER * (high - low)
             hull = np.clip([low - wider, high + wider], *self.hull)
@@ -463,7 +463,7 @@ class _Waves:
         return problem, least, pool
 
     @property
-    def narrowed(self) -> np.ndarray:
+    def inputs(self) -> np.ndarray:
         """Indices of the variables whose limits are narrowed: of the box, and of starts."""
         indices, size = list(range(self.k)), self.k
         for test in self.tests:
@@ -474,7 +474,7 @@ class _Waves:
     @property
     def sensors(self) -> np.ndarray:
         """Indices of the other variables, those of the sensors."""
-        return np.setdiff1d(np.arange(self.widest.shape[1]), self.narrowed)
+        return np.setdiff1d(np.arange(self.widest.shape[1]), self.inputs)
 
     def islands(
         self, problem: _Problem, starts: list[np.ndarray], level: float

@@ -59,9 +59,6 @@ of numba: finalized
 TERMS = frozenset(_TERMS.split())
 """Names with this ending, or whose last word is one, that stay."""
 
-NOT_YET = ("deployable/intervals/calibration.py",)
-"""Files whose names are not yet held to the ending."""
-
 MEMBERS = {
     "along": "key of margins, docs/responses.md; what a response lies along",
     "above": "exclusive lower bound of a number, docs/mechanics.md",
@@ -112,7 +109,7 @@ def words(source, path=""):
         if bare in NEVER:
             is_wrong = not {bare, f"{path}:{bare}"} & allowed
         else:
-            is_wrong = ENDING.fullmatch(bare) and path not in NOT_YET
+            is_wrong = ENDING.fullmatch(bare)
             is_wrong = is_wrong and bare not in TERMS and bare.rpartition("_")[2] not in TERMS
         if is_wrong:
             yield node.lineno, name

@@ -72,9 +72,10 @@ def refinement_ratio(change: np.ndarray, finer_change: np.ndarray) -> np.ndarray
 
 @dataclass(frozen=True)
 class ErrorEstimate:
-    """Estimates (..., T) of the largest error of a surrogate over the box at each of T instants:
-    `held_out` by runs that were not fitted; `decay` by the decay of the coefficients; and `total`,
-    the one to be used: the larger of both, widened in time."""
+    """Estimates (..., T) of the largest error of a model over the box at each of T instants, in the
+    unit of the values it is fitted to. held_out: by runs that were not fitted (of bounds by all
+    runs: by their growth); decay: by the decay of the coefficients, 0 without any; total: the one
+    to be used: the larger of both, of a fit the largest in a time window about the instant."""
 
     total: np.ndarray
     held_out: np.ndarray

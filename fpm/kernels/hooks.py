@@ -198,9 +198,10 @@ def work_of_place(parts, world, energies, row):
 
 @_unroll()
 def record(parts, world, row):
-    """Write what each element type records at an instant into its arrays, and raise its watched
-    quantities (World.peaks), by which runs fail. parts: arrays of each element type; world:
-    solver state (World); row: index of the recorded instant in them."""
+    """Write what each element type records into its arrays, at recorded instants and at each check
+    of the energy balance between them, and raise World.peaks, the largest values so far of watched
+    quantities, which fail a run above their limit. parts: arrays of each element type; world:
+    solver state (World); row: index of the instant in these arrays, of a spare last row between."""
 
 
 @_unroll()

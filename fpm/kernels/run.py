@@ -20,9 +20,10 @@ tenths of a radian in a step, the ends of the series; the third as a product add
 
 @kernel
 def time_particles(particles, timing):
-    """Store, for every particle, its velocity by a unit force (field KICK) and half its turn by a
-    unit angular momentum (HALF) in this step. particles (n, PARTICLE, lanes): World.particles,
-    constants of all, changed; timing: times of this step (s)."""
+    """Store what this step does to every particle: in KICK the velocity (m/s) that a unit force
+    gives it in the kick, in HALF (3) half the turns (rad) in the step by unit angular momenta along
+    its own axes. particles (n, PARTICLE, lanes): World.particles, constants of all, changed;
+    timing: StepTime (s); called in the first two steps only, as the first kick is shorter."""
     for i in range(particles.shape[0]):
         store(particles, i, KICK, timing.kick * load(particles, i, IM))
         put3(particles, i, HALF, (0.5 * timing.step) * get3(particles, i, IJ))

@@ -186,7 +186,7 @@ def add_where(a, i, k, v, condition):
 
 @kernel
 def opposite(v):
-    """The vector -v."""
+    """Return the vector -v; v: a vector with components x, y, z of lanes (numbers of samples)."""
     return vector(-v.x, -v.y, -v.z)
 
 

@@ -110,7 +110,9 @@ def driving(works: Mapping[str, np.ndarray]) -> list[str]:
 def sweep_travel(scene, responses: Iterable[Any]) -> Any:
     """Move openings (joint coordinates) of a scene slowly as `responses`, all margins, need it,
     without a run. Returns what serves as argument `run` of `values`, `least` and `torque_budget`:
-    an object with `columns`: results by (variable, label); `time`: 201 values from 0 to 1."""
+    an object with `columns`, by (variable, label) the values (p,) at the p positions of a travel,
+    as many as its tolerance takes (units: `column_of`), and `time`, 201 values from 0 to 1, which
+    sets only how many margins `values` gives. scene: the Scene, at its start."""
     columns, travels = {}, {}
     for variable, label in dict.fromkeys(c for response in responses for c in response.columns):
         path, part = read_label(label)

@@ -14,7 +14,8 @@ __all__ = ["StructureError", "load", "loads"]
 
 
 def load(path: str | Path) -> SceneType:
-    """Return the structure (SceneType) in the file at `path`, `.yaml` or `.py`. A `.py` file is
-    run. Raises StructureError: of a `.yaml` file with all that is wrong, of a `.py` the first."""
+    """Return the structure in the file at `path`, `.yaml` or `.py`, as a SceneType object, whose
+    `build` makes its scenes. A `.py` file is run. Raises StructureError: of a `.yaml` file with all
+    that is wrong, of a `.py` the first."""
     path = Path(path)
     return load_python(path) if path.suffix == ".py" else load_text(path)

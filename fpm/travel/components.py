@@ -98,9 +98,11 @@ class VirtualWork:
                 acting.forces(poses.displace(-factor * motion))
 
     def compute_work(self, poses: ParticlePoses, tangent: np.ndarray) -> float:
-        """Return the virtual work (N m, on slides N) of the component at `poses` in the motion
-        `tangent` (6n,) per unit of the opening, above 0 where it drives; of several elements the
-        least, with a baseline the difference from it. The forces are kept for `friction_forces`."""
+        """Return the virtual work (N m, on slides N) of the component at `poses`, per unit of the
+        opening (rad, on slides m), above 0 where it drives. tangent (6n,): motion by that unit, of
+        each particle its shift (m), then its rotation vector (rad), global. Of several elements it
+        is the least; with a baseline (the element without friction, say), what is left when its
+        work is taken off. The forces are kept for `friction_forces`."""
         self._forces = np.array([acting.forces(poses) for acting in self.acting])
         works = self._forces @ tangent
         return float(works[0] - works[1] if self.is_difference else works.min())

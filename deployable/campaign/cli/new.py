@@ -85,11 +85,11 @@ def _start_files(start: str) -> tuple[str, dict[str, Path]]:
 
 
 def campaign_of(path: Path, name: str) -> str:
-    """Write the YAML text of a first campaign for the structure in the file `path`, and return it;
-    name: of that file in the campaign. The first real parameter that has a value gets an interval
-    of 1 % about it; the speeds of all points and the openings of all hinges are recorded for a
-    second; quantities ask when its latches catch, requirements whether all do. Raises
-    `CampaignError` if the structure cannot be read, or has no such parameter."""
+    """Return the YAML text of a first campaign for the structure in the file `path`; no file is
+    written. name: of that file in the text. The first real parameter with a value other than 0 gets
+    an interval of 1 % about it; the speeds of all points and the openings of all hinges are
+    recorded for a second; quantities ask when its latches catch, requirements whether all do.
+    Raises `CampaignError` if the structure cannot be read, or has no such parameter."""
     try:
         scene = scene_type("", str(path))
     except fpm.SceneError as error:

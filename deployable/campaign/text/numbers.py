@@ -93,9 +93,11 @@ OPEN = 0.05
 
 def interval(row: Mapping[str, Any]) -> str:
     """Write a quantity's interval with its unit, `0.31 to 0.34 s`; empty where there is none. row:
-    the quantity's dict in `summary.json` (`facts_of`): lower, upper, error, units, beyond. Bounds
-    are rounded at the first digit of their error (or of a tenth of their difference, if that is
-    less), but at most two digits below that of their difference."""
+    the quantity's dict in `summary.json` (`facts_of`): lower, upper, error, units, and beyond:
+    None, or, of a time that some runs do not reach, their duration (s): then the text is `0.31 to
+    more than 2 s (the end of the runs)`. Bounds are rounded at the first digit of their error (or
+    of a tenth of their difference, if that is less), but at most two digits below that of their
+    difference."""
     if row["lower"] is None:
         return ""
     ends = _ends(row)

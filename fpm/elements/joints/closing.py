@@ -109,8 +109,9 @@ def restore_pose(b, r, state, i):
 
 @kernel
 def turn_little(state, i, turn):
-    """Rotate the axes of particle i (index or a pair) in `state` (World.state) by a rotation vector
-    `turn` (rad, 3, global) so small that its square does not show, to close small tilts."""
+    """Rotate the axes of a particle by a rotation vector `turn` (rad, 3, global) so small that its
+    square does not show, to close small tilts. state: World.state, changed; i: the particle's
+    index, or a tuple of two, of particles that turn at once, each by its own lanes of `turn`."""
     for k in (D2, D3):
         axis = get3(state, i, k)
         put3(state, i, k, axis + cross(turn, axis))
@@ -127,7 +128,8 @@ def coarse(time, size):
 @kernel
 def watch(part, gap2, tilt2):
     """Raise the largest gap and tilt so far, in part.peaks, to the roots of gap2 (m²) and tilt2
-    (squared sine of the axes' angle); returns these roots. part: Hinges, Joints or TurnedJoints."""
+    (squared sine of the axes' angle), both lanes (a number for each sample); returns these roots
+    (m, sine). part: arrays of elements (Hinges, Joints or TurnedJoints)."""
     gap, tilt = sqrt(gap2), sqrt(tilt2)
     store(part.peaks, 0, GAP, larger(load(part.peaks, 0, GAP), gap))
     store(part.peaks, 0, TILT, larger(load(part.peaks, 0, TILT), tilt))

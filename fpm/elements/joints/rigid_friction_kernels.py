@@ -38,9 +38,10 @@ class RigidFrictions(NamedTuple):
     """Arrays of f frictions that stick exactly (lanes: samples). hinge (f,): index of the hinge;
     turn (f,): index of its condition in turns.state; numbers (f, 1, lanes): friction moment (N m);
     openings, turns: all joint coordinates, and those held exactly; rates (f, 2, lanes): rates
-    (rad/s) of the last two steps, the last first; state (f, 6, lanes): moment held (N m), its work
-    due (J), sign of the slip's rate, brake moment now and before the joints were solved (N m),
-    changes left in this step; account: index of the loss in World.accounts."""
+    (rad/s) of the last two steps, the last first; state (f, 6, lanes): moment in the last step (N
+    m), the half of its work (J) that was added to the account after an instant was recorded but is
+    due before it, sign of the slip's rate, brake moment now and before the joints were solved (N
+    m), changes left in this step; account: index of the loss in World.accounts."""
 
     hinge: np.ndarray
     turn: np.ndarray

@@ -134,9 +134,11 @@ def end_work(part, world, timing, first, sign):
 
 @kernel
 def end_work_of(part, world, i, moment, first, sign):
-    """Add half of the work (J) of the `moment` (N m) of element i over the step that ends now to
-    account part.account of World. part: arrays of the elements; world: World; first: index of
-    HOLD_MOMENT in part.state, where the moment is kept; sign: 1 for work given, -1 for losses."""
+    """Add half of the work (J) of the `moment` (N m; on a slide a force, N; lanes) of element i
+    over the step that ends now to account part.account of World, and store moment and work in
+    part.state. The other half follows in the next step (`work_before`). part: arrays of elements;
+    world: World; first: index of HOLD_MOMENT in part.state; sign: 1 for work given, -1 for
+    losses."""
     work = sign * work_on(part.openings, part.hinge[i], moment)
     add_to_account(world, part.account, work)
     store(part.state, i, first + HOLD_MOMENT, moment)

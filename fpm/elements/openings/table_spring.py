@@ -55,8 +55,8 @@ class TableSpring(Connector):
         return -float(np.concatenate(least).min())
 
     def stiffness_in(self, scene):
-        """Return the stiffness (N m/rad, at least 0) by which the spring limits the stable time
-        step: the steepest fall of its moment. scene: not used."""
+        """Return the stiffness (N m/rad, on slides N/m; at least 0) by which the spring limits the
+        stable time step: the steepest fall of its moment. scene: not used."""
         return max(0.0, -float(self.slopes.min()))
 
     @property

@@ -90,7 +90,8 @@ class PolynomialModel(Model):
         return error_estimate(time, np.abs(residuals).max(axis=0, initial=0.0), decay, window)
 
     def centre(self) -> np.ndarray:
-        """Values (n, T) of the polynomials at the centre of the box."""
+        """Return the n responses at T instants (n, T), in their units, that the polynomials give at
+        the centre of the box."""
         return self.surrogate.evaluate(np.zeros((1, self.samples.points.shape[1])))[0]
 
 

@@ -50,7 +50,7 @@ class _BoxEvaluator(ModelEvaluator):
         quantity = SimpleNamespace(is_time=box.is_time, least=None)
         sides = SimpleNamespace(free=np.ones(k, bool), from_unit=lambda points: points)
         experiment = SimpleNamespace(
-            numbers=[quantity], box=sides, solver=SimpleNamespace(duration=10.0)
+            quantity_list=[quantity], box=sides, solver=SimpleNamespace(duration=10.0)
         )
         self.plan, self.function = SimpleNamespace(experiment=experiment), box.function
         self.points = np.concatenate([np.zeros((1, k)), scan_points(np.ones(k, bool), 8 * k - 1)])

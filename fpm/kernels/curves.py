@@ -7,8 +7,9 @@ from fpm.kernels.vectors import kernel
 
 @kernel
 def curve_value(world, curve, t):
-    """Return the value of a curve of time at time t (s), constant before its first and after its
-    last point. world: solver state with all curves (World); curve: index, -1: always 1."""
+    """Return the value of a curve of time at time t (s): one number for all samples, linear between
+    the curve's points, constant before the first and after the last, in the unit of what refers to
+    it. world: solver state with all curves (World); curve: index, -1: always 1."""
     if curve < 0:
         return 1.0
     times, values = world.curve_time, world.curve_value

@@ -16,8 +16,9 @@ from fpm.kernels.vectors import cross, dot, get3, kernel, put3, vector
 
 @kernel
 def frame(state, i):
-    """Return the three axes, unit vectors in global components, of particle i, or of two particles
-    (i, j) at once. state (n, STATE, lanes): of all particles."""
+    """Return the three axes of particle i: a tuple of three vectors of lanes (samples), of length
+    one, in global components. state (n, STATE, lanes): of all particles; i: index, or a pair (i,
+    j), whose vectors have twice the lanes, particle i's, then j's."""
     second, third = get3(state, i, D2), get3(state, i, D3)
     return cross(second, third), second, third
 

@@ -169,7 +169,8 @@ def put6(a, i, k, s):
 
 @kernel
 def add3(a, i, k, v):
-    """Add a vector v to fields k, k+1, k+2 of row i of an array a (rows, fields, lanes)."""
+    """Add a vector v (of lanes, with components x, y, z: `vector`) to fields k, k+1, k+2 of row i
+    of an array a (rows, fields, lanes), which is changed."""
     put3(a, i, k, get3(a, i, k) + v)
 
 

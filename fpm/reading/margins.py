@@ -35,7 +35,7 @@ DRIVES = 1e-6
 STOW = "stow"
 """The opening at the start of a run, whichever that is."""
 
-OPTIONAL = ("from", "evidence", "with", "locks", "without", "classes", "uncertainty_factors",
+OPTIONAL = ("from", "evidence", "with", "locked", "without", "classes", "uncertainty_factors",
             "actuation_factors", "accelerate", "deliver")  # fmt: skip
 UNITS = {"rad": 1.0, "deg": np.pi / 180, "m": 1.0, "mm": 1e-3}
 
@@ -51,19 +51,21 @@ class Abscissa(NamedTuple):
 
 
 class OpeningPath(NamedTuple):
-    """Path of openings (joint coordinates) moved quasi-statically (a travel). openings: names of
-    hinges or slides moved together; first, last: begin and end of the first of them (rad, m; None:
-    each run's own at its start); locks: names of hinges locks at their start."""
+    """Path along which openings (joint coordinates) are moved quasi-statically (a travel).
+    openings: names of the hinges or slides moved together, the others as far from their start as
+    the first; first, last: begin and end of the first (rad, of slides m; None: where it is at the
+    start of each run); locked: names of hinges that are held all along at their opening at the
+    start."""
 
     openings: tuple[str, ...]
     first: float | None
     last: float | None
-    locks: tuple[str, ...] = ()
+    locked: tuple[str, ...] = ()
 
     def label(self, part: str = "") -> str:
         """Return the label of a recorded column for a travel along this path, such as "A led from
         0.0 to 1.5 by spring". part: whose virtual work it has, as "spring"; "": none."""
-        suffix = "".join(f" beside {name}" for name in self.locks) + (part and f" by {part}")
+        suffix = "".join(f" beside {name}" for name in self.locked) + (part and f" by {part}")
         first, last = (STOW if end is None else repr(end) for end in (self.first, self.last))
         names = "".join(f" with {name}" for name in self.openings[1:])
         return f"{self.openings[0]} led from {first} to {last}{names}{suffix}"
@@ -73,11 +75,11 @@ def read_label(label: str) -> tuple[OpeningPath, str]:
     """Return the path (OpeningPath) that the label of a recorded column names, such as "A led from
     0.0 to 1.5 by spring", and the component of the virtual work in it, "" if none."""
     rest, _, part = label.partition(" by ")
-    rest, *locks = rest.split(" beside ")
+    rest, *locked = rest.split(" beside ")
     rest, *names = rest.split(" with ")
     name, _, values = rest.partition(" led from ")
     ends = (None if end == STOW else float(end) for end in values.split(" to "))
-    return OpeningPath((name, *names), *ends, tuple(locks)), part
+    return OpeningPath((name, *names), *ends, tuple(locked)), part
 
 
 def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
@@ -89,7 +91,7 @@ def travel_of(scene, path: OpeningPath, positions: int | None = None) -> Travel:
     if first == last:
         name = f"opening {path.openings[0]}"
         raise SceneError(name, f"{first:.6g} at the start", "another one than the last")
-    return sweep(scene, path.openings, first, last, path.locks, positions)
+    return sweep(scene, path.openings, first, last, path.locked, positions)
 
 
 def column_of(travel: Travel, variable: str, part: str) -> np.ndarray:
@@ -156,10 +158,10 @@ def _path_of(spec) -> tuple[OpeningPath, Abscissa]:
         spec.one_of(hinges, value=name)
     if len(set(openings)) < len(openings):
         raise _error(spec, "with", [*openings], "each opening once")
-    locks = tuple(spec.one_of(hinges, "locks", name) for name in _names(spec, "locks"))
-    for name in locks:
+    locked = tuple(spec.one_of(hinges, "locked", name) for name in _names(spec, "locked"))
+    for name in locked:
         if name in openings:
-            raise _error(spec, "locks", name, "openings that are not moved")
+            raise _error(spec, "locked", name, "openings that are not moved")
     hinge = hinges[openings[0]]
     unit = "m" if hinge.slides else "rad"
     ends = [_opening(spec, key, hinge, unit) for key in ("from", "to")]
@@ -168,7 +170,7 @@ def _path_of(spec) -> tuple[OpeningPath, Abscissa]:
         raise _error(spec, "to", spec.data["to"], "another opening than `from`")
     suffix = ", from each run's start" if ends[0] is None else ""
     abscissa = Abscissa(f"opening of {openings[0]}{suffix}", unit, first, last)
-    return OpeningPath(openings, *ends, locks), abscissa
+    return OpeningPath(openings, *ends, locked), abscissa
 
 
 def _classes_of(spec) -> dict[str, str]:

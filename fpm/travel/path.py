@@ -56,16 +56,16 @@ class Path:
     """Moves a joint coordinate (opening) of a scene slowly, through static equilibria, and holds
     the state reached: `poses` of n particles, the `opening` (rad, m), and `tangent`, the motion
     (6n,), m, rad, of all particles per unit of it. openings: names of hinges or slides that move
-    together, the first by the `opening`; locks: names of hinges locks as at the start."""
+    together, the first by the `opening`; locked: names of hinges that are held as at the start."""
 
-    def __init__(self, scene, openings: Sequence[str], locks: Sequence[str]):
+    def __init__(self, scene, openings: Sequence[str], locked: Sequence[str]):
         self.scene, self._key = scene, f"opening {openings[0]}"
         by_name = {hinge.name: hinge for hinge in scene.hinges}
         self._hinges, self.balance = [by_name[name] for name in openings], Balance(scene)
         self.opening = self._start = float(self._hinges[0].opening)
         self.poses = ParticlePoses(scene.position.copy(), scene.frame.copy())
-        self._conditions = conditions_of(scene, [*locks, *openings])
-        self._leading = len(locks) + len(openings)
+        self._conditions = conditions_of(scene, [*locked, *openings])
+        self._leading = len(locked) + len(openings)
         self._zeros = self._conditions.gaps(self.poses)[-len(openings) :]
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
         self._scales = np.tile(np.repeat([self._size, 1.0], 3), len(scene.position))
@@ -153,7 +153,7 @@ class Path:
                 self.balance.follow(poses)
                 return
         allowed = "openings that it can reach quasi-statically, with all joints closed;"
-        allowed += " other openings that nothing decides may be `locks`"
+        allowed += " other openings that nothing decides may be `locked`"
         raise MisfitError(self._key, f"{value:.6g}", allowed)
 
     def state(self) -> tuple:
@@ -218,7 +218,7 @@ class Path:
         forces, is_solved = forces_with_friction(base, slopes)
         if not is_solved:
             name = hinges[int(np.argmax(levers * forces))].name
-            place = f"locks where {self._key} is {self.opening:.6g}"
+            place = f"locked where {self._key} is {self.opening:.6g}"
             allowed = "a way on which no bearing's friction presses its joint harder than it is "
             allowed += "pushed (self-locking): less `mu`, or a way that ends before"
             raise SceneError(f"bearing {name}", place, allowed)
@@ -236,7 +236,7 @@ class Path:
         rates = rows[-len(scene.hinges) :] @ np.stack([self.tangent, self._motion(solve)], axis=1)
         if np.abs(np.diff(rates)).max() > FREEDOM_TOLERANCE * np.abs(rates).max():
             allowed = "an opening that decides the motion of all others, by joints, springs or"
-            allowed += " loops; let others be `locks`"
+            allowed += " loops; let others be `locked`"
             raise SceneError(self._key, "(not the only freedom)", allowed)
 
     def _moving(self, poses: ParticlePoses) -> np.ndarray:

@@ -102,7 +102,9 @@ class SampledTravel:
         self._bends.add(position)
 
     def arrays(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return positions (p,), increasing, kinks or jumps twice, and values (p, k) there."""
+        """Return the sampled positions (p,), fractions of the travel from 0 to 1, increasing, kinks
+        or jumps between the ends twice, and the k values measured at each (p, k), in their own
+        units."""
         inner = [
             p in self._bends and 0 < i < len(self.positions) - 1
             for i, p in enumerate(self.positions)

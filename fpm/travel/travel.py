@@ -55,7 +55,7 @@ def sweep(
     openings: str | Sequence[str],
     first: float,
     last: float,
-    locks: Sequence[str] = (),
+    locked: Sequence[str] = (),
     positions: int | None = None,
 ) -> Travel:
     """Move a joint coordinate (opening) of a scene slowly from one value to another, all else in
@@ -63,13 +63,13 @@ def sweep(
 
     scene: at its start; openings: name of a hinge, or of several, of which the others go as far
     from their start as the first does; first, last: values of the opening (rad, of slides m) at
-    both ends; locks: names of hinges that are locks at their opening at the start; positions:
+    both ends; locked: names of hinges that are locked at their opening at the start; positions:
     number of evenly spaced positions, at least 2; None: as many as it takes, with those at which a
     moment has a kink. Raises SceneError where the opening does not decide the motion of all,
     MisfitError where it cannot be moved to a value in balance."""
     names = [openings] if isinstance(openings, str) else openings
     count = positions or POSITIONS
-    sweep = _Sweep(scene, Path(scene, names, locks), first, last, (last - first) / (count - 1))
+    sweep = _Sweep(scene, Path(scene, names, locked), first, last, (last - first) / (count - 1))
     samples = SampledTravel(sweep.measure)
     for position in np.linspace(0.0, 1.0, count):
         samples.add(float(position))

@@ -112,11 +112,11 @@ def test_a_spring_that_only_resists_is_none_of_several_that_drive(tmp_path, rest
 )
 def test_the_whole_travel_is_from_the_start_to_the_latch(more, end, travel):
     scene, _, response = of(more, end=float(end))
-    found = mechanism.travel_of([scene], ["hinge"], response.along, stowed=False)
+    found = mechanism.travel_of([scene], ["hinge"], response.along, is_stowed=False)
     assert found == (travel and pytest.approx(travel))
     scenes = [of({}, end=angle)[0] for angle in (80.0, 100.0)]
     if travel:  # of an uncertain latch the farthest place
-        found = mechanism.travel_of(scenes, ["hinge"], response.along, stowed=False)
+        found = mechanism.travel_of(scenes, ["hinge"], response.along, is_stowed=False)
         assert found == pytest.approx([0, np.radians(100)])
 
 

@@ -169,7 +169,7 @@ def test_on_joints_of_two_parts_no_order_changes_it(pin, other, force):
     for one, two in ((pin, other), (pin[::-1], other), (pin, other[::-1])):
         for joints in ({"pin": one, "other": two}, {"other": two, "pin": one}):
             scene = loads(pinned(**joints)).build()
-            work = sweep(scene, "pin", 0.0, 1e-3, locks=["other"], positions=3).work
+            work = sweep(scene, "pin", 0.0, 1e-3, locked=["other"], positions=3).work
             assert work["bearing pin"][0] == pytest.approx(-0.01 * np.hypot(*force), rel=1e-9)
 
 

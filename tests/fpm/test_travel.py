@@ -155,7 +155,7 @@ def test_an_opening_that_leaves_others_free_is_refused():
     with pytest.raises(fpm.SceneError, match="not the only freedom"):
         sweep(scene, "h1", 0.1, 1.0)
     scene.add_torsion_spring(0, 1.0, 2.0)
-    found = sweep(scene, "h1", 0.1, 1.0, locks=["h2"])
+    found = sweep(scene, "h1", 0.1, 1.0, locked=["h2"])
     assert found.work["torsion spring h1"][-1] == pytest.approx(1.0)
 
 

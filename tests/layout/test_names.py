@@ -50,7 +50,7 @@ _TERMS = """
 nouns: children codegen green len need red seed speed token
 verbs of functions: flatten reopen tighten widen
 plain English for the value: allowed expected fixed open squared
-of a material, a contact: one_sided unstrained unstressed
+of a material, a contact, a joint: locked one_sided unstrained unstressed
 of bounds (docs/terms.md): attained simulated unconverged undecided
 keys of configs, rows and results: analysed halved measured normalized not_analysed passed
     published skipped trusted weighted

@@ -196,13 +196,18 @@ def test_sliders_tell_what_measured_curves_leave(opened, tmp_path, after, inside
     worst = {"time": 0.1, "test": "t", "response": "y", "bands": 3.0, "residual": 1.0, "units": "m"}
     measured = {"parameters": [row], "refuted": after is None, "least": 3.0, "attained": 0.5,
                 "hull": 0.6, "worst": worst}  # fmt: skip
-    measured |= {key: [] for key in ("tests", "checks", "quantities", "next", "trade_offs")}
+    keys = ("tests", "checks", "quantities", "next", "trade_offs", "singles", "disjoint")
+    measured |= {key: [] for key in keys}
+    misfits = [0.5 * 16**share for share in (0, 0.25, 0.5, 0.75, 1)]
+    measured["misfits"] = {"points": [[-1.0], [-0.5], [0.0], [0.5], [1.0]], "values": misfits}
+    measured["left"] = 0.6
     path = tmp_path / "left.html"
     write_page(replace(opened, facts=opened.facts | {"measured": measured}), path)
     with Browser() as browser:
         browser.open(path)
         browser.settle()
-        for share, words in ((0.3, inside), (0.9, outside)):
+        for share, words, bands in ((0.0, inside, "0.5"), (1.0, outside, "8")):
             browser.ask(SLIDE.format(repr(k["lower"] + share * width)))
-            assert browser.ask(LEFT).endswith(words)
+            assert words in browser.ask(LEFT)
+            assert browser.ask(LEFT).endswith(f" Their curve is off by about {bands} bands.")
         assert browser.errors() == []

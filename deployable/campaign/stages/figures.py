@@ -15,8 +15,9 @@ from deployable.campaign.stages import ANSWERS, PLAN, SAMPLES, drawings
 
 def work(folder: Folder, notify: Notify, error: Any) -> None:
     """Do the work of the stage `figures`: draw into `folder` each response with its bounds, the
-    influence of each parameter, and the range of each quantity. notify: not used; error: section of
-    the config, with the error above which instants are hatched."""
+    influence of each parameter, and the range of each quantity. notify: not used; error: section
+    `error` of the config; instants are hatched where the estimated error of the bounds is above its
+    `shade_above`, a share of their largest difference."""
     experiment = read_plan(folder.plan).experiment
     names = drawings(experiment)
     if "ranges" in names:

@@ -282,9 +282,10 @@ def record_step(part, world, row, timing):
 
 @kernel
 def record_sums(sums, forces, row, timing):
-    """Store the impulses of a step, `sums` (Hinges.sums; None: nothing is done), divided by the
-    time timing.kick, as forces (N) and moments (N m) in `forces` (Hinges.forces). row: index of the
-    recorded instant; timing (StepTime): times of the step (s)."""
+    """Store the impulses of a step, divided by the time timing.kick, as forces (N) and moments (N
+    m) in rows row * h to (row + 1) * h - 1 of `forces` ((instants + 1) h, 12, lanes). sums (h, 12,
+    lanes): the impulses (N s, N m s) of h hinges (Hinges.sums; None: nothing is done); row: index
+    of the recorded instant; timing (StepTime): times of the step (s)."""
     if sums is not None:
         count = sums.shape[0]
         for h in range(count):

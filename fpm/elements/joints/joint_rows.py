@@ -265,8 +265,10 @@ def put_held_row(part, state, j):
 
 @kernel
 def find_lock_gap(part, state, j):
-    """Return the joint coordinate (rad; m of slides) that joint j holds less its target; 0 in lanes
-    where it is free. part: arrays of all joints (TurnedJoints); state: World.state."""
+    """Return by how much the joint coordinate that joint j holds misses its target (lanes): the
+    coordinate now (m of slides; rad, difference within ±pi) less the one that what holds it (motor,
+    latch, friction, ...) wants at the end of the step (TARGET); 0 in lanes where it is free. part:
+    arrays of all joints (TurnedJoints); state: World.state."""
     t = part.turn_of[j]
     _, first, point = place(part, state, j, 0)
     _, second, end = place(part, state, j, 1)

@@ -210,7 +210,8 @@ class Verify(ConfigSection):
     """Most iterations of further runs: where the surrogate of a quantity has the ends of its
     interval, until it exceeds the runs by no more than 0.1 % of the width, where
     requirements are decided, and about where something ceases to happen, eight in each. 0 makes
-    none; a quantity takes one or two runs in most campaigns."""
+    none; a quantity takes one or two runs in most campaigns. Of more than eight intervals four
+    times as many."""
     discretization: bool = False
     """Tell the whole error, of surrogate, step and mesh: repeat the runs at the ends of the
     quantities' intervals, and eight at which bounds of the responses are attained, with half and a

@@ -223,6 +223,9 @@ def _design_problems(campaign: Campaign) -> list[str]:
 def _spline_problems(experiment: Experiment, design: Any) -> list[str]:
     """Whether the runs of a plan are enough, and not too many, for a spline."""
     box = experiment.box
+    if box.free.sum() > MOST_FULL:
+        text = f"'spline' is not allowed with {box.free.sum()} intervals; allowed: polynomial"
+        return [f"bounds.model: {text}"]
     points = [box.to_unit(experiment.nominal)[None], design.points]
     if experiment.design.method != "sobol":
         points.append(held_out_points(box.free, experiment.held_out, design.points))

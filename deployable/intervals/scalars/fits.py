@@ -214,8 +214,8 @@ def _sparse(points: np.ndarray, values: np.ndarray) -> Fit | None:
     at the opposite point, which has the same products."""
     axes = np.eye(points.shape[1], dtype=int)[np.ptp(points, axis=0) > 0]
     first, second = np.triu_indices(len(axes), 1)
-    terms = [0 * axes[:1], axes, 2 * axes, axes[first] + axes[second], 3 * axes, 4 * axes]
-    indices, count = np.concatenate(terms), 2 * len(axes) + 1
+    groups = [0 * axes[:1], axes, 2 * axes, axes[first] + axes[second], 3 * axes, 4 * axes]
+    indices, count = np.concatenate(groups), 2 * len(axes) + 1
     columns = product_basis(points, indices)
     if len(points) <= count or least_squares(columns[:, :count], values, 1e-9) is None:
         return None
@@ -228,12 +228,13 @@ def _sparse(points: np.ndarray, values: np.ndarray) -> Fit | None:
         is_fitted = folds != fold
         errors[:, ~is_fitted] = _pursue(columns, values, count, is_fitted)[0][:, ~is_fitted]
     number = int((errors**2).sum(axis=1).argmin())
-    chosen = [*range(count), *_pursue(columns, values, count, folds < _FOLDS)[1][:number]]
-    coefficients, leverage = least_squares(columns[:, chosen], values, 0.0)
-    rest, spare = values - columns[:, chosen] @ coefficients, 1 - leverage
-    alone = np.where(spare > 1 - _LEVERAGE, rest / np.maximum(spare, 1 - _LEVERAGE), np.inf)
-    left_out = np.where(folds < 0, alone, errors[number])
-    function = Surrogate(coefficients[:, None], indices[chosen])
+    picks = _pursue(columns, values, count, folds < _FOLDS)[1][:number]
+    terms = [*dict.fromkeys([*range(count), *picks])]
+    coefficients, leverage = least_squares(columns[:, terms], values, 0.0)
+    rest, spare = values - columns[:, terms] @ coefficients, 1 - leverage
+    end_errors = np.where(spare > 1 - _LEVERAGE, rest / np.maximum(spare, 1 - _LEVERAGE), np.inf)
+    left_out = np.where(folds < 0, end_errors, errors[number])
+    function = Surrogate(coefficients[:, None], indices[terms])
     return Fit(points, values, left_out, "polynomial of each parameter and of pairs", function)
 
 

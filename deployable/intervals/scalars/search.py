@@ -103,8 +103,10 @@ def _estimate(
         end, peak = surrogate_range.high, surrogate_range.argmax
     excess = max(sign * (end - value), 0.0)
     is_wide = (np.ptp(surrogate.fit.points, axis=0) > 0).sum() > MOST_FULL
-    near = surrogate.fit.error if is_wide else float(local_errors(surrogate.fit, peak[None])[0])
-    error = max(misprediction, near)
+    fit_error = (
+        surrogate.fit.error if is_wide else float(local_errors(surrogate.fit, peak[None])[0])
+    )
+    error = max(misprediction, fit_error)
     candidates, gains = _gains(surrogate, sign, value, argument)
     gain = max(float(gains.max(initial=0.0)), excess)
     is_predicted = excess > max(_TRUSTED * error, tolerance)
@@ -159,7 +161,8 @@ def _moves(
     slopes by the runs near by: its extreme and that of the polynomial alone, all changes of single
     parameters together that it gains by and the four best of them, then single ones: to either end,
     the middle, and half way to the next runs, most promising first, as many as may gain."""
-    fit, trend, side = surrogate.fit, surrogate.trend, np.ones(len(argument))
+    fit, trend = surrogate.fit, surrogate.trend
+    side = (np.ptp(fit.points, axis=0) > 0).astype(float)
     offsets = fit.points - argument
     distances = np.linalg.norm(offsets, axis=1)
     rest = fit.values - trend.fit.evaluate(fit.points)
@@ -171,7 +174,7 @@ def _moves(
         return trend.predict(unit) + unit @ slopes
 
     differs, changes = np.abs(offsets) > NEAREST, []
-    for j in np.flatnonzero(np.ptp(fit.points, axis=0)):
+    for j in np.flatnonzero(side):
         line = argument[j] + offsets[~np.delete(differs, j, axis=1).any(axis=1), j]
         halves = {(argument[j] + x) / 2 for x in line if abs(x - argument[j]) > _STEP}
         changes += [(j, x) for x in halves | {-1.0, 0.0, 1.0}]

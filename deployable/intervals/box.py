@@ -10,7 +10,13 @@ import numpy as np
 
 from .errors import IntervalError, check_integer
 
-MAX_DIMENSION = 8
+MAX_DIMENSION = 60
+"""Most parameters of a box."""
+
+MOST_FULL = 8
+"""Most parameters of which all corners are taken, and for which grids can be made."""
+
+_MOST_CORNERS = 256  # of a box of more parameters
 
 
 @dataclass(frozen=True)
@@ -78,7 +84,10 @@ class Box:
         return np.where(self.free, values, self.lower)
 
     def corners(self) -> np.ndarray:
-        """Corners of the box (2^f, k), normalized: -1 or 1 in f intervals with a width, else 0."""
+        """Corners of the box (2^f, k), normalized: -1 or 1 in f intervals with a width, else 0. Of
+        more than eight such intervals the 2 f ends of each alone."""
+        if self.free.sum() > MOST_FULL:
+            return axis_points(self.free)
         choices = [(-1.0, 1.0) if free else (0.0,) for free in self.free]
         return np.array(list(itertools.product(*choices)))
 
@@ -89,15 +98,26 @@ def keys(points: np.ndarray, digits: int = 12) -> list[tuple[float, ...]]:
     return [tuple(point) for point in np.round(points, digits) + 0.0]
 
 
+def axis_points(free: np.ndarray) -> np.ndarray:
+    """Ends (2 f, k) of the f directions with a width, each alone: the lower and then the upper end
+    of one direction after the other, 0 in all others. free (k): mask of the directions."""
+    axes = np.repeat(np.eye(len(free))[np.asarray(free, dtype=bool)], 2, axis=0)
+    return axes * np.resize([-1.0, 1.0], len(axes))[:, None]
+
+
 def corner_points(free: np.ndarray) -> np.ndarray:
     """Corners (2^f, k) of [-1, 1]^k, ordered so that opposite ones follow each other and the first
-    few are spread out. free (k): mask of the f directions with a width; in others points are 0."""
+    few are spread out; beyond eight directions 256 of them at random. free (k): mask of the f
+    directions with a width; in others points are 0."""
     free = np.asarray(free, dtype=bool)
     dimension = int(free.sum())
     if dimension == 0:
         return np.zeros((1, len(free)))
-    half = [(-1.0, *rest) for rest in itertools.product((-1.0, 1.0), repeat=dimension - 1)]
-    points = np.zeros((2**dimension, len(free)))
+    if dimension > MOST_FULL:
+        half = np.random.default_rng(0).choice([-1.0, 1.0], (_MOST_CORNERS // 2, dimension))
+    else:
+        half = [(-1.0, *rest) for rest in itertools.product((-1.0, 1.0), repeat=dimension - 1)]
+    points = np.zeros((2 * len(half), len(free)))
     points[::2, free] = half
     points[1::2, free] = -np.array(half)
     return points

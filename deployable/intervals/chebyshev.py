@@ -105,11 +105,11 @@ def _within_budget(order: Sequence[int], costs: Callable[[int], dict[int, int]])
 
 def product_basis(points: np.ndarray, indices: np.ndarray) -> np.ndarray:
     """Values (N, M) of Chebyshev products, degrees `indices` (M, k), at points (N, k), |x| <= 1."""
-    values = np.ones((len(points), len(indices)))
-    for j in range(indices.shape[1]):
-        highest = int(indices[:, j].max(initial=0))
-        if highest:
-            values *= chebvander(points[:, j], highest)[:, indices[:, j]]
+    values, rows = np.ones((len(points), len(indices))), np.arange(len(indices))
+    lines = chebvander(points, int(indices.max(initial=0)))
+    directions = np.argsort(indices == 0, axis=1, kind="stable").T  # those that enter come first
+    for direction in directions[: (indices > 0).sum(axis=1).max(initial=0)]:
+        values *= lines[:, direction, indices[rows, direction]]
     return values
 
 

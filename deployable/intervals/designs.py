@@ -16,7 +16,7 @@ import scipy
 from numpy.polynomial.chebyshev import chebvander
 
 from . import chebyshev
-from .box import MAX_DIMENSION, Box, corner_points
+from .box import MAX_DIMENSION, MOST_FULL, Box, axis_points, corner_points
 from .chebyshev import Surrogate, least_squares, product_basis
 from .errors import IntervalError, check_choice, check_integer, check_options
 
@@ -61,11 +61,13 @@ class Method:
     that is known, and that raises if there are too many; options: its keyword-only arguments, for
     users. needs_order: whether a user must give an order. symmetric: whether directions in another
     order have the same points, in that order; those of a sequence have not, so that such a design
-    is always made in one order of the parameters, a campaign's in the structure's."""
+    is always made in one order of the parameters, a campaign's in the structure's. most: directions
+    with a width that it is for."""
 
     make: Callable[..., Design]
     needs_order: bool = True
     symmetric: bool = True
+    most: int = MOST_FULL
 
     @property
     def options(self) -> tuple[str, ...]:
@@ -90,22 +92,29 @@ def make_design(
     method
         ``tensor_roots`` (full grid of (n + 1)^k Chebyshev roots), ``tensor_lobatto`` (full grid of
         extreme points; nested when the order doubles, corners included), ``smolyak`` (sparse grid
-        of nested Lobatto rules), ``sobol`` (corners and a Sobol sequence).
+        of nested Lobatto rules), ``sobol`` (corners and a Sobol sequence), each in up to 8
+        directions; ``screening`` (centre, ends one at a time, a two-level design with its
+        fold-over) in up to 60.
     box
         A Box, or a number of directions that all have a width.
     order
         Polynomial order n >= 1, or one for each direction (0 keeps a direction constant). ``sobol``
         may have none: then there is no surrogate, only the least and largest sample. With one, the
-        polynomials of that total degree are fitted by least squares.
+        polynomials of that total degree are fitted by least squares. ``screening`` takes none: its
+        polynomials are sums of quadratic ones of one parameter each.
     max_runs
         Largest number of points that is allowed.
     options
-        Of ``sobol``: ``samples``, the number of points (1024), and ``seed`` of the sequence (0)."""
+        Of ``sobol``: ``samples``, the number of points (1024), and ``seed`` of the sequence (0). Of
+        ``screening``: ``samples``, the most points that are allowed (1024)."""
     kind = METHODS[check_choice("method", method, METHODS)]
     if isinstance(box, Box):
         free = box.free
     else:
         free = np.ones(check_integer("box dimension", box, 1, MAX_DIMENSION), dtype=bool)
+    if free.sum() > kind.most:
+        allowed = f"up to {kind.most} intervals, or method screening for up to {MAX_DIMENSION}"
+        raise IntervalError("method", f"{method} of {free.sum()} intervals", allowed)
     max_runs = check_integer("max_runs", max_runs, 1, 10**7)
     orders = None if order is None and not kind.needs_order else _orders(order, free)
     check_options("design option", kind.make, options)
@@ -175,11 +184,38 @@ def _sobol(
     return Design(points, indices)
 
 
+def _screening(
+    orders: None, free: np.ndarray, limit: Callable[[int], None], *, samples: int = 1024
+) -> Design:
+    """The centre, the ends of each interval alone, and a two-level orthogonal array with its
+    fold-over, which keeps main effects clear of interactions of two parameters (Box and Wilson
+    1951). The array is Paley's Hadamard matrix of order q + 1, q prime (Plackett and Burman 1946):
+    products of its columns are no columns, so that pairs can be told apart."""
+    if orders is not None:
+        raise IntervalError("order", orders.tolist(), "none with screening")
+    count = int(free.sum())
+    size = next(q for q in (3, 7, 11, 19, 23, 31, 43, 47, 59) if q >= count - 1)
+    numbers = np.arange(size)
+    squares = np.isin(np.subtract.outer(numbers, numbers) % size, numbers**2 % size)
+    array = np.ones((size + 1, size + 1))
+    array[1:] = np.column_stack([-np.ones(size), np.where(squares, 1.0, -1.0)])
+    corners = np.zeros((2 * len(array), len(free)))
+    corners[::2, free], corners[1::2, free] = array[:, :count], -array[:, :count]
+    centre = np.zeros((1, len(free)))
+    points = np.concatenate([centre, axis_points(free), corners]) if count else centre
+    limit(len(points))
+    if len(points) > samples:
+        raise IntervalError("samples", samples, f"at least {len(points)} of {count} intervals")
+    degrees = np.eye(len(free), dtype=int)[free]
+    return Design(points, np.concatenate([centre.astype(int), degrees, 2 * degrees]))
+
+
 METHODS: dict[str, Method] = {
     "tensor_roots": Method(partial(_tensor, chebyshev.roots)),
     "tensor_lobatto": Method(partial(_tensor, chebyshev.lobatto)),
     "smolyak": Method(_smolyak),
     "sobol": Method(_sobol, needs_order=False, symmetric=False),
+    "screening": Method(_screening, needs_order=False, symmetric=False, most=MAX_DIMENSION),
 }
 
 

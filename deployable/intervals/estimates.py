@@ -111,7 +111,7 @@ def decay_estimate(
     degrees = surrogate.degrees
     if not degrees.any():
         return np.zeros(c.shape[1:])
-    if len(indices) == np.prod(degrees + 1):
+    if len(indices) == np.prod(degrees + 1.0):
         return sum(_tail(indices[:, j], c) for j in np.flatnonzero(degrees))
     fractions = indices / np.where(degrees > 0, degrees, 1)
     level = np.minimum(np.ceil(fractions.sum(axis=1) * degrees.max() - 1e-9), degrees.max())

@@ -11,7 +11,7 @@ from numpy.polynomial.chebyshev import chebvander
 
 from .box import corner_points
 from .chebyshev import Surrogate, grid, lobatto, product_basis
-from .enclosures import effects_enclosure, grid_enclosure, tighten
+from .enclosures import MAX_TENSOR, effects_enclosure, grid_enclosure, tighten
 from .line_range import line_range
 
 
@@ -94,6 +94,8 @@ def surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:
 
 def _tighten(c, surrogate, outer, inner, argument, close):
     """Tighter upper bound, and the attained value and argument, which subdivision may better."""
+    if np.prod(surrogate.degrees + 1.0) > MAX_TENSOR:  # of which the effects are bounds enough
+        return outer, inner, argument
     dense = Surrogate(c, surrogate.multi_indices).dense()
     outer, value, vertices = tighten(dense, inner, outer, close)
     better = np.flatnonzero(value > inner)

@@ -23,7 +23,9 @@ def told(raw, names):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_campaign_does_not_know_in_which_order_its_parameters_were_named(raw, method):
-    raw["design"] = {"method": method, "order": 2, "samples": 8}
+    raw["design"] = {"method": method, "samples": 16}
+    if method != "screening":  # which has none
+        raw["design"]["order"] = 2
     first = told(raw, INTERVALS)
     for names in permutations(INTERVALS):
         other = told(raw, names)

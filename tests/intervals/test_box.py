@@ -28,7 +28,7 @@ def test_zero_width_collapses():
         (["a"], [0.0], [np.inf], "interval a"),
         (["a", "a"], [0.0, 0.0], [1.0, 1.0], "intervals"),
         (["a", "b"], [0.0], [1.0], "lower, upper"),
-        ([f"p{i}" for i in range(9)], [0.0] * 9, [1.0] * 9, "intervals"),
+        ([f"p{i}" for i in range(61)], [0.0] * 61, [1.0] * 61, "intervals"),
     ],
 )
 def test_wrong_boxes_are_refused_with_key_and_value(names, lower, upper, key):

@@ -29,7 +29,7 @@ def made(method, order):
     """Box, design and samples of the wave with the parameters in another order."""
     box = Box([NAMES[j] for j in order], LOWER[order], UPPER[order])
     options = {"samples": 24} if "samples" in METHODS[method].options else {}
-    design = make_design(method, box, 3, **options)
+    design = make_design(method, box, None if method == "screening" else 3, **options)
     return design, samples_of(
         lambda v: wave(dict(zip(box.names, v, strict=True))), box, design, TIME
     )
@@ -58,7 +58,8 @@ def test_designs_have_as_many_runs_and_the_same_polynomials_and_points(method):
         counts.add((design.run_count, len(design.points), tuple(basis)))
         points.add(tuple(sorted(map(tuple, design.points[:, back]))))
     assert len(counts) == 1
-    assert (len(points) == 1) == METHODS[method].symmetric
+    is_full = method == "screening"  # of two directions it has all corners
+    assert (len(points) == 1) == (METHODS[method].symmetric or is_full)
 
 
 @pytest.mark.parametrize("model", MODELS)

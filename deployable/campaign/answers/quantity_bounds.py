@@ -10,8 +10,10 @@ import numpy as np
 
 from deployable.campaign.answers.evaluations import SAME_POINT, ModelEvaluator
 from deployable.campaign.answers.limits import LimitSpec, assess_limits
+from deployable.intervals.box import MOST_FULL
 
 _MIN_FRACTION = 1e-3  # volume fraction of the box at which the search for a surface stops
+_STEPS = 4  # iterations of a search by single parameters, each in place of one of fewer parameters
 _SURFACE = 8  # runs of an iteration about a limit-state surface: eight take what three do
 
 
@@ -55,6 +57,8 @@ def converge_bounds(
     surrogates' bounds and where these may still go farther, at limit-state surfaces of events, and
     where the limits `specs` are worst, then refits; where none is to be added, it ends."""
     mispredictions = np.zeros((len(model.experiment.quantity_list), 2))
+    if model.unit.shape[1] > MOST_FULL:
+        max_iterations *= _STEPS
     for iteration in range(max_iterations + 1):
         surrogates = model.surrogates()
         bounds = [_bounds(model, q, s, mispredictions[q]) for q, s in enumerate(surrogates)]

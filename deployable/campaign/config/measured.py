@@ -10,7 +10,7 @@ import numpy as np
 from deployable.campaign.config.models import MeasuredTest
 from deployable.campaign.config.resolve import allows, real_names, unknown
 from deployable.campaign.config.sections import Experiment, ResolvedTest
-from deployable.intervals.box import MAX_DIMENSION
+from deployable.intervals.box import MOST_FULL
 from fpm.structures.curves_file import CurvesFile, CurvesFileError
 from fpm.structures.units import unit
 
@@ -116,8 +116,8 @@ def _value_problems(test: MeasuredTest, experiment: Experiment) -> Iterator[str]
             text = f"{value!r} is not allowed; allowed: {structure.parameters[name].allowed}"
             yield f"scene.{name}: {text}"
     count = len({*experiment.intervals, *test.start} - set(test.scene))
-    if count > MAX_DIMENSION:
-        yield f"start: {count} unknown values with the intervals; allowed: {MAX_DIMENSION}"
+    if count > MOST_FULL:
+        yield f"start: {count} unknown values with the intervals; allowed: {MOST_FULL}"
 
 
 @dataclass(frozen=True)

@@ -158,16 +158,22 @@ class IntervalSpec(ConfigSection):
 class DesignSection(ConfigSection):
     """Where in the box the runs are, and what is fitted to them."""
 
-    method: Literal["tensor_roots", "tensor_lobatto", "smolyak", "sobol"] = "tensor_roots"
+    method: Literal["tensor_roots", "tensor_lobatto", "smolyak", "sobol", "screening"] = (
+        "tensor_roots"
+    )
     """`tensor_roots`: Chebyshev roots, the paper's. `tensor_lobatto`: Chebyshev-Lobatto points,
     nested when the order doubles, with the box's corners. `smolyak`: sparse grid. `sobol`: a
     scan, that is a Sobol sequence with the corners and no surrogate; a longer one reuses the runs
-    of a shorter one."""
+    of a shorter one. All of them for up to 8 intervals. `screening`, for up to 60: the centre, both
+    ends of each interval alone, and a two-level design with its fold-over; for quantities a search
+    by further runs goes on from there (docs/quantities.md)."""
     order: Annotated[int, Rule(ge=1, le=64)] = 3
     """Order of the surrogate, in each direction or, for `smolyak`, in total. `sobol` has none
-    unless it is given; then a surrogate of that total degree is fitted to its samples."""
+    unless it is given; then a surrogate of that total degree is fitted to its samples.
+    `screening` has none."""
     samples: Annotated[int, Rule(ge=2, le=10_000_000)] = 1024
-    """Number of runs of `sobol`, corners of the box included. Beyond 100,000 they are allowed with
+    """Number of runs of `sobol`, corners of the box included; of `screening` the most in all, with
+    further ones at the bounds of quantities. Beyond 100,000 they are allowed with
     `jobs.keep: extremes`; otherwise as many as the disk has room for."""
     seed: Annotated[int, Rule(ge=0, le=2**32 - 1)] = 0
     """Seed of the Sobol sequence of `sobol`."""
@@ -203,7 +209,8 @@ class Verify(ConfigSection):
     """Most iterations of further runs: where the surrogate of a quantity has the ends of its
     interval, until it exceeds the runs by no more than 0.1 % of the width, where
     requirements are decided, and about where something ceases to happen, eight in each. 0 makes
-    none; a quantity takes one or two runs in most campaigns."""
+    none; a quantity takes one or two runs in most campaigns. Of more than eight intervals four
+    times as many."""
     discretization: bool = False
     """Tell the whole error, of surrogate, step and mesh: repeat the runs at the ends of the
     quantities' intervals, and eight at which bounds of the responses are attained, with half and a
@@ -299,7 +306,7 @@ class CaseSection(ConfigSection):
         dict[str, Annotated[IntervalSpec, Rule(
             "a mapping with `relative`, or `absolute`, or `lower` and `upper`, and optionally "
             "`nominal`")]],
-        Rule("a mapping from parameter names to intervals", most=8),
+        Rule("a mapping from parameter names to intervals", most=60),
     ] = field(default_factory=dict)  # fmt: skip
     """Intervals that stand in the place of the campaign's, or are further ones, as there."""
 
@@ -429,7 +436,7 @@ class Config(ConfigSection):
         dict[str, Annotated[IntervalSpec, Rule(
             "a mapping with `relative`, or `absolute`, or `lower` and `upper`, and optionally "
             "`nominal`")]],
-        Rule("a mapping from 1 to 8 parameter names to intervals", least=1, most=8),
+        Rule("a mapping from 1 to 60 parameter names to intervals", least=1, most=60),
     ]  # fmt: skip
     """The uncertain parameters, by the scene's parameter names."""
     design: DesignSection = DesignSection()

@@ -41,7 +41,9 @@ def campaign_of(
     the config as the user wrote it, without defaults; structure: the `fpm` structure (`SceneType`);
     intervals: the resolved `Interval` of each parameter by name."""
     accuracy, order = Accuracy(), config.design.order
-    if config.design.method == "sobol" and "order" not in user_config.get("design", {}):
+    if config.design.method in ("sobol", "screening") and "order" not in user_config.get(
+        "design", {}
+    ):
         order = None
     if config.accuracy is not None:
         config, accuracy = with_accuracy(config, structure)

@@ -34,6 +34,7 @@ from deployable.campaign.config.sections import (
     steps_problems,
 )
 from deployable.intervals import IntervalError, check_spline_runs, held_out_points
+from deployable.intervals.box import MAX_DIMENSION, MOST_FULL
 from deployable.intervals.scalars.requirements import ENDS
 from fpm.errors import number_hint
 from fpm.files.outcome import eventful
@@ -205,19 +206,26 @@ def _design_problems(campaign: Campaign) -> list[str]:
     """Whether what is kept goes with the design, and whether it can be made."""
     experiment, design = campaign.experiment, campaign.experiment.design
     is_plain = design.method == "sobol" and design.order is None
-    has_none = experiment.is_adaptive or (is_plain and campaign.bounds.model == "polynomial")
-    if (problems := keep_problems(campaign)) or has_none:
+    has_none = is_plain and campaign.bounds.model == "polynomial"
+    if (problems := keep_problems(campaign)) or experiment.is_adaptive:
         return problems
     try:
-        node_design = make_design(design, experiment.box)
+        node_design = make_design(
+            replace(design, samples=2) if has_none else design, experiment.box
+        )
     except IntervalError as error:
         return [_sentence(f"design.{error.key}", error)]
+    if has_none:
+        return []
     return _spline_problems(experiment, node_design) if campaign.bounds.model == "spline" else []
 
 
 def _spline_problems(experiment: Experiment, design: Any) -> list[str]:
     """Whether the runs of a plan are enough, and not too many, for a spline."""
     box = experiment.box
+    if box.free.sum() > MOST_FULL:
+        text = f"'spline' is not allowed with {box.free.sum()} intervals; allowed: polynomial"
+        return [f"bounds.model: {text}"]
     points = [box.to_unit(experiment.nominal)[None], design.points]
     if experiment.design.method != "sobol":
         points.append(held_out_points(box.free, experiment.held_out, design.points))
@@ -269,6 +277,11 @@ def accuracy_problems(config: Config, user_config: Mapping) -> list[str]:
         for key in EXCLUSIVE
         if key in user_config
     ]
+    if len(config.intervals) > MOST_FULL:
+        problems.append(
+            f"accuracy: not allowed with {len(config.intervals)} intervals; allowed: up to "
+            f"{MOST_FULL} intervals, or design.method: screening for up to {MAX_DIMENSION}"
+        )
     names = [*config.responses, *config.quantities]
     tolerances = config.accuracy.tolerance_by_name if isinstance(config.accuracy, Aim) else ()
     noun = "response or quantity"

@@ -40,6 +40,7 @@ from deployable.campaign.files import read_json, write_result
 from deployable.campaign.files.contents import ROLES, RUN_ID, reading
 from deployable.campaign.plan.runs import PlannedRun, Runs, namer, values_of
 from deployable.intervals import held_out_points
+from deployable.intervals.box import MOST_FULL
 from fpm.files.sealed import DamagedError
 
 MAX_PLAN_ROWS = 10_000
@@ -158,14 +159,21 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
 def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
     """Choose one time step for all runs of an experiment: the solver's safety factor times the
     largest stable step, or the config's step, shortened to divide the time between recorded
-    instants. corners: whether stability is computed at every corner of the box too, or only at its
-    centre. Raises `CampaignError` for a run of more steps than `MOST_STEPS`."""
+    instants. corners: whether stability is computed at every corner of the box too (of more than
+    eight intervals, at the ends of each and where the worse ends meet), or only at its centre.
+    Raises `CampaignError` for a run of more steps than `MOST_STEPS`."""
     solver, box = experiment.solver, experiment.box
     limit, element, energy = math.inf, "", 0.0
-    for point in [np.zeros(box.dimension), *(box.corners() if corners else ())]:
+    points, steps = [np.zeros(box.dimension), *(box.corners() if corners else ())], []
+    for point in points:
         values = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
         scene = experiment.build(values)
         stable = fpm.stable_step(scene)
+        steps.append(stable.step)
+        if len(steps) == 2 * box.free.sum() + 1 > 2 * MOST_FULL + 1:  # the worse ends together
+            low, high = np.reshape(steps[1:], (-1, 2)).T
+            points.append(np.zeros(box.dimension))
+            points[-1][box.free] = np.where(low < high, -1.0, 1.0)
         if stable.step < limit:
             limit, element = float(stable.step), str(stable.element)
         if scene.assembly is not None:

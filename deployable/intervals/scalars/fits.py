@@ -11,6 +11,7 @@ from math import comb
 import numpy as np
 import scipy
 
+from ..box import MOST_FULL, keys
 from ..chebyshev import Surrogate, least_squares, product_basis, total_degree
 from ..errors import IntervalError
 from ..estimates import power_mean
@@ -22,6 +23,8 @@ _LEAST_RUNS = 4  # below them one more coordinate is not tested
 _HIGHEST = 12  # degree of a polynomial
 _RESIDUAL = 1e-3  # of the width, by which a polynomial may miss a run
 _MAX_KRIGING_RUNS = 2000  # runs for which that is corrected
+_MOST_TERMS, _FOLDS = 24, 5  # products and higher degrees of many parameters; folds to test them
+_INDEPENDENT = 1.0  # least norm of a further term beyond those so far
 _LEVERAGE = 1 - 1e-8  # above it a run alone decides a coefficient, and nothing tests it
 
 
@@ -160,8 +163,10 @@ def best_fit(points: np.ndarray, values: np.ndarray) -> Fit:
         raise IntervalError("values", "none or not finite", "a finite number for at least one run")
     rows = distinct(points)
     points, values = points[rows], values[rows]
-    spline = _spline(points, values)
-    fits = [fit for fit in (*_polynomials(points, values), spline) if fit]
+    is_wide = (np.ptp(points, axis=0) > 0).sum() > MOST_FULL
+    spline = None if is_wide else _spline(points, values)
+    sparse = _sparse(points, values) if is_wide else None
+    fits = [fit for fit in (*_polynomials(points, values), spline, sparse) if fit]
     best = min(fits, key=lambda fit: fit.mean_error)
     return best if best is spline else _through_runs(best)
 
@@ -199,6 +204,60 @@ def _polynomials(points: np.ndarray, values: np.ndarray) -> list[Fit]:
         kind = f"polynomial of degree {degree}"
         fits.append(Fit(points, values, left_out, kind, Surrogate(coefficients[:, None], indices)))
     return fits
+
+
+def _sparse(points: np.ndarray, values: np.ndarray) -> Fit | None:
+    """A sum of quadratic polynomials of one parameter each, with the products of two parameters and
+    the higher degrees that the residuals ask for (`_pursue`). Their number is the one that
+    foretells folds of runs best, which are left out of the choice, too, each run together with that
+    at the opposite point, which has the same products."""
+    axes = np.eye(points.shape[1], dtype=int)[np.ptp(points, axis=0) > 0]
+    first, second = np.triu_indices(len(axes), 1)
+    groups = [0 * axes[:1], axes, 2 * axes, axes[first] + axes[second], 3 * axes, 4 * axes]
+    indices, count = np.concatenate(groups), 2 * len(axes) + 1
+    columns = product_basis(points, indices)
+    if len(points) <= count or least_squares(columns[:, :count], values, 1e-9) is None:
+        return None
+    rows = {key: row for row, key in enumerate(keys(-points))}
+    pairs = [min(row, rows.get(key, row)) for row, key in enumerate(keys(points))]
+    folds = np.unique(pairs, return_inverse=True)[1] % _FOLDS
+    folds[(points != 0).sum(axis=1) <= 1] = -1  # alone at the end of an interval: not left out
+    errors = np.zeros((_MOST_TERMS + 1, len(points)))
+    for fold in range(_FOLDS):
+        is_fitted = folds != fold
+        errors[:, ~is_fitted] = _pursue(columns, values, count, is_fitted)[0][:, ~is_fitted]
+    number = int((errors**2).sum(axis=1).argmin())
+    picks = _pursue(columns, values, count, folds < _FOLDS)[1][:number]
+    terms = [*dict.fromkeys([*range(count), *picks])]
+    coefficients, leverage = least_squares(columns[:, terms], values, 0.0)
+    rest, spare = values - columns[:, terms] @ coefficients, 1 - leverage
+    end_errors = np.where(spare > 1 - _LEVERAGE, rest / np.maximum(spare, 1 - _LEVERAGE), np.inf)
+    left_out = np.where(folds < 0, end_errors, errors[number])
+    function = Surrogate(coefficients[:, None], indices[terms])
+    return Fit(points, values, left_out, "polynomial of each parameter and of pairs", function)
+
+
+def _pursue(
+    columns: np.ndarray, values: np.ndarray, count: int, is_fitted: np.ndarray
+) -> tuple[np.ndarray, list[int]]:
+    """Residuals (_MOST_TERMS + 1, N) of values (N) fitted by the first `count` of the `columns` (N,
+    M) and 0, 1, 2, ... others, and which others, each the one that lowers the residuals most, by
+    orthogonal matching pursuit (Pati et al. 1993). is_fitted (N): runs that are fitted."""
+    root = np.linalg.qr(columns[is_fitted, :count], mode="r")
+    basis = np.linalg.lstsq(root.T, columns[:, :count].T, rcond=1e-9)[0].T
+    rest = values - basis @ (basis[is_fitted].T @ values[is_fitted])
+    columns = columns - basis @ (basis[is_fitted].T @ columns[is_fitted])
+    path, picks = [rest], []
+    while len(path) <= _MOST_TERMS:
+        sizes = np.linalg.norm(columns[is_fitted], axis=0)
+        sizes[sizes < _INDEPENDENT] = np.inf
+        gains = np.abs(rest[is_fitted] @ columns[is_fitted]) / sizes
+        picks.append(int(gains.argmax()))
+        unit = columns[:, picks[-1]] / sizes[picks[-1]]
+        rest = rest - unit * (unit[is_fitted] @ rest[is_fitted])
+        columns = columns - unit[:, None] * (unit[is_fitted] @ columns[is_fitted])
+        path.append(rest)
+    return np.array(path), picks
 
 
 def _spline(points: np.ndarray, values: np.ndarray) -> Fit | None:

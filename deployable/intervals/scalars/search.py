@@ -14,10 +14,11 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
+from ..box import MOST_FULL
 from ..designs import spread_points
 from .fits import Fit
 from .occurrence import Occurrence
-from .surrogate import Extremes, ScalarSurrogate
+from .surrogate import Extremes, ScalarSurrogate, extreme
 
 TOLERANCE = 1e-3
 """A bound is converged when nothing may exceed the extreme run by this fraction of the width."""
@@ -27,6 +28,8 @@ NEAREST = 1e-6
 
 _CANDIDATES, _CLOUD = 1024, 96
 _CLOUD_SIZES = (1.0, 0.3, 0.1, 0.03, 0.01, 1e-3, 1e-4)  # about the extreme run
+_REACH, _RIDGE, _STEP = 1.4, 0.1, 0.2  # of runs near by; for their slopes; on a line
+_MOVES = 12  # of single parameters, of one iteration
 _INFILL, _SECTIONS = 3, 3  # runs of one iteration by confidence, and towards a limit-state surface
 _WORTH = 10.0  # times the tolerance: a gain by confidence, which may be none, that is worth runs
 _END_SHARE = 0.05  # of the width: so near the end of the runs a time is taken to go on beyond it
@@ -98,14 +101,22 @@ def _estimate(
     if sign > 0:
         end, peak = surrogate_range.high, surrogate_range.argmax
     excess = max(sign * (end - value), 0.0)
-    error = max(misprediction, float(local_errors(surrogate.fit, peak[None])[0]))
+    is_wide = (np.ptp(surrogate.fit.points, axis=0) > 0).sum() > MOST_FULL
+    fit_error = (
+        surrogate.fit.error if is_wide else float(local_errors(surrogate.fit, peak[None])[0])
+    )
+    error = max(misprediction, fit_error)
     candidates, gains = _gains(surrogate, sign, value, argument)
     gain = max(float(gains.max(initial=0.0)), excess)
     is_predicted = excess > max(_TRUST_RATIO * error, tolerance)
     points = [peak] if excess > tolerance else []
     worth, width = _WORTH * tolerance, tolerance / TOLERANCE
+    if is_wide:  # too many directions for candidates to come near all that the fit leaves open
+        gain = max(gain, excess + surrogate.fit.mean_error)
+        points += _moves(surrogate, sign, argument, tolerance)
     if gain > worth and not is_predicted:
         points += [*_sections(surrogate.occurrence, argument)]
+    if gain > worth and not is_predicted and not is_wide:
         points += _space_points(surrogate.occurrence.points, candidates[gains > worth])
     unit_points = np.array(points).reshape(-1, len(argument))
     # A time that in a part of the box comes after the runs have ended.
@@ -140,6 +151,52 @@ def _candidates(surrogate: ScalarSurrogate, argument: np.ndarray) -> np.ndarray:
     cloud = spread_points(free, _CLOUD, seed=3) * free
     clouds = [np.clip(argument + size * cloud, -1.0, 1.0) for size in _CLOUD_SIZES]
     return np.concatenate([spread, *clouds, surrogate.occurrence.surface_points])
+
+
+def _moves(
+    surrogate: ScalarSurrogate, sign: float, argument: np.ndarray, tolerance: float
+) -> list[np.ndarray]:
+    """Normalized points (P, k) of a search about the extreme run, at a point (k), by the polynomial
+    with slopes by the runs near by: its extreme and that of the polynomial alone, all changes of
+    single parameters together that it gains by and the four best of them, then single ones: to
+    either end, the middle, and half way to the next runs, most promising first, as many as may
+    gain."""
+    fit, trend = surrogate.fit, surrogate.trend
+    side = (np.ptp(fit.points, axis=0) > 0).astype(float)
+    offsets = fit.points - argument
+    distances = np.linalg.norm(offsets, axis=1)
+    rest = fit.values - trend.fit.evaluate(fit.points)
+    weights = np.exp(-0.5 * (distances / _REACH) ** 2)[:, None] * offsets
+    matrix = weights.T @ offsets + _RIDGE * np.eye(len(argument))
+    slopes = np.linalg.solve(matrix, weights.T @ (rest - rest[distances.argmin()]))
+
+    def predict(x: np.ndarray) -> np.ndarray:
+        return trend.predict(x) + x @ slopes
+
+    differs, changes = np.abs(offsets) > NEAREST, []
+    for j in np.flatnonzero(side):
+        line = argument[j] + offsets[~np.delete(differs, j, axis=1).any(axis=1), j]
+        halves = {(argument[j] + x) / 2 for x in line if abs(x - argument[j]) > _STEP}
+        changes += [(j, x) for x in halves | {-1.0, 0.0, 1.0}]
+    candidates = np.repeat(argument[None], len(changes), axis=0)
+    for candidate, (j, x) in zip(candidates, changes, strict=True):
+        candidate[j] = x
+    gains = sign * (predict(candidates) - predict(argument[None]))
+    order = np.argsort(-gains, kind="stable")
+    points = [extreme(predict, sign, -side, side, argument[None], 1)[1]]
+    points.append(trend.end(sign, -side, side)[1])
+    for most in (len(order), 4):
+        points.append(argument.copy())
+        for i in order[:most][gains[order[:most]] > 0][::-1]:  # the best of a parameter is the last
+            points[-1][changes[i][0]] = changes[i][1]
+    gaps = scipy.spatial.cKDTree(fit.points).query(candidates)[0]
+    is_full = np.array([x in (-1, 0, 1) or abs(argument[j]) < 1 for j, x in changes])
+    is_open = gains > np.where(is_full, tolerance - fit.mean_error, tolerance)
+    is_open &= gaps > NEAREST
+    if fit.mean_error > tolerance and not is_open.any():  # tells what each parameter contributes
+        is_open = (gaps > NEAREST) & [x == 0 for _, x in changes]
+    singles = order[is_open[order]]
+    return [*points, *candidates[singles[:_MOVES]]]
 
 
 def _space_points(runs: np.ndarray, candidates: np.ndarray) -> list[np.ndarray]:

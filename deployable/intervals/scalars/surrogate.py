@@ -10,6 +10,7 @@ from functools import cache, cached_property
 import numpy as np
 import scipy
 
+from ..box import MOST_FULL
 from ..designs import spread_points
 from ..formula import Formula
 from .fits import Fit, best_fit, root_fit
@@ -17,6 +18,7 @@ from .occurrence import FittedOccurrence, Occurrence
 
 _CANDIDATES = 1024
 _CLIMBS = 3
+_TRUSTED = 3.0  # times its error: so far the surrogate must exceed all runs to be relied on
 _STEP = 1e-7  # of half a side, for slopes
 
 Function = Callable[[np.ndarray], np.ndarray]
@@ -308,11 +310,13 @@ class Influence:
 
 def influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
     """Compute the influence of each parameter on the width of a quantity's range, by its surrogate
-    (without kriging corrections), so without further runs. nominal (k): nominal values of the
-    parameters, normalized to [-1, 1]."""
-    surrogate = surrogate.trend
+    (of up to eight without kriging corrections), so without further runs. nominal (k): nominal
+    values of the parameters, normalized to [-1, 1]."""
     nominal = np.asarray(nominal, dtype=float)
     k = len(nominal)
+    if surrogate.fit is not None and (np.ptp(surrogate.fit.points, axis=0) > 0).sum() > MOST_FULL:
+        return _influence_at_ends(surrogate, nominal)
+    surrogate = surrogate.trend
     side = np.ones(k)
     lone_widths, fixed_widths, halved = np.zeros((3, k))
     for j in range(k):
@@ -324,6 +328,30 @@ def influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
             lower[j] = nominal[j] + part * (-1.0 - nominal[j])
             upper[j] = nominal[j] + part * (1.0 - nominal[j])
             widths[j] = surrogate.range(lower, upper).width
-    significant = np.where(lone_widths > surrogate.error, lone_widths, 0.0)
-    share = significant / (significant.sum() or 1.0)
+    share = _shares(lone_widths, surrogate.error)
     return Influence(surrogate.range().width, lone_widths, share, fixed_widths, halved)
+
+
+def _shares(widths: np.ndarray, error: float) -> np.ndarray:
+    significant = np.where(widths > error, widths, 0.0)
+    return significant / (significant.sum() or 1.0)
+
+
+def _influence_at_ends(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
+    """Influence of many parameters, by changes of one at a time from the ends of the range, with
+    the corrections through runs, as there are runs so near; other parameters do not follow."""
+    bounds, eye = surrogate.range(), np.eye(len(nominal), dtype=bool)
+    values, width, points = surrogate.fit.values, bounds.width, (bounds.argmin, bounds.argmax)
+    if width <= np.ptp(values) + _TRUSTED * surrogate.error:  # what runs attain can be relied on
+        width, points = np.ptp(values), surrogate.fit.points[[values.argmin(), values.argmax()]]
+    widths = []
+    for part in (0.0, 0.5):
+        ends = [
+            surrogate.predict(np.where(eye, nominal + part * (end - nominal), end))
+            for end in points
+        ]
+        widths.append(ends[1] - ends[0])
+    lines = [surrogate.predict(np.where(eye, x, nominal)) for x in np.linspace(-1.0, 1.0, 9)]
+    lone_widths = np.ptp(lines, axis=0)
+    share = _shares(lone_widths, surrogate.error)
+    return Influence(float(width), lone_widths, share, *np.maximum(widths, 0.0))

@@ -590,8 +590,9 @@ def calibrate_together(
     tests: Sequence[Measurement], times: np.ndarray, evaluate: Callable, finer: Callable,
     hull: np.ndarray, waves: int = 6, notify: Callable = lambda indices, text: None,
 ) -> tuple[Calibration, list[Calibration]]:  # fmt: skip
-    """Find what of a box explains all tests, and what each explains alone: the first is part of
-    what these share. Arguments as of `calibrate`; `notify` gets indices of tests and a message."""
+    """Find what of a box explains all tests, and what each explains alone. The first is looked for
+    in what these have in common, or in all of `hull` where that is nothing or one is refuted.
+    Arguments as of `calibrate`; `notify` gets indices of tests and a message."""
 
     def find(indices: Sequence[int], hull: np.ndarray, data: Sequence[TestRuns]) -> Calibration:
         return calibrate(

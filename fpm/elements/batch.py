@@ -191,11 +191,11 @@ class Batch:
         from fpm.kernels.hooks import KERNELS
 
         for kind in self.kinds:
-            if (kind.stores is None) == ((type(self.part(kind)), "sum_energies") in KERNELS):
-                raise TypeError(
-                    f"kind {kind.__name__} has `stores` or a kernel for energy_of or stored, "
-                    "not both; expected both, or neither"
-                )
+            has_kernel = (type(self.part(kind)), "sum_energies") in KERNELS
+            if (kind.stores is None) == has_kernel:
+                lack, rest = "`stores`", "a kernel for energy_of or sum_energies"
+                lack, rest = (lack, rest) if has_kernel else (rest, lack)
+                raise TypeError(f"kind {kind.__name__} has {rest} and not {lack}; expected: both")
         return tuple(self.part(kind) for kind in self.kinds)
 
     def world(self) -> World:

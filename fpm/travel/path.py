@@ -218,7 +218,7 @@ class Path:
         forces, is_solved = forces_with_friction(base, slopes)
         if not is_solved:
             name = hinges[int(np.argmax(levers * forces))].name
-            place = f"locked where {self._key} is {self.opening:.6g}"
+            place = f"locks where {self._key} is {self.opening:.6g}"
             allowed = "a way on which no bearing's friction presses its joint harder than it is "
             allowed += "pushed (self-locking): less `mu`, or a way that ends before"
             raise SceneError(f"bearing {name}", place, allowed)

@@ -62,7 +62,7 @@ class ModelEvaluator:
         """Make an evaluator that has the runs of a folder of results, with event margins, from its
         plan and `samples.nc`; nothing is fitted or simulated yet. Of a scan of more than 10,000
         runs it has those that `fitted_rows` chooses to fit surrogates to. refinements: whether to
-        add the runs in `refinements.nc`, which must exist. jobs: section of the config; notify:
+        add the runs in `further.nc`, which must exist. jobs: section of the config; notify:
         called with each message; threads: number that simulate further runs."""
         model = cls(read_plan(folder.plan), jobs, folder, notify, threads)
         with open_netcdf(folder.samples) as samples:

@@ -59,7 +59,7 @@ def answer(
         budget = model.experiment.accuracy.max_runs - rounds.rounds[-1].runs
         model.max_refinements = max(0, budget - reserve)
     if model.experiment.design.method == "screening":
-        model.max_further = max(0, model.experiment.design.samples - len(model.distinct_rows))
+        model.max_refinements = max(0, model.experiment.design.samples - len(model.distinct_rows))
     specs = list_limits(requirements, list(model.experiment.quantities))
     bounds = converge_bounds(model, verify.max_iterations, specs)
     if count := len(model.refinements):

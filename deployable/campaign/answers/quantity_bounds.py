@@ -57,7 +57,7 @@ def converge_bounds(
     surrogates' bounds and where these may still go farther, at limit-state surfaces of events, and
     where the limits `specs` are worst, then refits; where none is to be added, it ends."""
     mispredictions = np.zeros((len(model.experiment.quantity_list), 2))
-    if model.unit.shape[1] > MOST_FULL:
+    if model.points.shape[1] > MOST_FULL:
         max_iterations *= _STEPS
     for iteration in range(max_iterations + 1):
         surrogates = model.surrogates()

@@ -38,7 +38,7 @@ from deployable.intervals.box import MAX_DIMENSION, MOST_FULL
 from deployable.intervals.scalars.requirements import ENDS
 from fpm.errors import number_hint
 from fpm.files.outcome import eventful
-from fpm.reading.margins import driving, read_label, travel_of
+from fpm.reading.margins import OPTIONAL, driving, read_label, travel_of
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.variables import count_values
 from fpm.solver.pack import topology
@@ -152,6 +152,9 @@ def _response_problems(campaign: Campaign, scene: Any, margins: Mapping) -> list
             if name in margins:  # as its section has it
                 if key == f"responses.{name}":
                     keys = error.allowed.removeprefix("margin").replace(" with,", "")
+                    if keys == error.allowed:  # a key of another kind of response
+                        optional_keys = [key for key in OPTIONAL if key != "with"]
+                        keys = f" and to, standard, perhaps with {', '.join(optional_keys)}"
                     error = fpm.SceneError(key, margins[name], f"along{keys}")
                 key = re.sub(rf"^responses\.{name}\.(margin|with)\b", f"margins.{name}.along", key)
                 key = key.replace(f"responses.{name}", f"margins.{name}")

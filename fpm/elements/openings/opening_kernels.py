@@ -176,10 +176,10 @@ def work_parts(moments, part):
 
 @hook(Openings)
 def record(part, world, row):
-    """Record the openings (joint coordinates: rad, of slides m) of all hinges in part.track and, if
-    kept, moment (N m, of slides N) and work (J) of every component (springs, dampers, ...) in
-    part.part_track, at rows row * count to (row + 1) * count - 1, count of hinges or components.
-    part: arrays of all openings (Openings); world: solver state; row: index of the instant."""
+    """Record the openings (joint coordinates: rad, of slides m) of all h hinges in part.track from
+    row `row` h on, and, if kept, moment (N m, of slides N) and work (J) of all h * part.parts
+    components (springs, dampers, ...) of hinges likewise in part.part_track. part: arrays of all
+    openings (Openings); world: solver state; row: index of the instant."""
     if not part.is_needed:
         update(part, world.state)
     count = part.angles.shape[0]

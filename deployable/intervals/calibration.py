@@ -615,6 +615,10 @@ def calibrate_together(
         # Without the runs so far: where they crowd, left-out errors are too small for the whole.
         return find(indices, hull, ()), singles
     result = find(indices, common, [single.data[0] for single in singles])
+    if result.is_refuted:  # outside nothing explains all, but the least band may be there
+        whole = find(indices, hull, ())
+        least = min(result.least, 1.0 + 1e-9)
+        return whole if whole.is_refuted else replace(result, least=least), singles
     free = np.ptp(hull, axis=0) > 0
     ratio = float((np.ptp(common, axis=0)[free] / np.ptp(hull, axis=0)[free]).prod())
     # Each test's own variables are independent, so that the worst test's misfit is that of all.

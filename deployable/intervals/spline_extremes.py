@@ -134,9 +134,9 @@ def _climb(spline, flat, spread, start) -> tuple[np.ndarray, np.ndarray]:
     for _ in range(_STEPS):
         y = x[columns][:, free] * half
         g, h = slope[columns].copy(), curvature[columns].copy()
-        stuck = ((y >= half) & (g > 0)) | ((y <= -half) & (g < 0))
-        g[stuck] = 0.0
-        h[stuck[:, :, None] | stuck[:, None, :]] = 0.0
+        at_faces = ((y >= half) & (g > 0)) | ((y <= -half) & (g < 0))
+        g[at_faces] = 0.0
+        h[at_faces[:, :, None] | at_faces[:, None, :]] = 0.0
         bends, axes = np.linalg.eigh(h)
         bends = np.abs(bends)
         largest = bends.max(axis=1, keepdims=True) + 1e-300

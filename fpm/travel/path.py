@@ -65,7 +65,7 @@ class Path:
         self.opening = self._start = float(self._hinges[0].opening)
         self.poses = ParticlePoses(scene.position.copy(), scene.frame.copy())
         self._conditions = conditions_of(scene, [*locked, *openings])
-        self._leading = len(locked) + len(openings)
+        self._path_rows = len(locked) + len(openings)
         self._zeros = self._conditions.gaps(self.poses)[-len(openings) :]
         self._size = float(np.ptp(scene.position, axis=0).max()) or 1.0
         self._scales = np.tile(np.repeat([self._size, 1.0], 3), len(scene.position))
@@ -212,7 +212,7 @@ class Path:
         joints, pushing = np.array(self._conditions.joint), self._conditions.axis_types != NORMAL
         masks = [(joints == hinge.joint) & pushing for hinge in hinges]
         for rows in masks:
-            rows[-self._leading :] = False
+            rows[-self._path_rows :] = False
         base = [(self._weight * (self._impulses + first))[rows] for rows in masks]
         slopes = [np.stack([(self._weight * x)[rows] for x in changes], axis=1) for rows in masks]
         forces, is_solved = forces_with_friction(base, slopes)

@@ -55,8 +55,8 @@ def next_plan(
     with open_dataset(samples_path) as samples, open_dataset(bounds_path) as bounds:
         quantities = _estimate_quantities(base, samples)
         shares, free = _shares(plan, bounds, quantities), base.solver.step == "auto"
-        standing = _standing(plan, shares, free)
-        cost, decision = standing.cost, standing.decide()
+        state = _refinement_state(plan, shares, free)
+        cost, decision = state.cost, state.decide()
         whole = max((sum(parts.values()) for parts in shares.values()), default=0.0)
         safety = base.solver.safety if base.solver.step == "auto" else base.solver.step
         new_round = Round(
@@ -68,7 +68,7 @@ def next_plan(
             return replace(plan, adaptive=Rounds(rounds, state.points, decision.met, state.check))
         points = list(state.points)
         if decision.action == "runs":
-            names = [errors.name for errors in standing.reducible]
+            names = [errors.name for errors in state.reducible]
             unmet = [estimate for name, estimate in quantities.items() if name in names]
             new = _places(base, samples, names, cost.next_runs, len(rounds), unmet)
             points += new.tolist()
@@ -180,7 +180,7 @@ def _parts(previous: Mapping, new: dict, row: Any, name: str, width: float) -> d
     return new
 
 
-def _standing(plan: Plan, shares: Mapping, is_step_free: bool = True) -> RefinementState:
+def _refinement_state(plan: Plan, shares: Mapping, is_step_free: bool = True) -> RefinementState:
     """How things stand, with what the rounds up to this plan's took and the next one would."""
     target, rounds, nodes = plan.experiment.accuracy, plan.adaptive.rounds, len(plan.unique_runs())
     time = run_seconds(plan.experiment, plan.time)

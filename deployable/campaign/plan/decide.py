@@ -253,12 +253,12 @@ class RefinementState:
         runs, seconds = cost.need_of(action)
         if cost.runs + runs + cost.reserve > budget.max_runs:
             reserve = 2 * cost.check_runs + cost.reserve
-            spent = f"{cost.runs} are spent, {reserve} kept for the last check"
-            return f"the budget of {budget.max_runs} runs does not allow more ({spent})"
+            costs = f"{cost.runs} are spent, {reserve} kept for the last check"
+            return f"the budget of {budget.max_runs} runs does not allow more ({costs})"
         if cost.seconds + seconds > 60 * budget.max_core_minutes:
-            spent = f"{duration_text(max(1.0, cost.seconds))} are spent"
+            costs = f"{duration_text(max(1.0, cost.seconds))} are spent"
             return (
-                f"the budget of {budget.max_core_minutes:g} minutes does not allow more ({spent})"
+                f"the budget of {budget.max_core_minutes:g} minutes does not allow more ({costs})"
             )
         return ""
 

@@ -136,8 +136,8 @@ def _map(ax: Any, data: Any, q: int, runs: FittedRuns, free: Any) -> None:
     field = runs.surrogate(data, q).evaluate(points).reshape(_GRID, _GRID)
     x, y = _values(data, i, line), _values(data, j, line)
     if np.isfinite(field).any() and np.nanmax(field) > np.nanmin(field):
-        drawn = ax.contourf(x, y, field, 12, cmap="cividis")
-        bar = ax.figure.colorbar(drawn, ax=ax)
+        contours = ax.contourf(x, y, field, 12, cmap="cividis")
+        bar = ax.figure.colorbar(contours, ax=ax)
         bar.set_label(f"{data['quantity'][q]} ({pretty(data['quantity_units'][q])})", fontsize=8)
         bar.ax.tick_params(labelsize=7)
     if (missing := ~np.isfinite(field)).any():

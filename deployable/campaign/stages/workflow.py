@@ -236,9 +236,9 @@ def _run_cases(
 def _run(campaign: Campaign, results: str | Path, figures: bool, notify: Notify) -> Any:
     workflow = Workflow(campaign, results)
     folder, stale, is_remade = workflow.folder, workflow.stale(), False
-    drawn = {folder.figures, folder.motions, folder.report}
+    drawing_paths = {folder.figures, folder.motions, folder.report}
     for error in workflow.damage.values():
-        if figures or drawn.isdisjoint([error.path, *error.path.parents]):
+        if figures or drawing_paths.isdisjoint([error.path, *error.path.parents]):
             notify(f"{error}; it is made again")
     for stage in stages_of(campaign):
         paths = workflow.files_of(stage)

@@ -67,15 +67,18 @@ def find_free_strain(part, first, j, tight, slope, close):
     the cable's first point; tight: length less unstrained length (m) of the stretches up to j;
     slope: derivative (m) for the stretches before j; close: flow (m) that is near enough to 0."""
     start, length = load(part.slip, j, START), load(part.stretches, j, LENGTH)
-    free_strain, stuck = load(part.slip, j - 1, FREE_STRAIN), positive((length - start) / start)
+    free_strain, stick_strain = (
+        load(part.slip, j - 1, FREE_STRAIN),
+        positive((length - start) / start),
+    )
     ratio, inverse = load(part.slip, j, RATIO), load(part.slip, j, INVERSE)
-    least, most = inverse * stuck - free_strain, free_strain - ratio * stuck
+    least, most = inverse * stick_strain - free_strain, free_strain - ratio * stick_strain
     follows = where_negative(least, ratio, inverse)
     slope = where_negative(least, where_negative(most, 0.0, slope), slope)
-    strain = (start * stuck + slope * free_strain) / (start + slope * follows)
-    pending = where_negative(-tight, 1.0, 0.0)
-    strain = pending * strain
-    high = larger(stuck, free_strain)
+    strain = (start * stick_strain + slope * free_strain) / (start + slope * follows)
+    is_open = where_negative(-tight, 1.0, 0.0)
+    strain = is_open * strain
+    high = larger(stick_strain, free_strain)
     low = FLOOR * high
     for _ in range(MOST):
         flow, steep = find_flow(part, first, j, strain)
@@ -83,10 +86,10 @@ def find_free_strain(part, first, j, tight, slope, close):
         better, halfway = strain - flow / steep, sqrt(low * high)
         better = where_negative(low - better, better, halfway)
         better = where_negative(better - high, better, halfway)
-        slope = where_negative(-pending, steep, slope)
-        pending = where_negative(absolute(flow) - close, 0.0, pending)
-        strain = where_negative(-pending, better, strain)
-        if not any_negative(-pending):
+        slope = where_negative(-is_open, steep, slope)
+        is_open = where_negative(absolute(flow) - close, 0.0, is_open)
+        strain = where_negative(-is_open, better, strain)
+        if not any_negative(-is_open):
             break
     return strain, slope
 

@@ -112,7 +112,7 @@ class ElementType:
     type moves; resists_as: class of resistance ("FR", "S", ...: ECSS) in slow motions (fpm/travel),
     "": none; noun: its word in messages; cost: core time of an element in a step (ns)."""
 
-    stores: ClassVar[Energy | None] = None  # the energy it stores (hook `stored`)
+    stores: ClassVar[Energy | None] = None  # the energy it stores (hook `sum_energies`)
     gives: ClassVar[Energy | None] = None  # the work it gives; kinds with the same share an account
     takes: ClassVar[Energy | None] = None  # the energy it takes out
     events: ClassVar[tuple[str, ...]] = ()  # names of its events, in the order of their numbers

@@ -233,7 +233,7 @@ class _Problem:
         )
 
     def excess(self, residuals: np.ndarray, sign: float) -> np.ndarray:
-        """By how many bands each residual (M) is off, less or more the surrogate's error."""
+        """By how many bands each residual (M) deviates, less or more the surrogate's error."""
         return np.abs(residuals) - sign * self.errors / self.bands
 
     def search(

@@ -1,10 +1,10 @@
-"""How wrong the bounds may be, from runs that the surrogate has not seen and from its coefficients.
+"""Errors of the bounds, estimated from runs that the surrogate has not seen and its coefficients.
 
 What counts is the point-wise error of the surrogate: if |f - s| <= e over the box, the bounds of s
 are within e of those of f (Hausdorff distance). It is estimated, at every instant, by the larger of
 
 - the largest |f - s| over the held-out runs (blind between them), and
-- the tail that the decay of the Chebyshev coefficients foretells (blind to what the nodes miss),
+- the tail that the decay of the Chebyshev coefficients predicts (blind to what the nodes miss),
   unless there are enough held-out runs to overrule it (see `limit_decay`),
 
 and then widened in time: the largest estimate within a short window counts. Two oscillations that

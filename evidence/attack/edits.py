@@ -115,7 +115,7 @@ class Edits:
 
     @cached_property
     def places(self) -> dict[str, list[tuple[str, int]]]:
-        """Places that can be changed, by room, in files of which something is called: file, and
+        """Places that can be changed, by folder, in files of which something is called: file, and
         number in it."""
         places: dict[str, list[tuple[str, int]]] = {}
         for name in sorted({name for name, _ in self._executed_code}):
@@ -140,7 +140,7 @@ class Edits:
         return lines | (set(range(tree.body[-1].end_lineno + 1)) - inner)
 
     def drawn(self, is_kernel: bool = False) -> tuple[str, int]:
-        """A place of any room, each as likely; is_kernel: of KERNELS, else of none of these."""
+        """A place of any folder, each as likely; is_kernel: of KERNELS, else of none of these."""
         rooms = [room for room in sorted(self.places) if room.startswith(KERNELS) == is_kernel]
         return self.rng.choice(self.places[self.rng.choice(rooms)])
 

@@ -14,7 +14,7 @@ from evidence.rows import Row, at_most, refusal
 
 G = 9.81
 TOLERANCE = 0.005
-"""Share of the largest energy by which a balance may be off, as in campaigns."""
+"""Share of the largest energy by which a balance may deviate, as in campaigns."""
 
 SHARES = (0.9, 0.45, 0.2, 0.1, 0.05, 0.02)
 

@@ -52,7 +52,7 @@ def simulate(
     instants: int = INSTANTS,
     **parameters,
 ) -> fpm.Outcome:
-    """One run of the linkage, refused where its energy balance is off by more than BALANCE."""
+    """One run of the linkage, refused where the error of its energy balance exceeds BALANCE."""
     (outcome,) = fpm.simulate(
         [build(**parameters)],
         duration=duration,

@@ -1,4 +1,4 @@
-"""Peers on the same runs: how long their fits take, and how wrong their bounds are."""
+"""Peers on the same runs: how long their fits take, and the errors of their bounds."""
 
 from __future__ import annotations
 

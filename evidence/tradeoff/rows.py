@@ -126,7 +126,7 @@ def _prototype_rows(case: dict) -> list[Row]:
 
 
 def _mesh_rows(case: dict) -> list[Row]:
-    """What single runs are off by: mesh against step, and both against the surrogate."""
+    """Errors of single runs: mesh against step, and both against the surrogate."""
     rows = []
     runs = {(t["elements"], t["safety"]): t for t in case["trajectories"]}
     for i, name in enumerate(case["responses"]):

@@ -60,7 +60,7 @@ class Bench:
         scale: float | None = None,
         measure: str = "relative",
     ) -> None:
-        """Write a row: `value` against `reference`, off by at most `tolerance` times `scale`.
+        """Write a row: `value` against `reference`; error allowed: `tolerance` times `scale`.
 
         scale: None means the reference itself (measure "relative"), or else 1 of the value's unit;
         measure says what the scale is.

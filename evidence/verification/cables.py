@@ -239,7 +239,7 @@ def sticking(bench: Bench) -> None:
             times = outcome.events[outcome.events[:, 2] == 1, 0]
             delay = np.abs(times - slack).max() if len(times) == len(slack) else np.inf
             bench.check(
-                f"{name}: slack at, off by (s)", delay, 0.0, tolerance, source, measure="absolute"
+                f"{name}: slack at, error (s)", delay, 0.0, tolerance, source, measure="absolute"
             )
         figure.curve(outcome.time, outcome.tensions["rope"], f"{points} eyelets")
 

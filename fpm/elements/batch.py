@@ -15,12 +15,13 @@ from fpm.kernels import layout
 from fpm.kernels.world import Log, Record, World
 
 ROUNDINGS = 64.0
-"""Last bits of a place (of the scene's size) and of an angle (rad) that a step may be off by; 16
+"""Error of a place (of the scene's size) and of an angle (rad) in a step, in last bits; 16
 where no conditions of joints repeat each other, which the solution of a locked loop amplifies."""
 
 WORK = 1000.0
-"""How many times the work of loads on such ways may be off where nothing else has energy: that on a
-driven body, which the drive takes back, is off by ten, of which the balance allows a hundredth."""
+"""Factor by which the work of loads on such ways is scaled where nothing else has energy: the error
+of that on a driven body, which the drive takes back, is ten times as large, and the balance allows
+a hundredth of the scale."""
 
 
 def blank(*shape_and_dtype) -> np.ndarray:

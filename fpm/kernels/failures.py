@@ -12,7 +12,7 @@ IMBALANCE = -1
 @kernel
 def find_failures(parts, world, record, row, n, tolerance):
     """Mark in `record` the samples that fail at step n; returns whether none is left running. A
-    sample fails when its energy balance is off by more than `tolerance` times the largest energy it
+    sample fails when its energy balance has an error above `tolerance` times the largest energy it
     has had so far, when a number is not finite, or when a watched quantity is above its limit.
     parts: arrays of each element type; world: solver state (World); record: of the run (Record);
     row: index of this step's energies in it; n: number of steps done."""

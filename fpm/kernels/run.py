@@ -66,7 +66,7 @@ def run(parts, world, record, step, steps, output_steps, check_steps, tolerance)
     """Integrate `steps` steps of `step` s; returns the number done, fewer where all samples failed.
     parts: arrays of each element type; world: solver state, changed; record: arrays of the run
     (Record), written; output_steps: steps between recorded instants; check_steps: between checks
-    that the energy balance is off by at most `tolerance` times the largest energy so far."""
+    that the error of the energy balance is at most `tolerance` times the largest energy so far."""
     parts, world, record = by_reference(parts), by_reference(world), by_reference(record)
     state, free = world.state, world.free
     spare = record.energies.shape[0] - 1

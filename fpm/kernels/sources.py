@@ -26,8 +26,8 @@ DISPLAY = (
     *("errors.py", "motions", "scenes/effort.py"),
     *(f"structures/{name}.py" for name in ("describe", "plausible", "report")),
 )
-"""Files and rooms that decide no number that is kept of a run: words, prices, and motions that are
-made again with every page. Everything else of the mechanics counts in the names of runs."""
+"""Files and folders that decide no number that is kept of a run: words, prices, and motions that
+are made again with every page. Everything else of the mechanics counts in the names of runs."""
 
 CODE = (".py", ".html", ".jinja", ".css", ".js", ".yaml", ".json")
 """Files of a package that decide about results, by how they end."""
@@ -133,7 +133,7 @@ def _states(folder: str | Path, prefix: str = "") -> Iterator[tuple[str, State]]
 
 
 def _is_within(name: str, places: tuple[str, ...]) -> bool:
-    """Whether a file is one of some, or in one of some rooms."""
+    """Whether a file is one of some, or in one of some folders."""
     return any(name == place or name.startswith(f"{place}/") for place in places)
 
 

@@ -49,7 +49,7 @@ class World(NamedTuple):
     most: np.ndarray  # (w, lanes) above which a lane fails
     unconditional: np.ndarray  # (w,) whether also where the energy does not balance
     watch_rows: np.ndarray  # (w, 2) first and end of the rows below of the kind that watches
-    rows: np.ndarray  # (e, 1, lanes) how bad each element is, for the report of a failure
+    rows: np.ndarray  # (e, 1, lanes) each element's watched quantity, for the report of a failure
     undecided: np.ndarray  # (1,) 1 where the impulses of the step have to be found (again)
 
 

@@ -1,7 +1,7 @@
 """What a run costs: seconds of a core for its steps and instants, from what a scene has.
 
 Costs are those of eight runs side by side, in nanoseconds, as measured where a register holds 256
-bits (an AMD EPYC without 512), right to a factor of two; `machine` is the factor for this one.
+bits (an AMD EPYC without 512), accurate to a factor of two; `machine` is the factor for this one.
 Kinds of elements state theirs (`ElementType.cost`). Joints that are solved together are counted
 out, as it depends on their coupling: twenty on one body cost far more than in a chain."""
 

@@ -69,7 +69,7 @@ def simulate(
     step: time step (s), shortened so that whole steps make up the time between two instants; None:
         `safety` times the smallest stable step of the scenes.
     safety: factor on the stable step, where no step is given.
-    energy_tolerance: a sample fails where its energy balance is off by more than this fraction of
+    energy_tolerance: a sample fails where the error of its energy balance exceeds this fraction of
         the largest energy that it has had so far.
     dtype: number type of the run, float64 or float32.
     record: columns, (variable, label), that are recorded as well (`fpm.reading.variables`). The

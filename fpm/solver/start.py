@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from fpm.scenes.scene import Scene
 
 AGREES = 1e-12
-"""Share of the fastest condition's rate by which a motion may be off and is left as it is."""
+"""Share of the fastest condition's rate by which a motion may deviate and is left as it is."""
 
 CONTINUES = 1e-3
 """AGREES for a motion that nothing prescribes. That with which a run ended agrees to the second
@@ -42,8 +42,8 @@ MASS_RATIO = 1e6
 
 MIN_RANK_RATIO, REDUNDANT = 1e-8, 1e-24
 """Eigenvalues of the matrix of all conditions, its diagonal being one: above the first they are a
-hundred times what eases the joints (EASE in joint.py), so that a first solution is right to 1 % and
-the correction after it to 1e-4; below the second they are those of conditions that others imply."""
+hundred times what eases the joints (EASE in joint.py), so that a first solution is accurate to 1 %,
+and after the correction to 1e-4; below the second they are of conditions that others imply."""
 
 
 def consistent_scene(scene: Scene) -> Scene:

@@ -70,7 +70,7 @@ def outcome_of(
 
 def _start_velocity(scene: Scene, beam, velocity: np.ndarray) -> None:
     """Set the first row of a velocity (t, 3) m/s of a point to that of the scene at its start, in
-    place; the mean of the half steps before and after the start is right to second order only."""
+    place; the mean of the half steps before and after the start is accurate to second order."""
     particle = beam.particle
     if particle not in Drive.moved_particles(scene):
         arm = scene.frame[particle] @ beam.arm

@@ -6,11 +6,11 @@ resist, as friction. The motion from one position to the next is that of the bal
 
     H t + G'p = 0,   G t = e
 
-e being one for the led opening and zero for all other conditions; t, the motion of all particles
-per unit of the opening, predicts the next position. The virtual work w = F·t of each element, per
-unit of the opening at a vanishing rate, is actuating (w > 0) or resistive (w < 0); it comes from
-the element's own kernels, with friction that slips as its joint goes. Kinetic energy does not
-enter, nor do elements that hold: motors that prescribe the opening, releases, and latches."""
+e being one for the prescribed opening and zero for all other conditions; t, the motion of all
+particles per unit of the opening, predicts the next position. The virtual work w = F·t of each
+element, per unit of the opening at a vanishing rate, is actuating (w > 0) or resistive (w < 0);
+it comes from the element's own kernels, with friction that slips as its joint goes. Kinetic energy
+does not enter, nor do elements that hold: motors that prescribe the opening, releases, latches."""
 
 from fpm.travel.components import (
     STRAIN,

@@ -1,4 +1,4 @@
-"""Path of an assembly whose opening is led, step by step, on one branch of solutions."""
+"""Path of an assembly, quasi-static steps of an opening, on one branch of solutions."""
 
 from collections.abc import Sequence
 from copy import copy
@@ -271,7 +271,7 @@ class Path:
         return self._scales * solve(np.zeros(len(self._scales)), self._weight * gap_changes)[0]
 
     def _conditions_at(self, value: float) -> Conditions:
-        """Conditions of all joints; the last hold the led openings, the first one at `value`."""
+        """Conditions of all joints; the last hold prescribed openings, the first one at `value`."""
         conditions, shift, count = self._conditions, value - self._start, len(self._hinges)
         normals, arms = conditions.axis1.copy(), conditions.arms.copy()
         for row, hinge, zero in zip(range(-count, 0), self._hinges, self._zeros, strict=True):

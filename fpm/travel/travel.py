@@ -36,7 +36,7 @@ STRAIN_DISTANCE = 5e-3
 """Distance of positions, as a fraction of the travel, above which the strain's slope is tested."""
 
 APPROACH = 1e-4
-"""Fraction of the travel by which friction is led straight to a position."""
+"""Fraction of the travel by which friction is moved straight to a position."""
 
 
 class Travel(NamedTuple):
@@ -90,7 +90,7 @@ def sweep(
 
 
 class _Sweep:
-    """Measures of a scene on a path from an opening `first` to `last`, to which it is led in steps
+    """Measures of a scene on a path from an opening `first` to `last`, to which it moves in steps
     of `spacing`. names: of the components, the bearings last; works: how many; largest: sum of the
     sizes of their works at any position, to which errors relate."""
 

@@ -73,7 +73,7 @@ class Estimate:
 
 def estimate(campaign: Campaign) -> Estimate:
     """Estimate runs, time and disk of one call of `run` for a campaign, with its page. The time is
-    right to a factor of 1.5, or of about two where simulating takes most of it
+    accurate to a factor of 1.5, or of about two where simulating takes most of it
     (`fpm.scenes.effort`). With cases it is of all of them, one after another."""
     if campaign.cases:
         return _sum([estimate(case) for case in campaign.case_campaigns.values()])

@@ -106,7 +106,7 @@ def _infill(bounds: QuantityBounds) -> list[np.ndarray]:
 def _mispredictions(
     model: ModelEvaluator, bounds: list[QuantityBounds], previous: np.ndarray
 ) -> np.ndarray:
-    """How far (q, 2) surrogates' bounds are off runs there, inf without number; or `previous`."""
+    """Errors (q, 2) of surrogates' bounds against runs there, inf without number; or `previous`."""
     mispredictions = previous.copy()
     for q, b in enumerate(bounds):
         extremes = (

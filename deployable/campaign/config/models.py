@@ -111,7 +111,7 @@ class Solver(ConfigSection):
     safety: Annotated[float, Rule(gt=0, le=1)] = 0.9
     """Share of the stable step that `auto` uses."""
     energy_tolerance: Annotated[float, Rule(gt=0)] = 0.005
-    """A run stops as unstable when its energy balance is off by more than this share of its energy
+    """A run stops as unstable when the error of its energy balance exceeds this share of its energy
     scale."""
 
     def __post_init__(self):
@@ -186,10 +186,10 @@ class BoundsChoice(ConfigSection):
     model: Literal["polynomial", "spline"] = "polynomial"
     """`polynomial`: of the design's order through the design's runs, the paper's way; its range is
     enclosed. `sobol` without order has none, and its bounds are its extreme samples. `spline`: one
-    cubic spline through all runs, held-out ones and those of a scan included. At the same runs its
-    bounds were mostly 0.12 to 0.8 times as wrong, up to 1.2 with high order in three dimensions
-    (docs/tradeoff.md), and its range is attained, not enclosed. Sensitivities and `surrogate.nc`
-    are of the polynomial either way."""
+    cubic spline through all runs, held-out ones and those of a scan included. At the same runs the
+    error of its bounds was mostly 0.12 to 0.8 times as large, up to 1.2 with high order in three
+    dimensions (docs/tradeoff.md), and its range is attained, not enclosed. Sensitivities and
+    `surrogate.nc` are of the polynomial either way."""
 
 
 @dataclass(frozen=True)
@@ -346,7 +346,7 @@ class Jobs(ConfigSection):
     minutes: Annotated[float, Rule(ge=0, unit="min")] = 0.0
     """How long a job shall take on its `processes`, in place of `runs_per_job`: clusters want jobs
     of 15 minutes or more. How many runs that is follows from `run_seconds`, or else from an
-    estimate that is right to a factor of two or so. 0: as many runs as `runs_per_job` says."""
+    estimate that is accurate to a factor of about two. 0: as many runs as `runs_per_job` says."""
     run_seconds: Annotated[float, Rule(ge=0, unit="s")] = 0.0
     """Seconds of one core that a run takes, where they were measured; the log of a job tells them
     if there are `minutes`. 0: estimated."""

@@ -88,7 +88,7 @@ def share(share: float, open_: float = 0.0) -> str:
 
 
 OPEN = 0.05
-"""Per cent of the box from which it is said by how much a share may be off."""
+"""Per cent of the box from which it is said how large the error of a share may be."""
 
 
 def interval(row: Mapping[str, Any]) -> str:

@@ -1,4 +1,4 @@
-"""What is fitted to a number of runs: the polynomial or spline that foretells left-out runs best.
+"""What is fitted to a number of runs: the polynomial or spline that predicts left-out runs best.
 
 Every run is left out in turn, without a second fit: for least squares its error is e / (1 - h), h
 the leverage (Allen 1974, the PRESS statistic); for a spline see `splines`."""
@@ -209,7 +209,7 @@ def _polynomials(points: np.ndarray, values: np.ndarray) -> list[Fit]:
 def _sparse(points: np.ndarray, values: np.ndarray) -> Fit | None:
     """A sum of quadratic polynomials of one parameter each, with the products of two parameters and
     the higher degrees that the residuals ask for (`_pursue`). Their number is the one that
-    foretells folds of runs best, which are left out of the choice, too, each run together with that
+    predicts folds of runs best, which are left out of the choice, too, each run together with that
     at the opposite point, which has the same products."""
     axes = np.eye(points.shape[1], dtype=int)[np.ptp(points, axis=0) > 0]
     first, second = np.triu_indices(len(axes), 1)

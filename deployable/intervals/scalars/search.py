@@ -39,7 +39,7 @@ _TRUST_RATIO = 3.0  # times its error: so far the surrogate must exceed all runs
 class BoundEstimate(NamedTuple):
     """Lower or upper bound of a quantity. value: the extreme run's, or the surrogate's where that
     goes farther by several times its own error, or, of a time that may lie beyond the runs, their
-    end; error: by how much the bound may be off, by what the surrogate leaves possible, not
+    end; error: largest error of the bound, by what the surrogate leaves possible, not
     negative; points (P, k) in [-1, 1]^k: where further runs may extend it, if any."""
 
     value: float

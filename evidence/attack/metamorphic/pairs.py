@@ -1,7 +1,7 @@
 """Run a structure and its images, and tell which do not move alike.
 
 What is the same arithmetic but for rounding must agree to `ROUNDING`, and to what numbers of the
-structure that are off by `NUDGE` change, `GROWTH` times: where that is much, the motion hangs on
+structure that differ by `NUDGE` change, `GROWTH` times: where that is much, the motion hangs on
 rounding (something catches, sticks or slackens just so), and the pair says nothing. What is the
 same to the order of the step must agree within `ORDER` times what half the step changes, and so
 must what is read off amid a step (`LATCH_KINDS`).

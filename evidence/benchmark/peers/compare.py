@@ -93,7 +93,7 @@ def exudyn(duration: float, repeats: int, cases=None) -> list[Row]:
     scene = linkages(1, ELEMENTS)[0]
     count = beam_count(scene)
     name = f"ours: 4 x {ELEMENTS} elements, a sample of a batch of 32"
-    rows = [info(name, cost, COST, f"BD off by {error:.2g} m (rms)")]
+    rows = [info(name, cost, COST, f"error of BD {error:.2g} m (rms)")]
     description = describe(scene, ignore=("Contact",))
     task = {"structure": description, "duration": duration, "instants": 11, "runs": EXUDYN[:cases]}
     exact = []
@@ -106,7 +106,7 @@ def exudyn(duration: float, repeats: int, cases=None) -> list[Row]:
         b, d = (np.array(answer["points"][name]) for name in "BD")
         deviation = rms(np.linalg.norm(b - d, axis=1), fine)
         nanoseconds = 1e9 * answer["cpu"] / answer["steps"] / count
-        note = f"BD off by {deviation:.2g} m (rms); {nanoseconds:.0f} ns per element and step"
+        note = f"error of BD {deviation:.2g} m (rms); {nanoseconds:.0f} ns per element and step"
         rows.append(info(name, answer["cpu"] / duration, COST, note))
         exact.append((answer["cpu"] / duration, deviation, answer["version"]))
     return rows + (_against_exudyn(exact, fine, duration, repeats, (cost, error)) if exact else [])
@@ -121,7 +121,7 @@ def _against_exudyn(
     name = f"{WHAT_EXUDYN} (Exudyn {version})"
     elements, error_ours = find_equal_mesh(deviation, fine, duration)
     ratio = fastest / cost_of(elements, duration, repeats)
-    note = f"ours with 4 x {elements} elements, off by {error_ours:.2g} m against {deviation:.2g} m"
+    note = f"ours with 4 x {elements} elements, error {error_ours:.2g} m against {deviation:.2g} m"
     best_off, seconds = min((deviation, seconds) for seconds, deviation, _ in exact)
     return [
         at_least(f"{name}: as many elements", fastest / cost, 100.0, unit="x"),

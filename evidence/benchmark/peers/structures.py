@@ -139,7 +139,7 @@ def _rows(case: Case, python: str, repeats: int, steps: int | None) -> list[Row]
     distance = float(np.linalg.norm(fine - fine[0], axis=1).max())
     run, answers = _measure(case, structure, python, repeats, steps)
     deviation = _deviation(run.places, fine, distance)
-    note = f"{run.steps} steps{_mesh(case.parameters)}, off by {deviation:.2g} of the way; "
+    note = f"{run.steps} steps{_mesh(case.parameters)}, error {deviation:.2g} of the way; "
     note += f"{run.set_up / run.batch:.0%} of it is set-up; {1e3 * run.building:.2g} ms more to "
     note += "build the scene from its file"
     batch = f"{case.text}: ours, a sample of a batch of {SAMPLES}"
@@ -156,7 +156,7 @@ def _rows(case: Case, python: str, repeats: int, steps: int | None) -> list[Row]
             continue
         miss = _deviation(np.array(answer["points"][case.point]), fine, distance)
         right.append((miss, answer))
-        note = f"off by {miss:.2g} of the way; {1e3 * answer['building']:.2g} ms more to build it"
+        note = f"error {miss:.2g} of the way; {1e3 * answer['building']:.2g} ms more to build it"
         rows.append(info(name, answer["cpu"] / case.duration, compare.COST, note))
     text = f"{case.text}: motion of '{case.point}', Exudyn's most accurate run against ours"
     source = f"ours with {f'{case.finest} elements' if case.finest else 'a quarter of the step'}"
@@ -175,15 +175,15 @@ def _ratios(case: Case, run: Run, deviation: float, right: list[tuple[float, dic
         return []
     miss, fastest = min(pairs, key=lambda pair: pair[1]["cpu"])
     name = f"{case.text}: Exudyn {fastest['version']} against ours"
-    note = f"its {fastest['name']}, off by {miss:.2g}, the fastest that agrees to "
-    note += f"{case.tolerance:g}; ours with steps of {case.duration / run.steps:.2g} s off by "
+    note = f"its {fastest['name']}, error {miss:.2g}, the fastest that agrees to "
+    note += f"{case.tolerance:g}; ours with steps of {case.duration / run.steps:.2g} s, error "
     note += f"{deviation:.2g}"
     loops = fastest["cpu"] / max(run.batch - run.set_up, 1e-9)
     whole = (fastest["cpu"] + fastest["building"]) / (run.batch + run.building)
     least = min(miss for miss, _ in pairs)
     accurate = [pair for pair in pairs if pair[0] <= max(deviation, least)]
     miss, equal = min(accurate, key=lambda pair: pair[1]["cpu"])
-    as_ours = f"its {equal['name']}, off by {miss:.2g}"
+    as_ours = f"its {equal['name']}, error {miss:.2g}"
     as_ours += "; none is as accurate as ours" if miss > deviation else ""
     return [
         at_least(f"{name}, a sample of a batch", fastest["cpu"] / run.batch, 100.0, "", note, "x"),

@@ -1,8 +1,8 @@
 """Error against cost of one case: over mesh, time step, order, design, and lanes.
 
 Two errors are told apart. The surrogate's: bounds against a dense scan of the same level, that is
-of the same mesh and step. The total: bounds against the dense scan of the finest level. What single
-runs are off by, from mesh and step alone, is measured beside them.
+of the same mesh and step. The total: bounds against the dense scan of the finest level. Errors
+of single runs, from mesh and step alone, are measured beside them.
 """
 
 from __future__ import annotations

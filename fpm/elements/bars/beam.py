@@ -155,7 +155,7 @@ class Beams(ElementType):
 
     def end_axes(self) -> np.ndarray:
         """Return the local axes 2 and 3 at both ends of these elements without stress, (2, m, 3,
-        2): end, element, global component, axis. Normal to the chord, axis 3 off by `bow`."""
+        2): end, element, global component, axis. Normal to the chord, axis 3 turned by `bow`."""
         axes = np.stack([self.triad[:, :, 1:]] * 2)
         if self.bow:
             turn = np.array([self.bow, -self.bow])[:, None, None]

@@ -20,7 +20,7 @@ def _strain_failure(values: dict[str, float]) -> tuple[str, str]:
 
 BEND = Watch("bend", 0.25, False, _bend_failure)
 """Largest sine of the angle between an element's chord and its ends, and of its twist. Whipping
-links whose elements bend by so much are wrong by some percent (docs/extremes.md); beyond that the
+links whose elements bend by so much have errors of some percent (docs/extremes.md); beyond that the
 energy still balances, on a wrong curve. A finer mesh bends less."""
 
 STRAIN = Watch("strain", 0.5, False, _strain_failure)

@@ -69,7 +69,7 @@ class Hinges(NamedTuple):
     open: np.ndarray  # (h,) scratch
     peaks: np.ndarray  # (1, 2, lanes)
     names: np.ndarray  # (h,) number of each among them
-    excess: np.ndarray  # (h, 1, lanes) rows that say how bad a hinge is
+    excess: np.ndarray  # (h, 1, lanes) size of each hinge's watched quantity
     gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (sine)
     sums: np.ndarray | None = None  # (h, SUMS, lanes) impulses of this step, where they are counted
     forces: np.ndarray | None = None  # ((instants + 1) h, SUMS, lanes) recorded

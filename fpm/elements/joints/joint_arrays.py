@@ -122,7 +122,7 @@ class Joints(NamedTuple):
     ease: float  # share of the diagonal by which the matrix is eased where conditions are redundant
     account: int  # of the work of what drives bodies
     peaks: np.ndarray  # (1, 2, lanes)
-    excess: np.ndarray  # (j, 1, lanes) rows that say how bad a joint is
+    excess: np.ndarray  # (j, 1, lanes) size of each joint's watched quantity
     gaps: np.ndarray  # (instants + 1, 2, lanes) recorded, the largest gap (m) and tilt (sine)
     sums: np.ndarray | None = None  # (r, 1, lanes) impulses of the conditions in this step
     forces: np.ndarray | None = None  # ((instants + 1) j, SUMS of hinges, lanes) recorded

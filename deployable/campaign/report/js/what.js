@@ -54,7 +54,7 @@ class WhatIf {
   }
 
   // Say what the measured curves say of the sliders' values: nothing outside the intervals that they leave explains them;
-  // and by how many bands the nearest curve is off.
+  // and by how many bands the nearest curve deviates.
   compare(values, unit) {
     const out = DATA.parameters.filter(({ name }, j) => !this.left[name] || values[j] < this.left[name][0] || values[j] > this.left[name][1]);
     const none = Object.values(this.left).every((ends) => !ends);

@@ -67,10 +67,8 @@ def find_free_strain(part, first, j, tight, slope, close):
     the cable's first point; tight: length less unstrained length (m) of the stretches up to j;
     slope: derivative (m) for the stretches before j; close: flow (m) that is near enough to 0."""
     start, length = load(part.slip, j, START), load(part.stretches, j, LENGTH)
-    free_strain, stick_strain = (
-        load(part.slip, j - 1, FREE_STRAIN),
-        positive((length - start) / start),
-    )
+    free_strain = load(part.slip, j - 1, FREE_STRAIN)
+    stick_strain = positive((length - start) / start)
     ratio, inverse = load(part.slip, j, RATIO), load(part.slip, j, INVERSE)
     least, most = inverse * stick_strain - free_strain, free_strain - ratio * stick_strain
     follows = where_negative(least, ratio, inverse)

@@ -10,7 +10,7 @@ import xarray as xr
 
 from deployable.campaign.answers.discretization import MAX_POINTS
 from deployable.campaign.config.check import check_config
-from deployable.campaign.plan.accuracy import _halve, _standing, first_plan, next_plan
+from deployable.campaign.plan.accuracy import _halve, _refinement_state, first_plan, next_plan
 from deployable.campaign.plan.jobs import run_seconds
 from deployable.campaign.plan.plan import Round
 from fpm.files.sealed import whole_file
@@ -41,7 +41,7 @@ def after(plan, action, nodes, **more):
 
 def test_the_first_round_costs_its_runs_and_its_check(experiment):
     plan = first_plan(experiment)
-    cost, nodes = _standing(plan, SHARES).cost, len(plan.unique_runs())
+    cost, nodes = _refinement_state(plan, SHARES).cost, len(plan.unique_runs())
     each = run_seconds(plan.experiment, plan.time)
     checked = MAX_POINTS + 2 + 2  # of the quantity both ends; an order of either
     assert (cost.nodes, cost.check_runs, cost.run_seconds) == (nodes, checked, each)
@@ -59,10 +59,10 @@ def test_costs_of_rounds_add_up(experiment, action, new):
     nodes = len(plan.unique_runs())
     assert nodes == 8
     before = nodes - new if action == "runs" else nodes
-    cost = _standing(after(plan, action, before, check=()), SHARES).cost
+    cost = _refinement_state(after(plan, action, before, check=()), SHARES).cost
     assert cost.runs == 16 + new
     assert cost.seconds == pytest.approx(2.0 + whole(new) * cost.run_seconds)
-    both = _standing(after(plan, action, before, check=("step", "mesh")), SHARES).cost
+    both = _refinement_state(after(plan, action, before, check=("step", "mesh")), SHARES).cost
     assert both.runs - cost.runs == 2 * cost.check_runs
     assert both.seconds - cost.seconds == pytest.approx(
         (2 + 4) * whole(cost.check_runs) * cost.run_seconds
@@ -155,10 +155,12 @@ def test_what_is_accurate_enough_ends_once_it_is_checked(decided):
 def test_an_error_that_does_not_fall_with_runs_ends_the_rounds(experiment, previous, nodes, stops):
     """Four times as many runs, and nine tenths of the error: it jumps, or has an edge."""
     plan = after(first_plan(experiment), "runs", nodes)
-    elements = _standing(plan, SHARES).cost.elements
+    elements = _refinement_state(plan, SHARES).cost.elements
     shares = {name: {"surrogate": previous} for name in SHARES}
     record = replace(plan.adaptive.rounds[0], shares=shares, elements=elements)
-    standing = _standing(replace(plan, adaptive=replace(plan.adaptive, rounds=(record,))), SHARES)
+    standing = _refinement_state(
+        replace(plan, adaptive=replace(plan.adaptive, rounds=(record,))), SHARES
+    )
     decision = standing.decide()
     assert ("does not fall with more runs" in decision.reason) == stops
     assert (decision.action == "runs") == (not stops)

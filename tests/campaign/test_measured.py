@@ -145,6 +145,10 @@ def test_a_campaign_tells_what_the_first_test_leaves(raw, tmp_path):
         assert p["seen"] == "both" and p["after"][0] < hidden[p["name"]] < p["after"][1]
     assert not facts["refuted"] and facts["attained"] < 1 and facts["checks"][0]["inside"]
     assert facts["limits"][0]["met"] == "all"
+    (curve,) = [t["curves"]["phi"] for t in facts["tests"] if t["use"] == "calibrate"]
+    lower, upper, (low, high) = (np.array(curve[key]) for key in ("lower", "upper", "left"))
+    assert (lower <= low).all() and (high <= upper).all()
+    assert 0 < (high - low).max() < 0.2 * (upper - lower).max()
     summary = (folder / "summary.md").read_text(encoding="utf-8")
     assert "Explained by" in summary and "Check again: inside." in summary
     sheet = (folder / "review.csv").read_text(encoding="utf-8")

@@ -27,8 +27,10 @@
                         surrogates, in bands
     runs
 
-Curves by response are {units, times, values, bands, lower, upper, best, rates}: measured, of all
-runs, and of the nearest run as the sensor has it, with its rates, which a check has not."""
+Curves by response are {units, times, values, bands, lower, upper, best, rates, left}: measured, of
+all runs, and but for a check of the nearest run as the sensor has it, with its rates, and lower and
+upper values of the runs in the narrowed box and start, [] without any.
+"""
 
 from __future__ import annotations
 
@@ -180,6 +182,13 @@ class _Test:
         """Curves (n, R) of the run at a point (p) with half the step."""
         return self.evaluate(point[None], replace(self.plan, time=halved(self.plan.time)))[0]
 
+    def _curves_left(self, result: Calibration, index: int) -> np.ndarray:
+        """Curves (N, n, R) of the test's runs in the narrowed box and start; index: of its fit."""
+        runs = result.data[index]
+        hull = np.concatenate([result.hull[:, self.measurement.axes], result.starts[index]], axis=1)
+        is_inside = ((runs.points >= hull[0] - 1e-9) & (runs.points <= hull[1] + 1e-9)).all(axis=1)
+        return runs.curves[is_inside & (not result.is_refuted)]
+
     def describe(self, result: Calibration, index: int | None) -> dict:
         """The test and its curves as plain data; index: of its fit, None if only checked."""
         times, settings = self.curves.times, self.settings
@@ -198,8 +207,12 @@ class _Test:
             }  # fmt: skip
             if index is not None:
                 best = self.curves.values[i] + result.residuals[index][i]
-                rates = np.gradient(best, times)
-                described_curves[response] |= {"best": best.tolist(), "rates": rates.tolist()}
+                remainder = self._curves_left(result, index)[:, i]
+                ends = (remainder.min(axis=0), remainder.max(axis=0)) if len(remainder) else ()
+                described_curves[response] |= {
+                    "best": best.tolist(), "rates": np.gradient(best, times).tolist(),
+                    "left": [np.interp(times, self.instants, end).tolist() for end in ends],
+                }  # fmt: skip
         return {**rows, "curves": described_curves}
 
 

@@ -55,8 +55,8 @@ def next_plan(
     with open_dataset(samples_path) as samples, open_dataset(bounds_path) as bounds:
         quantities = _estimate_quantities(base, samples)
         shares, free = _shares(plan, bounds, quantities), base.solver.step == "auto"
-        state = _refinement_state(plan, shares, free)
-        cost, decision = state.cost, state.decide()
+        refinement = _refinement_state(plan, shares, free)
+        cost, decision = refinement.cost, refinement.decide()
         whole = max((sum(parts.values()) for parts in shares.values()), default=0.0)
         safety = base.solver.safety if base.solver.step == "auto" else base.solver.step
         new_round = Round(
@@ -68,7 +68,7 @@ def next_plan(
             return replace(plan, adaptive=Rounds(rounds, state.points, decision.met, state.check))
         points = list(state.points)
         if decision.action == "runs":
-            names = [errors.name for errors in state.reducible]
+            names = [errors.name for errors in refinement.reducible]
             unmet = [estimate for name, estimate in quantities.items() if name in names]
             new = _places(base, samples, names, cost.next_runs, len(rounds), unmet)
             points += new.tolist()

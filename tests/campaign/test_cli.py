@@ -99,7 +99,7 @@ def test_a_campaign_runs_stage_by_stage_as_in_one_call(finished, file, tmp_path,
     for name in ("plan", "simulate", "bounds", "answers"):
         assert main([name, str(folder.path), "--config", file, "--log", str(log)]) == 0
         assert log.read_text() == capsys.readouterr().err
-    assert "| BD |" in log.read_text()
+    assert log.read_text() == f"answers: {folder / 'summary.md'}\n"
     for path in (folder.plan, folder / "summary.json"):
         assert unseal(path) == unseal(finished / path.name)
     assert main(["figures", str(folder.path), "--config", file]) == 0

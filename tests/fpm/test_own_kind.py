@@ -180,5 +180,5 @@ def test_a_kind_that_stores_energy_has_a_kernel_for_it():
     scene = fpm.Scene()
     scene.add_particles((0, 0, 0), 1.0, 1.0)
     scene.add(Boast())
-    with pytest.raises(TypeError, match="kind Boast has `stores` or a kernel"):
+    with pytest.raises(TypeError, match="kind Boast has `stores` and not a kernel"):
         fpm.simulate(scene, duration=1e-3, instants=2, step=1e-3)

@@ -31,3 +31,4 @@ def work(
     summarise(
         folder, published, bool(requirements), bool(choose.parameters), review, bool(measured)
     )
+    notify(f"answers: {folder / 'summary.md'}")

@@ -224,16 +224,16 @@ def _calibrate(
     `data`, the runs of the first ones that were made before."""
     times = np.linspace(0.0, (solver := tests[0].plan.experiment.solver).duration, solver.instants)
 
-    def tell(indices: Sequence[int], text: str) -> None:
+    def notify_of(indices: Sequence[int], text: str) -> None:
         notify(f"{', '.join(tests[t].name for t in indices)}: {text}")
 
     evaluations = (lambda t, points: tests[t].evaluate(points)), (lambda t, x: tests[t].finer(x))
     arguments = [test.measurement for test in tests], times, *evaluations, hull
     waves = max(1, verify.max_iterations)
     if data is None:
-        return calibrate_together(*arguments, waves, tell)
+        return calibrate_together(*arguments, waves, notify_of)
     data = [*data, *no_runs(arguments[0][len(data) :], times)]
-    return calibrate(*arguments, data, waves, notify=partial(tell, range(len(tests)))), []
+    return calibrate(*arguments, data, waves, notify=partial(notify_of, range(len(tests)))), []
 
 
 def _single_row(test: _Test, result: Calibration) -> dict:

@@ -12,8 +12,9 @@ import numpy as np
 
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.fields import number, word
-from fpm.elements.kind import Deformations, ElementType
+from fpm.elements.kind import Deformations
 from fpm.elements.particles.damping import Damping
+from fpm.elements.particles.load import ArmElement
 
 GAUSS = np.polynomial.legendre.leggauss(3)
 """Places from -1 to 1, and weights, of three points on a line: exact for polynomials of degree 5,
@@ -22,7 +23,7 @@ much, as |u| has a kink there."""
 
 
 @dataclass(frozen=True)
-class Drag(ElementType):
+class Drag(ArmElement):
     """Drag of air at the end of a rigid arm on a particle. beam: that arm; factor: rho/2 Cd A, the
     force at 1 m/s (kg/m); axis (3,): unit vector in the particle's axes; component: of the
     velocity which drags, "across" that axis (all of it if the axis is zero) or "along" it; wind
@@ -39,16 +40,6 @@ class Drag(ElementType):
     resists_as = ""
     noun = "drag"
     cost = 55.0
-
-    @property
-    def particle(self) -> int:
-        """Index of the particle on which the drag acts."""
-        return self.beam.particle
-
-    @property
-    def arm(self) -> np.ndarray:
-        """Vector (3,) m, in the particle's own axes, from the particle to where the drag acts."""
-        return self.beam.arm
 
     def topology(self):
         """Return what must be equal in scenes run side by side: the index of the particle."""

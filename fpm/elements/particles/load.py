@@ -10,8 +10,23 @@ from fpm.elements.kind import ElementType
 from fpm.elements.particles.gravity import LOAD_WORK
 
 
+class ArmElement(ElementType):
+    """Base class of element types that act at the end of a rigid arm on a particle. A subclass has
+    the field `beam`, that arm (VirtualBeam)."""
+
+    @property
+    def particle(self) -> int:
+        """Index of the particle on which the element acts."""
+        return self.beam.particle
+
+    @property
+    def arm(self) -> np.ndarray:
+        """Vector (3,) m, in the particle's own axes, from the particle to where it acts."""
+        return self.beam.arm
+
+
 @dataclass(frozen=True)
-class Load(ElementType):
+class Load(ArmElement):
     """A force and a moment on a particle, of constant direction (global axes), both scaled by a
     curve of time. beam: the particle, and its rigid arm to where the force acts; force (3,) N;
     moment (3,) N m; curve: index in Scene.curves of the curve that scales both, -1: none."""
@@ -24,16 +39,6 @@ class Load(ElementType):
     gives = LOAD_WORK
     resists_as = "TL"
     noun = "load"
-
-    @property
-    def particle(self) -> int:
-        """Index of the particle on which the load acts."""
-        return self.beam.particle
-
-    @property
-    def arm(self) -> np.ndarray:
-        """Vector (3,) m, in the particle's own axes, from the particle to where the force acts."""
-        return self.beam.arm
 
     def topology(self):
         """Return what must be equal in scenes run side by side: indices of particle and curve."""

@@ -308,8 +308,8 @@ class Calibration:
     that run's point. fractions: of the box's volume that explains, and that is not excluded;
     samples (S, k): points that are not excluded, extremes of their hull among them. runs: made
     here, of all tests; worst: (test, response, instant) at which the best run is farthest off;
-    residuals (n, T) of each test there; data: the runs of each test. misfits (N, k + 1): points
-    spread over the box, and their least misfit by the surrogates."""
+    residuals (n, T) of each test there; data: the runs of each test. misfits(): points (N, k + 1)
+    spread over the box, with their least misfit by the surrogates last, found when called."""
 
     hull: np.ndarray
     starts: list[np.ndarray]
@@ -322,7 +322,7 @@ class Calibration:
     worst: tuple[int, int, int]
     residuals: list[np.ndarray]
     data: list[TestRuns]
-    misfits: np.ndarray
+    misfits: Callable[[], np.ndarray]
 
     @property
     def is_refuted(self) -> bool:
@@ -582,7 +582,7 @@ def calibrate(
     return Calibration(
         state.hull[:, :k], starts, least, state.attained,
         state.best[:k], (0.0, 0.0) if is_refuted else fractions, samples, state.runs,
-        (t, *row), residuals, data, _misfits(state),
+        (t, *row), residuals, data, partial(_misfits, state),
     )  # fmt: skip
 
 
@@ -621,13 +621,19 @@ def calibrate_together(
         return whole if whole.is_refuted else replace(result, least=least), singles
     free = np.ptp(hull, axis=0) > 0
     ratio = float((np.ptp(common, axis=0)[free] / np.ptp(hull, axis=0)[free]).prod())
-    # Each test's own variables are independent, so that the worst test's misfit is that of all.
-    count = len(singles[0].misfits) // 2
-    spread = singles[0].misfits[:count].copy()
-    spread[:, -1] = np.max([single.misfits[:count, -1] for single in singles], axis=0)
     fractions = ratio * result.fractions[0], ratio * result.fractions[1]
-    misfits = np.concatenate([spread, result.misfits[len(result.misfits) // 2 :]])
+    misfits = partial(_common_misfits, result.misfits, [single.misfits for single in singles])
     return replace(result, fractions=fractions, misfits=misfits), singles
+
+
+def _common_misfits(find: Callable, singles: Sequence[Callable]) -> np.ndarray:
+    """Points (N, k + 1) and misfits of all tests: over the box the worst test's misfit, since each
+    test's own variables are independent, then in the hull. find, singles: of all, of each test."""
+    rows = np.array([find_single() for find_single in singles])
+    count = rows.shape[1] // 2
+    spread = np.column_stack([rows[0, :count, :-1], rows[:, :count, -1].max(axis=0)])
+    hull_rows = find()
+    return np.concatenate([spread, hull_rows[len(hull_rows) // 2 :]])
 
 
 def no_runs(tests: Sequence[Measurement], times: np.ndarray) -> list[TestRuns]:

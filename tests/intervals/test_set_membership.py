@@ -87,7 +87,7 @@ def test_two_tests_never_leave_more_than_one_in_any_order():
         assert (both.hull[0] >= alone.hull[0]).all() and (both.hull[1] <= alone.hull[1]).all()
     assert both.hull == pytest.approx(turned.hull, abs=1e-9)
     assert 0 < both.fractions[1] <= np.prod(np.ptp(both.hull, axis=0)) / 4
-    for *point, misfit in both.misfits:
+    for *point, misfit in both.misfits():
         off = [np.abs(curve(point, 0.0, INSTANTS) - t.values).max() / BAND for t in (first, second)]
         assert misfit == pytest.approx(max(off), rel=0.35, abs=0.3)  # said with one digit
 

@@ -101,6 +101,7 @@ def answer(
             data = () if result.is_refuted else result.data
             row = _check_row(_calibrate(group, result.hull, verify, notify, data)[0], group)
             checks.append({"name": test.name, **row})
+    misfits = result.misfits()
     rows = {
         **_verdict(result, sources, model.experiment.box.free),
         "singles": [_single_row(*pair) for pair in zip(sources, singles, strict=True)],
@@ -110,8 +111,8 @@ def answer(
         "checks": checks,
         "tests": [t.describe(result, sources.index(t) if t in sources else None) for t in tests],
         "misfits": {
-            "points": result.misfits[:, :-1].tolist(),
-            "values": result.misfits[:, -1].tolist(),
+            "points": misfits[:, :-1].tolist(),
+            "values": misfits[:, -1].tolist(),
         },
         "runs": sum(test.runs for test in tests),
     }

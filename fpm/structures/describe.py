@@ -131,6 +131,8 @@ def acting(scene: Scene) -> list[str]:
             if isinstance(element, AnyRelease) and element.watch >= 0:
                 joint = scene.hinges[element.watch]
                 numbers.append(f"until {joint.name} passes {opening_text(joint, element.level)}")
+            if isinstance(element, AnyRelease) and element.latch:
+                numbers.append(f"until latch {element.latch} catches")
             texts.append((indices[0], f"{name} ({', '.join([f'on {joints}', *numbers])})"))
     return [text for _, text in sorted(texts, key=lambda pair: pair[0])]
 

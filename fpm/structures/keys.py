@@ -5,6 +5,7 @@ Builder of every sample, which returns the value there or raises SceneError for 
 allowed. A further type of value goes here."""
 
 from collections.abc import Callable, Container, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -226,6 +227,28 @@ class OpeningKey(Key):
         if type not in self.types:
             place.refuse(node, self.allowed)
         return GroupMember("joints", full, angle or 0)
+
+
+@dataclass(frozen=True)
+class WatchKey(OpeningKey):
+    """Key whose value is the index of a hinge, given by the name of a joint with an opening, or the
+    full name of a latch, which no joint has."""
+
+    hint: str = ", or that of a latch"
+
+    def read(self, node, place):
+        names = place.names
+        actions = names.groups.get("actions", {}).keys() - names.types.keys()
+        with suppress(KeyError):
+            place.context.find(node.text, actions)
+            latch = place.reference(node, "actions")
+            return lambda build: latch
+        with suppress(KeyError):
+            place.context.find(node.text, names.types.keys() | names.angles.keys())
+            return super().read(node, place)
+        options = place.context.visible([*names.types, *actions])
+        names.unknown(node.line, place.key, node.text, options, "joint or latch")
+        raise SkippedError(place.key)
 
 
 @dataclass(frozen=True)

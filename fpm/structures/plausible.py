@@ -135,7 +135,13 @@ def _latch(scene: Scene, latch: Latch | RigidLatch, duration: float | None) -> I
 def _release(scene: Scene, release: AnyRelease, duration: float | None) -> Iterator[str]:
     """What keeps a release from letting go: what stops the opening that it watches, or time."""
     head, hinge = f"release on {scene.hinges[release.hinge].name}", scene.hinges[release.watch]
+    latches = [*Latch.find(scene), *RigidLatch.find(scene)]
     if release.time < np.inf and (duration is None or release.time <= duration):
+        return
+    if release.latch:
+        hinges = [latch.hinge for latch in latches if latch.label(scene) == release.latch]
+        if release.hinge in hinges:
+            yield f"{head} watches latch {release.latch} on the joint that it holds"
         return
     if release.watch < 0:
         yield f"{head} lets go at {release.time:g} s: the run ends at {duration:g} s"
@@ -145,7 +151,7 @@ def _release(scene: Scene, release: AnyRelease, duration: float | None) -> Itera
         return
     travel, level = release.level - hinge.opening, opening_text(hinge, release.level)
     sign = float(np.sign(travel))
-    for latch in (*Latch.find(scene), *RigidLatch.find(scene)):
+    for latch in latches:
         place = sign * (latch.angle - hinge.opening)
         is_met = latch.hinge == release.watch and place > 0 and SIDES[latch.side] * sign >= 0
         is_met &= not getattr(latch, "one_sided", False)

@@ -31,8 +31,8 @@ def build_sample(model: FileStatements, values: Mapping[str, float], problems: P
             if entry.statement.group in FIRST_GROUPS:
                 _build(build, entry)
         _assemble(build, model)
-        for entry in model.entries:
-            if entry.statement.group not in FIRST_GROUPS:
+        for entry in sorted(model.entries, key=lambda entry: entry.statement.type == "release"):
+            if entry.statement.group not in FIRST_GROUPS:  # releases last: they may watch a latch
                 _build(build, entry)
         _finish(build, model)
     return build

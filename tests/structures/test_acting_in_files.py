@@ -259,7 +259,7 @@ OF_MOTORS = [
     ("joint: knee, torque", "joint: elbow, torque", "there is no joint 'elbow'"),
     ("no_load: 20 rpm", "no_load: 0 rpm", "actions.aid.no_load: 0"),
     ("watch: root, level: 45 deg", "watch: root", "an opening, with a joint to `watch`"),
-    ("watch: root, level: 45 deg", "level: 45 deg", "a time, or a joint to `watch`"),
+    ("watch: root, level: 45 deg", "level: 45 deg", "a time, or a joint or latch to `watch`"),
     ("level: 45 deg", "level: stow", "does not have at the start"),
     ("stiffness: 10 N m/rad, damping", "damping", "actions.pin.damping: 1"),
     ("stiffness: 10 N m/rad, damping: 1, ", "", "actions.pin.hold: 0.366519"),

@@ -6,8 +6,8 @@ whatever moment M that takes. Its work is that of M on the hinge: where f bends,
 rate at once, and does half of what a force would over the same way (the mean of the rates before
 and after it). Its first rate is that of the start of a run (start.py).
 
-Releases hold a hinge at its first opening until they let go, as others do (release.py), at a time
-or where another opening passes a level; nothing is stored or lost.
+Releases hold a hinge at its first opening until they let go, as others do (release.py), at a time,
+where another opening passes a level or a latch catches; nothing is stored or lost.
 
 Latches catch as others do (latch.py). What they catch stands still at once: an inelastic impact.
 Its impulse comes from all masses that the joints couple to the opening, and the kinetic energy
@@ -118,13 +118,15 @@ class RigidMotor(AnyMotor, Rigid):
 @dataclass(frozen=True)
 class RigidRelease(AnyRelease, Rigid):
     """A release that holds a hinge exactly at the opening (joint coordinate) it has at the start,
-    and lets go at `time` (s) or when the opening of hinge `watch` passes `level` (rad; m on a
-    slide). hinge, watch: indices in the scene (watch -1: none)."""
+    and lets go at `time` (s), when the opening of hinge `watch` passes `level` (rad; m on a slide),
+    or when a latch catches. hinge, watch: indices in the scene (watch -1: none); latch: name of the
+    latch, "": none."""
 
     hinge: int = on_hinge()
     time: float = number("s", above=0.0, finite=False, default=np.inf)
     watch: int = index("hinges", -1, words="hinge of release to watch", default=-1)
     level: float = number("rad", default=0.0, is_shown=False)
+    latch: str = topology("")
 
     def held_at_start(self, scene):
         return scene.hinges[self.hinge].opening

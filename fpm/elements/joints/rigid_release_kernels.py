@@ -23,15 +23,19 @@ NUMBERS = "time", "level"  # which come first of all releases
 
 class RigidReleases(NamedTuple):
     """Arrays of r rigid releases (lanes: samples). hinge, watch (r,): index of the hinge held, and
-    of that watched (-1: none); turn (r,): index of its condition in turns.state; numbers (r, 2,
-    lanes): time (s, inf: none), level (rad, m); openings, turns: all joint coordinates, and those
-    held exactly; state (r, 4, lanes): last moment (N m), loss of the half step up to it (J), share
-    of this step (0 to 1) since it let go, below 0: it did not in this step, moment for the time
-    before that (N m); account: index of the loss in World.accounts; log: of events."""
+    of that watched (-1: none); latch_rows, latches, rigid_latches: as in Releases; turn (r,): index
+    of its condition in turns.state; numbers (r, 2, lanes): time (s, inf: none), level (rad, m);
+    openings, turns: all joint coordinates, and those held exactly; state (r, 4, lanes): last moment
+    (N m), loss of the half step up to it (J), share of this step (0 to 1) since it let go, below 0:
+    it did not in this step, moment for the time before that (N m); account: index of the loss in
+    World.accounts; log: of events."""
 
     hinge: np.ndarray
     turn: np.ndarray
     watch: np.ndarray
+    latch_rows: np.ndarray
+    latches: np.ndarray | None
+    rigid_latches: np.ndarray | None
     numbers: np.ndarray
     openings: Openings
     turns: Turns

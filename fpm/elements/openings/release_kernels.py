@@ -2,12 +2,15 @@
 
 A kick at time t stands for the moment from half a step before t to half a step after. A release in
 the step before t leaves a share of -1/2 to 1/2 of the moment to the kick at t: what the kick before
-had too much is taken back. The motion depends smoothly on the time of release."""
+had too much is taken back. The motion depends smoothly on the time of release. A latch with a
+spring catches after the releases of a step were looked at: what watches it lets go a step later,
+with a share of -3/2 to -1/2."""
 
 from typing import NamedTuple
 
 import numpy as np
 
+from fpm.elements.openings.latch_kernels import CATCH_TIME, IS_CAUGHT
 from fpm.elements.openings.losses_kernels import follow_rate
 from fpm.elements.openings.opening_kernels import NEW, OLD, Openings, turn
 from fpm.kernels.events import note
@@ -30,7 +33,9 @@ STATE = 6
 
 class Releases(NamedTuple):
     """Arrays of all r releases. hinge (r,): index of its hinge; watch (r,): of that whose opening
-    frees it, -1: none; numbers (r, 5, lanes): time (s) and level (rad) at which it lets go,
+    frees it, -1: none; latch_rows (r, 2): of the latch whose catch frees it, in `latches` or in
+    `rigid_latches`, -1: not there; these (l, n, lanes): states of the scene's latches, None where
+    no release watches one; numbers (r, 5, lanes): time (s) and level (rad) at which it lets go,
     stiffness (N m/rad), damping (N m s/rad), opening held (rad); rates (r, 2, lanes): the hinge's
     rate (rad/s) in the last step, and 0; state (r, 6, lanes): moment now and a step ago (N m),
     steps since it let go (below 0: it did not in this step), energy now and a step ago (J), -1
@@ -39,6 +44,9 @@ class Releases(NamedTuple):
 
     hinge: np.ndarray
     watch: np.ndarray
+    latch_rows: np.ndarray
+    latches: np.ndarray | None
+    rigid_latches: np.ndarray | None
     numbers: np.ndarray
     rates: np.ndarray
     state: np.ndarray
@@ -49,10 +57,24 @@ class Releases(NamedTuple):
 
 
 @kernel
+def steps_since_catch(states, row, timing, steps):
+    """Return how many steps ago (lanes) a latch caught, if that is more than `steps`, else `steps`.
+    states (l, n, lanes): of latches (Latches.state or RigidLatches.state), or None; row: index of
+    the latch, -1: none; timing: times of this step (s)."""
+    if states is None:
+        return steps
+    if row >= 0:
+        delay = timing.time - load(states, row, CATCH_TIME)
+        is_free = 0.5 - load(states, row, IS_CAUGHT)
+        steps = larger(steps, where_negative(is_free, delay / timing.step, -1.0))
+    return steps
+
+
+@kernel
 def let_go(part, timing, i):
     """Return how many steps ago (lanes, with fractions) release i was due to let go: by its time,
-    or as the watched opening passed its level in this step; below 0: it is not due. part: arrays of
-    all releases (Releases); timing: times of this step (s); i: index of the release."""
+    by the catch of a latch, or as the watched opening passed its level in this step; below 0: it is
+    not due. part: arrays of all releases (Releases); timing: times of this step (s); i: index."""
     delay = timing.time - load(part.numbers, i, TIME)
     steps = where_negative(delay, -1.0, delay / timing.step)
     if part.watch[i] >= 0:
@@ -61,7 +83,8 @@ def let_go(part, timing, i):
         old = load(angles, part.watch[i], OLD) - level
         sides = where_negative(new, -1.0, 1.0) * where_negative(old, -1.0, 1.0)
         steps = larger(steps, where_negative(sides, new / (new - old), -1.0))
-    return steps
+    steps = steps_since_catch(part.latches, part.latch_rows[i, 0], timing, steps)
+    return steps_since_catch(part.rigid_latches, part.latch_rows[i, 1], timing, steps)
 
 
 @hook(Releases)

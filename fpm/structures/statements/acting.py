@@ -24,7 +24,8 @@ from fpm.elements import (
 from fpm.elements.joints.rigid import AT_START
 from fpm.elements.openings.friction import DEFLECTION, SLIDE_DEFLECTION
 from fpm.elements.openings.opening import unit_of
-from fpm.structures.keys import ChoiceKey, ListKey, NumberKey, OpeningKey, ReferenceKey
+from fpm.elements.openings.release import latch_rows
+from fpm.structures.keys import ChoiceKey, ListKey, NumberKey, ReferenceKey, WatchKey
 from fpm.structures.statement import CLASS, JOINT, SLIDE, acting, element, key_of, statement, whole
 
 TURNING = replace(JOINT, types=("revolute", "universal"))
@@ -284,26 +285,36 @@ whole(TorqueMotor)
 
 @acting(
     Release,
+    exclusions=("latch",),
     default_texts={"stiffness": "it holds exactly", "hold": "that at the start"},
     damping=key_of(Release, "damping", default=0.0),
-    watch=OpeningKey(None, "another joint: the release acts where its opening passes `level`"),
+    watch=WatchKey(
+        None, "another joint, whose opening passes `level` then, or a latch, which catches then"
+    ),
     level=NumberKey(None, "opening of the joint that is watched", unit="rad", joint="watch"),
 )
 def release(build, args):
-    """Holds a joint until a time, or until another has opened so far; the first counts.
+    """Holds a joint until a time, or another has opened so far or a latch caught; the first counts.
 
     Adds a Release to the scene, or a RigidRelease where stiffness is None. build: Builder of the
     sample, with its scene; args: values of an entry: joint (index of a hinge), stiffness, damping
     (0: none) and, each or None, hold (joint coordinate, rad; m on a slide; None: as at the start),
-    time (s), watch (index of another hinge), level (coordinate there that frees the joint)."""
+    time (s), watch (index of another hinge, or name of a latch), level (coordinate there)."""
+    latch = args.watch if isinstance(args.watch, str) else ""
     if args.time is None and args.watch is None:
-        build.refuse("time", None, "a time, or a joint to `watch`")
-    if (args.watch is None) != (args.level is None):
+        build.refuse("time", None, "a time, or a joint or latch to `watch`")
+    if latch and args.level is not None:
+        build.refuse("level", args.level, f"none, as it watches the latch {latch}")
+    if not latch and (args.watch is None) != (args.level is None):
         build.refuse("level", args.level, "an opening, with a joint to `watch`")
+    if latch and latch not in (labels := latch_rows(build.scene)):
+        build.refuse("watch", latch, f"a joint, or a latch: {', '.join(labels) or 'there is none'}")
     start = _at_start(build, args.joint)
     hold = start if args.hold is None else args.hold
     rigid = _rigid(build, args, damping=args.damping > 0)
     if rigid and abs(hold - start) > AT_START:
         unit = unit_of(build.scene, args.joint, "rad")
         build.refuse("hold", hold, f"the opening at the start, {start:g} {unit}, or a `stiffness`")
-    build.scene.add(element(RigidRelease if rigid else Release, args, hold=hold))
+    watch = None if latch else args.watch
+    kind = RigidRelease if rigid else Release
+    build.scene.add(element(kind, args, hold=hold, watch=watch, latch=latch))

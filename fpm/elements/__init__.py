@@ -3,6 +3,7 @@
 from fpm.elements.bars.beam import Beams
 from fpm.elements.bars.viscosity import Viscosity
 from fpm.elements.cables.cable import Cable
+from fpm.elements.cables.strut import Strut
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
 from fpm.elements.joints.rigid import RigidFriction, RigidLatch, RigidMotor, RigidRelease
@@ -53,6 +54,7 @@ KINDS: tuple[type[ElementType], ...] = (
     RigidFriction,
     Viscosity,
     Drag,
+    Strut,
     Drive,
     Support,
     Damping,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from fpm.elements import Cable, Strut
 from fpm.elements.bars.beam import elements_of
 from fpm.files.outcome import Outcome
 from fpm.files.trajectory import CONVENTIONS
@@ -91,9 +92,9 @@ def to_dataset(motion: RecordedMotion, corners: np.ndarray, attributes: dict) ->
     }
     time = {"units": "s", "long_name": "time", "standard_name": "time", "axis": "T"}
     variables = _moving(motion, len(shapes.names)) | _layout(scene, shapes) | _events(outcome)
-    if scene.cables:
-        names["cable"] = [cable.name for cable in scene.cables]
-        variables |= _cables(motion)
+    if lines := strands_of(scene):
+        names["cable"] = [line.title(scene).removeprefix("cable ") for line in lines]
+        variables |= _cables(motion, lines)
     return xarray.Dataset(
         {
             name: (dims, values, {"units": unit, "long_name": text})
@@ -173,18 +174,24 @@ def _layout(scene: Scene, shapes: Shapes) -> dict[str, tuple]:
     }
 
 
-def _cables(motion: RecordedMotion) -> dict[str, tuple]:
-    """Tensions, and the points of all cables one after the other."""
-    cables = motion.scene.cables
+def strands_of(scene) -> list[Cable | Strut]:
+    """Return what is drawn as lines through points of a scene: its cables, then its struts."""
+    return [*scene.cables, *Strut.find(scene)]
+
+
+def _cables(motion: RecordedMotion, cables: list[Cable | Strut]) -> dict[str, tuple]:
+    """Tensions (of struts the size of the force), and the points of all, one after the other."""
     beams = [beam for cable in cables for beam in cable.beams]
     owner = np.repeat(np.arange(len(cables)), [len(cable.beams) for cable in cables])
     ids, arms = (
         np.array([beam.particle for beam in beams]),
         np.array([beam.arm for beam in beams]),
     )
-    tension = motion.outcome.records["cable_tension"].values[motion.rows]
+    records = motion.outcome.records
+    columns = [records[k].values for k in ("cable_tension", "strut_force") if k in records]
+    tension = np.abs(np.concatenate(columns, axis=1))[motion.rows]
     return {
-        "cable_tension": (("time", "cable"), tension, "N", "tension of the cables"),
+        "cable_tension": (("time", "cable"), tension, "N", "tension of cables, force of struts"),
         "cable_point_cable": ("cable_point", owner.astype(np.int32), "1", "cable of the point"),
         "cable_point_particle": ("cable_point", ids.astype(np.int32), "1", "particle of the point"),
         "cable_point_arm": (("cable_point", "axis"), arms, "m", "particle to point, in its frame"),

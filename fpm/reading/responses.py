@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fpm.elements import Latch, RigidLatch, energies_of, kinds_of
+from fpm.elements import Latch, RigidLatch, Strut, energies_of, kinds_of
 from fpm.elements.openings.latch import SERIES
 from fpm.elements.openings.opening import SLIDING
 from fpm.errors import SceneError, did_you_mean, hint_new
@@ -341,6 +341,10 @@ def _cables(scene: Scene) -> Iterable[str]:
     return (cable.name for cable in scene.cables)
 
 
+def _struts(scene: Scene) -> Iterable[str]:
+    return (strut.name for strut in Strut.find(scene))
+
+
 def _energies(scene: Scene) -> Iterable[str]:
     return "kinetic", *(energy.name for energy in energies_of(scene.kinds)), "balance"
 
@@ -355,6 +359,10 @@ KINDS = {
     "opening": ResponseType(partial(_opening, unit="rad", words="opening")),
     "tension": ResponseType(partial(_by_name, unit="N", text="tension of cable {}", names=_cables,
                                     variable="cable_tension"), positive=True),
+    "strut_force": ResponseType(partial(_by_name, unit="N", text="force of strut {}", names=_struts,
+                                        variable="strut_force")),
+    "strut_length": ResponseType(partial(_by_name, unit="m", text="length of strut {}",
+                                         names=_struts, variable="strut_length"), positive=True),
     # Sums of squares; the kinetic energy is a product of velocities half a step apart
     # (`fpm.kernels.record`), which can differ in sign.
     "energy": ResponseType(partial(_by_name, unit="J", text="{} energy", names=_energies),

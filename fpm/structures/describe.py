@@ -8,6 +8,7 @@ import numpy as np
 from fpm.elements import Drag, kinds_of
 from fpm.elements.bars.virtual_beam import VirtualBeam
 from fpm.elements.cables.cable import Cable, length_through
+from fpm.elements.cables.strut import Strut
 from fpm.elements.fields import specs
 from fpm.elements.joints.hinge import Hinge
 from fpm.elements.joints.joint import Joint
@@ -51,6 +52,7 @@ def _lists(scene: Scene) -> Iterator[tuple[str, Iterable[str]]]:
     yield "supports", scene.supports or (() if scene.fixed.any() else ["none: it floats"])
     yield "joints", joints or ["none"]
     yield "cables", [_cable(scene, cable) for cable in scene.cables]
+    yield "struts", [_strut(scene, strut) for strut in Strut.find(scene)]
     yield "on joints", acting(scene)
     forces: Counter[str] = Counter()
     for drag in Drag.find(scene):
@@ -188,6 +190,16 @@ def _cable(scene: Scene, cable: Cable) -> str:
     tension = cable.stiffness * max(length / rest - 1, 0.0)
     state = f"tension {tension:.4g} N" if tension else f"slack by {rest - length:.4g} m"
     return f"{cable.name} ({length:.4g} m, {state})"
+
+
+def _strut(scene: Scene, strut: Strut) -> str:
+    """Length and force of a strut at the start."""
+    length = strut.distance(scene)
+    force = strut.force(length)
+    verb = "pushes" if force > 0 else "pulls"
+    state = f"{verb} with {abs(force):.4g} N" if force else "no force"
+    damper = f", damping {strut.damping:.4g} N s/m" if strut.damping else ""
+    return f"{strut.name} ({length:.4g} m, {state}{damper})"
 
 
 def _place(scene: Scene, beam: VirtualBeam) -> str:

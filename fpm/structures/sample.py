@@ -138,7 +138,7 @@ def _finish(build: Builder, model: FileStatements) -> None:
     for entry in parts if len(parts) > 1 else ():
         particles = build.find("parts", entry.name).particles
         if not (build.joints_of.keys() & particles.tolist() or scene.fixed[particles].any()):
-            allowed = "parts with a joint, a cable, a support or a drive"
+            allowed = "parts with a joint, a cable, a strut, a support or a drive"
             text = f"{entry.key}: nothing joins it to anything; allowed: {allowed}"
             build.problems.say(entry.line, text)
 

@@ -38,7 +38,8 @@ PARTS = ("bars", "bodies")
 """Groups whose things are parts: what joints join, supports hold and loads act on."""
 
 ORDER = ("materials", "sections", *PARTS, "masses", "supports", "joints", "curves", "actions",
-         "loads", "drags", "cables", "drives", "initial_velocities", "record")  # fmt: skip
+         "loads", "drags", "cables", "struts", "drives", "initial_velocities",
+         "record")  # fmt: skip
 """The groups of a file in the order in which a scene is built of them: a statement may refer to
 those of groups further up."""
 

@@ -68,6 +68,15 @@ def blown() -> fpm.Scene:
     return scene
 
 
+def braced() -> fpm.Scene:
+    """The flap on a damped strut by a table."""
+    scene = flap(rate=1.0)
+    ends = scene.arm_to(0, (0.4, -0.8, 0.3)), scene.arm_to(1, (1.0, 0.1, 0.2))
+    table = (0.9, 1.0, 1.1, 1.4), (20.0, 5.0, -15.0, -10.0)
+    scene.add(k.Strut("strut", ends, *table, slopes=(-50.0, 20.0), damping=2.0))
+    return scene
+
+
 def driven(**load) -> fpm.Scene:
     """A body that is driven, with another hinged to it, and a load on it."""
     scene = flap(rate=0.0, second=True)
@@ -139,6 +148,7 @@ SCENES = {
     "loop": on(k.SyncLoop("belt", (0, 1), (0.2, 0.1), 2000.0), second=True),
     "cable": cable,
     "rubbing cable": lambda: cable(0.2),
+    "strut": braced,
     "exact release": on(k.RigidRelease(1, 0.231), **FALLING),
     "exact motor": on(k.RigidMotor(0, 0.0, 1.0, 0), rate=0.0, **FALLING),
     "exact motor by its rate": on(k.RigidMotor(0, 0.0, 1.0, 0, True), rate=0.0, **FALLING),

@@ -108,7 +108,7 @@ def test_a_part_that_nothing_joins_is_refused():
     text = changed(SMALL, ("joints:", loose), ("points:", "points:\n  C: [3, 3, 3]"))
     assert problems_of(text) == [
         "line 19: bars.loose: nothing joins it to anything; allowed: parts with a joint, a cable, "
-        "a support or a drive"
+        "a strut, a support or a drive"
     ]
 
 
@@ -176,6 +176,10 @@ DEFAULTS = {
     "loads": {"force": NOTHING, "moment": NOTHING},
     "drags": {"wind": NOTHING},
     "cables": {"reel": 0.0},
+    "struts spring": {"acts": "both ways", "damping": 0.0},
+    "struts tabulated spring": {"damping": 0.0},
+    "struts gas spring": {"exponent": 1.0, "damping": 0.0},
+    "struts constant force": {"damping": 0.0},
     "drives": {"velocity": NOTHING, "spin": NOTHING},
     "initial_velocities": {"velocity": NOTHING, "spin": NOTHING},
 }

@@ -147,9 +147,12 @@ def _cables_of_motion(motion: Any, frames: Any) -> CablePoints:
 
 
 def _cables_of_scene(scene: Any) -> CablePoints:
-    beams = [beam for cable in scene.cables for beam in cable.beams]
+    from fpm.motions.motion_dataset import strands_of
+
+    lines = strands_of(scene)
+    beams = [beam for line in lines for beam in line.beams]
     if not beams:
         return NO_CABLES
-    count = [len(cable.beams) for cable in scene.cables]
+    count = [len(line.beams) for line in lines]
     index, particle = np.repeat(np.arange(len(count)), count), np.array([b.particle for b in beams])
     return CablePoints(index, particle, np.array([beam.arm for beam in beams]))

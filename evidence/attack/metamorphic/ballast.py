@@ -84,6 +84,10 @@ BALLAST: Structure = {
             "EA": 1.0, "rest": 99.0, "friction": 0.1,
         }
     },
+    "struts": {
+        "y_s": {"type": "damper", "damping": 0.0,
+                "between": [{"part": "ground", "at": "y1"}, {"part": "y_b4", "at": "y4"}]}
+    },
 }  # fmt: skip
 
 

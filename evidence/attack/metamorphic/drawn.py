@@ -53,6 +53,8 @@ class Draw(Acting):
             0.3
         ):
             self.drag(self.rng.choice(parts))
+        if self.chance(0.3):
+            self.strut()
         return self.structure
 
     def part(self, with_bars: bool) -> None:
@@ -178,6 +180,34 @@ class Draw(Acting):
         plate = {"normal": self.axis()} if self.chance(0.4) else {}
         self.add("drags", self.name("drags", "w"), part=part, through=ends, wind=wind, **plate,
                  area=self.number(0.1, 1.0), coefficient=1.2, density=1.2)  # fmt: skip
+
+    def strut(self) -> None:
+        """A strut from the ground to the end of a part, a damper only where nothing may move."""
+        part, hook = (
+            self.rng.choice(self.parts),
+            self.point(self.name("points", "g"), [2.0, 1.0, 0.5]),
+        )
+        end = self.end_of(part)
+        length = float(np.linalg.norm(self.position(hook) - self.position(end)))
+        spring = {
+            "type": "spring",
+            "stiffness": self.number(5.0, 50.0),
+            "rest": length * self.number(0.7, 1.3),
+            "acts": self.rng.choice(["both ways", "push", "pull"]),
+        }
+        table = {
+            "type": "tabulated spring",
+            "lengths": [0.8 * length, length, 1.2 * length],
+            "forces": [0.0, 0.0, 0.0] if self.quiet else [self.number(-5.0, 5.0) for _ in range(3)],
+            "damping": self.number(0.0, 2.0),
+        }
+        ends = [{"part": GROUND, "at": hook}, {"part": part, "at": end}]
+        self.add(
+            "struts",
+            self.name("struts", "s"),
+            between=ends,
+            **(table if self.quiet else self.rng.choice([spring, table])),
+        )
 
     def end_of(self, part: str) -> str:
         return self.rng.choice("ct") + part[1:]

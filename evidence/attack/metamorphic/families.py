@@ -67,7 +67,10 @@ def is_quiet(structure: Structure) -> bool:
     actions = entries(structure, "actions").values()
     is_at_rest = all(_is_at_rest(structure, action) for action in actions)
     is_calm = not any(np.any(drag["wind"]) for drag in entries(structure, "drags").values())
-    return not motions and has_curves and is_slack and is_at_rest and is_calm
+    is_limp = not any(
+        any(strut.get("forces", [1])) for strut in entries(structure, "struts").values()
+    )
+    return not motions and has_curves and is_slack and is_at_rest and is_calm and is_limp
 
 
 def _is_slack(structure: Structure, cable: dict) -> bool:

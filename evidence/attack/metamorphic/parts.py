@@ -52,9 +52,10 @@ def split(structure: Structure, rng: random.Random) -> Image | None:
     for joint_name, joint in clone["joints"].items():
         if joint_name != f"{name}s" and joint["at"] in moved_points:
             joint["parts"] = [twin if part == name else part for part in joint["parts"]]
-    for group, cables in (("loads", False), ("record", False), ("cables", True)):
+    stations = {"cables": "through", "struts": "between"}
+    for group in ("loads", "record", *stations):
         for entry in entries(clone, group).values():
-            for station in entry["through"] if cables else [entry]:
+            for station in entry[stations[group]] if group in stations else [entry]:
                 if station["part"] == name and station["at"] in moved_points:
                     station["part"] = twin
     if name_of := [

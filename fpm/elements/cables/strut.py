@@ -1,0 +1,200 @@
+"""Struts: a force along the line between two points, by their distance and its rate.
+
+F(L) is piecewise linear, positive where it pushes the points apart: springs, one way or both,
+tables, constant forces; gas springs follow theirs to GAS_POINTS points. A damper adds -c dL/dt, its
+rate extrapolated from the last two steps. The energy is the exact integral of -F, least at 0."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fpm.elements.bars.virtual_beam import VirtualBeam
+from fpm.elements.cables.cable_bounds import bounding_springs
+from fpm.elements.fields import number, topology
+from fpm.elements.kind import ElementType, Energy, Series
+from fpm.elements.openings.opening import moving_at_start
+from fpm.elements.particles.damping import Damping
+from fpm.errors import SceneError
+
+GAS_POINTS = 65
+"""Points of the table of a gas spring: its force is off by at most 2e-5 of itself where it doubles
+over the stroke."""
+
+
+@dataclass(frozen=True)
+class Strut(ElementType):
+    """Force along the line between two points, the free ends of `beams` (rigid arms from particles;
+    VirtualBeam). name: no other strut's; lengths: one or more increasing distances (m); forces:
+    there (N), linear between, positive ones push apart; slopes: of the force (N/m) below the first
+    and above the last distance; damping: N s/m, both ways."""
+
+    name: str = topology()
+    beams: tuple[VirtualBeam, VirtualBeam]
+    lengths: tuple[float, ...]
+    forces: tuple[float, ...]
+    slopes: tuple[float, float] = (0.0, 0.0)
+    damping: float = number("N s/m", 0.0, default=0.0)
+
+    noun = "strut"
+    resists_as = "S"
+    cost = 60.0
+    stores = Energy("strut", "strut_energy", "energy of the struts")
+    takes = Damping.takes
+
+    def check(self, scene):
+        """Check that the strut fits into a scene: a name that no other strut has, two particles,
+        points apart, finite forces at increasing distances above 0; else SceneError."""
+        super().check(scene)
+        if self.name in [strut.name for strut in Strut.find(scene)]:
+            raise SceneError("strut", self.name, "a name that no other strut has")
+        particles = [beam.particle for beam in self.beams]
+        if len(set(particles)) < 2 or not self.distance(scene) > 0:
+            allowed = "points of two particles, apart at the start"
+            raise SceneError(f"points of {self.title(scene)}", particles, allowed)
+        lengths, forces = np.array(self.lengths), np.array(self.forces)
+        is_finite = np.isfinite([*lengths, *forces, *self.slopes]).all()
+        if len(lengths) != len(forces) or not (
+            is_finite and np.all(np.diff(lengths, prepend=0) > 0)
+        ):
+            allowed = "as many, finite, at increasing lengths above 0 m"
+            raise SceneError(f"forces of {self.title(scene)}", list(self.forces), allowed)
+
+    def title(self, scene):
+        return f"strut {self.name}"
+
+    def topology(self):
+        """Return what must agree in scenes run side by side: name, particles, size of the table."""
+        return self.name, tuple(beam.particle for beam in self.beams), len(self.lengths)
+
+    @property
+    def all_slopes(self) -> np.ndarray:
+        """Slopes (n + 1,), N/m, of the force below, between and above the n distances stated."""
+        inner = np.diff(self.forces) / np.diff(self.lengths)
+        return np.concatenate([self.slopes[:1], inner, self.slopes[1:]])
+
+    @property
+    def numbers(self) -> list[float]:
+        """Constants for the kernels: the force at the first distance (N), the slope below it (N/m),
+        the energy there (J), the damping (N s/m)."""
+        lengths, slopes, force = np.array(self.lengths), self.all_slopes, np.array(self.forces)
+        works = np.cumsum([0.0, *np.diff(lengths) * (force[1:] + force[:-1]) / 2])
+        starts, works = np.concatenate([force[:1], force]), np.concatenate([works[:1], works])
+        ends = np.array([-np.inf, *np.diff(lengths), np.inf])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            to_zero = np.where(slopes < 0, -starts / slopes, np.nan)
+        is_there = (to_zero * np.sign(ends) > 0) & (np.abs(to_zero) < np.abs(ends))
+        peaks = np.where(is_there, works + starts * to_zero / 2, works)
+        return [self.forces[0], self.slopes[0], float(peaks.max()), self.damping]
+
+    def distance(self, scene) -> float:
+        """Return the distance (m) of the strut's two points, now in `scene`."""
+        return float(np.linalg.norm(self._chord(scene)))
+
+    def _chord(self, places) -> np.ndarray:
+        first, second = (
+            places.position[b.particle] + places.frame[b.particle] @ b.arm for b in self.beams
+        )
+        return second - first
+
+    def force(self, length: float) -> float:
+        """Return the elastic force (N) at a distance (m) of the points, above 0 where it pushes."""
+        first, slope, *_ = self.numbers
+        bends = np.diff(self.all_slopes)
+        ramps = np.maximum(length - np.array(self.lengths), 0.0)
+        return float(first + slope * (length - self.lengths[0]) + bends @ ramps)
+
+    @classmethod
+    def names(cls, scene):
+        return [strut.title(scene) for strut in cls.find(scene)]
+
+    @classmethod
+    def deformations(cls, scene):
+        """Return springs (Deformations) at least as stiff as the struts of a scene, along and, by
+        the force at the start, across, for the stable time step; None: nothing stiff moves."""
+        stiffness = [
+            max(-s.all_slopes.min(), abs(s.force(s.distance(scene))) / s.distance(scene), 0.0)
+            for s in cls.find(scene)
+        ]
+        return cls._bounds(scene, stiffness)
+
+    @classmethod
+    def dampings(cls, scene):
+        """Return dampers (Deformations, with N s/m in the field `stiffness`) at least as strong as
+        those of the struts of a scene, for the stable time step; None: nothing is damped."""
+        return cls._bounds(scene, [strut.damping for strut in cls.find(scene)])
+
+    @classmethod
+    def _bounds(cls, scene, values):
+        pieces = zip(cls.find(scene), values, strict=True)
+        return bounding_springs(scene, ([(s.beams, x)] if x > 0 else [] for s, x in pieces))
+
+    @classmethod
+    def array(cls, name, batch):
+        """Return the array for a field `name` of the kernels' tuple Struts: what these say there;
+        others as ElementType.array. batch: the scenes that are simulated side by side."""
+        struts = cls.find(batch.scene)
+        ends = np.cumsum([0, *(len(strut.lengths) for strut in struts)])
+        match name:
+            case "particle":
+                return batch.integers((b.particle for s in struts for b in s.beams), 2)
+            case "arms":
+                arms = lambda scene: [b.arm for s in cls.find(scene) for b in s.beams]  # noqa: E731
+                return batch.stack(2 * len(struts), 3, arms)
+            case "start":
+                return batch.integers(ends)
+            case "points":
+                return batch.stack(
+                    ends[-1],
+                    2,
+                    lambda scene: np.concatenate(
+                        [
+                            np.column_stack([s.lengths, np.diff(s.all_slopes)])
+                            for s in cls.find(scene)
+                        ]
+                    ),
+                )
+            case "numbers":
+                return batch.table(cls, len(struts[0].numbers), lambda strut: strut.numbers)
+            case "state":
+                return batch.stack(len(struts), cls.kernels().STATE, _start)
+        return super().array(name, batch)
+
+    @classmethod
+    def read_records(cls, part, scene, lane):
+        """Return force (N, above 0 where it pushes, damper included) and length (m) of all struts
+        of one sample after a run, Series (t, struts) named "strut_force", "strut_length". part:
+        kernel arrays (Struts); scene: the sample's; lane: index of the sample."""
+        names = tuple(strut.name for strut in cls.find(scene))
+        force, length = part.track[:, :, lane].T.reshape(2, -1, len(names))
+        text = "force of the struts, above 0 where they push"
+        return {
+            "strut_force": Series(force, "N", text, "strut", names),
+            "strut_length": Series(length, "m", "length of the struts", "strut", names),
+        }
+
+
+def gas_table(force: float, length: float, stroke: float, ratio: float, exponent: float):
+    """Return lengths (m) and forces (N), GAS_POINTS each, of a gas spring: a gas in a closed
+    volume, p V^n constant. force: at `length`, all the way out (N); stroke: travel to all the way
+    in (m); ratio: force there over `force`, above 1; exponent: n, 1 (slow) to 1.4 (fast, air)."""
+    inward = np.linspace(stroke, 0.0, GAS_POINTS)
+    volume = 1 - inward / stroke * (1 - ratio ** (-1 / exponent))
+    return length - inward, force * volume**-exponent
+
+
+def _start(scene) -> np.ndarray:
+    """State of a scene's struts at t = 0: lengths (m), mean rate in the step before (m/s)."""
+    from fpm.elements.cables.strut_kernels import LENGTH, RATE, STATE
+
+    motion = moving_at_start(scene)
+    state = np.zeros((len(Strut.find(scene)), STATE))
+    for row, strut in zip(state, Strut.find(scene), strict=True):
+        chord = strut._chord(motion)
+        first, second = (
+            motion.velocity[b.particle]
+            + np.cross(motion.spin[b.particle], motion.frame[b.particle] @ b.arm)
+            for b in strut.beams
+        )
+        row[LENGTH] = np.linalg.norm(chord)
+        row[RATE] = chord @ (second - first) / row[LENGTH]
+    return state

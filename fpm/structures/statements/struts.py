@@ -1,0 +1,129 @@
+"""Struts between two points of any parts: springs, dampers, gas springs, constant forces."""
+
+from dataclasses import replace
+
+from fpm.elements import Strut
+from fpm.elements.cables.strut import gas_table
+from fpm.structures.keys import NO_VALUE, ChoiceKey, ListKey, NumberKey, PointKey
+from fpm.structures.statement import CLASS, statement
+
+ENDS = ListKey(kind=PointKey(), least=2, most=2, text="its two points, of different parts")
+DAMPING = NumberKey(0.0, "force for a rate of its length, both ways", unit="N s/m", least=0)
+FORCES = ListKey(kind=NumberKey(unit="N"), least=2, text="one for each length, > 0 where it pushes")
+SIDES = {"both ways": (1.0, 1.0), "push": (1.0, 0.0), "pull": (0.0, 1.0)}
+
+
+def _add(build, args, lengths, forces, slopes=(0.0, 0.0)) -> None:
+    """Add a Strut to the scene of `build`. args: values of an entry; lengths (m), forces (N),
+    slopes (N/m): of the Strut."""
+    points = [(part.particle(point.name), point.position) for part, point in args.between]
+    for particle, _ in points:
+        build.joints_of.setdefault(particle, [])
+    beams = tuple(build.scene.arm_to(particle, place) for particle, place in points)
+    strut = Strut(args.name, beams, tuple(lengths), tuple(forces), slopes, args.damping)
+    build.scene.add(strut)
+
+
+def _length(build, args) -> float:
+    """Length (m) of a strut at the start."""
+    (_, first), (_, second) = args.between
+    return sum((first.position - second.position) ** 2) ** 0.5
+
+
+@statement(
+    "struts",
+    "spring",
+    between=ENDS,
+    stiffness=NumberKey(unit="N/m", least=0, text="force for a change of its length"),
+    rest=NumberKey(None, "its length without force; this or `preload`", unit="m", above=0),
+    preload=NumberKey(None, "its force at the start, > 0 where it pushes", unit="N"),
+    acts=ChoiceKey("both ways", "`push`, `pull`: only so, else slack", options=tuple(SIDES)),
+    damping=DAMPING,
+    **CLASS,
+)
+def spring(build, args):
+    """Pushes or pulls two points towards a distance.
+
+    Adds a Strut to the scene. build: Builder of the sample, with its scene; args: values of an
+    entry: between (two (Body, Point)), stiffness (N/m), rest (m) or preload (N), the other None,
+    acts ("both ways", "push" or "pull"), damping (N s/m)."""
+    if (args.rest is None) == (args.preload is None):
+        pair = None if args.rest is None else [args.rest, args.preload]
+        build.refuse("rest", pair, "either `rest` or `preload`")
+    if args.rest is None and not args.stiffness > 0:
+        build.refuse("stiffness", args.stiffness, "above 0, with a `preload`")
+    rest = args.rest
+    if rest is None:
+        rest = _length(build, args) + args.preload / args.stiffness
+        if not rest > 0:
+            build.refuse("preload", args.preload, "one with a length without force above 0 m")
+    sides = SIDES[args.acts]
+    if args.acts != "both ways" and args.damping:
+        build.refuse("damping", args.damping, "0 where it acts one way: a damper of its own")
+    _add(build, args, [rest], [0.0], tuple(-args.stiffness * side for side in sides))
+
+
+@statement(
+    "struts",
+    "tabulated spring",
+    between=ENDS,
+    lengths=ListKey(kind=NumberKey(unit="m", above=0), least=2, text="increasing"),
+    forces=FORCES,
+    damping=DAMPING,
+    **CLASS,
+)
+def tabulated_spring(build, args):
+    """Pushes or pulls two points by a table over their distance, constant beyond its ends.
+
+    Adds a Strut to the scene. build: Builder of the sample, with its scene; args: values of an
+    entry: between (two (Body, Point)), lengths (m), forces (N), damping (N s/m)."""
+    _add(build, args, args.lengths, args.forces)
+
+
+@statement(
+    "struts",
+    "gas spring",
+    between=ENDS,
+    force=NumberKey(unit="N", above=0, text="with which it pushes all the way out"),
+    length=NumberKey(unit="m", above=0, text="of it, all the way out"),
+    stroke=NumberKey(unit="m", above=0, text="how far it goes in"),
+    ratio=NumberKey(unit="", above=1, text="force all the way in over `force`"),
+    exponent=NumberKey(1.0, "of the gas: 1 slow, 1.4 fast", unit="", least=1),
+    damping=DAMPING,
+    **CLASS,
+)
+def gas_spring(build, args):
+    """Pushes two points apart by a gas in a closed volume; its force is constant beyond its stroke.
+
+    Adds a Strut to the scene. build: Builder of the sample, with its scene; args: values of an
+    entry: between (two (Body, Point)), force (N), length and stroke (m), ratio, exponent, damping
+    (N s/m)."""
+    if not args.stroke < args.length:
+        build.refuse("stroke", args.stroke, f"below the length, {args.length:g} m")
+    table = gas_table(args.force, args.length, args.stroke, args.ratio, args.exponent)
+    _add(build, args, *table)
+
+
+@statement(
+    "struts",
+    "constant force",
+    between=ENDS,
+    force=NumberKey(unit="N", text="> 0 where it pushes"),
+    damping=DAMPING,
+    **CLASS,
+)
+def constant_force(build, args):
+    """Pushes or pulls two points with the same force at any distance.
+
+    Adds a Strut to the scene. build: Builder of the sample, with its scene; args: values of an
+    entry: between (two (Body, Point)), force (N), damping (N s/m)."""
+    _add(build, args, [_length(build, args)], [args.force])
+
+
+@statement("struts", "damper", between=ENDS, damping=replace(DAMPING, default=NO_VALUE))
+def damper(build, args):
+    """Resists changes of the distance of two points.
+
+    Adds a Strut to the scene. build: Builder of the sample, with its scene; args: values of an
+    entry: between (two (Body, Point)), damping (N s/m)."""
+    _add(build, args, [_length(build, args)], [0.0])

@@ -141,7 +141,6 @@ SHOULDER = "shoulder: {type: revolute, parts: [ground, one], at: a, axis: y}"
          "joints.shoulder.other"),
         (SHOULDER, "shoulder: {type: prismatic, parts: [ground, one, two], at: a, axis: y}",
          "a list of 2, each"),
-        ("gravity:", "masses:\n  lump: {part: one, at: a, mass: 1}\ngravity:", "or its centre"),
         ("gravity:", "drives:\n  crank: {part: one, at: a, spin: [0, 1, 0]}\ngravity:",
          "the centre of a body"),
     ],
@@ -155,3 +154,58 @@ def test_a_spring_sits_on_revolute_joints_only():
             "elbow: {type: spherical, parts: [one, two], at: b}")  # fmt: skip
     spring = "actions:\n  s: {type: torsion spring, joint: elbow, stiffness: 1}\ngravity:"
     refused(changed(ARM, ball), "gravity:", spring, "the name of a revolute joint")
+
+
+LUMP = """
+points: {o: [0, 0, 0], c: [0.5, 0, 0], tip: [1, 0, 0], side: [1, 0.3, 0.4]}
+bodies:
+  arm: {mass: 2, centre: c, points: [o, tip, side], INERTIA}
+joints:
+  pin: {type: spherical, parts: [ground, arm], at: o}
+gravity: [0, 0, -9.81]
+initial_velocities:
+  arm: {part: arm, about: o, spin: [3, -1, 2]}
+record:
+  tip: {part: arm, at: tip}
+"""
+
+
+@pytest.mark.slow
+def test_a_mass_at_any_point_of_a_body_moves_as_one_beside_it():
+    """A weld to another body there, of a ball's inertia, is the same body."""
+    own = LUMP.replace("INERTIA", "inertia: [0.02, 0.3, 0.31]")
+    one = own + "masses: {lump: {part: arm, at: side, mass: 1.5, inertia: 0.01}}"
+    ball = "\n  ball: {mass: 1.5, centre: side, inertia: [0.01, 0.01, 0.01]}\njoints:"
+    weld = "\n  weld: {type: fixed, parts: [arm, ball], at: side}\ngravity"
+    moving = "about: o, spin: [3, -1, 2]}\n  ball: {part: ball, about: o, spin: [3, -1, 2]}"
+    two = own.replace("\njoints:", ball).replace("\ngravity", weld)
+    two = two.replace("about: o, spin: [3, -1, 2]}", moving)
+    tips = [run(structures.loads(t).build(), 0.5, 11, 1e-3).points["tip"][0] for t in (one, two)]
+    assert np.ptp(tips[0], axis=0).max() > 0.5
+    assert tips[0] == pytest.approx(tips[1], abs=1e-6)
+
+
+def test_inertia_about_a_point_is_that_about_the_centre_and_the_mass_there():
+    about = "inertia: [0.02, 0.8, 0.81], about: o"
+    scenes = [
+        structures.loads(LUMP.replace("INERTIA", text)).build()
+        for text in ("inertia: [0.02, 0.3, 0.31]", about)
+    ]
+    assert scenes[1].inertia == pytest.approx(scenes[0].inertia, rel=1e-12)
+    assert scenes[1].frame == pytest.approx(scenes[0].frame)
+    skew = structures.loads(LUMP.replace("INERTIA", "inertia: [1, 1.2, 1.3], about: side")).build()
+    arm, axes = np.array([0.5, 0.3, 0.4]), skew.frame[1]
+    tensor = axes * skew.inertia[1] @ axes.T + 2 * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    assert tensor == pytest.approx(np.diag([1, 1.2, 1.3]), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("inertia", "words"),
+    [
+        ("box: [1, 0.1, 0.1], about: o", "none with a `box`"),
+        ("inertia: [0.02, 0.4, 0.41], about: o", "more than those of its mass at its centre"),
+    ],
+)
+def test_what_is_refused_of_inertia_about_a_point(inertia, words):
+    with pytest.raises(structures.StructureError, match=words):
+        structures.loads(LUMP.replace("INERTIA", inertia)).build()

@@ -209,9 +209,19 @@ def _sum_inertias(parts) -> tuple[np.ndarray, np.ndarray]:
     """Principal inertias (3,) and axes (3, 3) of inertias that add up, each in its own axes."""
     if len(parts) == 1 or np.abs(parts[0][1] - parts[1][1]).max() < STRAIGHT:
         return sum(inertia for inertia, _ in parts), parts[0][1]
-    values, frame = np.linalg.eigh(sum(frame * inertia @ frame.T for inertia, frame in parts))
-    frame[:, 2] = np.cross(frame[:, 0], frame[:, 1])
-    return values, frame
+    return _principal_axes(sum(frame * inertia @ frame.T for inertia, frame in parts))
+
+
+def _principal_axes(tensor, axes: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Principal inertias (3,) and axes (3, 3) of an inertia tensor; `axes` where they are such."""
+    if axes is not None:
+        local = axes.T @ tensor @ axes
+        values = np.diagonal(local).copy()
+        if np.abs(local - np.diag(values)).max() < STRAIGHT * values.max():
+            return values, axes
+    values, axes = np.linalg.eigh(tensor)
+    axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])
+    return values, axes
 
 
 # -- bodies and masses -----------------------------------------------------------------------------
@@ -226,9 +236,10 @@ def _sum_inertias(parts) -> tuple[np.ndarray, np.ndarray]:
         "`inertia`", unit="m",
     ),
     inertia=VectorKey(
-        None, "principal moments of inertia about its centre, about x, up × x and up",
-        unit="kg m2",
+        None, "moments of inertia about x, up × x and up, principal axes through its centre, or "
+        "through `about`", unit="kg m2",
     ),
+    about=ReferenceKey(None, group="points", text="point through which the axes of `inertia` go"),
     points=ListKey((), "points rigidly held at it", kind=POINT, units=True),
     x=DirectionKey(np.array([1.0, 0.0, 0.0]), "its first principal axis"),
     up=DirectionKey(np.array([0.0, 0.0, 1.0]), "its third principal axis, normal to x"),
@@ -237,8 +248,9 @@ def body(build, args):
     """A rigid body, free until something joins or holds it.
 
     Adds a particle to the scene; returns a Body. build: Builder of the sample, with its scene;
-    args: values of an entry: mass (kg), centre (Point), box (edges (3,) m) or inertia ((3,) kg m²),
-    points (Points held at it), x and up (principal axes, unit vectors (3,))."""
+    args: values of an entry: mass (kg), centre (Point), box (edges (3,) m) or inertia ((3,) kg m²,
+    about the centre or the Point about), points (Points held at it), x and up (unit vectors of the
+    axes of box or inertia, (3,))."""
     if (args.box is None) == (args.inertia is None):
         pair = None if args.box is None else [list(args.box), list(args.inertia)]
         build.refuse("box", pair, "either `box` or `inertia`")
@@ -254,8 +266,19 @@ def body(build, args):
         build.refuse("inertia", inertia.tolist(), allowed)
     if abs(args.x @ args.up) > 1e-6:
         build.refuse("up", args.up.tolist(), f"a direction normal to x, {args.x.tolist()}")
+    axes = triad(args.x, args.up)
+    if args.about is not None:
+        if args.box is not None:
+            build.refuse("about", args.about.name, "none with a `box`, which lies about the centre")
+        arm = args.about.position - args.centre.position
+        tensor = axes * inertia @ axes.T - args.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+        inertia, axes = _principal_axes(tensor, axes)
+        if not (np.min(inertia) > 0 and 2 * np.max(inertia) <= np.sum(inertia) * (1 + 1e-9)):
+            allowed = (
+                f"more than those of its mass at its centre: {inertia.tolist()} are left there"
+            )
+            build.refuse("inertia", args.inertia.tolist(), allowed)
     try:
-        axes = triad(args.x, args.up)
         particles = build.scene.add_particles(args.centre.position, args.mass, inertia, axes)
     except SceneError as error:
         build.refuse("mass", error.value, error.allowed)
@@ -266,18 +289,27 @@ def body(build, args):
 @statement(
     "masses",
     part=ReferenceKey(group="parts", text="what carries it"),
-    at=ReferenceKey(group="points", text="a point that the part goes through"),
+    at=ReferenceKey(group="points", text="any point of a rigid body, or one on a bar's axis"),
     mass=_size("its mass", "kg"),
     inertia=NumberKey(0.0, "its moment of inertia, about every axis", unit="kg m2", least=0),
 )
 def mass(build, args):
     """A mass at a point of a part, with its centre there.
 
-    Adds to mass and inertia of the part's particle in the scene. build: Builder of the sample;
-    args: values of an entry: part (Body), at (Point), mass (kg), inertia (every axis, kg m²)."""
+    Adds to mass and inertia of the part's particle in the scene, and moves that of a rigid body to
+    the centre of both. build: Builder of the sample; args: values of an entry: part (Body), at
+    (Point), mass (kg), inertia (every axis, kg m²)."""
     scene, particle = build.scene, args.part.particle(args.at.name)
     distance = float(np.linalg.norm(args.at.position - scene.position[particle]))
     if distance > POINT_TOL * build.size:
-        build.refuse("at", args.at.name, f"a point on the axis of {args.part.name}, or its centre")
+        if particle not in scene.bodies.values():
+            build.refuse("at", args.at.name, f"a point on the axis of {args.part.name}")
+        reduced_mass = scene.mass[particle] * args.mass / (scene.mass[particle] + args.mass)
+        arm = args.at.position - scene.position[particle]
+        axes = scene.frame[particle]
+        tensor = axes * scene.inertia[particle] @ axes.T
+        tensor += reduced_mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+        scene.position[particle] += arm * reduced_mass / scene.mass[particle]
+        scene.inertia[particle], scene.frame[particle] = _principal_axes(tensor, axes)
     scene.mass[particle] += args.mass
     scene.inertia[particle] += args.inertia

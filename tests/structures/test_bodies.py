@@ -193,17 +193,17 @@ def test_inertia_about_a_point_is_that_about_the_centre_and_the_mass_there():
     ]
     assert scenes[1].inertia == pytest.approx(scenes[0].inertia, rel=1e-12)
     assert scenes[1].frame == pytest.approx(scenes[0].frame)
-    skew = structures.loads(LUMP.replace("INERTIA", "inertia: [1, 1.2, 1.3], about: side")).build()
+    skew = structures.loads(LUMP.replace("INERTIA", "inertia: [2, 2.2, 2.3], about: side")).build()
     arm, axes = np.array([0.5, 0.3, 0.4]), skew.frame[1]
     tensor = axes * skew.inertia[1] @ axes.T + 2 * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-    assert tensor == pytest.approx(np.diag([1, 1.2, 1.3]), abs=1e-12)
+    assert tensor == pytest.approx(np.diag([2, 2.2, 2.3]), abs=1e-12)
 
 
 @pytest.mark.parametrize(
     ("inertia", "words"),
     [
         ("box: [1, 0.1, 0.1], about: o", "none with a `box`"),
-        ("inertia: [0.02, 0.4, 0.41], about: o", "more than those of its mass at its centre"),
+        ("inertia: [0.02, 0.4, 0.41], about: o", "are left about its centre, not"),
     ],
 )
 def test_what_is_refused_of_inertia_about_a_point(inertia, words):

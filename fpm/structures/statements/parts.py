@@ -274,9 +274,8 @@ def body(build, args):
         tensor = axes * inertia @ axes.T - args.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
         inertia, axes = _principal_axes(tensor, axes)
         if not (np.min(inertia) > 0 and 2 * np.max(inertia) <= np.sum(inertia) * (1 + 1e-9)):
-            allowed = (
-                f"more than those of its mass at its centre: {inertia.tolist()} are left there"
-            )
+            rest = ", ".join(f"{value:.4g}" for value in inertia)
+            allowed = f"such that a body's are left about its centre, not {rest} kg m2"
             build.refuse("inertia", args.inertia.tolist(), allowed)
     try:
         particles = build.scene.add_particles(args.centre.position, args.mass, inertia, axes)

@@ -73,7 +73,8 @@ class Scene:
     of (times (s), values); points: named ones (VirtualBeam), for responses; supports: those held or
     driven; bodies: index of the particle of each named rigid body; unstrained, unstrained_position:
     frames and positions before fpm.assembly strained the scene, None: as they are; assembly: what
-    that did, or None; bearings: friction of joints in quasi-static travel, by hinge: mu r (m;
+    that did, or None; opening_rates: rates of joint coordinates stated for the start (rad/s, of
+    slides m/s), by hinge; bearings: friction of joints in quasi-static travel, by hinge: mu r (m;
     slides: mu); classes, action_names: of elements by (type, index): class in torque margins where
     it is not its type's, and name in the structure's file.
 
@@ -100,6 +101,7 @@ class Scene:
         self.points: dict[str, VirtualBeam] = {}
         self.bodies: dict[str, int] = {}  # rigid ones that have a name, with their particles
         self.supports: dict[str, VirtualBeam] = {}  # named points that are held or driven
+        self.opening_rates: dict[int, float] = {}
         self.bearings: Counter[int] = Counter()  # by hinge: mu r (m), of slides mu, where it is led
         self.classes: dict[
             tuple[type[ElementType], int], str

@@ -1,8 +1,9 @@
 """The motion with which a run begins: one that joints, motors and drives allow.
 
 What a motor or drive moves from the start on, and what a structure states of the motion of its
-parts, need not fit together: a motor that turns at once has a blow before it. Of all velocities
-that do fit, those are taken at which that blow changes the motion least, with masses as weights:
+parts, need not fit together: a motor that turns at once has a blow before it, and a stated rate of
+an opening says nothing of other joints. Of all velocities that do fit, those are taken at which
+that blow changes the motion least, with masses as weights:
 
     M d + G'p = 0,   G (v + d) = b
 
@@ -54,6 +55,7 @@ def consistent_scene(scene: Scene) -> Scene:
     check_masses(scene)
     # One for each that has any: of a motor and a latch on one hinge, the motor alone.
     rates = [(scene.hinges[h.hinge], h.rate_at_start(scene)) for h in Turn.find(scene)]
+    rates += [(scene.hinges[hinge], rate) for hinge, rate in scene.opening_rates.items()]
     rates = [(hinge, rate) for hinge, rate in rates if rate is not None]
     is_led = any(rate for _, rate in rates) or bool(scene.drives)
     if not (is_led or scene.velocity.any() or scene.spin.any()):

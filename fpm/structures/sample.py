@@ -6,13 +6,17 @@ from collections.abc import Mapping
 import numpy as np
 
 from fpm.assembly import MisfitError, assemble
+from fpm.elements.openings.opening import turning_at_start, unit_of
 from fpm.errors import SceneError
 from fpm.scenes.scene import Scene
-from fpm.solver.start import check_masses
+from fpm.solver.start import check_masses, consistent_scene
 from fpm.structures.builder import Body, Builder, Ground, Point
 from fpm.structures.model import FileStatements
 from fpm.structures.reading import Problems, SkippedError
 from fpm.structures.statement import PARTS, Entry
+
+RATE_TOL = 1e-6
+"""Share of the fastest opening by which a stated rate may be missed at the start."""
 
 FIRST_GROUPS = ("materials", "sections", *PARTS, "masses", "supports", "joints")
 """Groups that are built before parts are forced together."""
@@ -134,6 +138,7 @@ def _finish(build: Builder, model: FileStatements) -> None:
         check_masses(scene)
     except SceneError as error:
         _note(build, 0, f"bodies: {error.key}", error)
+    _check_rates(build, model)
     parts = [entry for entry in model.entries if entry.statement.group in PARTS]
     for entry in parts if len(parts) > 1 else ():
         particles = build.find("parts", entry.name).particles
@@ -141,6 +146,19 @@ def _finish(build: Builder, model: FileStatements) -> None:
             allowed = "parts with a joint, a cable, a strut, a support or a drive"
             text = f"{entry.key}: nothing joins it to anything; allowed: {allowed}"
             build.problems.say(entry.line, text)
+
+
+def _check_rates(build: Builder, model: FileStatements) -> None:
+    """Refuse rates stated for the start that joints, motors, drives and supports do not allow."""
+    stated = build.scene.opening_rates
+    rates = turning_at_start(consistent_scene(build.scene), stated) if stated else []
+    largest = max(map(abs, [*stated.values(), *rates]), default=0.0)
+    entries = [entry for entry in model.entries if entry.statement.group == "opening_rates"]
+    for entry, (hinge, rate), actual in zip(entries, stated.items(), rates, strict=True):
+        if abs(actual - rate) > RATE_TOL * largest:
+            unit = unit_of(build.scene, hinge, "rad/s")
+            allowed = f"{actual:.6g} {unit}, which joints, motors, drives and supports leave of it"
+            build.problems.refuse(entry.lines["rate"], f"{entry.key}.rate", rate, allowed)
 
 
 def _note(build: Builder, line: int, key: str, error: SceneError) -> None:

@@ -39,7 +39,7 @@ PARTS = ("bars", "bodies")
 
 ORDER = ("materials", "sections", *PARTS, "masses", "supports", "joints", "curves", "actions",
          "loads", "drags", "cables", "struts", "drives", "initial_velocities",
-         "record")  # fmt: skip
+         "opening_rates", "record")  # fmt: skip
 """The groups of a file in the order in which a scene is built of them: a statement may refer to
 those of groups further up."""
 

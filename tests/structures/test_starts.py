@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import fpm
+from fpm.elements.openings.opening import turning_at_start
 from fpm.solver.start import check_masses, consistent_scene
 from fpm.structures import loads
 from fpm.structures.plausible import warnings
@@ -186,3 +187,48 @@ def test_a_motion_that_joints_do_not_allow_is_told(text, axis, words):
     """m v²/2 and I w²/2 at 1 m from the axis: (1 + 0.1) 9/2 J."""
     sentences = [s for s in warnings(loads(text.replace("AXIS", axis)).build()) if "velocit" in s]
     assert words in sentences[0] if words else not sentences
+
+
+RATES = "opening_rates:\n  start: {joint: crank, rate: 10 rad/s}\nrecord:"
+
+
+def test_a_stated_rate_starts_a_linkage_as_a_motor_does():
+    led = consistent_scene(loads(RSSR).build())
+    head, _, tail = RSSR.partition("actions:\n  motor: {type: motor, joint: crank, turn: 10 rad, c")
+    free = consistent_scene(loads(head + RATES + tail.partition("record:")[2]).build())
+    assert free.velocity == pytest.approx(led.velocity, abs=1e-9)
+    assert free.spin == pytest.approx(led.spin, abs=1e-9)
+    with pytest.raises(fpm.SceneError, match=r"rate: 12 is not allowed; allowed: \S+ rad/s, w"):
+        loads(RSSR.replace("record:", RATES.replace("10 rad", "12 rad"))).build()
+    twice = RATES.replace("record:", "  again: {joint: crank, rate: 0}\nrecord:")
+    with pytest.raises(fpm.SceneError, match="joints that have no other rate"):
+        loads(head + twice + tail.partition("record:")[2]).build()
+
+
+FLOATS = """
+name: floats
+points: {hub: [0, 0, 0], pin: [0.3, 0.2, 0], panel: [0.8, 0.1, 0.2]}
+bodies:
+  hub: {mass: 5, centre: hub, inertia: [0.5, 0.6, 0.7], points: [pin]}
+  panel: {mass: 2, centre: panel, inertia: [0.1, 0.2, 0.25], points: [pin]}
+joints:
+  h: {type: TYPE, parts: [hub, panel], at: pin, axis: y}
+opening_rates:
+  go: {joint: h, rate: RATE}
+record:
+  panel: {part: panel, at: panel}
+"""
+
+
+@pytest.mark.parametrize(
+    ("kind", "rate"), [("revolute", "2 rad/s"), ("prismatic", "2 m/s"), ("revolute", "-2 rad/s")]
+)
+def test_a_stated_rate_of_what_floats_gives_it_no_momentum(kind, rate):
+    start = consistent_scene(loads(FLOATS.replace("TYPE", kind).replace("RATE", rate)).build())
+    assert turning_at_start(start, [0]) == pytest.approx([float(rate.split()[0])])
+    momenta = start.mass[:, None] * start.velocity
+    spins = np.einsum("nij,nj,nkj,nk->ni", start.frame, start.inertia, start.frame, start.spin)
+    assert np.abs(momenta).max() > 0.1
+    assert momenta.sum(axis=0) == pytest.approx(np.zeros(3), abs=1e-9)
+    total = (np.cross(start.position, momenta) + spins).sum(axis=0)
+    assert total == pytest.approx(np.zeros(3), abs=1e-9)

@@ -11,6 +11,7 @@ from fpm.structures.keys import (
     DirectionKey,
     ListKey,
     NumberKey,
+    OpeningKey,
     PointKey,
     ReferenceKey,
     TextKey,
@@ -182,6 +183,21 @@ def motion(build, args):
     arms = scene.position[particles] - args.about.position
     scene.velocity[particles] = args.velocity + np.cross(args.spin, arms)
     scene.spin[particles] = args.spin
+
+
+@statement(
+    "opening_rates",
+    joint=OpeningKey(text="whose opening changes at the start"),
+    rate=NumberKey(unit="rad/s", text="of its opening"),
+)
+def opening_rate(build, args):
+    """How fast an opening changes at the start; what else moves is as after a blow in these joints.
+
+    Notes it in the scene. build: Builder of the sample; args: values of an entry: joint (index of a
+    hinge), rate (rad/s; m/s on a slide)."""
+    if args.joint in build.scene.opening_rates:
+        build.refuse("joint", build.scene.hinges[args.joint].name, "joints that have no other rate")
+    build.scene.opening_rates[args.joint] = args.rate
 
 
 @statement(

@@ -17,6 +17,7 @@ from fpm.elements.openings.release import AnyRelease
 from fpm.reading.bars import bars_of
 from fpm.scenes.scene import Scene
 from fpm.scenes.scene_type import Parameter, SceneType
+from fpm.solver.start import consistent_scene
 from fpm.structures import report
 from fpm.structures.plausible import opening_text, warnings
 from fpm.structures.statement import ON_SLIDES
@@ -73,6 +74,9 @@ def _facts(structure: SceneType, scene: Scene, duration: float) -> Iterator[tupl
     yield "mobility", f"{freedom} to move: {parts}, {conditions}"
     yield "redundant", ", ".join(report.redundant(scene))
     yield "assembled", _describe_misfit(scene) if scene.assembly is not None else ""
+    start = consistent_scene(scene)
+    energy = report.kinetic_energy(start, start.velocity, start.spin)
+    yield "at the start", f"kinetic energy {energy:.4g} J" if energy else ""
     yield "stable step", _step(cost)
     yield "", _remedy(structure, scene, cost)
     steps = f"{cost.steps} steps for {duration:g} s, {cost.element_steps:.3g} steps of elements"

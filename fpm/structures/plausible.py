@@ -58,24 +58,18 @@ def warnings(scene: Scene, duration: float | None = None) -> list[str]:
 
 def _start(scene: Scene) -> Iterator[str]:
     """What joints, motors and drives do not allow of the velocities stated for the start."""
-    energy = _kinetic_energy(scene, scene.velocity, scene.spin)
+    energy = report.kinetic_energy(scene, scene.velocity, scene.spin)
     if energy:
         start = consistent_scene(scene)
         change = start.velocity - scene.velocity, start.spin - scene.spin
-        if _kinetic_energy(scene, *change) > BLOW * energy:
-            rest = _kinetic_energy(scene, start.velocity, start.spin)
+        if report.kinetic_energy(scene, *change) > BLOW * energy:
+            rest = report.kinetic_energy(scene, start.velocity, start.spin)
             rest *= rest > 1e-9 * energy  # rounding
             yield (
                 f"velocities at the start have {energy:.4g} J; joints, motors, drives and what is "
                 f"held then leave {rest:.4g} J: check axes and signs, and that every part that "
                 "moves along has its velocity"
             )
-
-
-def _kinetic_energy(scene: Scene, velocity: np.ndarray, spin: np.ndarray) -> float:
-    """Kinetic energy (J) of velocities (n, 3) m/s and spins (n, 3) rad/s of all particles."""
-    body_spin = np.einsum("nji,nj->ni", scene.frame, spin)
-    return float((scene.mass @ velocity**2).sum() + (scene.inertia * body_spin**2).sum()) / 2
 
 
 def _sizes(scene: Scene) -> Iterator[str]:

@@ -60,6 +60,13 @@ def mass(scene: Scene) -> float:
     return float(scene.mass[_mask_particles(scene)].sum())
 
 
+def kinetic_energy(scene: Scene, velocity: np.ndarray, spin: np.ndarray) -> float:
+    """Return the kinetic energy (J) of a scene at given velocities (n, 3), m/s, and spins (n, 3),
+    rad/s, of all its n particles."""
+    body_spin = np.einsum("nji,nj->ni", scene.frame, spin)
+    return float((scene.mass @ velocity**2).sum() + (scene.inertia * body_spin**2).sum()) / 2
+
+
 def centre(scene: Scene) -> np.ndarray:
     """Return a scene's centre of mass (3,), m, at the start, without the ground (as in `mass`)."""
     particles = _mask_particles(scene)

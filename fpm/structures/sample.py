@@ -149,12 +149,12 @@ def _finish(build: Builder, model: FileStatements) -> None:
 
 
 def _check_rates(build: Builder, model: FileStatements) -> None:
-    """Refuse rates stated for the start that joints, motors, drives and supports do not allow."""
-    stated = build.scene.opening_rates
-    rates = turning_at_start(consistent_scene(build.scene), stated) if stated else []
-    largest = max(map(abs, [*stated.values(), *rates]), default=0.0)
+    """Refuse rates of openings at the start that joints, motors, drives or supports do not allow."""
+    opening_rates = build.scene.opening_rates
+    rates = turning_at_start(consistent_scene(build.scene), opening_rates) if opening_rates else []
+    largest = max(map(abs, [*opening_rates.values(), *rates]), default=0.0)
     entries = [entry for entry in model.entries if entry.statement.group == "opening_rates"]
-    for entry, (hinge, rate), actual in zip(entries, stated.items(), rates, strict=True):
+    for entry, (hinge, rate), actual in zip(entries, opening_rates.items(), rates, strict=True):
         if abs(actual - rate) > RATE_TOL * largest:
             unit = unit_of(build.scene, hinge, "rad/s")
             allowed = f"{actual:.6g} {unit}, which joints, motors, drives and supports leave of it"

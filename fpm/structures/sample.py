@@ -149,7 +149,7 @@ def _finish(build: Builder, model: FileStatements) -> None:
 
 
 def _check_rates(build: Builder, model: FileStatements) -> None:
-    """Refuse rates of openings at the start that joints, motors, drives or supports do not allow."""
+    """Refuse rates of openings at the start that joints, motors, drives and supports forbid."""
     opening_rates = build.scene.opening_rates
     rates = turning_at_start(consistent_scene(build.scene), opening_rates) if opening_rates else []
     largest = max(map(abs, [*opening_rates.values(), *rates]), default=0.0)

@@ -148,7 +148,7 @@ def test_a_scan_that_did_not_grow_knows_no_error(raw, tmp_path):
     assert "s | unknown | unknown |" in told
     with open_netcdf(folder.bounds) as bounds:
         assert float(bounds["largest_error"][0]) == 0.0
-        names = [text.get_text() for text in envelope(bounds, "BD", 0.1).legends[0].get_texts()]
+        names = [text.get_text() for text in envelope(bounds, ["BD"], 0.1).legends[0].get_texts()]
     assert "error estimate" not in names and row["grade"] == "unknown"
 
 

@@ -31,6 +31,9 @@ SENSITIVITIES = "sensitivities.nc"
 BOUNDS_FILES = SAMPLES, "surrogate.nc", BOUNDS, SENSITIVITIES
 ANSWERS = "quantities.nc", "further.nc"
 
+MOST_PANELS = 8
+"""Panels that fit on a page."""
+
 FRAMES = 401
 """Frames of the runs that move on a page, unless others are asked for."""
 
@@ -151,9 +154,12 @@ def plan_of(folder: Folder, names: Sequence[str]) -> dict[str, str]:
 
 def drawings(experiment: Experiment) -> list[str]:
     """List the names of the figures of a whole campaign that the stage `figures` draws:
-    `sensitivities`, with several intervals and a polynomial, and `ranges`, with quantities."""
+    `responses`, with several that fit on a page, `sensitivities`, with several intervals and a
+    polynomial, and `ranges`, with quantities."""
+    has_panels = 1 < len(experiment.responses) <= MOST_PANELS
     has_contributions = len(experiment.intervals) > 1 and experiment.design.order is not None
-    return ["sensitivities"] * has_contributions + ["ranges"] * bool(experiment.quantities)
+    names = ["responses"] * has_panels + ["sensitivities"] * has_contributions
+    return names + ["ranges"] * bool(experiment.quantities)
 
 
 def _list_answers(campaign: Campaign) -> list[str]:

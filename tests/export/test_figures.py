@@ -100,8 +100,9 @@ def bounds_of(width, error):
     return Bounds(
         response=["x", "y", "z", "u"][:count], response_units=["m"] * count,
         response_long_name=["place of the tip"] * count,
-        response_least=[0.0] * count, time=np.linspace(0, 1, width.shape[1]),
-        lower=np.maximum(middle - width / 2, 0), upper=middle + width / 2, error=error,
+        least=[0.0] * count, most=[14.0] * count, time=np.linspace(0, 1, width.shape[1]),
+        lower=np.maximum(middle - width / 2, 0), upper=np.minimum(middle + width / 2, 14),
+        error=error,
     )  # fmt: skip
 
 
@@ -160,5 +161,18 @@ def test_no_band_is_cut_or_beyond_what_is_possible(share):
         low, high = axis.get_ylim()
         points = [path.vertices[:, 1] for band in axis.collections for path in band.get_paths()]
         points = np.concatenate(points)
-        assert max(0.0, low) <= points.min() and points.max() <= high
+        assert max(0.0, low) <= points.min() and points.max() <= min(14.0, high)
     assert below.get_xlabel() == "time (s)" and not ax.get_xlabel()
+
+
+def test_a_hatch_means_one_thing_in_all_axes():
+    bounds = bounds_of(np.full((4, 21), 4.0), np.array(list(ERRORS.values())))
+    figures = [envelope(bounds, [name], 0.1) for name in bounds["response"]]
+    hatched = [
+        (ax, patch) for figure in figures for ax in figure.axes for patch in ax.patches
+        if patch.get_hatch()
+    ]  # fmt: skip
+    assert {patch.get_label() for _, patch in hatched} == {
+        "error above 10 % of\nthe largest difference"
+    }
+    assert len({ax for ax, _ in hatched}) == len(hatched) == 2 * 3  # once in each of three figures

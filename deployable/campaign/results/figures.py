@@ -81,6 +81,7 @@ def envelope(bounds: Any, names: Sequence[str], shade_above: float, width: float
     for ax in axes[max(len(rows), len(heights)) :]:
         ax.set_axis_off()
     keys = [pair for ax in axes for pair in zip(*ax.get_legend_handles_labels(), strict=True)]
+    keys.sort(key=lambda pair: pair[1].startswith("("))  # the numbers of panels last
     handles = {label: handle for handle, label in keys}
     figure.legend(
         handles.values(),
@@ -119,15 +120,15 @@ def _draw_envelope(axes: Any, bounds: Any, i: int, shade_above: float, letter: s
     if faint.any():
         ax.plot([], [], color="0.3", **FAINT)
     if has_error:
-        least = np.nan
-        if "response_least" in bounds.variables:
-            least = float(np.ma.filled(bounds["response_least"][i], np.nan))
-        bands = [(ax, np.fmax(lower - error, least), lower), (ax, upper, upper + error)]
+        least, most = (float(np.ma.filled(bounds[name][i], np.nan)) for name in ("least", "most"))
+        bands = [(ax, np.fmax(lower - error, least), lower)]
+        bands.append((ax, upper, np.fmin(upper + error, most)))
         for axis in difference_axes:
             bands.append((axis, np.maximum(difference - error, 0), difference + error))
         label = f"error above {100 * shade_above:.3g} % of\nthe largest difference"
         for axis, low, high in bands:
             axis.fill_between(time, low, high, where=sure, zorder=0.5, **ERROR)
+        for axis in axes:
             _shade(axis, time, error > shade_above * difference.max(), label)
     if sure[difference.argmax()]:
         _mark_largest(ax, time, lower, upper, bounds["response_units"][i], letter)

@@ -63,7 +63,7 @@ def bounds_dataset(
         ``argmax`` (response, time, parameter), the parameter values where; and numbers over
         response, such as ``largest_width`` and ``error_share_of_width``. No bound is below the
         physical one, ``response_least`` (response), where samples have that, nor further beyond
-        the end of an opening's way (``response_down_end``, ``response_up_end``) than twice what
+        the end of an opening's way (``response_floor``, ``response_ceiling``) than twice what
         any run went; ``least`` and ``most`` (response) are these limits (NaN: none), and
         ``largest_impossible`` says by how much the model was beyond."""
     import xarray as xr
@@ -160,12 +160,12 @@ def _limits(samples: Samples, is_scan: bool) -> tuple[np.ndarray, np.ndarray]:
             return np.full(len(samples.names), np.nan)
         return samples.source[name].values[samples.rows]
 
-    down, up = number("response_down_end"), number("response_up_end")
-    least, most = number("response_least"), np.full(len(down), np.nan)
-    if np.isfinite([down, up]).any() and not is_scan:
+    floor, ceiling = number("response_floor"), number("response_ceiling")
+    least, most = number("response_least"), np.full(len(floor), np.nan)
+    if np.isfinite([floor, ceiling]).any() and not is_scan:
         low, high = samples.values.min(axis=(0, 2)), samples.values.max(axis=(0, 2))
-        least = np.fmax(least, down - 2 * np.maximum(down - low, 0.0))
-        most = up + 2 * np.maximum(high - up, 0.0)
+        least = np.fmax(least, floor - 2 * np.maximum(floor - low, 0.0))
+        most = ceiling + 2 * np.maximum(high - ceiling, 0.0)
     return np.where(np.isnan(least), -np.inf, least), np.where(np.isnan(most), np.inf, most)
 
 

@@ -200,15 +200,15 @@ def _ends(scene: Scene, name: str) -> tuple[float | None, float | None]:
     """The openings of a hinge or slide at which the first stop or latch holds it, down and up."""
     index = [hinge.name for hinge in scene.hinges].index(name)
     start = scene.hinges[index].opening
-    down, up = [], []
+    floors, ceilings = [], []
     for stop in (stop for stop in Stop.find(scene) if stop.hinge == index):
-        (up if stop.side == "above" else down).append(stop.angle)
+        (ceilings if stop.side == "above" else floors).append(stop.angle)
     for latch in (*Latch.find(scene), *RigidLatch.find(scene)):
         lets_pass = getattr(latch, "one_sided", False) or np.isfinite(latch.max_capture_rate)
         if latch.hinge == index and not lets_pass:
             is_up = (SIDES[latch.side] or latch.angle - start) > 0
-            (up if is_up else down).append(latch.angle)
-    return max(down, default=None), min(up, default=None)
+            (ceilings if is_up else floors).append(latch.angle)
+    return max(floors, default=None), min(ceilings, default=None)
 
 
 def _latch(spec: Definition) -> Response:

@@ -41,7 +41,7 @@ def stopped(sign, values):
     return sign * np.where(time < 1.0, time, 1.0 + 0.001 * np.sin(9.0 * time))
 
 
-@pytest.mark.parametrize(("sign", "end"), [(1, "response_up_end"), (-1, "response_down_end")])
+@pytest.mark.parametrize(("sign", "end"), [(1, "response_ceiling"), (-1, "response_floor")])
 @pytest.mark.parametrize("model", ["polynomial", "spline"])
 def test_no_bound_is_beyond_a_stop_by_more_than_twice_what_runs_are(model, sign, end):
     design = make_design("tensor_lobatto", BOX, 6)

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from deployable.campaign.files import open_netcdf, whole_file
+from deployable.campaign.folder import MOST_PANELS
 from deployable.campaign.results.figures import DATELESS, STYLE, envelope, shares, without_formulas
-from deployable.campaign.stages import MOST_PANELS
 
 if TYPE_CHECKING:
     from deployable.campaign.export.chosen import SelectedRun

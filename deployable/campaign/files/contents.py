@@ -30,7 +30,7 @@ _CURVES = f"""{_BOX}
 @text: limiting_element
 @number: time_step time_step_limit
 text response: response response_units response_long_name response_along?
-number response: response_least? response_ratio? response_down_end? response_up_end?
+number response: response_least? response_ratio? response_floor? response_ceiling?
 known time: time"""
 _SAMPLES = f"""{_CURVES}
 known run parameter: normalized value

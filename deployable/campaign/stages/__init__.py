@@ -20,7 +20,7 @@ from deployable.campaign.config.sections import (
 )
 from deployable.campaign.errors import CampaignError, of_files
 from deployable.campaign.files import HISTORY, check_results, refuse_links, results_of
-from deployable.campaign.folder import PICTURES, Folder
+from deployable.campaign.folder import MOST_PANELS, PICTURES, Folder
 from deployable.campaign.provenance import program_digest
 from deployable.campaign.runs.progress import Notify
 from fpm.errors import SceneError
@@ -30,9 +30,6 @@ PLAN, SAMPLES, BOUNDS = "plan.json", "samples.nc", "bounds.nc"
 SENSITIVITIES = "sensitivities.nc"
 BOUNDS_FILES = SAMPLES, "surrogate.nc", BOUNDS, SENSITIVITIES
 ANSWERS = "quantities.nc", "further.nc"
-
-MOST_PANELS = 8
-"""Panels that fit on a page."""
 
 FRAMES = 401
 """Frames of the runs that move on a page, unless others are asked for."""

@@ -167,12 +167,9 @@ def test_no_band_is_cut_or_beyond_what_is_possible(share):
 
 def test_a_hatch_means_one_thing_in_all_axes():
     bounds = bounds_of(np.full((4, 21), 4.0), np.array(list(ERRORS.values())))
-    figures = [envelope(bounds, [name], 0.1) for name in bounds["response"]]
-    hatched = [
-        (ax, patch) for figure in figures for ax in figure.axes for patch in ax.patches
-        if patch.get_hatch()
-    ]  # fmt: skip
-    assert {patch.get_label() for _, patch in hatched} == {
-        "error above 10 % of\nthe largest difference"
-    }
-    assert len({ax for ax, _ in hatched}) == len(hatched) == 2 * 3  # once in each of three figures
+    choices = *([name] for name in bounds["response"]), bounds["response"]
+    axes = [ax for names in choices for ax in envelope(bounds, names, 0.1).axes]
+    hatched = [patch for ax in axes for patch in ax.patches if patch.get_hatch()]
+    meanings = {(patch.get_hatch(), patch.get_label()) for patch in hatched}
+    assert meanings == {("///", "error above 10 % of\nthe largest difference")}
+    assert len({patch.axes for patch in hatched}) == len(hatched) == 9  # of 12 axes, once in each

@@ -11,6 +11,9 @@ CAMPAIGN = "campaign.yaml"
 
 PICTURES = ("png", "pdf", "svg")
 
+MOST_PANELS = 8
+"""Panels of one figure, as many as fit on a page."""
+
 
 def _file(name: str, text: str) -> Any:
     """The path of a file or folder by its name, which a docstring describes."""

@@ -12,7 +12,7 @@ from .designs import Design
 from .errors import IntervalError, check_choice, check_options
 from .estimates import ErrorEstimate, widen
 from .models import MODELS, Model
-from .ranges import Range, raise_bounds
+from .ranges import Range, clip_bounds
 from .ratios import ratio, ratios_of, shares_of
 from .samples import Samples, read_samples
 
@@ -62,8 +62,10 @@ def bounds_dataset(
         for the bounds, with its parts ``error_held_out`` and ``error_decay``); ``argmin``,
         ``argmax`` (response, time, parameter), the parameter values where; and numbers over
         response, such as ``largest_width`` and ``error_share_of_width``. No bound is below the
-        physical one, ``response_least`` (response), where samples have that; ``largest_impossible``
-        says by how much the model was."""
+        physical one, ``response_least`` (response), where samples have that, nor further beyond
+        the end of an opening's way (``response_floor``, ``response_ceiling``) than twice what
+        any run went; ``least`` and ``most`` (response) are these limits (NaN: none), and
+        ``largest_impossible`` says by how much the model was beyond."""
     import xarray as xr
 
     kind = MODELS[check_choice("model", model, MODELS)]
@@ -79,16 +81,22 @@ def bounds_dataset(
     error = fit.error(bounds, window)
     if by_shares:
         bounds, error = ratios_of(data, bounds, error)
-    least = _least(data)
-    lack = np.maximum(least[:, None] - bounds.inner_lower, 0.0)
-    bounds = raise_bounds(bounds, least[:, None])
+    least, most = (limit[:, None] for limit in _limits(data, kind is MODELS["scan"]))
+    excess = np.maximum(least - bounds.inner_lower, bounds.inner_upper - most)
+    bounds = clip_bounds(bounds, least, most)
     attributes = {**samples.attrs, "held_out_runs": len(fit.test_rows), "bounds_kind": fit.kind}
     if design is not None:
         attributes |= {"design_method": design.method, "design_order": list(design.order)}
     variables = _curves(data, fit, bounds, error, by_shares)
-    for name, values in _numbers(data, bounds, error.total, lack, fit.test_rows).items():
+    for name, values in _numbers(
+        data, bounds, error.total, np.maximum(excess, 0.0), fit.test_rows
+    ).items():
         long_name, unit = _NUMBERS[name]
         attrs = {"long_name": long_name} | ({"units": unit} if unit else {})
+        variables[name] = ("response", values, attrs)
+    for name, limit in (("least", least), ("most", most)):
+        attrs = {"long_name": f"{name} value that bounds can have, for physical reasons"}
+        values = np.where(np.isfinite(limit[:, 0]), limit[:, 0], np.nan)
         variables[name] = ("response", values, attrs)
     return xr.Dataset(
         variables | fit.variables(),
@@ -137,24 +145,34 @@ _NUMBERS = {
     "worst_violation": ("largest distance outside the bounds of a run that was not fitted", ""),
     "largest_error": ("largest estimated error of the bounds", ""),
     "largest_error_time": ("time of the largest estimated error of the bounds", "s"),
-    "largest_impossible": ("largest distance of the model below the physical lower bound", ""),
-    "largest_impossible_time": ("time of the largest distance below the physical lower bound", "s"),
+    "largest_impossible": ("largest distance of the model beyond what is possible", ""),
+    "largest_impossible_time": ("time of the largest distance beyond what is possible", "s"),
     "error_share_of_width": ("estimated error of the bounds, as a share of the width", "1"),
 }
 
 
-def _least(samples: Samples) -> np.ndarray:
-    """The least values (n,) that the responses can have; -inf where there is none."""
-    if "response_least" not in samples.source:
-        return np.full(len(samples.names), -np.inf)
-    least = samples.source["response_least"].values[samples.rows]
-    return np.where(np.isnan(least), -np.inf, least)
+def _limits(samples: Samples, is_scan: bool) -> tuple[np.ndarray, np.ndarray]:
+    """The least and largest values (n,) that bounds can have; -inf, inf where there is none. Stops
+    and latches yield: bounds may go twice as far beyond them as any run; a scan's are runs."""
+
+    def number(name: str) -> np.ndarray:
+        if name not in samples.source:
+            return np.full(len(samples.names), np.nan)
+        return samples.source[name].values[samples.rows]
+
+    floor, ceiling = number("response_floor"), number("response_ceiling")
+    least, most = number("response_least"), np.full(len(floor), np.nan)
+    if np.isfinite([floor, ceiling]).any() and not is_scan:
+        low, high = samples.values.min(axis=(0, 2)), samples.values.max(axis=(0, 2))
+        least = np.fmax(least, floor - 2 * np.maximum(floor - low, 0.0))
+        most = ceiling + 2 * np.maximum(high - ceiling, 0.0)
+    return np.where(np.isnan(least), -np.inf, least), np.where(np.isnan(most), np.inf, most)
 
 
 def _numbers(
-    samples: Samples, bounds: Range, error: np.ndarray, lack: np.ndarray, test_rows: np.ndarray
+    samples: Samples, bounds: Range, error: np.ndarray, excess: np.ndarray, test_rows: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """Numbers (n,) of responses by name; error, lack (n, T): of bounds, below what is possible."""
+    """Numbers (n,) of responses by name; error, excess (n, T): of bounds, beyond the possible."""
     time, width = samples.time, bounds.upper - bounds.lower
     area = np.trapezoid(width, time)
     numbers = _largest("largest_width", width, time)
@@ -165,7 +183,7 @@ def _numbers(
         )
         runs = [compare_runs(*side) for side in sides]
         numbers |= {name: np.array([run[name] for run in runs]) for name in runs[0]}
-    numbers |= _largest("largest_error", error, time) | _largest("largest_impossible", lack, time)
+    numbers |= _largest("largest_error", error, time) | _largest("largest_impossible", excess, time)
     return numbers | {"error_share_of_width": share_of(error, time, area)}
 
 

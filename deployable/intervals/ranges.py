@@ -41,11 +41,11 @@ def to_range(low: np.ndarray, high: np.ndarray, argmin: np.ndarray, argmax: np.n
     return Range(low, high, low, high, argmin, argmax)
 
 
-def raise_bounds(bounds: Range, least: np.ndarray) -> Range:
-    """Copy of the range `bounds` with all bounds below `least` raised to it: the physical lower
-    bound of the responses, of a shape that broadcasts to (...), -inf where there is none."""
+def clip_bounds(bounds: Range, least: np.ndarray, most: np.ndarray) -> Range:
+    """Copy of the range `bounds` with all bounds within `least` and `most`, what the responses can
+    be, of shapes that broadcast to (...); -inf, inf where there is no limit."""
     ends = (bounds.lower, bounds.upper, bounds.inner_lower, bounds.inner_upper)
-    return Range(*(np.maximum(end, least) for end in ends), bounds.argmin, bounds.argmax)
+    return Range(*(np.clip(end, least, most) for end in ends), bounds.argmin, bounds.argmax)
 
 
 def surrogate_range(surrogate: Surrogate, tolerance: float = 1e-3) -> Range:

@@ -22,6 +22,8 @@ _COORDINATES = (
     "response_units",
     "response_long_name",
     "response_least",
+    "response_floor",
+    "response_ceiling",
     "response_ratio",
     "response_along",
     "parameter",

@@ -4,14 +4,14 @@ KINDS is the table of all: those that every run records, those that are a variab
 `fpm.reading.variables` as it is, and those that are made of several."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from fpm.elements import Latch, RigidLatch, Strut, energies_of, kinds_of
-from fpm.elements.openings.latch import SERIES
+from fpm.elements import Latch, RigidLatch, Stop, Strut, energies_of, kinds_of
+from fpm.elements.openings.latch import SERIES, SIDES
 from fpm.elements.openings.opening import SLIDING
 from fpm.errors import SceneError, did_you_mean, hint_new
 from fpm.files.trajectory import Column, Curves
@@ -36,7 +36,8 @@ class Response:
     values that `evaluate` returns; columns: recorded series, as (variable, label), that it is
     computed from, besides points and energies; along: what it is a function of, None: time
     (margins: the opening of a hinge); factors: of margins: (moment to deliver, its factor), then
-    (actuation factor, resistance factor, class) of each component; else ()."""
+    (actuation factor, resistance factor, class) of each component; else (); ends: where stops and
+    latches end the way of an opening, down and up; None: nowhere."""
 
     name: str
     kind: str
@@ -47,6 +48,7 @@ class Response:
     columns: tuple[Column, ...] = ()
     along: Abscissa | None = None
     factors: tuple = ()
+    ends: tuple[float | None, float | None] = (None, None)
 
     @property
     def needs(self) -> tuple[Column, ...]:
@@ -190,7 +192,23 @@ def _opening(spec: Definition, unit: str, words: str) -> Response:
     """An opening of a hinge or slide, or its rate."""
     name, slides, place = spec.hinge()
     variable, unit = (SLIDES[spec.kind], SLIDING[unit]) if slides else (spec.kind, unit)
-    return spec.response((name,), "", unit, f"{words} of {place}", ((variable, name),))
+    response = spec.response((name,), "", unit, f"{words} of {place}", ((variable, name),))
+    return replace(response, ends=_ends(spec.scene, name)) if spec.kind == "opening" else response
+
+
+def _ends(scene: Scene, name: str) -> tuple[float | None, float | None]:
+    """The openings of a hinge or slide at which the first stop or latch holds it, down and up."""
+    index = [hinge.name for hinge in scene.hinges].index(name)
+    start = scene.hinges[index].opening
+    floors, ceilings = [], []
+    for stop in (stop for stop in Stop.find(scene) if stop.hinge == index):
+        (ceilings if stop.side == "above" else floors).append(stop.angle)
+    for latch in (*Latch.find(scene), *RigidLatch.find(scene)):
+        lets_pass = getattr(latch, "one_sided", False) or np.isfinite(latch.max_capture_rate)
+        if latch.hinge == index and not lets_pass:
+            is_up = (SIDES[latch.side] or latch.angle - start) > 0
+            (ceilings if is_up else floors).append(latch.angle)
+    return max(floors, default=None), min(ceilings, default=None)
 
 
 def _latch(spec: Definition) -> Response:

@@ -21,7 +21,7 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.report import draw_nominal, make_motions
 from deployable.campaign.results.bounds import analyse
 from deployable.campaign.results.facts import _extrapolated_error
-from deployable.campaign.results.figures import draw_envelopes
+from deployable.campaign.results.figures import draw_envelopes, draw_panels
 from deployable.campaign.results.summary import summarise
 from deployable.campaign.results.templates import sentence, summary_text
 from deployable.campaign.text.numbers import pretty
@@ -133,11 +133,12 @@ def test_figures_are_drawn_in_three_forms_and_are_the_same_again(finished, tmp_p
     for place in ("first", "second"):
         folder = beside(finished, tmp_path / place)
         draw_envelopes(folder.bounds, 0.1, folder.figures)
+        draw_panels(folder.bounds, 0.1, folder.overviews)
         draw_nominal(folder, 5)
         found.append({path.name: unseal(path) for path in folder.figures.rglob("*.*")})
     first, second = found
     kinds = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}
-    assert set(first) == {f"{n}.{k}" for n in ("BD", "vBz", "moments") for k in kinds}
+    assert set(first) == {f"{n}.{k}" for n in ("BD", "vBz", "moments", "responses") for k in kinds}
     for name, content in first.items():
         assert content == second[name]
         assert content.startswith(kinds[name.split(".")[1]])

@@ -44,7 +44,7 @@ def test_a_campaign_returns_its_bounds_and_leaves_all_files(raw, tmp_path):
     with xr.open_dataset(folder.bounds) as written:
         xr.testing.assert_identical(written.load(), bounds)
     promised = Workflow(campaign.check_config(raw)).results()
-    assert len(promised) == 15
+    assert len(promised) == 18
     for name in promised:
         assert (tmp_path / Path(name).relative_to("results")).stat().st_size > 500
     assert "test: 7 of 7 runs done" in said
@@ -148,7 +148,7 @@ def test_a_scan_that_did_not_grow_knows_no_error(raw, tmp_path):
     assert "s | unknown | unknown |" in told
     with open_netcdf(folder.bounds) as bounds:
         assert float(bounds["largest_error"][0]) == 0.0
-        names = [text.get_text() for text in envelope(bounds, "BD", 0.1).legends[0].get_texts()]
+        names = [text.get_text() for text in envelope(bounds, ["BD"], 0.1).legends[0].get_texts()]
     assert "error estimate" not in names and row["grade"] == "unknown"
 
 

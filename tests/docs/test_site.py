@@ -55,8 +55,9 @@ def test_docstrings_become_text_with_code():
     assert lines == ["Text:", "", "::", "", "    code = 1", "", "More"]
 
 
-def test_the_readmes_picture_is_small():
-    picture = ROOT / "docs/images/bennett.gif"
-    assert picture.stat().st_size < 1_000_000
+def test_the_readmes_pictures_are_small_and_begin_with_bounds():
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert readme.index("docs/images/bennett.gif") < readme.index("git clone") < 2000
+    pictures = re.findall(r"!\[[^]]+\]\((docs/images/[^)]+)\)", readme)
+    assert sum((ROOT / picture).stat().st_size for picture in pictures) < 1_000_000
+    assert "bounds" in pictures[0]
+    assert readme.index(pictures[0]) < readme.index("git clone") < 2000

@@ -50,8 +50,8 @@ def test_the_same_run_gives_the_same_bytes(results, drawn, tmp_path):
 
 def test_no_words_stand_among_the_curves(results):
     with open_netcdf(results / "bounds.nc") as bounds:
-        figure = envelope(bounds, "x", 0.1)
-    (ax,) = figure.axes
+        figure = envelope(bounds, ["x"], 0.1)
+    ax, _ = figure.axes
     assert not any(text.get_text() for text in ax.texts)
     figure.draw_without_rendering()
     (legend,) = figure.legends
@@ -94,35 +94,82 @@ class Bounds(dict):
 
 
 def bounds_of(width, error):
-    """Bounds about a curve from 2 to 10 m, with their differences and errors (t,)."""
-    middle = np.linspace(2, 10, len(width))
+    """Bounds about a curve from 2 to 10 m, with their differences and errors (t,) or (n, t)."""
+    width, error = np.atleast_2d(width), np.atleast_2d(error)
+    middle, count = np.linspace(2, 10, width.shape[1]), len(width)
     return Bounds(
-        response=["x"], response_units=["m"], response_long_name=["place of the tip"],
-        response_least=[0.0], time=np.linspace(0, 1, len(width)),
-        lower=middle[None] - width / 2, upper=middle[None] + width / 2, error=error[None],
+        response=["x", "y", "z", "u"][:count], response_units=["m"] * count,
+        response_long_name=["place of the tip"] * count,
+        least=[0.0] * count, most=[14.0] * count, time=np.linspace(0, 1, width.shape[1]),
+        lower=np.maximum(middle - width / 2, 0), upper=np.minimum(middle + width / 2, 14),
+        error=error,
     )  # fmt: skip
 
 
-def test_a_difference_that_is_too_thin_to_see_has_a_panel_of_its_own():
-    width = np.linspace(0.1, 0.5, 11)
-    figure = envelope(bounds_of(width, 0.01 * width), "x", 0.1)
+EVEN = np.arange(21)
+ERRORS = {  # by what part of the bounds is not to be relied on, where their difference is 4
+    "none": np.full(21, 0.1),
+    "end": np.where(EVEN > 15, 1.5, 0.1),
+    "middle": np.where((EVEN > 8) & (EVEN < 12), 1.5, 0.5),
+    "all": np.full(21, 1.5),
+}
+
+
+def drawn_lines(ax):
+    """The two or more curves of bounds of some axes that are not faint, and those that are."""
+    lines = [line for line in ax.lines if len(line.get_xdata()) == len(EVEN)]
+    faint = [line.get_ydata() for line in lines if line.get_alpha()]
+    return [line.get_ydata() for line in lines if not line.get_alpha()], faint
+
+
+def test_bounds_are_drawn_at_all_instants_and_faint_where_they_are_not_to_be_relied_on():
+    bounds = bounds_of(np.full((4, 21), 4.0), np.array(list(ERRORS.values())))
+    singles = [envelope(bounds, [name], 0.1) for name in bounds["response"]]
+    panels = envelope(bounds, bounds["response"], 0.1)
+    for ax, figure, error in zip(panels.axes, singles, ERRORS.values(), strict=True):
+        for axis in (ax, *figure.axes):
+            strong, faint = drawn_lines(axis)
+            assert all((np.isnan(values) == (error >= 1)).all() for values in strong)
+            assert len(faint) == len(strong) * (error >= 1).any()
+            assert not any(np.isnan(values)[error >= 1].any() for values in faint)
+        told = [text.get_text() for text in figure.legends[0].get_texts()]
+        assert any("do not rely" in text for text in told) == (error >= 1).any()
+
+
+@pytest.mark.parametrize(("count", "width"), [(1, 3.54), (2, 6.4), (2, 3.54), (4, 6.4)])
+def test_several_responses_have_panels_with_letters_and_no_word_is_cut(count, width):
+    bounds = bounds_of(np.full((count, 21), 4.0), np.tile(ERRORS["middle"], (count, 1)))
+    figure = envelope(bounds, bounds["response"], 0.1, width)
+    panels = [ax for ax in figure.axes if ax.axison]
+    letters = [f"({letter})" for letter in "abcd"[:count]] if count > 1 else ["", ""]
+    assert [ax.get_title("left") for ax in panels] == letters
+    figure.draw_without_rendering()
+    box = figure.legends[0].get_window_extent()
+    assert figure.bbox.x0 <= box.x0 and box.x1 <= figure.bbox.x1
+    assert all(box.y1 < ax.get_window_extent().y0 for ax in panels)
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert len(labels) == len(set(labels))
+
+
+@pytest.mark.parametrize("share", [0.02, 0.1, 0.2, 0.24])
+def test_no_band_is_cut_or_beyond_what_is_possible(share):
+    width = np.linspace(0.1, 6.0, 21)
+    figure = envelope(bounds_of(width, np.full(21, share * 6.0)), ["x"], 0.1)
     ax, below = figure.axes
     np.testing.assert_allclose(below.lines[0].get_ydata(), width)
+    for axis in figure.axes:
+        low, high = axis.get_ylim()
+        points = [path.vertices[:, 1] for band in axis.collections for path in band.get_paths()]
+        points = np.concatenate(points)
+        assert max(0.0, low) <= points.min() and points.max() <= min(14.0, high)
     assert below.get_xlabel() == "time (s)" and not ax.get_xlabel()
-    assert len(envelope(bounds_of(10 * width, 0.1 * width), "x", 0.1).axes) == 1
 
 
-def test_bounds_are_not_drawn_where_their_error_is_large():
-    width, error = np.full(11, 4.0), np.where(np.arange(11) > 5, 1.5, 0.1)
-    figure = envelope(bounds_of(width, error), "x", 0.1)
-    (ax,), (legend,) = figure.axes, figure.legends
-    drawn = {line.get_label(): line.get_ydata() for line in ax.lines}
-    for name in ("lower bound", "upper bound"):
-        assert (np.isnan(drawn[name]) == (error > 1)).all()
-    assert any("no bounds where it is large" in text.get_text() for text in legend.get_texts())
-    figure.draw_without_rendering()
-    assert legend.get_window_extent().y1 < ax.get_window_extent().y0  # no words above the axes
-    bands = [place for band in ax.collections for place in band.get_paths()]
-    assert (
-        min(path.vertices[:, 1].min() for path in bands if len(path.vertices)) >= -2.0
-    )  # least bound
+def test_a_hatch_means_one_thing_in_all_axes():
+    bounds = bounds_of(np.full((4, 21), 4.0), np.array(list(ERRORS.values())))
+    choices = *([name] for name in bounds["response"]), bounds["response"]
+    axes = [ax for names in choices for ax in envelope(bounds, names, 0.1).axes]
+    hatched = [patch for ax in axes for patch in ax.patches if patch.get_hatch()]
+    meanings = {(patch.get_hatch(), patch.get_label()) for patch in hatched}
+    assert meanings == {("///", "error above 10 % of\nthe largest difference")}
+    assert len({patch.axes for patch in hatched}) == len(hatched) == 9  # of 12 axes, once in each

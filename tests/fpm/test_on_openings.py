@@ -9,6 +9,7 @@ from flaps import J, bare, flap
 import fpm
 from fpm.elements import Damper, Friction, Latch, Stop, TableSpring
 from fpm.elements.openings.table_spring import bends
+from fpm.reading.responses import parse
 
 PANEL = {"spring": (0.1, np.pi)}  # of the closed form for a panel with a latch
 TAPE = ((-0.5, 0.0, 0.1, 0.3, 2.0), (0.1, 0.0, -0.8, -0.2, -0.2))
@@ -361,3 +362,26 @@ def test_two_latches_on_a_hinge_need_names():
         scene.add(Latch(0, 2.0, 1.0))
     scene.add(Latch(0, 2.0, 1.0, name="second"))
     assert Latch.names(scene) == ["latch hinge", "latch second"]
+
+
+@pytest.mark.parametrize(
+    ("opening", "latch", "stop", "ends"),
+    [
+        (0.0, {"angle": 1.0}, {"angle": 2.0, "side": "above"}, (None, 1.0)),
+        (3.0, {"angle": 1.0}, {"angle": 2.0, "side": "below"}, (2.0, None)),
+        (0.0, {"angle": 1.0, "one_sided": True}, {"angle": 2.0, "side": "above"}, (None, 2.0)),
+        (
+            0.0,
+            {"angle": 1.0, "max_capture_rate": 9.0},
+            {"angle": 2.0, "side": "above"},
+            (None, 2.0),
+        ),
+        (0.0, {"angle": 1.0, "side": "below"}, {"angle": -1.0, "side": "below"}, (-1.0, 1.0)),
+        (3.0, {"angle": 1.0, "side": "above"}, {"angle": 4.0, "side": "above"}, (1.0, 4.0)),
+    ],
+)
+def test_stops_and_latches_end_the_way_of_an_opening(opening, latch, stop, ends):
+    parts = {"latch": {"stiffness": 1.0, **latch}, "stop": {"stiffness": 1.0, **stop}}
+    scene = flap(opening=opening, **parts)
+    assert parse("x", {"opening": "hinge"}, scene).ends == ends
+    assert parse("x", {"opening_rate": "hinge"}, scene).ends == (None, None)

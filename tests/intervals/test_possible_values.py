@@ -33,3 +33,25 @@ def test_a_distance_is_bounded_by_what_it_can_be(model):
     other = bounds_dataset(unbounded, design, model=model)
     np.testing.assert_array_equal(other["lower"], free["lower"])
     assert float(other["largest_impossible"][0]) == 0.0
+
+
+def stopped(sign, values):
+    """An opening that a stop at 1 ends at a time that depends on a; the stop yields by 0.001."""
+    time = TIME * (2.0 + 1.5 * values[0])
+    return sign * np.where(time < 1.0, time, 1.0 + 0.001 * np.sin(9.0 * time))
+
+
+@pytest.mark.parametrize(("sign", "end"), [(1, "response_ceiling"), (-1, "response_floor")])
+@pytest.mark.parametrize("model", ["polynomial", "spline"])
+def test_no_bound_is_beyond_a_stop_by_more_than_twice_what_runs_are(model, sign, end):
+    design = make_design("tensor_lobatto", BOX, 6)
+    samples = samples_of(lambda values: stopped(sign, values), BOX, design, TIME)
+    free = bounds_dataset(samples, design, model=model)
+    limit = 1.0 + 2 * (float(np.abs(samples["values"]).max()) - 1.0)
+    beyond = float(np.abs([free["lower"], free["upper"]]).max()) - limit
+    assert beyond > 0.01
+    found = bounds_dataset(samples.assign_coords({end: ("response", [sign])}), design, model=model)
+    low, high = (-np.inf, limit) if sign > 0 else (-limit, np.inf)
+    for side in ("lower", "upper"):
+        np.testing.assert_allclose(found[side], np.clip(free[side], low, high), rtol=1e-12)
+    assert float(found["largest_impossible"][0]) == pytest.approx(beyond, abs=1e-3)

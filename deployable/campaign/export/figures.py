@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from deployable.campaign.files import open_netcdf, whole_file
+from deployable.campaign.folder import MOST_PANELS
 from deployable.campaign.results.figures import DATELESS, STYLE, envelope, shares, without_formulas
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ def write_figures(run: SelectedRun, folder: Path, frames: int) -> list[Path]:
     """Simulate a run and write figures of it as PDF, SVG and PNG into `folder`, at the width of a
     journal's columns; returns the paths of the PDF files. They show the structure at moments of its
     motion, chosen from `frames` of them, and for a run of a campaign's results each response with
-    its bounds, and what each parameter contributes."""
+    its bounds, several in panels too, and what each parameter contributes."""
     import matplotlib
 
     paths = []
@@ -56,8 +57,11 @@ def _figures(run: SelectedRun, frames: int) -> Iterator[tuple[str, Any]]:
     if not run.folder:
         return
     with open_netcdf(run.folder.bounds) as bounds:
-        for name in bounds["response"][:]:
-            yield name, envelope(bounds, name, SHADE_ABOVE, width=COLUMN)
+        names = bounds["response"][:]
+        for name in names:
+            yield name, envelope(bounds, [name], SHADE_ABOVE, width=COLUMN)
+        if 1 < len(names) <= MOST_PANELS:
+            yield f"{run.name}-responses", envelope(bounds, names, SHADE_ABOVE, width=COLUMN)
     with open_netcdf(run.folder.sensitivities) as data:
         if "width" in data.variables and len(data["parameter"]) > 1:
             yield f"{run.name}-sensitivities", shares(data, PAGE)

@@ -30,7 +30,7 @@ _CURVES = f"""{_BOX}
 @text: limiting_element
 @number: time_step time_step_limit
 text response: response response_units response_long_name response_along?
-number response: response_least? response_ratio?
+number response: response_least? response_ratio? response_floor? response_ceiling?
 known time: time"""
 _SAMPLES = f"""{_CURVES}
 known run parameter: normalized value
@@ -55,6 +55,7 @@ known quarter response time: lower upper lower_run upper_run""",
 known response time: lower upper nominal?
 number response time: error? error_held_out? error_decay? error_surrogate? error_step? error_mesh?
 number response time: growth_quarter?
+number response: least most
 known response: largest_impossible largest_impossible_time
 number response: worst_violation? coverage?""",
     "surrogate.nc": f"""{_CURVES}

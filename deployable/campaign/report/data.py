@@ -26,8 +26,8 @@ class ResponseBounds:
     name, long_name: of the response, the latter in words; widths (k, T): of the response's range
     when one parameter varies alone, NaN where not above the error of the fit; shares (k): these
     integrated over time, as fractions (0 to 1) of their sum over all parameters; abscissa: dict of
-    the horizontal axis (`results.facts.along_of`), None: time; least: lowest value that the
-    response can have, such as 0."""
+    the horizontal axis (`results.facts.along_of`), None: time; least, most: what bounds are within,
+    for physical reasons, such as 0; NaN or None: no limit."""
 
     name: str
     long_name: str
@@ -40,6 +40,7 @@ class ResponseBounds:
     widths: np.ndarray | None = None
     abscissa: Mapping[str, Any] | None = None
     least: float | None = None
+    most: float | None = None
 
     @property
     def widest(self) -> int:

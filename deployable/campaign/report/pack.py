@@ -116,7 +116,10 @@ def payload(data: PageData, arrays: _Arrays, frames: int | None = None) -> dict[
                 "name": r.name, "longName": r.long_name, "units": r.units,
                 "unit": pretty(r.units),
                 "widest": float(data.time[r.widest]), "along": r.abscissa,
-                "least": None if r.least is None or np.isnan(r.least) else float(r.least),
+                **{
+                    key: None if limit is None or np.isnan(limit) else float(limit)
+                    for key, limit in (("least", r.least), ("most", r.most))
+                },
                 **{
                     key: None if values is None else arrays.add(values[..., keep], "f8")
                     for key, values in (

@@ -5,6 +5,7 @@ Bounds differ by dash as well as by colour, so that a grey print can be read."""
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,8 @@ UPPER = {"color": RED, "linestyle": (0, (5, 1, 1, 1)), "linewidth": 1.1, "label"
 ERROR = {"color": BARS[3], "alpha": 0.35, "linewidth": 0, "label": "error estimate"}
 NOMINAL = {"color": "0.35", "linestyle": "-", "linewidth": 0.8, "label": "nominal run"}
 RANGE = {"color": "0.85", "linewidth": 0, "zorder": 1, "label": "between the bounds"}
+DOUBT = f"do not rely on these bounds: error\nfrom {100 * LARGE:.0f} % of the largest difference"
+FAINT = {"linestyle": (0, (1, 1)), "linewidth": 1.0, "alpha": 0.6, "label": DOUBT}
 DATELESS = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 """Metadata of figures that the same data make the same."""
 STYLE = {"svg.hashsalt": "deployable-intervals", "pdf.fonttype": 42}
@@ -35,79 +38,115 @@ def draw_envelopes(bounds_path: str | Path, shade_above: float, folder: str | Pa
     their largest difference, above which instants are hatched; folder: of the files."""
     with open_netcdf(bounds_path) as bounds:
         for name in bounds["response"][:]:
-            save(envelope(bounds, name, shade_above), Path(folder) / name)
+            save(envelope(bounds, [name], shade_above), Path(folder) / name)
 
 
-def envelope(bounds: Any, name: str, shade_above: float, width: float = 6.4) -> Any:
-    """Make a matplotlib figure of one response over time: its bounds, their error, its nominal run,
-    and hatched instants where the error is large; below, the differences of the bounds, where these
-    are too small to be read off. All words stand below the axes. bounds: the open `bounds.nc`;
-    name: of the response; shade_above: error, as a share of the largest difference of the bounds,
-    above which instants are hatched (bounds are not drawn where it exceeds a quarter, `LARGE`);
+def draw_panels(bounds_path: str | Path, shade_above: float, folder: str | Path) -> None:
+    """Draw all responses with their bounds, a panel each, as `responses.png`, `.pdf` and `.svg`.
+    bounds_path, shade_above, folder: as of `draw_envelopes`."""
+    with open_netcdf(bounds_path) as bounds:
+        save(envelope(bounds, bounds["response"][:], shade_above), Path(folder) / "responses")
+
+
+def envelope(bounds: Any, names: Sequence[str], shade_above: float, width: float = 6.4) -> Any:
+    """Make a matplotlib figure of responses over time: bounds, their error, nominal run, instants
+    hatched where the error is large; bounds are faint where it exceeds a quarter (`LARGE`) of their
+    largest difference. All words stand below the axes.
+
+    Parameters
+    ----------
+    bounds: the open `bounds.nc`.
+    names: of the responses. One stands above the difference of its bounds; several have a panel
+        each, (a), (b), ...
+    shade_above: error, as a share of the largest difference of the bounds, above which instants are
+        hatched.
     width: of the figure (inches)."""
     from matplotlib.figure import Figure
 
-    i = list(bounds["response"][:]).index(name)
-    lower, upper = bounds["lower"][i], bounds["upper"][i]
-    least = np.nan
-    if "response_least" in bounds.variables:
-        least = float(np.ma.filled(bounds["response_least"][i], np.nan))
-    time, axis_label = _abscissa(bounds, i)
-    units = pretty(bounds["response_units"][i])
-    unit = f" ({units})" if units != "1" else ""
-    difference, narrow = upper - lower, width < 5.0
-    thin = 0 < difference.max() < _THIN * (upper.max() - lower.min())
-    size = (width, (0.95 if narrow else 0.5625) * width * (1.4 if thin else 1.0))
+    rows = [list(bounds["response"][:]).index(name) for name in names]
+    is_single, columns, narrow = len(rows) == 1, 1 if len(rows) <= 3 else 2, width < 5.0
+    heights = [1.0] * -(-len(rows) // columns)
+    if is_single and (bounds["upper"][rows[0]] > bounds["lower"][rows[0]]).any():
+        heights = [1.0, 0.5]
+    size = (width, (0.95 if narrow else 0.5625) * width / columns * sum(heights))
     figure = Figure(figsize=size, layout="constrained")
-    ax, *difference_axes = np.atleast_1d(
-        figure.subplots(1 + thin, sharex=True, height_ratios=(2, 1)[: 1 + thin])
-    )
-    error = bounds["error"][i] if "error" in bounds.variables else None
-    kind, has_error = bounds.bounds_kind, error is not None
-    has_error = has_error and drop_unknown_error(kind, float(error.max())) is not None
-    sure = error < LARGE * difference.max() if has_error else np.full(len(time), True)
-    ax.fill_between(time, lower, upper, where=sure, **RANGE)
-    if "nominal" in bounds.variables:
-        ax.plot(time, bounds["nominal"][i], zorder=2, **NOMINAL)
-    ax.plot(time, np.where(sure, lower, np.nan), zorder=3, **LOWER)
-    ax.plot(time, np.where(sure, upper, np.nan), zorder=3, **UPPER)
-    for axis in difference_axes:
-        axis.plot(time, np.where(sure, difference, np.nan), color="black", lw=0.9)
-        axis.set_ylabel(f"difference{unit}")
-        axis.set_ylim(bottom=0)
-    if has_error:
-        outermost = np.fmax(lower - error, least)
-        ax.fill_between(time, outermost, lower, where=sure, zorder=0.5, **ERROR)
-        outer = {**ERROR, "label": None}
-        ax.fill_between(time, upper, upper + error, where=sure, zorder=0.5, **outer)
-        for axis in difference_axes:
-            low, high = difference - error, difference + error
-            axis.fill_between(time, low, high, where=sure, zorder=0.5, **outer)
-        doubtful = error > shade_above * difference.max()
-        label = f"error above {100 * shade_above:.0f} % of the largest difference"
-        _shade(ax, time, doubtful, label + ("" if sure.all() else "; no bounds where it is large"))
-    if sure[difference.argmax()]:
-        _mark_largest(ax, time, lower, upper, units)
-    label = f"{bounds['response_long_name'][i]}{unit}"
-    ax.set_ylabel(textwrap.fill(label, 30 if narrow else 36))
-    ax.set_xlim(time[0], time[-1])
-    ax.margins(y=0.08)
-    for axis in (ax, *difference_axes):
-        axis.grid(color="0.9", linewidth=0.5)
-        axis.set_axisbelow(True)
-    axis.set_xlabel(axis_label)
+    grid = {"sharex": is_single, "squeeze": False, "height_ratios": heights}
+    axes = figure.subplots(len(heights), columns, **grid).ravel()
+    for place, i in enumerate(rows):
+        letter = "" if is_single else f"({chr(97 + place)})"
+        panel = axes if is_single else axes[place : place + 1]
+        _draw_envelope(panel, bounds, i, shade_above, letter)
+        ylabel = f"{bounds['response_long_name'][i]}{_unit(bounds, i)}"
+        panel[0].set_ylabel(textwrap.fill(ylabel, 30 if narrow or columns > 1 else 36))
+    for ax in axes[max(len(rows), len(heights)) :]:
+        ax.set_axis_off()
+    keys = [pair for ax in axes for pair in zip(*ax.get_legend_handles_labels(), strict=True)]
+    keys.sort(key=lambda pair: pair[1].startswith("("))  # the numbers of panels last
+    handles = {label: handle for handle, label in keys}
     figure.legend(
+        handles.values(),
+        handles.keys(),
         loc="outside lower center",
         ncols=2 if narrow else 3,
         columnspacing=1.2,
-        fontsize=7,
+        handlelength=1.8,
+        fontsize=6 if narrow else 7,
         frameon=False,
     )
     return figure
 
 
-_THIN = 0.15
-"""Share of the height of the curves from which a difference of the bounds can be read."""
+def _draw_envelope(axes: Any, bounds: Any, i: int, shade_above: float, letter: str) -> None:
+    """Draw response `i` into the first of some axes, the difference of its bounds into another."""
+    ax, *difference_axes = axes
+    lower, upper = bounds["lower"][i], bounds["upper"][i]
+    time, axis_label = _abscissa(bounds, i)
+    difference, error = upper - lower, bounds["error"][i] if "error" in bounds.variables else None
+    kind, sure = bounds.bounds_kind, np.full(len(time), True)
+    has_error = error is not None and drop_unknown_error(kind, float(error.max())) is not None
+    if has_error:
+        sure = error < LARGE * difference.max()
+    faint = np.convolve(~sure, [1, 1, 1], "same") > 0  # joins what is sure
+    ax.fill_between(time, lower, upper, where=sure, **RANGE)
+    if "nominal" in bounds.variables:
+        ax.plot(time, bounds["nominal"][i], zorder=2, **NOMINAL)
+    curves = [(ax, lower, LOWER), (ax, upper, UPPER)]
+    curves += [(axis, difference, {"color": "black", "linewidth": 0.9}) for axis in difference_axes]
+    for axis, values, style in curves:
+        axis.plot(time, np.where(sure, values, np.nan), zorder=3, **style)
+        if faint.any():
+            values = np.where(faint, values, np.nan)
+            axis.plot(time, values, zorder=1.5, **style | FAINT | {"label": None})
+    if faint.any():
+        ax.plot([], [], color="0.3", **FAINT)
+    if has_error:
+        least, most = (float(np.ma.filled(bounds[name][i], np.nan)) for name in ("least", "most"))
+        bands = [(ax, np.fmax(lower - error, least), lower)]
+        bands.append((ax, upper, np.fmin(upper + error, most)))
+        for axis in difference_axes:
+            bands.append((axis, np.maximum(difference - error, 0), difference + error))
+        label = f"error above {100 * shade_above:.3g} % of\nthe largest difference"
+        for axis, low, high in bands:
+            axis.fill_between(time, low, high, where=sure, zorder=0.5, **ERROR)
+        for axis in axes:
+            _shade(axis, time, error > shade_above * difference.max(), label)
+    if sure[difference.argmax()]:
+        _mark_largest(ax, time, lower, upper, bounds["response_units"][i], letter)
+    ax.set_title(letter, loc="left", fontsize="medium")
+    for axis in difference_axes:
+        axis.set_ylabel(f"difference{_unit(bounds, i)}")
+        axis.set_ylim(bottom=0)
+    for axis in axes:
+        axis.set_xlim(time[0], time[-1])
+        axis.grid(color="0.9", linewidth=0.5)
+        axis.set_axisbelow(True)
+    ax.margins(y=0.08)
+    axis.set_xlabel(axis_label)
+
+
+def _unit(bounds: Any, i: int) -> str:
+    units = pretty(bounds["response_units"][i])
+    return f" ({units})" if units != "1" else ""
 
 
 def draw_sensitivities(path: str | Path, folder: str | Path) -> None:
@@ -186,7 +225,7 @@ def _shade(ax: Any, time: np.ndarray, mask: np.ndarray, label: str) -> None:
 
 
 def _mark_largest(
-    ax: Any, time: np.ndarray, lower: np.ndarray, upper: np.ndarray, units: str
+    ax: Any, time: np.ndarray, lower: np.ndarray, upper: np.ndarray, units: str, letter: str
 ) -> None:
     """Mark the largest difference of the bounds with an arrow, and tell its size in the legend."""
     i = int((upper - lower).argmax())
@@ -196,7 +235,7 @@ def _mark_largest(
     arrow = {"arrowstyle": "<->", "color": "black", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", (time[i], lower[i]), (time[i], upper[i]), arrowprops=arrow, zorder=5)
     sign = {"marker": r"$\updownarrow$", "markersize": 9, "linestyle": "none", "color": "black"}
-    label = f"largest difference {width:.3g}" + (f" {units}" if units != "1" else "")
+    label = f"{letter} largest difference {width:.3g} {pretty(units)}".strip().removesuffix(" 1")
     ax.plot([], [], label=label, **sign)
 
 

@@ -127,7 +127,7 @@ def _line(ax: Any, data: Any, q: int, runs: FittedRuns, free: Any) -> None:
 
 
 def _map(ax: Any, data: Any, q: int, runs: FittedRuns, free: Any) -> None:
-    """The quantity over both parameters; hatched where it does not happen."""
+    """The quantity over both parameters; grey where it does not happen."""
     i, j = map(int, free)
     normalized, values = runs.points, runs.numbers[:, q]
     line = np.linspace(-1, 1, _GRID)
@@ -141,7 +141,9 @@ def _map(ax: Any, data: Any, q: int, runs: FittedRuns, free: Any) -> None:
         bar.set_label(f"{data['quantity'][q]} ({pretty(data['quantity_units'][q])})", fontsize=8)
         bar.ax.tick_params(labelsize=7)
     if (missing := ~np.isfinite(field)).any():
-        ax.contourf(x, y, missing, [0.5, 1.5], colors=["0.9"], hatches=["///"])
+        ax.contourf(x, y, missing, [0.5, 1.5], colors=["0.9"])
+        ax.fill_between([], [], color="0.9", label="does not happen")
+        ax.legend(fontsize=7, frameon=False)
     mask = np.isfinite(values)
     for kind, mark, colour in ((mask, "o", "white"), (~mask, "x", RED)):
         places = [_values(data, c, normalized[kind, c]) for c in (i, j)]

@@ -5,6 +5,7 @@
     response, response_units, response_long_name (response)
     response_along(response)      over what it lies instead of time; only where some do
     response_least(response)      the least value that it can have, NaN where there is none
+    response_floor, response_ceiling(response)  of openings: at a stop or latch
     normalized(run, parameter)    coordinates in the box, -1 to 1
     value(run, parameter)         parameter values, in the units box_units(parameter)
     parameter_<name>(run)         the same by name, with units
@@ -197,6 +198,12 @@ def write_names(file: Any, dimension: str, items: Sequence[Any]) -> None:
         least = [np.nan if item.least is None else item.least for item in items]
         text = "least value that the response can have, in its units; missing where there is none"
         _numbers(file, "response_least", ("response",), least, text)
+        for side, name in enumerate(("response_floor", "response_ceiling")):
+            ends = [np.nan if item.ends[side] is None else item.ends[side] for item in items]
+            text = (
+                f"{name[9:]} that a stop or latch sets to an opening; missing where there is none"
+            )
+            _numbers(file, name, ("response",), ends, text)
 
 
 def _write_rows(file: Any, rows: list[int], records: Sequence[RunRecord]) -> None:

@@ -20,7 +20,7 @@ from deployable.campaign.config.sections import (
 )
 from deployable.campaign.errors import CampaignError, of_files
 from deployable.campaign.files import HISTORY, check_results, refuse_links, results_of
-from deployable.campaign.folder import PICTURES, Folder
+from deployable.campaign.folder import MOST_PANELS, PICTURES, Folder
 from deployable.campaign.provenance import program_digest
 from deployable.campaign.runs.progress import Notify
 from fpm.errors import SceneError
@@ -151,9 +151,12 @@ def plan_of(folder: Folder, names: Sequence[str]) -> dict[str, str]:
 
 def drawings(experiment: Experiment) -> list[str]:
     """List the names of the figures of a whole campaign that the stage `figures` draws:
-    `sensitivities`, with several intervals and a polynomial, and `ranges`, with quantities."""
+    `responses`, with several that fit on a page, `sensitivities`, with several intervals and a
+    polynomial, and `ranges`, with quantities."""
+    has_panels = 1 < len(experiment.responses) <= MOST_PANELS
     has_contributions = len(experiment.intervals) > 1 and experiment.design.order is not None
-    return ["sensitivities"] * has_contributions + ["ranges"] * bool(experiment.quantities)
+    names = ["responses"] * has_panels + ["sensitivities"] * has_contributions
+    return names + ["ranges"] * bool(experiment.quantities)
 
 
 def _list_answers(campaign: Campaign) -> list[str]:

@@ -14,8 +14,8 @@ function drawable({ lower, upper, error, widest }) {
 function responseChart(response, r, marks) {
   const { nominal, error } = response, { unit } = response, { lower, upper } = drawable(response);
   const areas = [{ lower, upper, kind: "band" }];
-  const least = response.least ?? -Infinity; // null is less than what is above 0
-  if (error) areas.unshift({ lower: offset(lower, error, -1).map((value) => (value < least ? least : value)), upper: offset(upper, error, 1), kind: "doubt" });
+  const possible = (values) => values.map((value) => Math.min(response.most ?? Infinity, Math.max(response.least ?? -Infinity, value)));
+  if (error) areas.unshift({ lower: possible(offset(lower, error, -1)), upper: possible(offset(upper, error, 1)), kind: "doubt" });
   const curves = DATA.lines.map(({ curves }) => ({ values: curves[r], kind: "thin" }));
   DATA.moving.slice(1).forEach(({ curves: ours }, i) => curves.push({ values: ours[r], kind: "moving", run: i + 1 }));
   curves.push({ values: lower, kind: "lower" }, { values: upper, kind: "upper" });

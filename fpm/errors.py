@@ -122,6 +122,7 @@ NEW_NAMES = {
     "fastest": "max_capture_rate", "tolerance": "capture_range", "least": "lower", "most": "upper",
     "motions": "initial_velocities",
     "stand": "locked", "factors": "uncertainty_factors", "drives": "actuation_factors",
+    "accelerate": "specified_acceleration", "deliver": "output_torque",
 }  # fmt: skip
 """Keys and words of configs and structures that were called otherwise, and their names of today."""
 

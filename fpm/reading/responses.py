@@ -35,7 +35,7 @@ class Response:
     component: x, y, z, norm, ... of a vector, "" of a scalar; unit (UDUNITS), long_name: of the
     values that `evaluate` returns; columns: recorded series, as (variable, label), that it is
     computed from, besides points and energies; along: what it is a function of, None: time
-    (margins: the opening of a hinge); factors: of margins: (moment to deliver, its factor), then
+    (margins: the opening of a hinge); factors: of margins: (output torque, its factor), then
     (actuation factor, resistance factor, class) of each component; else ()."""
 
     name: str

@@ -358,11 +358,11 @@ def test_a_margin_by_own_factors_stands_beside_that_of_the_standard():
 
 
 def test_latches_and_motors_that_have_no_part_are_said():
-    stated = least(latches=["lock"], motors=["g"], added=["deliver 0.1"], locked=["f"])
+    stated = least(latches=["lock"], motors=["g"], added=["output_torque 0.1"], locked=["f"])
     (row,) = find(sheet(*stated), "4.7.5.3", EVERY)
     for words in (
         "the latch lock, which catches on the way, has no part", "the motor of g, elastic",
-        "with deliver 0.1", "f standing", "positions 0 to 1.5 rad of 0 to 1.5 rad analysed",
+        "with output_torque 0.1", "f standing", "positions 0 to 1.5 rad of 0 to 1.5 rad analysed",
     ):  # fmt: skip
         assert words in row["analysed"]
 

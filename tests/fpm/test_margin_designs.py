@@ -52,7 +52,7 @@ class Design:
         self.evidence = str(rng.choice(list(STANDARDS[self.standard].resists)))
         self.more = {}
         if rng.random() < 0.3:
-            self.more["deliver"] = rng.uniform(0.0, 0.05)
+            self.more["output_torque"] = rng.uniform(0.0, 0.05)
 
     def springs(self, hinge, rate):
         k, psi = self.rng.uniform(0.05, 0.5), self.rng.uniform(0.8, 4.0) * rate
@@ -128,7 +128,7 @@ class Design:
         standard = STANDARDS[self.standard]
         resists = standard.resists[self.evidence]
         driving = 0.0
-        resisting = resists["TL"] * self.more.get("deliver", 0.0)
+        resisting = resists["TL"] * self.more.get("output_torque", 0.0)
         for hinge, name, gives in self.acting:
             work = self.rates[hinge] * gives(self.rates[hinge] * way)
             driving = driving + standard.drives[name] * np.maximum(work, 0)

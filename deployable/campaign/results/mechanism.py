@@ -108,8 +108,8 @@ def margin_of(
         "motors": [nominal.hinges[motor.hinge].name for motor in Motor.find(nominal)],
         "own": list_deviations(nominal, definition, response),
         "weaker": weaker_classes(nominal, response),
-        "added": [f"{key} {definition[key]:g}" for key in ("accelerate", "deliver")
-                  if definition.get(key)],
+        "added": [f"{key} {definition[key]:g}"
+                  for key in ("specified_acceleration", "output_torque") if definition.get(key)],
         "springs": [name for name in springs_of(nominal) if name in drives],
         "drives": sorted(drives),
         "at": dict(zip(experiment.intervals, worst, strict=True)),

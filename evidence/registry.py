@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from evidence.tradeoff.measure.asked_cases import ACCURACY_CASES
 from evidence.tradeoff.measure.cases import CASES
+from evidence.tradeoff.measure.tolerance_cases import ACCURACY_CASES
 from fpm.kernels.sources import syntax_digest
 
 ROOT = Path(__file__).parents[1]

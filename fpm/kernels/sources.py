@@ -32,7 +32,7 @@ are made again with every page. Everything else of the mechanics counts in the n
 CODE = (".py", ".html", ".jinja", ".css", ".js", ".yaml", ".json")
 """Files of a package that decide about results, by how they end."""
 
-LINKS = "shipped/"
+LINKS = "program_data/"
 """Folders that end so hold what does not decide: workflow and campaigns that are shipped along."""
 
 VERSION = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:8]

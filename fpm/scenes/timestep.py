@@ -27,7 +27,7 @@ import numpy as np
 
 from fpm.elements import Contact, kinds_of
 from fpm.elements.kind import Deformations
-from fpm.elements.particles.turning import turns_of
+from fpm.elements.particles.rotation_axes import turns_of
 from fpm.scenes.scene import Scene
 
 SAFETY = 0.9

@@ -118,7 +118,7 @@ def _integrate(scenes, width, dtype, instants, division, tolerance):
 
 
 def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
-    from fpm.kernels.compiled import loop_for
+    from fpm.kernels.compiled_loop import loop_for
 
     batch = pack.pack(scenes, width, dtype, instants, room)
     step, output_steps, check_steps = division
@@ -141,7 +141,7 @@ def _integrate_once(scenes, width, dtype, instants, division, tolerance, room):
 
 def is_compiled(scene: Scene) -> bool:
     """Return whether the compiled time loop (float64) for a scene's element types is on disk."""
-    from fpm.kernels.compiled import DIGESTS, cache_folder
+    from fpm.kernels.compiled_loop import DIGESTS, cache_folder
     from fpm.kernels.lanes import width as lanes_of
 
     dtype = np.dtype(np.float64)

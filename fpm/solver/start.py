@@ -21,7 +21,7 @@ import numpy as np
 from fpm.assembly.conditions import Conditions, ParticlePoses, conditions_of
 from fpm.elements.joints.turn import Turn
 from fpm.elements.openings.opening import moving_at_start
-from fpm.elements.particles.turning import turns_of
+from fpm.elements.particles.rotation_axes import turns_of
 from fpm.errors import SceneError
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ import numpy as np
 
 from fpm.elements.cross import columns, cross
 from fpm.elements.particles.drive import Drive
-from fpm.elements.particles.turning import turns_of
+from fpm.elements.particles.rotation_axes import turns_of
 from fpm.errors import InstabilityError, SceneError
 from fpm.files.outcome import BALANCE, KINETIC, Motion, Outcome, columns_of, eventful
 from fpm.kernels import layout

@@ -13,7 +13,7 @@ from deployable.campaign.config.check import check_config
 from deployable.campaign.plan.accuracy import _halve, _refinement_state, first_plan, next_plan
 from deployable.campaign.plan.jobs import run_seconds
 from deployable.campaign.plan.plan import Round
-from fpm.files.sealed import whole_file
+from fpm.files.seals import whole_file
 
 
 @pytest.fixture

@@ -118,7 +118,7 @@ def test_a_time_loop_is_known_to_be_compiled_once_it_is(monkeypatch, tmp_path):
     scene = structures.load(CONFIG / "structures/panel.yaml").build()
     fpm.warm_up(scene)
     assert fpm.is_compiled(scene)
-    monkeypatch.setattr("fpm.kernels.compiled.cache_folder", lambda kinds: tmp_path)
+    monkeypatch.setattr("fpm.kernels.compiled_loop.cache_folder", lambda kinds: tmp_path)
     assert not fpm.is_compiled(scene)
 
 

@@ -101,7 +101,7 @@ def test_bad_arguments_are_refused(arguments, text):
 
 
 def test_a_whole_number_as_tolerance_compiles_nothing_new():
-    from fpm.kernels.compiled import LOOPS
+    from fpm.kernels.compiled_loop import LOOPS
 
     scene = build(elements=2)
     fpm.simulate(scene, duration=1e-3, instants=2)

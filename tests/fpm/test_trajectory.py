@@ -10,7 +10,7 @@ import fpm
 from deployable.campaign.config.sections import scene_type
 from fpm.elements.kind import Series
 from fpm.files.outcome import columns_of
-from fpm.files.sealed import DamagedError, seal
+from fpm.files.seals import DamagedError, seal
 from fpm.reading.variables import VARIABLES
 
 BENNETT = scene_type("bennett")

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import fpm
-from evidence.attack.metamorphic.plain import without_compiling
+from evidence.attack.metamorphic.plain_loop import without_compiling
 from evidence.attack.metamorphic.runs import STEPS, curves_of, scene_of
 from fpm.reading.variables import VARIABLES
 from fpm.structures.report import redundant

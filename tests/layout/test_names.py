@@ -1,4 +1,4 @@
-"""No name of a value is only a participle, a pronoun, a preposition or an adverb."""
+"""No name of a value or module is only a participle, a pronoun, a preposition or an adverb."""
 
 import ast
 import re
@@ -100,10 +100,11 @@ def members(tree):
 
 
 def words(source, path=""):
-    """Line and name of what a source binds to a word that says nothing about its value."""
+    """Line and name of what a source binds, and of itself, if the word says nothing of it."""
     tree = ast.parse(source)
+    tree.lineno, module = 1, Path(path.removesuffix("/__init__.py")).stem
     fields = {id(node) for node in members(tree)}
-    for node, name in bindings(tree):
+    for node, name in [(tree, module), *bindings(tree)]:
         bare = name.strip("_").rstrip("0123456789").casefold()
         allowed = {*ALLOWED, *(MEMBERS if id(node) in fields else ())}
         if bare in NEVER:
@@ -161,6 +162,7 @@ PLANTED = {
 @pytest.mark.parametrize("source", PLANTED)
 def test_a_planted_name_is_reported(source):
     assert sorted(name for _, name in words(source)) == sorted(PLANTED[source].split())
+    assert [*words("", "fpm/moved/__init__.py")] == [(1, "moved")]
 
 
 def test_words_that_are_allowed_are_of_the_list():

@@ -12,7 +12,7 @@ from opening import CONFIG
 from deployable import campaign
 from deployable.campaign.report import from_results, make_motions
 from deployable.campaign.report.data import FURTHER, RunVerdicts
-from deployable.campaign.report.failing import meets, panels
+from deployable.campaign.report.failing_region import meets, panels
 from deployable.campaign.report.page import render
 from deployable.campaign.results.templates import sentence, summary_text
 

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from deployable import campaign
 from deployable.campaign.report import from_results, make_motions, write_page
 from deployable.campaign.report.data import RunVerdicts
-from deployable.campaign.report.failing import MOST_PARAMETERS, lines, prices
+from deployable.campaign.report.failing_region import MOST_PARAMETERS, lines, prices
 from deployable.campaign.report.page import render
 
 in_a_browser = pytest.mark.skipif(bool(MISSING), reason=f"not installed: {', '.join(MISSING)}")

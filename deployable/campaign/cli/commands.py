@@ -20,7 +20,7 @@ from deployable.campaign.errors import CampaignError, ConfigError, of_files
 from deployable.campaign.export import COLOURS, FORMATS, choose, export
 from deployable.campaign.files import read_json, wrap_error
 from deployable.campaign.folder import CAMPAIGN, Folder
-from deployable.campaign.pictures.still import SUFFIXES, write_structure
+from deployable.campaign.pictures.drawing import SUFFIXES, write_structure
 from deployable.campaign.results.templates import doubt_texts
 from deployable.campaign.stages.workflow import run
 

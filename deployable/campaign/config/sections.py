@@ -21,7 +21,7 @@ import numpy as np
 
 import fpm
 from deployable import intervals
-from deployable.campaign import shipped
+from deployable.campaign import program_data
 from deployable.campaign.config.models import (
     BoundsChoice,
     CampaignName,
@@ -57,7 +57,7 @@ def scene_type(name: str, file: str = "") -> Any:
     """Load the `fpm` structure (`SceneType`) in `file`, which results may name from then on
     (`trust`), or without one the shipped structure called `name`. Raises `fpm.SceneError`."""
     if not file:
-        if name not in (files := shipped.structures()):
+        if name not in (files := program_data.structures()):
             raise SceneError("scene.name", name, f"one of {', '.join(files)}")
         file = str(files[name])
     else:

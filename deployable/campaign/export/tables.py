@@ -10,10 +10,10 @@ import numpy as np
 
 from deployable.campaign.files import csv_text, open_netcdf, write_text
 from deployable.campaign.folder import Folder
-from deployable.campaign.results.which import ids, roles
+from deployable.campaign.results.run_roles import ids, roles
 
 if TYPE_CHECKING:
-    from deployable.campaign.export.chosen import SelectedRun
+    from deployable.campaign.export.selection import SelectedRun
 
 _INTERVAL = ("lower", "nominal", "upper", "error", "happens")
 _BOUNDS = ("lower", "upper", "nominal", "error")

@@ -17,7 +17,7 @@ import numpy as np
 
 from deployable.campaign.config.sections import Experiment, steps_problems
 from deployable.campaign.errors import CampaignError, HeldConfigError
-from fpm.files.sealed import DamagedError
+from fpm.files.seals import DamagedError
 
 ROLES = ("nominal", "node", "held_out", "further")
 RUN_ID = re.compile("[0-9a-f]{16}")

@@ -41,7 +41,7 @@ from deployable.campaign.files.contents import ROLES, RUN_ID, reading
 from deployable.campaign.plan.runs import PlannedRun, Runs, namer, values_of
 from deployable.intervals import held_out_points
 from deployable.intervals.box import MOST_FULL
-from fpm.files.sealed import DamagedError
+from fpm.files.seals import DamagedError
 
 MAX_PLAN_ROWS = 10_000
 """Runs that have a line each in `plan.json`; of more, programs are the only readers."""
@@ -213,7 +213,7 @@ def write_plan(plan: Plan, path: str | Path) -> None:
 
 
 def read_plan(path: str | Path) -> Plan:
-    """Read a plan from `path`; raises `fpm.files.sealed.DamagedError` if it is not as written."""
+    """Read a plan from `path`; raises `fpm.files.seals.DamagedError` if it is not as written."""
     data = read_json(path)
     with reading(path):
         return _plan(path, data)

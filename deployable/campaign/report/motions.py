@@ -16,8 +16,8 @@ from deployable.campaign.files import open_dataset, open_netcdf
 from deployable.campaign.folder import Folder
 from deployable.campaign.pictures.moments import draw_moments
 from deployable.campaign.results.figures import save
-from deployable.campaign.results.which import ids, keeps_extremes, nominal_row
-from fpm.files.sealed import DamagedError, check
+from deployable.campaign.results.run_roles import ids, keeps_extremes, nominal_row
+from fpm.files.seals import DamagedError, check
 
 if TYPE_CHECKING:
     import xarray

@@ -24,12 +24,12 @@ from deployable.campaign.report.data import (
     WhatIf,
     Work,
 )  # fmt: skip
-from deployable.campaign.report.failing import meets
+from deployable.campaign.report.failing_region import meets
 from deployable.campaign.report.motions import ShownRun, shown_runs
 from deployable.campaign.results.facts import along_of
 from deployable.campaign.results.ranges import runs_of
-from deployable.campaign.results.which import counts, ids, keeps_extremes, roles
-from fpm.files.sealed import DamagedError, check
+from deployable.campaign.results.run_roles import counts, ids, keeps_extremes, roles
+from fpm.files.seals import DamagedError, check
 
 if TYPE_CHECKING:
     import xarray

@@ -15,7 +15,7 @@ import numpy as np
 from deployable.campaign.files import open_netcdf, read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, read_plan
-from deployable.campaign.results.which import counts, nominal_row
+from deployable.campaign.results.run_roles import counts, nominal_row
 from deployable.campaign.text.numbers import percent
 from deployable.campaign.text.words import words_of
 from deployable.intervals.estimates import MAX_TAIL_RATIO

@@ -15,7 +15,7 @@ from deployable.campaign.folder import Folder
 from deployable.campaign.pictures.colours import BLUE, RED
 from deployable.campaign.plan.event_margins import margins_of_samples
 from deployable.campaign.results.figures import save
-from deployable.campaign.results.which import fitted_rows
+from deployable.campaign.results.run_roles import fitted_rows
 from deployable.campaign.text.numbers import pretty
 
 _LINE, _GRID = 401, 121

@@ -33,7 +33,7 @@ from deployable.campaign.provenance import as_attribute, check_code
 from deployable.campaign.runs.progress import Notify, Progress, warm_up
 from deployable.campaign.runs.results import Result, groups_of
 from deployable.campaign.runs.store import open_store
-from fpm.files.sealed import remove_temporary
+from fpm.files.seals import remove_temporary
 from fpm.files.trajectory import Column
 from fpm.reading.variables import words
 

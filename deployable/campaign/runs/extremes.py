@@ -29,7 +29,7 @@ from deployable.campaign.files.contents import reading
 from deployable.campaign.plan.runs import Runs
 from deployable.campaign.runs import results as common
 from deployable.intervals.samples import Running
-from fpm.files.sealed import DamagedError
+from fpm.files.seals import DamagedError
 
 FEWEST, MOST = 4, 128
 """Chunks of a scan; quarters consist of whole ones."""

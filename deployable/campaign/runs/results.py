@@ -13,9 +13,9 @@ import numpy as np
 
 from deployable.campaign.config.sections import Experiment, digest
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files.outside import refuse_outside
+from deployable.campaign.files.external_links import refuse_outside
 from deployable.campaign.plan.runs import PlannedRun, Runs
-from fpm.files.sealed import DamagedError, check
+from fpm.files.seals import DamagedError, check
 from fpm.files.trajectory import Column
 from fpm.kernels import sources
 

@@ -29,7 +29,7 @@ from deployable.campaign.runs import results as common
 from deployable.campaign.runs.extremes import ScanExtremes
 from deployable.campaign.runs.results import EVENT_VARIABLES, Result, RunRecord, Store
 from fpm.files import trajectory
-from fpm.files.sealed import DamagedError
+from fpm.files.seals import DamagedError
 from fpm.files.trajectory import Column
 from fpm.kernels import sources
 from fpm.reading.variables import VARIABLES

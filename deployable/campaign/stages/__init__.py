@@ -24,7 +24,7 @@ from deployable.campaign.folder import PICTURES, Folder
 from deployable.campaign.provenance import program_digest
 from deployable.campaign.runs.progress import Notify
 from fpm.errors import SceneError
-from fpm.files.sealed import DamagedError, check, remove_temporary
+from fpm.files.seals import DamagedError, check, remove_temporary
 
 PLAN, SAMPLES, BOUNDS = "plan.json", "samples.nc", "bounds.nc"
 SENSITIVITIES = "sensitivities.nc"

@@ -24,7 +24,7 @@ def main() -> None:
     parser.add_argument("--families", type=int, default=len(ALL), help="of each structure")
     options = parser.parse_args()
     if numba.config.DISABLE_JIT:
-        from evidence.attack.metamorphic.plain import without_compiling
+        from evidence.attack.metamorphic.plain_loop import without_compiling
 
         without_compiling()
     for seed in range(options.first, options.first + options.count):

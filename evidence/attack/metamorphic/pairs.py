@@ -19,7 +19,7 @@ from evidence.attack.metamorphic.ballast import PREFIX
 from evidence.attack.metamorphic.families import DELAY, FAMILIES, delay
 from evidence.attack.metamorphic.image import Image
 from evidence.attack.metamorphic.runs import INSTANTS, STEPS, Curves, Run, simulate
-from evidence.attack.metamorphic.written import Structure, map_numbers
+from evidence.attack.metamorphic.structure_text import Structure, map_numbers
 
 ROUNDING = 1e-6
 """Of the largest value: hinges close to 2e-11 m and 2e-10 rad in a step, over some

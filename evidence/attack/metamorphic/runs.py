@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 import fpm
-from evidence.attack.metamorphic.drawn import DURATION, Draw
-from evidence.attack.metamorphic.written import Structure, as_text
+from evidence.attack.metamorphic.random_structures import DURATION, Draw
+from evidence.attack.metamorphic.structure_text import Structure, as_text
 from fpm.errors import SceneError
 from fpm.solver.pack import topology
 from fpm.structures import StructureError, loads

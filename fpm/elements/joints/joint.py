@@ -34,7 +34,7 @@ from fpm.elements.kind import AXES
 from fpm.elements.openings.opening import opening_at
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.gravity import LOAD_WORK
-from fpm.elements.particles.turning import turns_of
+from fpm.elements.particles.rotation_axes import turns_of
 from fpm.errors import SceneError
 
 CONDITION, MULTIPLY_ADD = 240.0, 1.5

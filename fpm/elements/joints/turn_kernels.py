@@ -9,7 +9,7 @@ bodies; `solve` finds the impulses, again where it was decided otherwise, and te
 the openings would have; `move` begins with the impulses that stand then."""
 
 from fpm.elements.joints import joint_kernels
-from fpm.elements.joints.closing import clear, report_gaps
+from fpm.elements.joints.closure import clear, report_gaps
 from fpm.elements.joints.joint_arrays import (
     AXIS,
     AXIS_IM,

@@ -18,7 +18,7 @@ from fpm.elements.fields import index
 from fpm.elements.kind import Deformations, ElementType, Energy, Series
 from fpm.elements.particles.drive import Drive
 from fpm.elements.particles.probe import Probe
-from fpm.elements.particles.turning import turns_of
+from fpm.elements.particles.rotation_axes import turns_of
 from fpm.errors import SceneError
 
 JOINT_LOSS = Energy("joint_loss", "joint_loss", "energy lost on joints: friction, dampers, impacts")

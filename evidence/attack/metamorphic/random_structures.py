@@ -11,8 +11,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from evidence.attack.metamorphic.acting import Acting
-from evidence.attack.metamorphic.written import Structure
+from evidence.attack.metamorphic.joint_actions import Acting
+from evidence.attack.metamorphic.structure_text import Structure
 
 DURATION = 0.4
 """Time (s) in which a drawn structure is to show what it does."""

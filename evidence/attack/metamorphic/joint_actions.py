@@ -6,7 +6,7 @@ import random
 
 import numpy as np
 
-from evidence.attack.metamorphic.written import Structure
+from evidence.attack.metamorphic.structure_text import Structure
 from fpm.structures.statement import ON_SLIDES
 
 TURNING = ["torsion spring", "contact", "damper", "friction", "friction", "stop", "latch",

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from deployable.campaign.config.sections import Experiment, trust
 from deployable.campaign.errors import CampaignError, ConfigError
 from deployable.campaign.folder import Folder
-from deployable.campaign.results.which import ids, nominal_row
+from deployable.campaign.results.run_roles import ids, nominal_row
 from deployable.campaign.runs.progress import warm_up
 from fpm.errors import SceneError
 

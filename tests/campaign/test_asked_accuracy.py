@@ -267,7 +267,7 @@ def told(rounds_met, *shares, asked=0.05):
     """What a summary says of an accuracy after rounds that found it met, or not, above a table with
     such shares of the width; "none" for a quantity that happens nowhere."""
     rows = [
-        {"name": name, "errors": {"share": None if share == "none" else share, "asked": asked}}
+        {"name": name, "errors": {"share": None if share == "none" else share, "target": asked}}
         | ({} if name == "x" else {"lower": None if share == "none" else 1.0})
         for name, share in zip("xyz", shares, strict=False)
     ]
@@ -314,7 +314,7 @@ def test_rounds_refine_what_is_too_coarse(met):
     assert summary["accuracy"]["met"]
     for row in (*summary["responses"], *summary["quantities"]):
         errors = row["errors"]
-        assert errors["share"] <= errors["asked"]
+        assert errors["share"] <= errors["target"]
         assert errors["whole"] == pytest.approx(
             sum(errors[n] for n in ("surrogate", "step", "mesh"))
         )

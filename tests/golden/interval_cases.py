@@ -159,7 +159,7 @@ def scalars() -> Iterator:
         free = np.ones(k, bool)
         for some in (limits[:1], limits[1:2], limits[2:], limits):
             yield req.share_of_box(some, free), req.share_of_box(some, free, *part)
-            yield req.largest_share(some, nominal - 0.5)[:2]
+            yield req.find_max_scale(some, nominal - 0.5)[:2]
             yield [(limit.worst(*part)[0], limit.best(*part)[0]) for limit in some]
         yield [limit.find_margins(np.array([0.1, np.nan, 3.0])) for limit in limits]
         yield req.least_scales(nominal, trial)

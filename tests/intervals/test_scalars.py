@@ -13,9 +13,9 @@ from deployable.intervals.scalars import (
     Limit,
     Occurrence,
     best_choice,
+    find_max_scale,
     fit_scalar,
     influence,
-    largest_share,
     least_scales,
     safe_range,
     safest_choice,
@@ -148,7 +148,8 @@ def test_a_direction_without_width_changes_no_share_and_no_choice_of_a_box(place
     share, _ = share_of_box(one, np.ones(2))
     assert 0.1 < share < 0.9
     assert share_of_box(other, free)[0] == pytest.approx(share, abs=1e-3)
-    assert largest_share(other, np.zeros(3))[0] == pytest.approx(largest_share(one, np.zeros(2))[0])
+    scales = [find_max_scale(limits, np.zeros(k))[0] for limits, k in ((one, 2), (other, 3))]
+    assert scales[1] == pytest.approx(scales[0])
     found = influence(wider, np.zeros(3))
     np.testing.assert_allclose(np.delete(found.share, place), influence(alone, np.zeros(2)).share)
     assert found.share[place] == 0.0
@@ -168,16 +169,16 @@ def test_the_share_of_a_box_of_three():
 def test_the_largest_box_that_meets_a_limit_and_the_nearest_place_that_does_not():
     surrogate = fitted(lambda x: x[:, 0] + 2 * x[:, 1], 2)
     limit = Limit(surrogate, "at_most", 1.5)
-    share, which, at = largest_share([limit], np.zeros(2))
+    share, which, at = find_max_scale([limit], np.zeros(2))
     assert share == pytest.approx(0.5, abs=1e-6)
     assert which == 0
     np.testing.assert_allclose(at, [0.5, 0.5], atol=1e-6)
     # About another nominal point: 0.5 + 0.5 s + 2 s = 1.5.
-    share, _, at = largest_share([limit], np.array([0.5, 0.0]))
+    share, _, at = find_max_scale([limit], np.array([0.5, 0.0]))
     assert share == pytest.approx(0.4, abs=1e-6)
     np.testing.assert_allclose(at, [0.7, 0.4], atol=1e-6)
-    assert largest_share([Limit(surrogate, "at_most", 3.1)], np.zeros(2))[:2] == (1.0, None)
-    assert largest_share([Limit(surrogate, "at_most", -0.1)], np.zeros(2))[:2] == (0.0, 0)
+    assert find_max_scale([Limit(surrogate, "at_most", 3.1)], np.zeros(2))[:2] == (1.0, None)
+    assert find_max_scale([Limit(surrogate, "at_most", -0.1)], np.zeros(2))[:2] == (0.0, 0)
 
 
 def landing(x: np.ndarray) -> np.ndarray:
@@ -399,7 +400,7 @@ def test_the_limit_that_breaks_first_bounds_the_largest_box_whichever_is_stated_
     """Of x + y at most 9, 1.6 and 1.2, in the box [-1, 1]²: the last is broken at 0.6 of it."""
     surrogate = fitted(lambda x: x[:, 0] + x[:, 1], 2)
     limits = [Limit(surrogate, "at_most", level) for level in (9.0, 1.6, 1.2)]
-    share, first, at = largest_share([limits[i] for i in order], np.zeros(2))
+    share, first, at = find_max_scale([limits[i] for i in order], np.zeros(2))
     assert share == pytest.approx(0.6, abs=1e-6) and order[first] == 2
     np.testing.assert_allclose(at, [0.6, 0.6], atol=1e-6)
-    assert largest_share([limits[0], limits[0]], np.zeros(2)) == (1.0, None, None)
+    assert find_max_scale([limits[0], limits[0]], np.zeros(2)) == (1.0, None, None)

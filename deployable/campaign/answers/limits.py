@@ -74,7 +74,7 @@ def assess_limits(
     """Assess limits (`specs`, as the config sets them) over the box by the surrogates of all
     quantities, and in the runs of `model`, to say where requirements are met. errors (2, q): by
     mesh and step, of values and of decision functions (sign: whether one exists), or None."""
-    from deployable.intervals.scalars import Limit, largest_share, least_scales
+    from deployable.intervals.scalars import Limit, find_max_scale, least_scales
 
     errors = np.zeros((2, len(surrogates))) if errors is None else errors
     limits = [
@@ -85,7 +85,7 @@ def assess_limits(
     ]
     upper = model.experiment.box.free.astype(float)
     worst = [limit.worst(-upper, upper) for limit in limits]
-    largest = largest_share(limits, model.nominal)
+    largest = find_max_scale(limits, model.nominal)
     margins = np.array([
         limit.find_margins(model.numbers[:, spec.quantity])
         for spec, limit in zip(specs, limits, strict=True)

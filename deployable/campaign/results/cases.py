@@ -200,7 +200,7 @@ def _quantities(summaries: Mapping[str, Mapping]) -> list[dict[str, Any]]:
             ends[f"{end}_cases"] = [c for c, row in values.items() if _is_same(row, last, end)]
         rows.append({
             "name": name, "units": first["units"], "long_name": first["long_name"], **ends,
-            "beyond": [case for case, row in by_case.items() if row["beyond"] is not None],
+            "censored_cases": [case for case, row in by_case.items() if row["censored_at"]],
             "never": [case for case, row in by_case.items() if row["lower"] is None],
             "by_case": [
                 {key: by_case[case].get(key) for key in keys.split()} if case in by_case else None

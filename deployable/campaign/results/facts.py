@@ -93,7 +93,7 @@ def facts_of(
         facts["adaptive"] = {"rounds": [asdict(r) for r in rounds.rounds]}
     if experiment.is_adaptive:
         for row in rows:
-            row["errors"]["asked"] = experiment.accuracy.tolerances[row["name"]]
+            row["errors"]["target"] = experiment.accuracy.tolerances[row["name"]]
         facts["accuracy"] = _accuracy(plan, rows)
     for row in rows:
         if row["name"] in experiment.doubts:
@@ -120,7 +120,7 @@ def mark_constant(facts: dict) -> None:
         sizes[row["units"]] = max(sizes.get(row["units"], 0.0), largest)
     for row in rows:
         width = row.get("largest_difference")
-        if width is None and row["lower"] is not None and not row.get("beyond"):
+        if width is None and row["lower"] is not None and not row.get("censored_at"):
             width = row["upper"] - row["lower"]
         if width is None or width > ROUNDING * sizes[row["units"]]:
             continue
@@ -346,8 +346,8 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
     unmet = [row["name"] for row in intervals if not _is_met(row["errors"])]
     reason = last.reason
     if not unmet and intervals:
-        row = max(intervals, key=lambda row: row["errors"]["share"] / row["errors"]["asked"])
-        share, target = row["errors"]["share"], row["errors"]["asked"]
+        row = max(intervals, key=lambda row: row["errors"]["share"] / row["errors"]["target"])
+        share, target = row["errors"]["share"], row["errors"]["target"]
         reason = f"nearest to its limit is {row['name']}, {percent(share)} for {percent(target)}"
     elif plan.adaptive.met:
         reason = "the rounds found it met; runs for the ends of quantities showed more"
@@ -363,7 +363,7 @@ def _accuracy(plan: Plan, rows: Iterable[Mapping]) -> dict[str, Any]:
 
 
 def _is_met(errors: Mapping[str, float | None]) -> bool:
-    return errors["share"] is not None and errors["share"] <= errors["asked"]
+    return errors["share"] is not None and errors["share"] <= errors["target"]
 
 
 def quantity_rows(data: Any, duration: float = np.inf) -> list[dict[str, Any]]:
@@ -389,7 +389,7 @@ def quantity_rows(data: Any, duration: float = np.inf) -> list[dict[str, Any]]:
             side for side in ("lower", "upper") if data[f"unconverged_{side}"][i]
         ]
         ends = data["is_time"][i] and row["runs_without"] and (row["upper"] or 0.0) >= duration
-        row["beyond"] = duration if ends else None
+        row["censored_at"] = duration if ends else None
         for key in ("argmin", "argmax"):
             row[key] = dict(zip(parameters, map(_number, data[key][i]), strict=True))
         row["influence"] = {
@@ -463,7 +463,7 @@ def _keeps(quantity: Mapping, limit: Mapping) -> bool:
     if quantity["lower"] is None or error is None:
         return False
     if limit["kind"] == "at_most":
-        return quantity["beyond"] is None and quantity["upper"] + error <= limit["level"]
+        return quantity["censored_at"] is None and quantity["upper"] + error <= limit["level"]
     return quantity["lower"] - error >= limit["level"]
 
 

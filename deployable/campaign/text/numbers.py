@@ -101,8 +101,8 @@ def interval(row: Mapping[str, Any]) -> str:
     if row["lower"] is None:
         return ""
     ends = _ends(row)
-    if row.get("beyond"):
-        most = quantity(row["beyond"], row["units"])
+    if row.get("censored_at"):
+        most = quantity(row["censored_at"], row["units"])
         return f"{ends[0]} to more than {most} (the end of the runs)"
     return with_unit(f"{ends[0]} to {ends[1]}", row["units"])
 

@@ -166,7 +166,7 @@ def _steepest(limits: Sequence[Limit], free: np.ndarray) -> int:
     return int(np.argmax(np.where(free, total, -1.0)))
 
 
-def largest_share(
+def find_max_scale(
     limits: Sequence[Limit], nominal: np.ndarray, steps: int = 24
 ) -> tuple[float, int | None, np.ndarray | None]:
     """Largest scale factor (0 to 1) at which all of the box, shrunk towards the nominal point (k)

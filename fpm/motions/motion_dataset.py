@@ -90,7 +90,7 @@ def to_dataset(motion: RecordedMotion, corners: np.ndarray, attributes: dict) ->
         "contact": [scene.hinges[contact.hinge].name for contact in scene.contacts],
     }
     time = {"units": "s", "long_name": "time", "standard_name": "time", "axis": "T"}
-    variables = _moving(motion, len(shapes.names)) | _layout(scene, shapes) | _events(outcome)
+    variables = _changes(motion, len(shapes.names)) | _layout(scene, shapes) | _events(outcome)
     if scene.cables:
         names["cable"] = [cable.name for cable in scene.cables]
         variables |= _cables(motion)
@@ -116,7 +116,7 @@ def to_dataset(motion: RecordedMotion, corners: np.ndarray, attributes: dict) ->
     )
 
 
-def _moving(motion: RecordedMotion, elements: int) -> dict[str, tuple]:
+def _changes(motion: RecordedMotion, elements: int) -> dict[str, tuple]:
     """What changes in time: name -> dimensions, values, units, long name."""
     rows = motion.rows
     stress = np.zeros((len(motion.position), elements))  # none in rigid bodies, which come last

@@ -82,11 +82,11 @@ class Reaction(NamedTuple):
 def reactions_of(scene: Scene) -> dict[str, Reaction]:
     """Return the points of a scene that have a reaction force, by name: supports and drives, named
     points on particles that are fixed or driven, and hinges with a support."""
-    holding = {joint.name: joint for joint in Joint.find(scene) if len(joint.beams) == 1}
+    supports = {joint.name: joint for joint in Joint.find(scene) if len(joint.beams) == 1}
     is_fixed = scene.fixed.any(axis=1)
     reactions = {}
     for name, beam in {**scene.points, **scene.supports}.items():
-        holders = (name,) if name in holding and name in scene.supports else ()
+        holders = (name,) if name in supports and name in scene.supports else ()
         if is_fixed[beam.particle] or holders:
             reactions[name] = Reaction(beam, holders, bool(is_fixed[beam.particle]))
     for hinge in scene.hinges:

@@ -12,7 +12,7 @@ import numpy as np
 
 from fpm.elements import Latch, RigidLatch, energies_of, kinds_of
 from fpm.elements.openings.latch import SERIES
-from fpm.elements.openings.opening import SLIDING
+from fpm.elements.openings.opening import SLIDE_UNITS
 from fpm.errors import SceneError, did_you_mean, hint_new
 from fpm.files.trajectory import Column, Curves
 from fpm.reading import bars, margins
@@ -189,7 +189,7 @@ def _section(spec: Definition) -> Response:
 def _opening(spec: Definition, unit: str, words: str) -> Response:
     """An opening of a hinge or slide, or its rate."""
     name, slides, place = spec.hinge()
-    variable, unit = (SLIDES[spec.kind], SLIDING[unit]) if slides else (spec.kind, unit)
+    variable, unit = (SLIDES[spec.kind], SLIDE_UNITS[unit]) if slides else (spec.kind, unit)
     return spec.response((name,), "", unit, f"{words} of {place}", ((variable, name),))
 
 
@@ -203,7 +203,7 @@ def _latch(spec: Definition) -> Response:
     unit, _, _, text = SERIES[spec.kind]
     variable = spec.kind
     if hinges[latches[label].hinge].slides:
-        unit, variable = SLIDING[unit], f"slide_{variable.replace('moment', 'force')}"
+        unit, variable = SLIDE_UNITS[unit], f"slide_{variable.replace('moment', 'force')}"
     return spec.response((label,), "", unit, f"{text} of latch {label}", ((variable, label),))
 
 
@@ -211,8 +211,8 @@ def parts_on(scene: Scene, hinge: str) -> list[str]:
     """Return the components of the moment on a hinge in a scene ("spring", "friction", ...), by the
     elements that act on it, each once. hinge: its name."""
     index = [h.name for h in scene.hinges].index(hinge)
-    acting = (kind for kind in kinds_of([scene]) if kind.acts_as)
-    parts = (k.acts_as for k in acting for e in k.find(scene) if index in e.acts_on())
+    types = (kind for kind in kinds_of([scene]) if kind.acts_as)
+    parts = (k.acts_as for k in types for e in k.find(scene) if index in e.acts_on())
     return list(dict.fromkeys(parts))
 
 
@@ -222,9 +222,9 @@ def _moment(spec: Definition) -> Response:
     variable, rate = "joint_moment", "opening_rate"
     if slides:
         variable, rate = SLIDES[variable], SLIDES[rate]
-    acting = parts_on(spec.scene, name)
-    part = spec.one_of((*acting, "sum"), "part", spec.data.get("part", "sum"))
-    columns = tuple((variable, f"{name} {p}") for p in (acting if part == "sum" else [part]))
+    parts = parts_on(spec.scene, name)
+    part = spec.one_of((*parts, "sum"), "part", spec.data.get("part", "sum"))
+    columns = tuple((variable, f"{name} {p}") for p in (parts if part == "sum" else [part]))
     actor = "all that acts" if part == "sum" else part
     noun, unit = "force" if slides else "moment", VARIABLES[variable].unit
     if spec.kind == "joint_power":
@@ -245,10 +245,12 @@ LOSSES = {"damping": "damping_work", "cables": "cable_friction"}
 
 def _loss(spec: Definition) -> Response:
     """Energy lost so far by one kind of element, or by all."""
-    acting = {hinge.name: parts_on(spec.scene, hinge.name) for hinge in spec.scene.hinges}
-    losses = [part for part in STORES if any(part in parts for parts in acting.values())]
+    by_hinge = {hinge.name: parts_on(spec.scene, hinge.name) for hinge in spec.scene.hinges}
+    losses = [part for part in STORES if any(part in parts for parts in by_hinge.values())]
     kind = spec.one_of(["all", *losses, *LOSSES])
-    columns = [("joint_work", f"{h} {kind}") for h, parts in acting.items() if kind in parts]
+    columns = [
+        ("joint_work", f"{h} {kind}") for h, parts in by_hinge.items() if kind in parts
+    ]
     actor = "everything" if kind == "all" else kind
     return spec.response((kind,), "", "J", f"energy lost by {actor} so far", tuple(columns))
 

@@ -136,10 +136,10 @@ def _limit(scene: Scene, step: float = np.inf) -> StableStep:
     blocked_columns = {
         n: kind.blocked_motions(scene, inverse) for n, kind in enumerate(kinds) if kind is Contact
     }
-    acting = ~np.isin(kind_of, list(blocked_columns))
-    cases = [(modes[acting], element[acting])]
+    is_free = ~np.isin(kind_of, list(blocked_columns))
+    cases = [(modes[is_free], element[is_free])]
     for number, columns in blocked_columns.items():
-        acts = acting | (kind_of == number)
+        acts = is_free | (kind_of == number)
         active = modes[acts]
         cases.append((active - (active @ columns) @ columns.T, element[acts]))
     candidates = [(*fastest(case), elements) for case, elements in cases]

@@ -107,8 +107,8 @@ def _scale_rows(scene: Scene, rows):
     linear = free[:, None, :3] * np.eye(3) / np.sqrt(scene.mass)[:, None, None]
     inertia = turns_of(scene).inertia
     inverse_root = (scene.frame / np.sqrt(inertia)[:, None, :]) @ np.swapaxes(scene.frame, 1, 2)
-    turning = free[:, 3:, None] * inverse_root
-    blocks = np.stack([linear, turning], axis=1).reshape(-1, 3, 3)
+    rotation = free[:, 3:, None] * inverse_root
+    blocks = np.stack([linear, rotation], axis=1).reshape(-1, 3, 3)
     root = block_diag(list(blocks), format="csc")
     rows = (rows @ root).tocsc()
     sizes = np.sqrt(rows.power(2).sum(axis=1))

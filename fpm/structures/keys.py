@@ -13,7 +13,7 @@ import numpy as np
 
 from fpm.elements.joints.hinge import ANGLES
 from fpm.elements.kind import AXES
-from fpm.elements.openings.opening import SLIDING
+from fpm.elements.openings.opening import SLIDE_UNITS
 from fpm.errors import SceneError, hint_new
 from fpm.structures.builder import Builder
 from fpm.structures.curves_file import CurvesFile, CurvesFileError
@@ -75,7 +75,7 @@ class NumberKey(Key):
         return noun + (f" > {self.above:g}" if self.above is not None else end)
 
     def sliding(self, joints):
-        of_slide = SLIDING.get(self.unit, self.unit)
+        of_slide = SLIDE_UNITS.get(self.unit, self.unit)
         return replace(self, unit=of_slide) if self.joint in joints else self
 
     def read(self, node, place):

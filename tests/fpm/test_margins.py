@@ -119,9 +119,9 @@ def drawn(rng):
         work += [("HA", -r * h * r * angle) for r, h in zip(rates, harness, strict=True)]
         # 2 kg at 0.5 m
         work.append(("I", weight * (np.sin(turn) * np.cos(angle) - np.cos(turn) * np.sin(angle))))
-        driving = sum(drives[name] * np.maximum(w, 0) for name, w in work)
+        drive = sum(drives[name] * np.maximum(w, 0) for name, w in work)
         resisting = sum(resists[name] * np.maximum(-w, 0) for name, w in work)
-        return driving / resisting - 1
+        return drive / resisting - 1
 
     definition = {"margin": "h1", "to": end, "standard": standard, "evidence": evidence,
                   "classes": classes}  # fmt: skip

@@ -161,7 +161,7 @@ class Joint(JointBase):
         return tuple(hinges)
 
     @staticmethod
-    def holding(scene, name, particle: int, point, axes: str) -> "Joint":
+    def held_point(scene, name, particle: int, point, axes: str) -> "Joint":
         """A "held" joint, not added to the scene: it keeps a point of a particle in its present
         place along some global axes. name: for messages; particle: index; point (3,) m, global;
         axes: letters out of "xyz", at least one, else SceneError."""

@@ -32,8 +32,8 @@ class Turn(ElementType):
         """Return the elements (ExactConnector) of a scene, of all types, that hold a joint
         coordinate exactly; the index of an element in this list is that of its condition in
         Turns.state."""
-        holding = [kind for kind in scene.kinds if issubclass(kind, ExactConnector)]
-        return [element for kind in holding for element in scene.kinds[kind]]
+        kinds = [kind for kind in scene.kinds if issubclass(kind, ExactConnector)]
+        return [element for kind in kinds for element in scene.kinds[kind]]
 
     @classmethod
     def topology_of(cls, scene):

@@ -156,8 +156,8 @@ class Friction(Connector):
 
         def bristle(f, scene):
             most = f.bristle_deflection * (f.shares or (float(f.load is None),))[0]
-            locking = 0.0 if f.load is None else 1.0 / f.bristle_deflection
-            return f.stiffness, most, f.damping_in(scene), locking
+            inverse_bend = 0.0 if f.load is None else 1.0 / f.bristle_deflection
+            return f.stiffness, most, f.damping_in(scene), inverse_bend
 
         def bristles(scene):
             return [bristle(f, scene) for f in cls.find(scene)]

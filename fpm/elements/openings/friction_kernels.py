@@ -11,7 +11,7 @@ from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import absolute, load, store, where_negative
 from fpm.kernels.vectors import kernel, larger
 
-STIFFNESS, BEND, DAMPING, LOCKING = range(4)  # the last: 1/bend where it goes with the force
+STIFFNESS, BEND, DAMPING, INVERSE_BEND = range(4)  # the last: 1/bend where it goes with the force
 
 ANGLE, SLOPE = 0, 1  # of a point: where, and by how much the slope of the bend changes there
 
@@ -112,7 +112,7 @@ def watch_lock(part, i, bend, most, slips):
     growth, over the deflection at slip, raises LOCK_RATIO in part.state and part.peaks if larger.
     part: all friction elements (Frictions); slips: below 0 in lanes where it slips now. It counts
     from the least `bend` since the last slip, once the bristle was bent by one deflection more."""
-    state, per_bend = part.state, load(part.numbers, i, LOCKING)
+    state, per_bend = part.state, load(part.numbers, i, INVERSE_BEND)
     size, least = absolute(bend), load(state, i, LEAST)
     least = where_negative(slips, size, where_negative(size - least, size, least))
     growth = size - least

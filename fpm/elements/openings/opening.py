@@ -34,13 +34,13 @@ PARTS = (
 )  # fmt: skip
 """Parts of the moment on an opening, by the kinds that act on it (ElementType.acts_as)."""
 
-SLIDING = {
+SLIDE_UNITS = {
     "rad": "m", "rad/s": "m/s", "rad s-1": "m s-1", "N m": "N", "N m s": "N s",
     "N m/rad": "N/m", "N m s/rad": "N s/m", "kg m2": "kg",
 }  # fmt: skip
 """Units of what acts on hinges, and those of the same on slides."""
 
-TURNING = ("revolute", "universal", "cross")
+ANGLE_TYPES = ("revolute", "universal", "cross")
 """Types of hinges whose opening is an angle."""
 
 
@@ -117,7 +117,7 @@ class ConnectorElement(ElementType):
             raise SceneError(self.subject(scene, field), text, allowed)
 
     def unit_in(self, scene, unit):
-        return unit_of(scene, self.acts_on()[0], unit) if unit in SLIDING else unit
+        return unit_of(scene, self.acts_on()[0], unit) if unit in SLIDE_UNITS else unit
 
     @classmethod
     def names(cls, scene):
@@ -217,7 +217,7 @@ def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
         names = tuple(label for label, is_chosen in zip(labels, columns, strict=True) if is_chosen)
         for name, (values, unit, text, dimension, *_) in series.items() if names else ():
             if prefix:
-                unit = SLIDING[unit]
+                unit = SLIDE_UNITS[unit]
                 dimension = "slide" if dimension == "hinge" else prefix + dimension
                 text = text.replace("hinges", "slides").replace("moment", "force")
                 text = text.replace("angular impulse", "impulse")
@@ -229,7 +229,7 @@ def by_unit(series: dict[str, Series], hinges, labels) -> dict[str, Series]:
 def unit_of(scene, hinge: int, unit: str) -> str:
     """Return the unit of a quantity on a hinge: `unit`, as "N m/rad", where it turns; on a slide
     that of SLIDING, as "N/m" (KeyError for others). scene: has the hinge; hinge: its index."""
-    return SLIDING[unit] if scene.hinges[hinge].slides else unit
+    return SLIDE_UNITS[unit] if scene.hinges[hinge].slides else unit
 
 
 def _sides(scene) -> np.ndarray:

@@ -27,7 +27,7 @@ from fpm.elements.openings.opening import unit_of
 from fpm.structures.keys import ChoiceKey, ListKey, NumberKey, OpeningKey, ReferenceKey
 from fpm.structures.statement import CLASS, JOINT, SLIDE, acting, element, key_of, statement, whole
 
-TURNING = replace(JOINT, types=("revolute", "universal"))
+ANGLE_JOINT = replace(JOINT, types=("revolute", "universal"))
 
 
 def _at_start(build, hinge: int) -> float:
@@ -58,7 +58,7 @@ SPRING = {
 @statement(
     "actions",
     "torsion spring",
-    joint=replace(TURNING, hint="; for a slide there is `spring`"),
+    joint=replace(ANGLE_JOINT, hint="; for a slide there is `spring`"),
     **SPRING,
 )
 def torsion_spring(build, args):
@@ -242,7 +242,7 @@ def tabulated_spring(build, args):
     SyncLoop,
     exclusions=("hinges", "name"),
     default_texts={"rest": "those at the start"},
-    joints=ListKey(kind=TURNING, least=2, most=2, text="the two on which its pulleys sit"),
+    joints=ListKey(kind=ANGLE_JOINT, least=2, most=2, text="the two on which its pulleys sit"),
 )
 def loop(build, args):
     """A closed cable over pulleys on two joints, which so open in the ratio of the radii.

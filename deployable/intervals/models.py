@@ -19,7 +19,7 @@ from .estimates import (
     share_outside,
 )
 from .ranges import Range, surrogate_range, to_range
-from .samples import Running, Samples
+from .samples import RunBounds, Samples
 from .spline_extremes import spline_range
 from .splines import check_spline_runs, fit_spline
 
@@ -140,7 +140,7 @@ class ScanModel(Model):
         return {"growth_quarter": (("response", "time"), self.growth_quarter, {"long_name": text})}
 
 
-def _growth(previous: Running | None, current: Running) -> np.ndarray:
+def _growth(previous: RunBounds | None, current: RunBounds) -> np.ndarray:
     """By how much bounds grew, on the side where they grew more."""
     if previous is None:
         return np.zeros_like(current.low)

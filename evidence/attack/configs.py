@@ -128,7 +128,7 @@ def _is_cheap(case: Campaign) -> bool:
     return steps * count_runs(experiment) < COSTLY and experiment.solver.instants <= 5000
 
 
-def attack_by_running(case: Campaign, text: str, place: Path, ledger: Ledger) -> None:
+def attack_runs(case: Campaign, text: str, place: Path, ledger: Ledger) -> None:
     """Simulate what was accepted: bounds, or a sentence."""
 
     def run() -> str:

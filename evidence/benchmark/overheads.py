@@ -28,7 +28,7 @@ print(json.dumps([imported - start, numba_there - imported, time.perf_counter() 
 """
 
 
-def starting(repeats: int) -> list[Row]:
+def time_start(repeats: int) -> list[Row]:
     """Import of fpm, of numba, and loading the compiled kernels, in fresh processes."""
     fpm.warm_up(linkages(1)[0])
     times = []
@@ -57,7 +57,7 @@ def surrogate(repeats: int, order: int = 9, instants: int = 2000, responses: int
     return [at_most(name, seconds["both"], 1.0, unit="s")]
 
 
-def writing(repeats: int, instants: int = 2001, runs: int = 8) -> list[Row]:
+def time_write(repeats: int, instants: int = 2001, runs: int = 8) -> list[Row]:
     """Making the dataset of a run and writing it as netCDF, against simulating it."""
     import xarray  # noqa: F401 - its import is not part of the writing
 

@@ -30,8 +30,8 @@ def bodies(
     ground = int(scene.add_particles((0.0, 0, 0), 1.0, 1.0)[0])
     scene.fix(ground)
     for k, inertia in enumerate(inertias):
-        turning = (0.0, 0.0, spin if k == 3 else 0.0)
-        body = int(scene.add_particles((0.0, k, 0), 1.0, inertia, spin=turning)[0])
+        vector = (0.0, 0.0, spin if k == 3 else 0.0)
+        body = int(scene.add_particles((0.0, k, 0), 1.0, inertia, spin=vector)[0])
         scene.add_hinge(f"H{k}", (ground, body), (0, k, 0), (0, 0, 1))
     ramp = scene.add_curve([0.0, 1.0], [0.0, 1.0])
     scene.add(SyncLoop("belt", (0, 1), (0.1, 0.2), loop, preload=preload))

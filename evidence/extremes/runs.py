@@ -146,13 +146,13 @@ def precision() -> list[Row]:
     energy_error = imbalance(single)
     failure = fpm.simulate(scenes[0], duration=duration, instants=401, dtype=np.float32)[0].failure
     source = "the same 16 runs in 64 bits"
-    saving = 1 - cost[np.float32] / cost[np.float64]
+    gain = 1 - cost[np.float32] / cost[np.float64]
     note = f"velocity of B {velocity:.2g}, energy from nowhere {energy_error:.2g}"
     row = at_most("32-bit floats: error of BD", position, 1e-4, source, note)
     good = row.passed and energy_error <= BALANCE
     rows = [
         replace(row, passed=bool(good or failure)),
-        info("32-bit floats: share of cpu time saved", saving, note="half is the most there is"),
+        info("32-bit floats: share of cpu time saved", gain, note="half is the most there is"),
     ]
     if failure:
         rows.append(refusal("32-bit floats", failure))

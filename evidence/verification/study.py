@@ -64,7 +64,7 @@ def solve(name: str, quick: bool) -> Bench:
     try:
         PROBLEMS[name](bench)
     except (fpm.InstabilityError, NotAtRest) as error:
-        bench.broke(error)
+        bench.add_failure(error)
     return bench
 
 

@@ -145,12 +145,12 @@ MECHANICS = PackageFiles(PACKAGE)
 """Files of the package fpm, which imports this module before all others, as they were then."""
 
 
-def mechanics() -> str:
+def digest_mechanics() -> str:
     """Return a digest (16 hex digits) of all files of fpm that can change what runs record."""
     return MECHANICS.digest(exclude=READ + DISPLAY)
 
 
-def reading() -> str:
+def digest_reading() -> str:
     """Return a digest (16 hex digits) of the files of fpm that read numbers off a run (READ)."""
     return MECHANICS.digest(include=READ)
 

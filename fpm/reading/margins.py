@@ -102,7 +102,7 @@ def column_of(travel: Travel, variable: str, part: str) -> np.ndarray:
     return {WORK: travel.work.get(part), INERTIA: travel.inertia, OPENING: travel.opening}[variable]
 
 
-def list_driving(works: Mapping[str, np.ndarray]) -> list[str]:
+def find_drives(works: Mapping[str, np.ndarray]) -> list[str]:
     """Return the names of components that drive somewhere on a travel, by more than rounding.
     works: virtual work (p,) at its p positions by component, above 0 where it drives."""
     largest = max((float(np.abs(work).max()) for work in works.values()), default=0.0)

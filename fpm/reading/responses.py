@@ -248,9 +248,7 @@ def _loss(spec: Definition) -> Response:
     by_hinge = {hinge.name: parts_on(spec.scene, hinge.name) for hinge in spec.scene.hinges}
     losses = [part for part in STORES if any(part in parts for parts in by_hinge.values())]
     kind = spec.one_of(["all", *losses, *LOSSES])
-    columns = [
-        ("joint_work", f"{h} {kind}") for h, parts in by_hinge.items() if kind in parts
-    ]
+    columns = [("joint_work", f"{h} {kind}") for h, parts in by_hinge.items() if kind in parts]
     actor = "everything" if kind == "all" else kind
     return spec.response((kind,), "", "J", f"energy lost by {actor} so far", tuple(columns))
 

@@ -355,7 +355,7 @@ def read_records(recording: Recording, columns: Iterable[Column]) -> dict[str, S
         dimension, axis = f"{name}_{variable.dim_suffix}", variable.time_dim
         values = np.stack(curves, axis=1)
         unit, text = variable.unit_of(recording.scene, labels), variable.long_name
-        series[name] = Series(values, unit, text, dimension, labels, axis, sources.reading())
+        series[name] = Series(values, unit, text, dimension, labels, axis, sources.digest_reading())
     return series
 
 

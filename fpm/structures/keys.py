@@ -44,7 +44,7 @@ class Key:
         """Values that the key may have, in words, for messages and documentation."""
         raise NotImplementedError
 
-    def sliding(self, joints: Container[str]) -> "Key":
+    def for_slides(self, joints: Container[str]) -> "Key":
         """Return this key as an entry about slides takes it, with m for rad; by default unchanged.
         joints: keys of the entry, such as "joint", that name slides."""
         return self
@@ -74,7 +74,7 @@ class NumberKey(Key):
         end = f" >= {self.least:g}" if self.least is not None else ""
         return noun + (f" > {self.above:g}" if self.above is not None else end)
 
-    def sliding(self, joints):
+    def for_slides(self, joints):
         of_slide = SLIDE_UNITS.get(self.unit, self.unit)
         return replace(self, unit=of_slide) if self.joint in joints else self
 
@@ -265,8 +265,8 @@ class ListKey(Key):
         )
         return f"a list of {count}, each {self.kind.allowed}{suffix if self.units else ''}"
 
-    def sliding(self, joints):
-        return replace(self, kind=self.kind.sliding(joints))
+    def for_slides(self, joints):
+        return replace(self, kind=self.kind.for_slides(joints))
 
     def read(self, node, place):
         right = self.units or self.least <= len(node.items) <= self.most

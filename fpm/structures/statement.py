@@ -60,12 +60,12 @@ class Statement:
     build: Callable[[Builder, SimpleNamespace], Any]
     text: str
 
-    def sliding(self, joints: Container[str]) -> dict[str, tuple[str, Key]]:
+    def for_slides(self, joints: Container[str]) -> dict[str, tuple[str, Key]]:
         """Return the keys that an entry may write, by names as written: (name in `args`, Key); if
         it acts on a slide, `force` stands for `moment`, lengths for angles. joints: those keys of
         the entry, such as "joint", that name a slide; empty: it acts on none."""
         names = ON_SLIDES if "joint" in joints else {}
-        return {names.get(n, n): (n, key.sliding(joints)) for n, key in self.keys.items()}
+        return {names.get(n, n): (n, key.for_slides(joints)) for n, key in self.keys.items()}
 
     @cached_property
     def openings(self) -> dict[str, OpeningKey]:
@@ -132,7 +132,7 @@ def element(kind: type[ElementType], args: SimpleNamespace, **extra: Any) -> Ele
     return kind(**{name: value for name, value in arguments.items() if value is not None})
 
 
-def acting(
+def connector(
     kind: type[ElementType],
     text: str = "",
     /,
@@ -156,7 +156,7 @@ def acting(
 def whole(kind: type[ElementType]) -> Statement:
     """Register and return the Statement of an element type `kind` on a joint; keys: its fields."""
     text = (kind.__doc__ or "").split("\n")[0]
-    return acting(kind, text)(lambda build, args: build.scene.add(element(kind, args)))
+    return connector(kind, text)(lambda build, args: build.scene.add(element(kind, args)))
 
 
 # -- entries of a file -----------------------------------------------------------------------------
@@ -236,7 +236,7 @@ def _read_keys(
     statement: Statement, slides: list[str], node: Node, line: int, place: Place
 ) -> dict[str, Value]:
     """What the keys of an entry mean, by their names in `it`; SkippedError if any is wrong."""
-    keys, is_sound, read, corrections = statement.sliding(slides), True, {}, set()
+    keys, is_sound, read, corrections = statement.for_slides(slides), True, {}, set()
     allowed = [*(["type"] if statement.type else []), *keys]
     for key, entry in node.entries.items():
         if key in keys:

@@ -16,7 +16,7 @@ from fpm.elements import (
     TorsionSpring,
     kinds_of,
 )
-from fpm.travel.sources import ElementForces, acts
+from fpm.travel.element_forces import ElementForces, acts
 
 STRAIN = "strain of bars"
 """The component that is no element: the elastic strain of bars."""

@@ -70,8 +70,8 @@ def test_kernel_rows():
 
 
 def test_overheads():
-    rows = overheads.surrogate(1, order=3, instants=20, responses=2) + overheads.writing(1, 11, 2)
-    check(rows)
+    rows = overheads.surrogate(1, order=3, instants=20, responses=2)
+    check(rows + overheads.time_write(1, 11, 2))
 
 
 def test_counting_numbers_count_as_the_compiler_fuses():

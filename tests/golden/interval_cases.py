@@ -18,7 +18,7 @@ from deployable import intervals
 from deployable.intervals import Box, Design, Surrogate, bounds_dataset, make_design
 from deployable.intervals.enclosures import effects_enclosure
 from deployable.intervals.estimates import refinement_ratio, richardson_error, share_outside, widen
-from deployable.intervals.samples import Running, quarter_ends
+from deployable.intervals.samples import RunBounds, quarter_ends
 from deployable.intervals.scalars import requirements as req
 from deployable.intervals.scalars.surrogate import fit_scalar, influence
 
@@ -79,7 +79,7 @@ def scans() -> Iterator:
         yield bounds_dataset(samples(box, design, 0), design, model="scan")
     values = RNG.normal(size=(30, 2, 5)).round(1)
     one, other = (
-        Running.of_runs(values[part], np.arange(30)[part]) for part in (slice(12), slice(12, 30))
+        RunBounds.of_runs(values[part], np.arange(30)[part]) for part in (slice(12), slice(12, 30))
     )
     yield from (one.merge(other), other.merge(one), other.merge(None), quarter_ends(30))
 

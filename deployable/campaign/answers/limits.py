@@ -99,8 +99,8 @@ def assess_limits(
         largest = float(scales.min()), int(margins[:, run].argmin()), failure_point
     elif largest[2] is not None:
         # A little beyond the border, so that the run there fails and does not only touch it.
-        outward = np.clip((1 + _OVERSHOOT) * (largest[2] - model.nominal), -2, 2)
-        failure_point = np.clip(model.nominal + outward, -upper, upper)
+        farther = np.clip((1 + _OVERSHOOT) * (largest[2] - model.nominal), -2, 2)
+        failure_point = np.clip(model.nominal + farther, -upper, upper)
     return LimitAssessment(specs, limits, margins, worst, largest, failure_point)
 
 

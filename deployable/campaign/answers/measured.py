@@ -107,7 +107,7 @@ def answer(
         "singles": [_single_row(*pair) for pair in zip(sources, singles, strict=True)],
         "disjoint": _disjoint_pairs(sources, singles),
         **_parameters(model, result, sources),
-        **_of_left(model, result, requirements, sources, folder),
+        **_describe_left(model, result, requirements, sources, folder),
         "checks": checks,
         "tests": [t.describe(result, sources.index(t) if t in sources else None) for t in tests],
         "misfits": {
@@ -325,7 +325,7 @@ def _parameters(model: ModelEvaluator, result: Calibration, tests: Sequence[_Tes
     return {"parameters": rows, "trade_offs": trade_offs}
 
 
-def _of_left(
+def _describe_left(
     model: ModelEvaluator,
     result: Calibration,
     requirements: Mapping[str, Mapping],

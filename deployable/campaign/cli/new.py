@@ -53,8 +53,8 @@ def make_folder(folder: str | Path, start: str) -> None:
     folder = Path(folder)
     campaign, structures = _start_files(start)
     paths = [folder / name for name in ("Snakefile", CAMPAIGN, "profiles", *structures)]
-    if existing := [str(path) for path in paths if path.exists()]:
-        raise CampaignError(f"{', '.join(existing)}: there already; allowed: a folder without")
+    if present := [str(path) for path in paths if path.exists()]:
+        raise CampaignError(f"{', '.join(present)}: there already; allowed: a folder without")
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, path in structures.items():

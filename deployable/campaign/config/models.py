@@ -256,7 +256,7 @@ Goals = Annotated[
 
 
 @dataclass(frozen=True)
-class Choosing(ConfigSection):
+class ChooseSection(ConfigSection):
     """The nominal values that are best in the worst case: over choices and the box about each, one
     surrogate of every quantity tells which choice keeps all requirements and has the best goal. Its
     worst case is simulated."""
@@ -502,8 +502,8 @@ class Config(ConfigSection):
     tells whether all, some or none of the box meets each and all together, with which margin, and
     where it fails (docs/quantities.md)."""
     choose: Annotated[
-        Choosing, Rule("a mapping with `parameters`, and `minimise` or `maximise`")
-    ] = Choosing()  # fmt: skip
+        ChooseSection, Rule("a mapping with `parameters`, and `minimise` or `maximise`")
+    ] = ChooseSection()  # fmt: skip
     measured: Annotated[
         dict[Name, Annotated[MeasuredTest, Rule("a mapping with `file`, `columns` and `band`")]],
         Rule("a mapping from names of tests to mappings"),

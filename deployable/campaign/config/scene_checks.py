@@ -38,7 +38,7 @@ from deployable.intervals.box import MAX_DIMENSION, MOST_FULL
 from deployable.intervals.scalars.requirements import ENDS
 from fpm.errors import number_hint
 from fpm.files.outcome import eventful
-from fpm.reading.margins import OPTIONAL, list_driving, read_label, travel_of
+from fpm.reading.margins import OPTIONAL, find_drives, read_label, travel_of
 from fpm.reading.quantity_definitions import parse
 from fpm.reading.variables import count_values
 from fpm.solver.pack import topology
@@ -184,7 +184,7 @@ def _spring_out_problems(experiment: Experiment, curve: Any, work: Mapping) -> l
     """Whether a margin by the factors of a spring that is out is without one, of several."""
     if "spring out" not in curve.subjects:
         return []
-    drive = list_driving(work)
+    drive = find_drives(work)
     springs = [name for name in springs_of(experiment.nominal_scene) if name in drive]
     inactive = list(experiment.responses[curve.name].get("without", ()))
     if len(springs) > 1 and len(inactive) == 1 and inactive[0] in springs:

@@ -18,7 +18,7 @@ from typing import Any
 
 from deployable.campaign.config.sections import Experiment
 from deployable.campaign.errors import CampaignError
-from deployable.campaign.files.contents import data_of, experiment_of, reading
+from deployable.campaign.files.contents import data_of, experiment_of, report_damage
 from deployable.campaign.files.external_links import refuse_outside
 from deployable.campaign.folder import Folder
 from deployable.campaign.provenance import check_code, stamp
@@ -106,7 +106,7 @@ def check_results(folder: Folder, names: Iterable[str]) -> None:
         if path.suffix == ".json":
             data, experiment = read_json(path), None
             if path == folder.plan:
-                with reading(path):
+                with report_damage(path):
                     experiment = Experiment.of_results(data["config"])
             if path.name == "summary.json" and first is not None:
                 _check_summary(path, data, first[1])

@@ -95,7 +95,7 @@ _ALL = 1 << 26
 
 
 @contextmanager
-def reading(path: str | os.PathLike) -> Iterator[None]:
+def report_damage(path: str | os.PathLike) -> Iterator[None]:
     """Context manager for code that reads the file `path`: errors from malformed content become
     DamagedErrors; others, such as a missing file or a message for users, stay as they are."""
     try:
@@ -122,7 +122,7 @@ def experiment_of(path: str | os.PathLike) -> Experiment | None:
 def _inspect(path: Path, *state: int) -> Experiment | None:
     import netCDF4
 
-    with reading(path), netCDF4.Dataset(path) as file:
+    with report_damage(path), netCDF4.Dataset(path) as file:
         file.set_auto_maskandscale(False)
         _check_sizes(file, os.path.getsize(path))
         name = path.name
@@ -257,7 +257,7 @@ def data_of(path: str | os.PathLike, content: bytes) -> dict:
         "cases.json": {"required": ["cases", "together"]},
         "measured.json": properties["measured"],
     }
-    with reading(path):
+    with report_damage(path):
         data = json.loads(content, parse_constant=_no_number)
         matches(schemas.get(Path(path).name, _MANIFEST), data)
         return {key: value for key, value in data.items() if key != "seal"}

@@ -91,7 +91,7 @@ def _plan(
 ) -> Plan:
     """The plan of runs at unit points (n, k), with the last step if mesh and safety are kept."""
     points = tuple(tuple(map(float, point)) for point in points)
-    design = replace(experiment.design, existing=points)
+    design = replace(experiment.design, points=points)
     plan = make_plan(replace(experiment, design=design), time=time)
     return replace(plan, adaptive=Rounds(rounds, points, check=check))
 
@@ -237,8 +237,8 @@ def _places(
 
     def take(candidates: Any, least: float) -> None:
         for point in candidates:
-            existing = np.array([*runs, *points])
-            if len(points) < count and np.linalg.norm(existing - point, axis=1).min() > least:
+            rivals = np.array([*runs, *points])
+            if len(points) < count and np.linalg.norm(rivals - point, axis=1).min() > least:
                 points.append(np.asarray(point, dtype=float))
 
     for surrogate, estimates in quantities:

@@ -37,7 +37,7 @@ from deployable.campaign.config.sections import (
 )
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import read_json, write_result
-from deployable.campaign.files.contents import ROLES, RUN_ID, reading
+from deployable.campaign.files.contents import ROLES, RUN_ID, report_damage
 from deployable.campaign.plan.runs import PlannedRun, Runs, namer, values_of
 from deployable.intervals import held_out_points
 from deployable.intervals.box import MOST_FULL
@@ -215,7 +215,7 @@ def write_plan(plan: Plan, path: str | Path) -> None:
 def read_plan(path: str | Path) -> Plan:
     """Read a plan from `path`; raises `fpm.files.seals.DamagedError` if it is not as written."""
     data = read_json(path)
-    with reading(path):
+    with report_damage(path):
         return _plan(path, data)
 
 
@@ -252,7 +252,7 @@ def _plan(path: str | Path, data: Mapping) -> Plan:
 def read_step(path: str | Path) -> TimeStep:
     """Read only the time step of the plan in the file `path` (`plan.json`), which is faster."""
     data = read_json(path)
-    with reading(path):
+    with report_damage(path):
         return _time(data)
 
 

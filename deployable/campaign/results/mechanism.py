@@ -80,7 +80,7 @@ def margin_of(
     budget = margins.torque_budget(response, curves)
     drives = set()
     for sweep_curves in (curves, sweep(tuple(experiment.nominal), response)):
-        drives |= set(margins.list_driving({
+        drives |= set(margins.find_drives({
             margins.read_label(column)[1]: work
             for (name, column), work in sweep_curves.columns.items() if name == margins.WORK
         }))  # fmt: skip

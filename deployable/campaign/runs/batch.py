@@ -44,7 +44,7 @@ _MOST = 100  # runs that failed, named in a message
 _WORK: dict[str, Any] = {}
 """What the processes of a batch inherit, since it need not be sent to them then."""
 
-_BUILDING = Lock()
+_BUILD_LOCK = Lock()
 """Structures in Python may have state of their own, and know nothing of threads."""
 
 
@@ -263,7 +263,7 @@ def simulate(
     processor time. columns: (variable, label) pairs to record besides what responses need."""
     experiment, solver = plan.experiment, plan.experiment.solver
     parameters = [experiment.parameters(plan.name_values(run)) for run in runs]
-    with _BUILDING:
+    with _BUILD_LOCK:
         scenes = [experiment.scene_type.build(**values) for values in parameters]
     start = clocks(time.thread_time)
     outcomes = fpm.simulate(

@@ -92,7 +92,7 @@ class Store:
     def _contents(self) -> list:
         """Definitions of responses and quantities, and the code for them, that files depend on."""
         definitions = (asdict(definition) for definition in (*self.responses, *self.quantities))
-        return [type(self).__name__, sources.reading(), *definitions]
+        return [type(self).__name__, sources.digest_reading(), *definitions]
 
     def counter(self, groups: Sequence[Runs]) -> Callable[[], int]:
         """Return a function that counts the stored runs of these groups, by file names alone."""

@@ -15,7 +15,7 @@ SLIDE_ACTIONS = ["spring", "damper", "friction", "stop", "latch", "tabulated spr
            "torque motor", "release"]  # fmt: skip
 
 
-class Acting:
+class StructureDraft:
     """A structure, `structure`, while it is drawn. quiet: nothing moves it before a curve does, and
     curves begin at 0 (of a motor's opening perhaps at once with a rate); flat: all axes are one.
     """

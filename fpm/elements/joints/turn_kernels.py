@@ -39,7 +39,7 @@ from fpm.elements.joints.joint_kernels import (
 )
 from fpm.elements.joints.joint_matrix import build, factorise
 from fpm.elements.joints.joint_rows import find_gaps, find_lock_gap, find_rows, place
-from fpm.elements.openings.opening_kernels import MOMENT as ACTING
+from fpm.elements.openings.opening_kernels import MOMENT as OPENING_MOMENT
 from fpm.elements.openings.opening_kernels import NEW, OLD, WORK
 from fpm.kernels.hooks import hook
 from fpm.kernels.lanes import load, store
@@ -91,7 +91,7 @@ def add_late_moment(moments, openings, h, moment):
     nothing is done; openings: arrays of all joint coordinates, as the type takes them."""
     if moments is not None:
         row = h * openings.parts + openings.part
-        store(moments, row, ACTING, load(moments, row, ACTING) + moment)
+        store(moments, row, OPENING_MOMENT, load(moments, row, OPENING_MOMENT) + moment)
         store(moments, row, WORK, load(moments, row, WORK) + work_on(openings, h, moment))
 
 

@@ -25,7 +25,16 @@ from fpm.elements.joints.rigid import AT_START
 from fpm.elements.openings.friction import DEFLECTION, SLIDE_DEFLECTION
 from fpm.elements.openings.opening import unit_of
 from fpm.structures.keys import ChoiceKey, ListKey, NumberKey, OpeningKey, ReferenceKey
-from fpm.structures.statement import CLASS, JOINT, SLIDE, acting, element, key_of, statement, whole
+from fpm.structures.statement import (
+    CLASS,
+    JOINT,
+    SLIDE,
+    connector,
+    element,
+    key_of,
+    statement,
+    whole,
+)
 
 ANGLE_JOINT = replace(JOINT, types=("revolute", "universal"))
 
@@ -44,7 +53,7 @@ def _rigid(build, args, **_) -> bool:
 
 def _of_slide(key: NumberKey) -> NumberKey:
     text = key.text.replace("moment", "force").replace("radian", "metre")
-    return replace(key.sliding(["joint"]), text=text)
+    return replace(key.for_slides(["joint"]), text=text)
 
 
 SPRING = {
@@ -89,7 +98,7 @@ whole(Contact)
 whole(Damper)
 
 
-@acting(
+@connector(
     Friction,
     default_texts={"bristle_deflection": f"{DEFLECTION:g} rad, {1e3 * SLIDE_DEFLECTION:g} mm"},
     sticks=ChoiceKey(
@@ -156,7 +165,7 @@ def bearing(build, args):
     scene.add(Friction(args.joint, lever * args.load, deflection, load=args.load))
 
 
-@acting(
+@connector(
     Stop,
     exclusions=("angle", "side"),
     lower=NumberKey(None, "opening below which it acts; this, `upper`, or both", unit="rad"),
@@ -178,7 +187,7 @@ def stop(build, args):
             build.scene.add(element(Stop, args, angle=angle, side=side))
 
 
-@acting(
+@connector(
     Latch,
     exclusions=("one_sided", "name"),
     default_texts={"stiffness": "it holds exactly"},
@@ -238,7 +247,7 @@ def tabulated_spring(build, args):
         scene.classes[Friction, scene.add(drag)] = "HY"
 
 
-@acting(
+@connector(
     SyncLoop,
     exclusions=("hinges", "name"),
     default_texts={"rest": "those at the start"},
@@ -254,7 +263,7 @@ def loop(build, args):
     build.scene.add(element(SyncLoop, args, hinges=args.joints, rest=rest))
 
 
-@acting(
+@connector(
     Motor,
     exclusions=("by_rate",),
     default_texts={"start": "that at the start", "stiffness": "it prescribes exactly"},
@@ -282,7 +291,7 @@ def motor(build, args):
 whole(TorqueMotor)
 
 
-@acting(
+@connector(
     Release,
     default_texts={"stiffness": "it holds exactly", "hold": "that at the start"},
     damping=key_of(Release, "damping", default=0.0),

@@ -249,7 +249,7 @@ def test_each_least_margin_is_known_and_nothing_else(monkeypatch, tmp_path):
         run = SimpleNamespace(energies=energies | {mechanism.BALANCE.name: balance})
         monkeypatch.setattr(mechanism, "read_curves", lambda path, run=run: run)
         motion = mechanism.motion_of(folder, plan)
-        assert motion == {"exchanged": exchanged, "largest": largest, "off": 0.5}
+        assert motion == {"exchanged": exchanged, "largest": largest, "imbalance": 0.5}
 
 
 def test_settings_of_ones_own_are_told_with_those_of_the_standard():

@@ -48,7 +48,7 @@ def mechanism_of(folder: Folder, quantities: Iterable[Mapping[str, Any]]) -> dic
 
 def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
     """Energies (J) of a campaign's nominal run: `change`, the largest change over the run of any
-    one kind of energy, `largest`, the largest size of one, and `off`, the largest error of their
+    one kind of energy, `largest`, the largest size of one, `imbalance`, the largest error of their
     balance; None where its trajectory was not stored. folder: of the results; plan: of its runs."""
     path = folder.runs("trajectories") / f"{plan.runs[0].id}.nc"
     if not path.exists():
@@ -58,7 +58,7 @@ def motion_of(folder: Folder, plan: Any) -> dict[str, float] | None:
     return {
         "exchanged": float(max((np.ptp(x) for x in energies.values()), default=0.0)),
         "largest": float(max((np.abs(x).max() for x in energies.values()), default=0.0)),
-        "off": float(np.abs(balance).max()),
+        "imbalance": float(np.abs(balance).max()),
     }
 
 

@@ -441,7 +441,7 @@ class _Sheet:
         }  # fmt: skip
         if locks := [name for name in margin["locked"] if name not in openings]:
             is_not = "stands, is not" if len(locks) == 1 else "stand, are not"
-            reasons.append(f"{', '.join(locks)}, which {is_not} led")
+            reasons.append(f"{', '.join(locks)}, which {is_not} moved")
         if margin["weaker"]:
             reasons.append(f"the structure's file counts {', '.join(margin['weaker'])}")
         return reasons
@@ -592,16 +592,16 @@ class _Sheet:
         motion, allowed = self._mechanism["motion"], numbers.percent(self._tolerance)
         runs, duration = self.facts["runs"]["all"], numbers.quantity(self.facts["duration"], "s")
         analysed = (
-            f"{runs} runs, each of {duration}, fail where it is off by more than {allowed} of the "
+            f"{runs} runs, each of {duration}, fail where its error exceeds {allowed} of the "
             "largest energy"
         )
         if motion is None:
             text = "partly analysed: how far energies change was not kept (jobs.keep)"
             return _row(analysed, Verdict(PARTIAL, text))
-        change, largest, imbalance = (motion[key] for key in ("exchanged", "largest", "off"))
+        change, largest, imbalance = (motion[key] for key in ("exchanged", "largest", "imbalance"))
         value = (
             f"in the nominal run energies change by up to {numbers.quantity(change, 'J')}, the "
-            f"largest is {numbers.quantity(largest, 'J')}, the balance off by "
+            f"largest is {numbers.quantity(largest, 'J')}, the error of the balance "
             f"{numbers.quantity(imbalance, 'J', 2)}"
         )
         if change < MIN_EXCHANGE * self._tolerance * largest or change == 0:

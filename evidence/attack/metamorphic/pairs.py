@@ -37,7 +37,7 @@ LATCH_KINDS = frozenset(
 )
 """Of the instant at which a latch catches: interpolated in the step, from the axes of a side."""
 
-IMBALANCE = "the energy balance is off"
+IMBALANCE = "the energy balance has an error"
 """By more than all there is: the scale is wrong, or energy comes from nowhere."""
 
 UNRELIABLE_STARTS = frozenset({"motor_moment", "slide_motor_force"})

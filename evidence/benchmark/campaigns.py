@@ -204,7 +204,7 @@ def cpu_of_children() -> float:
 def arithmetic_seconds(runs: int) -> float:
     """Cpu seconds that integrating `runs` samples of the paper's scene for 1 s takes."""
     scenes = linkages(32)
-    step = 0.9 * fpm.stable_step(scenes[0]).step
+    step = 0.9 * fpm.find_stable_step(scenes[0]).step
     steps = round(0.05 / step)
     seconds = best({"run": runner(scenes, steps, step)}, 3)["run"]
     return seconds / 0.05 * runs / 32

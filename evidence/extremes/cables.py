@@ -34,7 +34,7 @@ def hanging_mass(EA: float, mass: float = 1.0, start: float = 0.9, **options) ->
 
 def attempt(name: str, scene: fpm.Scene, duration: float):
     """(rows of failures, name with what helped, outcome or None)."""
-    rows, limit = [], fpm.stable_step(scene).step
+    rows, limit = [], fpm.find_stable_step(scene).step
     for share in SHARES:
         (outcome,) = fpm.simulate(
             scene, duration=duration, instants=201, step=share * limit, energy_tolerance=TOLERANCE
@@ -103,7 +103,7 @@ def strings() -> list[Row]:
         scene.add_point("bead", ends[1])
         tension = 1e4 * strain
         period = 2 * np.pi / np.sqrt(2 * tension / 1e-3)
-        step = 0.1 * fpm.stable_step(scene).step  # at 0.9 the bead turns within two steps
+        step = 0.1 * fpm.find_stable_step(scene).step  # at 0.9 the bead turns within two steps
         (outcome,) = fpm.simulate(scene, duration=10 * period, instants=401, step=step)
         z = outcome.points["bead"][0][:, 2]
         error = abs(_period(outcome.time, z) / period - 1)
@@ -192,7 +192,7 @@ def steps() -> list[Row]:
     for is_one in (False, True):
         for EA in (1e5, 1e8, 1e9):
             scene = held_bar(EA, is_one)
-            stable = fpm.stable_step(scene)
+            stable = fpm.find_stable_step(scene)
             ratio = float(stable.step / true_limit(scene, 1e-3))
             support = "running through its ends" if is_one else "from all sides"
             name = f"bar held by cables {support}, EA = {EA:g} N: stable step over true limit"

@@ -172,11 +172,11 @@ def box_of(**ends: tuple[float, float]):
 
 def bounds_of_bd(box, order: int):
     """Bounds of BD (m) over a box by tensor Chebyshev roots of an order, and the number of runs."""
-    from deployable.intervals import fit, make_design, surrogate_range
+    from deployable.intervals import find_surrogate_range, fit, make_design
 
     design = make_design("tensor_roots", box, order)
     values = curves_of_bd(box.names, box.from_unit(design.points))
-    return surrogate_range(fit(design, values)), len(design.points)
+    return find_surrogate_range(fit(design, values)), len(design.points)
 
 
 def curves_of_bd(names, values) -> np.ndarray:

@@ -50,7 +50,7 @@ def _size(units: int, build, steps: int, repeats: int) -> Size:
     copies: list[fpm.Scene] = []
     build_time = best({"build": lambda: copies.append(_check_scene(build()))}, repeats)["build"]
     scene = copies[-1]
-    step = 0.9 * fpm.stable_step(scene).step
+    step = 0.9 * fpm.find_stable_step(scene).step
     scenes, instants = [scene] * LANES, 41
     duration = steps * step
     outcomes: list[fpm.Outcome] = []
@@ -85,5 +85,5 @@ def _widest(outcome: fpm.Outcome, suffix: str) -> float:
 
 
 def _check_scene(scene: fpm.Scene) -> fpm.Scene:
-    fpm.stable_step(scene)
+    fpm.find_stable_step(scene)
     return scene

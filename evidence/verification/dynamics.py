@@ -224,7 +224,7 @@ def free_bodies(bench: Bench) -> None:
     for name, build, rounding in cases:
         scene = build(section, material)
         watch(scene)
-        step = 0.9 * fpm.stable_step(scene).step
+        step = 0.9 * fpm.find_stable_step(scene).step
         steps = 100_000 if bench.quick else 1_000_000
         output_steps = steps // (instants - 1)
         (outcome,) = bench.simulate(

@@ -111,7 +111,7 @@ def find_drives(works: Mapping[str, np.ndarray]) -> list[str]:
 
 def sweep_travel(scene, responses: Iterable[Any]) -> Any:
     """Move openings (joint coordinates) of a scene slowly as `responses`, all margins, need it,
-    without a run. Returns what serves as argument `run` of `values`, `least` and `torque_budget`:
+    without a run. Returns what serves as argument `run` of `values`, `least`, `make_torque_budget`:
     an object with `columns`, by (variable, label) the values (p,) at the p positions of a travel,
     as many as its tolerance takes (units: `column_of`), and `time`, 201 values from 0 to 1, which
     sets only how many margins `values` gives. scene: the Scene, at its start."""
@@ -274,7 +274,7 @@ def least(response: Any, run: Any) -> tuple[float, float]:
     return margin, float(interpolate(travel.positions, travel.opening, np.array([position]))[0])
 
 
-def torque_budget(response: Any, run: Any) -> Budget:
+def make_torque_budget(response: Any, run: Any) -> Budget:
     """Return the torque budget, component by component, at the opening where a margin is least.
     response: made by `read_margin`; run: `Curves` of a run, or what `sweep_travel` returns."""
     travel = _WeightedTravel(response, run)

@@ -23,7 +23,7 @@ from fpm.scenes.scene import Scene
 AXES = ("x", "y", "z")
 ALL = {"all": "all bars"}
 
-NameLister = Callable[[Scene], Iterable[str]]
+Lister = Callable[[Scene], Iterable[str]]
 """Function of a scene: names of what something may be of."""
 
 
@@ -134,7 +134,7 @@ class Definition(NamedTuple):
         return Response(self.name, self.kind, subjects, component, *fields)
 
 
-def _vector(spec: Definition, names: NameLister | None = None, unit: str = "") -> Response:
+def _vector(spec: Definition, names: Lister | None = None, unit: str = "") -> Response:
     """A vector along or about global axes, or its size: of a variable, or of some names."""
     name = spec.one_of((names or spec.variable.names)(spec.scene))
     component = spec.one_of((*AXES, "norm"), "component")
@@ -145,7 +145,7 @@ def _vector(spec: Definition, names: NameLister | None = None, unit: str = "") -
     return spec.response((name,), component, unit or spec.variable.unit, text, columns)
 
 
-def _pair(spec: Definition, noun: str, names_of: NameLister, column: bool = True) -> Response:
+def _pair(spec: Definition, noun: str, names_of: Lister, column: bool = True) -> Response:
     """Two different ones of the known names, in their order."""
     value, names = spec.data[spec.kind], list(names_of(spec.scene))
     if not isinstance(value, list | tuple) or len(value) != 2 or value[0] == value[1]:
@@ -155,7 +155,7 @@ def _pair(spec: Definition, noun: str, names_of: NameLister, column: bool = True
     return spec.response(tuple(pair), "", "m", f"{spec.kind} between {' and '.join(pair)}", columns)
 
 
-def _by_name(spec: Definition, unit: str, text: str, names: NameLister, variable: str = "") -> Response:
+def _by_name(spec: Definition, unit: str, text: str, names: Lister, variable: str = "") -> Response:
     """A column of a variable by its label, or what has no column: an energy."""
     name = spec.one_of(names(spec.scene))
     columns = ((variable, name),) if variable else ()

@@ -22,7 +22,7 @@ from fpm.errors import SceneError, did_you_mean
 from fpm.files.trajectory import LED_OVER, Column
 from fpm.kernels import sources
 from fpm.reading import bars, margins
-from fpm.reading.clearance import clearance
+from fpm.reading.clearance import find_clearance
 from fpm.reading.constraint_forces import couple_on_two, joints_of, reaction, reactions_of
 from fpm.reading.recording import Recording
 from fpm.reading.stress import element_stress
@@ -182,7 +182,7 @@ def _stress(recording: Recording, name: str) -> np.ndarray:
 
 def _clearance(recording: Recording, name: str) -> np.ndarray:
     pair = (bars.bars_of(recording.scene)[bar] for bar in name.split(" to "))
-    return clearance(recording.scene, *pair, recording.place, recording.axes)
+    return find_clearance(recording.scene, *pair, recording.place, recording.axes)
 
 
 def _travel(recording: Recording, name: str, variable: str) -> np.ndarray:

@@ -111,7 +111,7 @@ def fastest(modes) -> tuple[float, np.ndarray]:
     return values[-1], (modes @ vectors[:, -1]) ** 2
 
 
-def stable_step(scene: Scene) -> StableStep:
+def find_stable_step(scene: Scene) -> StableStep:
     """Return the largest stable time step of a scene at its start (StableStep), before any safety
     factor: 2/ω of its highest angular frequency ω. A scene without stiffness (free bodies) has no
     limit: infinity, frequency 0, element "none". With dampers the result is up to 1 % below it."""

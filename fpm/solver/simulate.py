@@ -11,7 +11,7 @@ from fpm.files.outcome import Outcome
 from fpm.files.trajectory import Column
 from fpm.reading.variables import add_probe
 from fpm.scenes.scene import Scene
-from fpm.scenes.timestep import SAFETY, stable_step
+from fpm.scenes.timestep import SAFETY, find_stable_step
 from fpm.solver import pack
 from fpm.solver.start import consistent_scene
 from fpm.solver.unpack import outcome_of
@@ -92,7 +92,7 @@ def simulate(
     scenes = [consistent_scene(scene) for scene in scenes]
     limits = [None] * len(scenes)
     if step is None:
-        limits = [stable_step(scene) for scene in scenes]
+        limits = [find_stable_step(scene) for scene in scenes]
         step = safety * min(limit.step for limit in limits)
     division = divide_time(duration, instants, step)
     times = duration / (instants - 1) * np.arange(instants)

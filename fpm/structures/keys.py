@@ -26,7 +26,7 @@ COMMA = " (an expression with a comma stands in quotes)"
 MOST = 1000
 """Largest count of units, or number of elements between two points."""
 
-Value = Callable[[Builder], Any]
+BuildValue = Callable[[Builder], Any]
 """Function of a sample's Builder: a key's value in SI units; raises SceneError if it is not
 allowed."""
 
@@ -49,7 +49,7 @@ class Key:
         joints: keys of the entry, such as "joint", that name slides."""
         return self
 
-    def read(self, node: Node, place: Place) -> Value:
+    def read(self, node: Node, place: Place) -> BuildValue:
         """Read this key's value in a file; returns a function of the Builder, which returns it in a
         sample (SI units). node: the value (Node of the YAML file); place: where it stands (Place).
         What is wrong is noted in place.problems, and SkippedError raised."""
@@ -100,7 +100,7 @@ class WholeKey(Key):
         return lambda build: round(number(build))
 
 
-def _check(bound: Bound, place: Place, allowed: str, right: Callable[[float], bool]) -> Value:
+def _check(bound: Bound, place: Place, allowed: str, right: Callable[[float], bool]) -> BuildValue:
     """The value of an expression, which must be right."""
 
     def value(build: Builder) -> float:
@@ -279,7 +279,7 @@ class ListKey(Key):
             place.refuse(node, f"{self.allowed}, each once")
         return lambda build: [value(build) for value in values]
 
-    def _values(self, node: Node, place: Place) -> Iterator[Value]:
+    def _values(self, node: Node, place: Place) -> Iterator[BuildValue]:
         if not isinstance(node.value, list):
             place.refuse(node, self.allowed)
         for item in node.items:

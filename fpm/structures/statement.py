@@ -18,13 +18,13 @@ from fpm.reading.standards import CLASSES
 from fpm.structures.builder import Builder
 from fpm.structures.keys import (
     NO_VALUE,
+    BuildValue,
     ChoiceKey,
     Key,
     ListKey,
     NumberKey,
     OpeningKey,
     ReferenceKey,
-    Value,
 )
 from fpm.structures.names import Place
 from fpm.structures.reading import Node, SkippedError, commas
@@ -173,7 +173,7 @@ class Entry:
     key: str
     line: int
     lines: dict[str, int]
-    read: dict[str, Value]
+    read: dict[str, BuildValue]
 
     def values(self, build: Builder) -> SimpleNamespace:
         """Return the values of all keys in the sample of `build` (SI units, defaults where left
@@ -234,7 +234,7 @@ def _slides(statement: Statement, node: Node, place: Place) -> list[str]:
 
 def _read_keys(
     statement: Statement, slides: list[str], node: Node, line: int, place: Place
-) -> dict[str, Value]:
+) -> dict[str, BuildValue]:
     """What the keys of an entry mean, by their names in `it`; SkippedError if any is wrong."""
     keys, is_sound, read, corrections = statement.for_slides(slides), True, {}, set()
     allowed = [*(["type"] if statement.type else []), *keys]

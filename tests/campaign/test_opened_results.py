@@ -125,7 +125,7 @@ def test_results_of_two_campaigns_are_not_told_as_those_of_one(rich, tmp_path, r
 def test_jobs_of_a_workflow_are_told_the_program_that_its_config_names(
     raw, theirs, tmp_path, monkeypatch
 ):
-    program, linkage = tmp_path / "own.py", str(program_data.structures()["bennett"])
+    program, linkage = tmp_path / "own.py", str(program_data.list_structures()["bennett"])
     program.write_text(
         f"from fpm import structures\nOF = structures.load({linkage!r})\n"
         "PARAMETERS, MESH = OF.parameters, OF.mesh\n"

@@ -115,7 +115,7 @@ def test_the_step_is_stable_at_every_corner_and_divides_the_interval(raw):
     plan = make_plan(config.experiment)
     bennett = scene_type("bennett")
     limits = [
-        fpm.stable_step(bennett.build(elements=2, a=a, E=E)).step
+        fpm.find_stable_step(bennett.build(elements=2, a=a, E=E)).step
         for a in (0.028, 0.035, 0.042)
         for E in (0.7e9, 1e9, 1.3e9)
     ]

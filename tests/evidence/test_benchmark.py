@@ -192,4 +192,4 @@ def test_the_timed_scenes_hold_together():
     assert {kind for case in kinds.CASES.values() for kind in case} == set(scenes.KINDS)
     for case in kinds.CASES.values():
         scene = scenes.bars(2, *case)
-        assert fpm.stable_step(scene).step > 0
+        assert fpm.find_stable_step(scene).step > 0

@@ -159,7 +159,7 @@ def off_by(seed: int) -> tuple[float, float]:
     least, at = (number.evaluate(run) for number in parse(asked, [response], [])[0])
     assert least >= -1.0
     exact, places = design.least()
-    budget = margins.torque_budget(response, run)
+    budget = margins.make_torque_budget(response, run)
     weighted = np.array([row.weighted for row in budget.rows])
     assert budget.margin == least and budget.opening == at
     assert weighted[weighted > 0].sum() == pytest.approx(budget.drives, abs=1e-15)

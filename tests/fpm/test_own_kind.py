@@ -54,7 +54,7 @@ def test_its_energy_is_in_the_balance(outcome):
 
 
 def test_it_has_a_stable_step():
-    limit = fpm.stable_step(body())
+    limit = fpm.find_stable_step(body())
     assert limit.step == pytest.approx(2 / RATE, rel=1e-12)
     assert limit.element == "ground spring 0"
     stable, unstable = (

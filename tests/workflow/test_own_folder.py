@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from deployable.campaign import program_data
-from deployable.campaign.cli.new import CAMPAIGN, make_folder, starts
+from deployable.campaign.cli.new import CAMPAIGN, list_starts, make_folder
 from deployable.campaign.config.check import load_config
 from deployable.campaign.errors import CampaignError
 
@@ -48,7 +48,7 @@ responses:
 
 
 def test_every_start_makes_a_folder_with_a_campaign_that_is_accepted(tmp_path):
-    assert {"small", "mast", "panel", "pendulum"} <= set(starts())
+    assert {"small", "mast", "panel", "pendulum"} <= set(list_starts())
     for start in ("small", "mast", "panel", "pendulum"):
         folder = tmp_path / start
         make_folder(folder, start)
@@ -59,7 +59,7 @@ def test_every_start_makes_a_folder_with_a_campaign_that_is_accepted(tmp_path):
 
 def test_a_folder_starts_from_a_structure_of_ones_own(tmp_path):
     mine = tmp_path / "two bars.yaml"
-    text = program_data.structures()["zfold"].read_text(encoding="utf-8")
+    text = program_data.list_structures()["zfold"].read_text(encoding="utf-8")
     mine.write_text(text.replace("name: zfold", "name: two_bars"), encoding="utf-8")
     make_folder(tmp_path / "made", str(mine))
     made = load_config([tmp_path / "made" / CAMPAIGN])
@@ -69,7 +69,7 @@ def test_a_folder_starts_from_a_structure_of_ones_own(tmp_path):
 
 def test_a_structure_with_latches_starts_with_the_question_whether_they_catch(tmp_path):
     mine = tmp_path / "mine.yaml"
-    mine.write_bytes(program_data.structures()["boom"].read_bytes())
+    mine.write_bytes(program_data.list_structures()["boom"].read_bytes())
     make_folder(tmp_path / "made", str(mine))
     made = load_config([tmp_path / "made" / CAMPAIGN])
     numbers = {quantity.name: quantity.places for quantity in made.experiment.quantity_list}

@@ -21,7 +21,7 @@ from deployable.campaign.errors import CampaignError
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, TimeStep, choose_step
 from deployable.campaign.runs.progress import Notify
-from deployable.intervals.estimates import refinement_ratio, richardson_error
+from deployable.intervals.estimates import extrapolate_error, refinement_ratio
 
 MAX_POINTS = 8
 """Points at which runs are repeated for the responses: eight side by side cost what three do."""
@@ -134,7 +134,7 @@ def estimate_discretization_errors(
             ratio = level.ratio(
                 values[worst], finer_values[worst], np.where(lost_rows[worst], np.nan, ratio)
             )
-        errors[name] = richardson_error(change, None if ratio is None else ratio[:, None])
+        errors[name] = extrapolate_error(change, None if ratio is None else ratio[:, None])
         values = finer_values
     return errors
 
@@ -214,7 +214,7 @@ def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict
             if third is None
             else level.ratio(curves[worst], finer_curves[worst], third)[:, None]
         )
-        errors[name] = richardson_error(sites.errors(change), ratio)
+        errors[name] = extrapolate_error(sites.errors(change), ratio)
         curves = finer_curves
     return errors
 

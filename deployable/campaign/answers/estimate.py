@@ -66,7 +66,7 @@ class Estimate:
         first = f" ({duration_text(_round(self.compile_time))} of it to compile, once)"
         return (
             f"at most {self.runs} runs{further}, {bound} {duration_text(_round(self.seconds))} "
-            f"on {cores()} cores{first if self.compile_time else ''}, "
+            f"on {count_cores()} cores{first if self.compile_time else ''}, "
             f"{size_text(self.bytes)} on disk"
         )
 
@@ -85,8 +85,8 @@ def estimate(campaign: Campaign) -> Estimate:
     batches = [(math.ceil(count / LANES), factor) for count, factor in passes if count]
     core_time = batch * sum(number * factor for number, factor in batches)
     # A batch is one core's; rounds wait for each other.
-    run_time = batch * sum(math.ceil(number / cores()) * factor for number, factor in batches)
-    write_time = WRITE * sum(count for count, _ in passes) / cores()
+    run_time = batch * sum(math.ceil(number / count_cores()) * factor for number, factor in batches)
+    write_time = WRITE * sum(count for count, _ in passes) / count_cores()
     scene = experiment.nominal_scene
     compile_time = 0.0 if fpm.is_compiled(scene) else effort.compile_seconds(scene)
     overhead = START + compile_time + MOTIONS * batch
@@ -97,7 +97,7 @@ def estimate(campaign: Campaign) -> Estimate:
     seconds = run_time + write_time + overhead + TEST * len(campaign.measured)
     if experiment.is_adaptive:  # meshes and steps become finer
         core_time = 60 * experiment.accuracy.max_core_minutes
-        seconds = core_time / cores() + overhead
+        seconds = core_time / count_cores() + overhead
     curves = _BOUNDS_CURVES * len(experiment.responses)
     if campaign.jobs.keep == "extremes":
         curves += _SHARE_CURVES * min(MOST, math.ceil(runs / LARGE)) * len(experiment.responses)
@@ -166,7 +166,7 @@ def describe_stored_runs(campaign: Campaign, folder: Folder) -> str:
     return text
 
 
-def cores() -> int:
+def count_cores() -> int:
     """Return the number of processor cores of this machine, 1 if it is unknown."""
     return os.cpu_count() or 1
 

@@ -74,7 +74,7 @@ def assess_limits(
     """Assess limits (`specs`, as the config sets them) over the box by the surrogates of all
     quantities, and in the runs of `model`, to say where requirements are met. errors (2, q): by
     mesh and step, of values and of decision functions (sign: whether one exists), or None."""
-    from deployable.intervals.scalars import Limit, find_max_scale, least_scales
+    from deployable.intervals.scalars import Limit, find_least_scales, find_max_scale
 
     errors = np.zeros((2, len(surrogates))) if errors is None else errors
     limits = [
@@ -91,7 +91,7 @@ def assess_limits(
         for spec, limit in zip(specs, limits, strict=True)
     ])  # fmt: skip
     failing_rows = np.flatnonzero(margins.min(axis=0) < 0)
-    scales = least_scales(model.nominal, model.points[failing_rows])
+    scales = find_least_scales(model.nominal, model.points[failing_rows])
     failure_point = None
     if len(failing_rows) and scales.min() < largest[0]:  # a run fails where the surrogates do not
         run = failing_rows[scales.argmin()]

@@ -67,7 +67,7 @@ from deployable.intervals.calibration import (
     calibrate_together,
     no_runs,
 )
-from deployable.intervals.scalars.fits import best_fit
+from deployable.intervals.scalars.fits import choose_fit
 from fpm.structures.curves_file import CurvesFileError
 
 _LEAST_MOVE = 0.005  # of a parameter's width, by which a side must move
@@ -352,7 +352,7 @@ def _describe_left(
         happens = np.isfinite(numbers[:, q])
         lower, upper, error = np.nan, np.nan, np.nan
         if happens.any():
-            fit = best_fit((unit[happens] - center) / half, numbers[happens, q])
+            fit = choose_fit((unit[happens] - center) / half, numbers[happens, q])
             values = fit.evaluate((result.samples - center) / half)
             ends = result.samples[[values.argmin(), values.argmax()]]
             extra = model.evaluate(model.plan, ends)[0][:, q]

@@ -38,12 +38,12 @@ rule all:
 GITIGNORE = "/results/\n/exports/\n/report.html\n/.snakemake/\n"
 
 
-def starts() -> list[str]:
+def list_starts() -> list[str]:
     """List names that a new folder can start from: shipped campaigns, structures without one."""
-    campaigns = program_data.campaigns()
+    campaigns = program_data.list_campaigns()
     scenes = [load(path)["scene"] for path in campaigns.values()]
     scene_names = {scene.get("name") or Path(scene["file"]).stem for scene in scenes}
-    return sorted({*campaigns, *(program_data.structures().keys() - scene_names)})
+    return sorted({*campaigns, *(program_data.list_structures().keys() - scene_names)})
 
 
 def make_folder(folder: str | Path, start: str) -> None:
@@ -71,12 +71,12 @@ def make_folder(folder: str | Path, start: str) -> None:
 
 def _start_files(start: str) -> tuple[str, dict[str, Path]]:
     """The text of the campaign, and the files of its structures by their names in the folder."""
-    if start in starts() and (path := program_data.campaigns().get(start)):
+    if start in list_starts() and (path := program_data.list_campaigns().get(start)):
         file = load(path)["scene"].get("file")
         return path.read_text(encoding="utf-8"), {file: path.parent / file} if file else {}
-    path = program_data.structures().get(start) if start in starts() else Path(start)
+    path = program_data.list_structures().get(start) if start in list_starts() else Path(start)
     if path is None or path.suffix != ".yaml" or not path.is_file():
-        allowed = f"{', '.join(starts())}, or the .yaml file of a structure"
+        allowed = f"{', '.join(list_starts())}, or the .yaml file of a structure"
         raise CampaignError(f"--start {start} is not known; allowed: {allowed}")
     name, text = f"structures/{path.name}", campaign_of(path, f"structures/{path.name}")
     files = (f for f in scene_type("", str(path)).files if f.is_relative_to(path.parent))

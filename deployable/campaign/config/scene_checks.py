@@ -114,7 +114,7 @@ def _time_problems(experiment: Experiment) -> list[str]:
     solver, problems = experiment.solver, []
     scene = experiment.nominal_scene
     if solver.step != "auto" or solver.duration > _LONG:
-        limit = fpm.stable_step(scene).step
+        limit = fpm.find_stable_step(scene).step
         step = solver.safety * limit if solver.step == "auto" else solver.step
         if solver.step != "auto" and solver.duration >= step > 2 * limit:
             problems.append(

@@ -57,7 +57,7 @@ def scene_type(name: str, file: str = "") -> Any:
     """Load the `fpm` structure (`SceneType`) in `file`, which results may name from then on
     (`trust`), or without one the shipped structure called `name`. Raises `fpm.SceneError`."""
     if not file:
-        if name not in (files := program_data.structures()):
+        if name not in (files := program_data.list_structures()):
             raise SceneError("scene.name", name, f"one of {', '.join(files)}")
         file = str(files[name])
     else:

@@ -34,7 +34,7 @@ _UNKNOWN = 1e6  # share of a width: an error that is not known, or larger
 _CHECK_POINTS = 8  # places at which a check makes runs, of the responses
 
 
-def first_plan(experiment: Experiment) -> Plan:
+def start_plan(experiment: Experiment) -> Plan:
     """Make the plan of round 0 of an `accuracy` (config): eight runs for each interval that has a
     width: the nominal one, the corners of the box, if they are at most half of them, and points of
     a Sobol sequence. It has errors estimated by mesh, or by step if no parameter sets the mesh."""
@@ -44,7 +44,7 @@ def first_plan(experiment: Experiment) -> Plan:
     return _plan(experiment, points.tolist(), (), ("mesh",) if _has_mesh(experiment) else ("step",))
 
 
-def next_plan(
+def extend_plan(
     experiment: Experiment, plan: Plan, samples_path: str | Path, bounds_path: str | Path
 ) -> Plan:
     """Make the plan after a finished round of an `accuracy`: with more runs, a finer mesh or step,

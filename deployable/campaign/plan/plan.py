@@ -168,7 +168,7 @@ def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
     for point in points:
         values = dict(zip(box.names, map(float, box.from_unit(point)), strict=True))
         scene = experiment.build(values)
-        stable = fpm.stable_step(scene)
+        stable = fpm.find_stable_step(scene)
         steps.append(stable.step)
         if len(steps) == 2 * box.free.sum() + 1 > 2 * MOST_FULL + 1:  # the worse ends together
             low, high = np.reshape(steps[1:], (-1, 2)).T

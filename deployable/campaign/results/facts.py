@@ -15,7 +15,7 @@ import numpy as np
 from deployable.campaign.files import open_netcdf, read_json
 from deployable.campaign.folder import Folder
 from deployable.campaign.plan.plan import Plan, read_plan
-from deployable.campaign.results.run_roles import counts, nominal_row
+from deployable.campaign.results.run_roles import count_roles, nominal_row
 from deployable.campaign.text.numbers import percent
 from deployable.campaign.text.words import words_of
 from deployable.intervals.estimates import MAX_TAIL_RATIO
@@ -146,7 +146,7 @@ def of_bounds(bounds: Any, samples: Any, published: Mapping[str, float]) -> dict
     """Collect what `bounds.nc` and `samples.nc` tell as plain data, a part of `summary.json`:
     parameters, design, contacts that close in the nominal run, and bounds by response. bounds,
     samples: those files, open; published: largest difference in the literature by response."""
-    count, time = counts(samples), bounds["time"][:]
+    count, time = count_roles(samples), bounds["time"][:]
     keys = ("parameter", "box_units", "box_lower", "box_nominal", "box_upper")
     names = ("name", "units", "lower", "nominal", "upper")
     facts = {

@@ -77,7 +77,7 @@ def margin_of(
     worst = tuple(row["argmin"].values())
     worst = tuple(experiment.nominal) if None in worst else worst
     curves, label = sweep(worst, response), response.columns[0][1]
-    budget = margins.torque_budget(response, curves)
+    budget = margins.make_torque_budget(response, curves)
     drives = set()
     for sweep_curves in (curves, sweep(tuple(experiment.nominal), response)):
         drives |= set(margins.find_drives({

@@ -95,7 +95,7 @@ def root_fit(
     scale = float(margins.max(initial=0.0))
     if not scale > 0 or len(values) <= _LEAST_RUNS:
         return None
-    fit = best_fit(np.column_stack([points, root_coordinates(margins, scale)]), values)
+    fit = choose_fit(np.column_stack([points, root_coordinates(margins, scale)]), values)
     function = RootFunction(fit.function, margin, scale)
     return replace(fit, points=fit.points[:, :-1], kind=f"{fit.kind}, with the root of its margin",
                    function=function)  # fmt: skip
@@ -152,7 +152,7 @@ def _formula(function: Surrogate | Spline | Kriging | RootFunction) -> Formula:
     return polynomial(function) if isinstance(function, Surrogate) else function.formula()
 
 
-def best_fit(points: np.ndarray, values: np.ndarray) -> Fit:
+def choose_fit(points: np.ndarray, values: np.ndarray) -> Fit:
     """Fit the function with the least leave-one-out errors (root mean square) to values (N) of runs
     at `points` (N, k) in [-1, 1]^k; IntervalError without values, or if one is not finite. Tried
     are polynomials by least squares, of every total degree that the runs can test, and the spline

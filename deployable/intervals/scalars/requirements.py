@@ -99,7 +99,7 @@ def sub_box(nominal: np.ndarray, scale: float) -> tuple[np.ndarray, np.ndarray]:
     return nominal + scale * (-1.0 - nominal), nominal + scale * (1.0 - nominal)
 
 
-def least_scales(nominal: np.ndarray, points: np.ndarray) -> np.ndarray:
+def find_least_scales(nominal: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Least scale factors (P) at which the box [-1, 1]^k, shrunk towards a nominal point (k) by
     `sub_box`, still contains each of the `points` (P, k) in it."""
     offset = np.asarray(points, dtype=float) - nominal
@@ -273,7 +273,7 @@ def judge(values: np.ndarray, goals: Sequence[Goal], limits: Sequence[Limit], bo
     )
 
 
-def best_choice(
+def find_best(
     goals: Sequence[Goal],
     limits: Sequence[Limit],
     ranges: Sequence[tuple[float, float]],
@@ -296,7 +296,7 @@ def best_choice(
     return _refine_choice(trials, rank, goals, limits, ranges, box), trials
 
 
-def safest_choice(
+def find_safest(
     trials: Sequence[Choice],
     goals: Sequence[Goal],
     limits: Sequence[Limit],
@@ -315,7 +315,7 @@ def safest_choice(
     return _refine_choice(trials, rank, goals, limits, ranges, box)
 
 
-def safe_range(
+def find_safe_range(
     best: Choice, index: int, limits: Sequence[Limit], ends: tuple[float, float], box: BoxOf
 ) -> tuple[float, float]:
     """Range (least, largest) of one chosen value, of index `index`, about that of the safe choice

@@ -13,7 +13,7 @@ import scipy
 from ..box import MOST_FULL
 from ..designs import spread_points
 from ..formula import Formula
-from .fits import Fit, best_fit, root_fit
+from .fits import Fit, choose_fit, root_fit
 from .occurrence import FittedOccurrence, Occurrence
 
 _CANDIDATES = 1024
@@ -40,7 +40,7 @@ class Extremes:
         return self.high - self.low
 
 
-def extremes(
+def find_extremes(
     function: Function,
     lower: np.ndarray,
     upper: np.ndarray,
@@ -194,7 +194,7 @@ class ScalarSurrogate:
         self, lower: np.ndarray | None, upper: np.ndarray | None, **options: int
     ) -> Extremes:
         lower, upper = self._part(lower, upper)
-        return extremes(self.evaluate, lower, upper, self._trial_points, **options)
+        return find_extremes(self.evaluate, lower, upper, self._trial_points, **options)
 
     def end(
         self, sign: float, lower: np.ndarray, upper: np.ndarray, climbs: int = 1
@@ -257,7 +257,7 @@ def fit_scalar(
     if known of all runs, vanishes."""
     points, values = np.asarray(points, dtype=float), np.asarray(values, dtype=float)
     happens = np.isfinite(values)
-    fit = best_fit(points[happens], values[happens]) if happens.any() else None
+    fit = choose_fit(points[happens], values[happens]) if happens.any() else None
     if happens.sum() == 1 and np.ptp(points, axis=0).any():  # which no other run tests
         fit = replace(fit, left_out=np.full(1, np.inf))
     occurrence = _occurrence(points, happens, fit, latest, margin)
@@ -285,7 +285,7 @@ def _occurrence(
         return by_runs
     borders = [by_runs]
     if margin is not None and np.isfinite(margin).all():
-        margin_fit = best_fit(points, margin)
+        margin_fit = choose_fit(points, margin)
         border = FittedOccurrence(points, happens, margin_fit, margin_fit.error)
         borders += [border] if np.isfinite(border.error) and border.agrees(border.error) else []
     if latest is not None and np.isfinite(fit.error):
@@ -308,7 +308,7 @@ class Influence:
     halved: np.ndarray
 
 
-def influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
+def find_influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence:
     """Compute the influence of each parameter on the width of a quantity's range, by its surrogate
     (of up to eight without kriging corrections), so without further runs. nominal (k): nominal
     values of the parameters, normalized to [-1, 1]."""

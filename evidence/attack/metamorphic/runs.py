@@ -41,7 +41,7 @@ def drawn(seed: str) -> tuple[Structure, float]:
     while True:
         structure = Draw(rng).draw()
         try:
-            limit = 0.5 * fpm.stable_step(scene_of(structure)).step
+            limit = 0.5 * fpm.find_stable_step(scene_of(structure)).step
         except (StructureError, SceneError):
             continue
         for k in range(HALVINGS + 1):

@@ -214,7 +214,7 @@ def _deviation(places: np.ndarray, fine: np.ndarray, distance: float) -> float:
 
 
 def _step(case: Case, scenes: list[fpm.Scene]) -> float:
-    return case.step or 0.9 * min(fpm.stable_step(scene).step for scene in scenes)
+    return case.step or 0.9 * min(fpm.find_stable_step(scene).step for scene in scenes)
 
 
 def _measure(case: Case, structure: SceneType, python: str, repeats: int, steps: int | None):

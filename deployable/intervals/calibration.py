@@ -697,11 +697,11 @@ def _fractions(
             continue
         counts += [_misfit(state, problem, values, pool, INNER) <= level, 1.0]
         rows.append(values)
-    share = np.prod(high - low) / np.prod(widths[free]) / abs(np.linalg.det(directions[:, free]))
-    shares = counts / _SAMPLES
-    spread = _DEVIATIONS * np.sqrt(shares * (1.0 - shares) / _SAMPLES)
+    scale = np.prod(high - low) / np.prod(widths[free]) / abs(np.linalg.det(directions[:, free]))
+    fractions = counts / _SAMPLES
+    spread = _DEVIATIONS * np.sqrt(fractions * (1.0 - fractions) / _SAMPLES)
     hull_share = float((np.ptp(state.hull, axis=0)[free] / widths[free]).prod())
-    inner, outer = np.clip((shares + spread * [-1.0, 1.0]) * share, 0.0, hull_share)
+    inner, outer = np.clip((fractions + spread * [-1.0, 1.0]) * scale, 0.0, hull_share)
     return np.array(rows), (float(inner), float(outer))
 
 

@@ -194,10 +194,10 @@ class _RestSearch:
                 largest = float(np.abs(step).max(initial=0.0))
                 if not np.isfinite(largest):
                     break
-                part = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
-                state = state.displace(part * self._scales * step)
-                impulses = impulses + part * change
-                if part == 1.0 and largest <= STEP_TOL and self._gap(state) <= GAP_TOL:
+                fraction = min(1.0, FARTHEST / largest) if largest > 0 else 1.0
+                state = state.displace(fraction * self._scales * step)
+                impulses = impulses + fraction * change
+                if fraction == 1.0 and largest <= STEP_TOL and self._gap(state) <= GAP_TOL:
                     return state, impulses, count
         self._refuse(state, f"moving by {largest:.2g} in round {count}")
 
@@ -232,12 +232,12 @@ class _RestSearch:
         """From unstable poses along a motion, then by Gauss-Newton rounds of falling energy."""
         energy = self._elastic.energy(poses)
         for _ in range(SOFT_ROUNDS):
-            part = min(1.0, FARTHEST / np.abs(step).max())
+            fraction = min(1.0, FARTHEST / np.abs(step).max())
             for _ in range(HALVINGS):
-                trial = self._close(poses.displace(part * self._scales * step))
+                trial = self._close(poses.displace(fraction * self._scales * step))
                 if trial is not None and self._elastic.energy(trial) < energy:
                     break
-                part /= 2
+                fraction /= 2
             else:
                 break
             poses, energy = trial, self._elastic.energy(trial)

@@ -166,13 +166,13 @@ def find_indeterminate(scene: Scene) -> set[str]:
     names, free = np.array(conditions.joint), ~scene.fixed.ravel()
     size = float(np.ptp(scene.position, axis=0).max()) or 1.0
     scales = np.tile(np.repeat([size, 1.0], 3), len(scene.position))
-    places = ParticlePoses(scene.position, scene.frame)
-    rows = scale_matrix(conditions.jacobian(places), conditions.weight(size), scales)
+    poses = ParticlePoses(scene.position, scene.frame)
+    rows = scale_matrix(conditions.jacobian(poses), conditions.weight(size), scales)
     rows = rows[:, np.flatnonzero(free)].tocsr()
     joints: set[str] = set()
     count, groups = connected_components(abs(rows) @ abs(rows).T, directed=False)
     for group in range(count):
         members = np.flatnonzero(groups == group)
-        shares = dependence(rows[members][:, np.unique(rows[members].indices)].toarray())[1]
-        joints.update(names[members][shares > SHARE].tolist())
+        dependences = dependence(rows[members][:, np.unique(rows[members].indices)].toarray())[1]
+        joints.update(names[members][dependences > SHARE].tolist())
     return joints

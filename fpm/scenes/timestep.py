@@ -143,9 +143,9 @@ def _limit(scene: Scene, step: float = np.inf) -> StableStep:
         active = modes[acts]
         cases.append((active - (active @ columns) @ columns.T, element[acts]))
     candidates = [(*fastest(case), elements) for case, elements in cases]
-    square, shares, element = max(candidates, key=lambda case: case[0])
+    square, energies, element = max(candidates, key=lambda case: case[0])
     if not square > 0:
         return StableStep(np.inf, 0.0, "none")
-    energy = np.bincount(element, shares, minlength=len(names))
+    energy = np.bincount(element, energies, minlength=len(names))
     frequency = float(np.sqrt(square))
     return StableStep(2.0 / frequency, frequency, names[int(np.argmax(energy))])

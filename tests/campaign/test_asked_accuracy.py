@@ -15,7 +15,7 @@ from deployable import campaign
 from deployable.campaign.config.check import check_config
 from deployable.campaign.config.sections import Accuracy
 from deployable.campaign.folder import Folder
-from deployable.campaign.plan.accuracy import _places, add_runs
+from deployable.campaign.plan.accuracy import _infill_points, add_runs
 from deployable.campaign.plan.decide import RefinementState, Resources
 from deployable.campaign.plan.plan import Round, Rounds
 from deployable.campaign.results.facts import _accuracy
@@ -207,7 +207,7 @@ def test_runs_are_sought_where_what_is_unmet_decides(asked):
         values[:, change] **= 3
         samples = xr.Dataset({"normalized": (("run", "parameter"), unit),
                               "values": (("run", "response", "time"), values)})  # fmt: skip
-        return _places(experiment, samples, ["BD"], count=8, seed=3)
+        return _infill_points(experiment, samples, ["BD"], count=8, seed=3)
 
     wanted = list(experiment.responses).index("BD")
     first, same, other = sought([]), sought([1 - wanted]), sought([wanted])

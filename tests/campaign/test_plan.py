@@ -9,7 +9,7 @@ import fpm
 import fpm.reading
 from deployable.campaign.config.check import check_config
 from deployable.campaign.config.sections import count_runs, scene_type
-from deployable.campaign.plan.plan import make_plan, read_plan, share, write_plan
+from deployable.campaign.plan.plan import make_plan, read_plan, split_evenly, write_plan
 from deployable.campaign.runs.results import groups_of
 from deployable.campaign.runs.store import open_store
 from fpm.kernels import sources
@@ -156,7 +156,7 @@ def test_runs_with_the_same_values_are_one(config):
 @pytest.mark.parametrize(("batches", "size"), [(1, 1), (2, 2), (3, 4), (7, 2), (1, 100)])
 def test_batches_and_groups_hold_every_run_once(plan, batches, size):
     every = groups_of(plan.unique_runs(), size)
-    groups = [share(every, batch, batches) for batch in range(batches)]
+    groups = [split_evenly(every, batch, batches) for batch in range(batches)]
     assert len(groups) == batches
     flat = [run.id for mine in groups for group in mine for run in group]
     assert flat == [run.id for run in plan.unique_runs()]
@@ -164,6 +164,6 @@ def test_batches_and_groups_hold_every_run_once(plan, batches, size):
 
 
 def test_shares_are_even():
-    parts = [share(list(range(10)), part, 4) for part in range(4)]
+    parts = [split_evenly(list(range(10)), part, 4) for part in range(4)]
     assert [item for part in parts for item in part] == list(range(10))
     assert {len(part) for part in parts} == {2, 3}

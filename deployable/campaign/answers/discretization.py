@@ -204,8 +204,8 @@ def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict
     for name, level in _levels(model.plan, components).items():
         finer_curves = _curves(model, level.finer, test_points)
         change = np.abs(finer_curves - curves)
-        share = change.mean(axis=2) / np.maximum(change.mean(axis=(0, 2)), np.finfo(float).tiny)
-        worst = int(share.sum(axis=1).argmax())
+        relative = change.mean(axis=2) / np.maximum(change.mean(axis=(0, 2)), np.finfo(float).tiny)
+        worst = int(relative.sum(axis=1).argmax())
         third = _evaluate_third(
             model, level, lambda plan, worst=worst: _curves(model, plan, test_points[[worst]])[0]
         )

@@ -142,14 +142,14 @@ def make_plan(experiment: Experiment, time: TimeStep | None = None) -> Plan:
     is a Sobol sequence, validation runs. time: their time step; None: `choose_step` finds it."""
     box = experiment.box
     design = make_design(experiment.design, box)
-    parts = [("nominal", box.to_unit(experiment.nominal)[None]), ("node", design.points)]
+    groups = [("nominal", box.to_unit(experiment.nominal)[None]), ("node", design.points)]
     if experiment.design.method != "sobol":
         points = held_out_points(box.free, experiment.held_out, design.points)
-        parts.append(("held_out", points))
+        groups.append(("held_out", points))
 
     time, mechanics = time or choose_step(experiment), experiment.mechanics
-    normalized = np.concatenate([points for _, points in parts])
-    role = np.repeat([ROLES.index(role) for role, _ in parts], [len(p) for _, p in parts])
+    normalized = np.concatenate([points for _, points in groups])
+    role = np.repeat([ROLES.index(role) for role, _ in groups], [len(p) for _, p in groups])
     name = namer(experiment, time.step, mechanics)
     role = role.astype(np.int8)
     runs = Runs(role, normalized, values_of(experiment, role, normalized), name)
@@ -187,9 +187,9 @@ def choose_step(experiment: Experiment, corners: bool = True) -> TimeStep:
     return TimeStep(division.step, division.output_steps, limit, element, energy)
 
 
-def share(items: list, part: int, parts: int) -> list:
-    """Part `part` (from 0) of `items`, a list or `Runs`, cut into `parts` nearly equal ones."""
-    return items[len(items) * part // parts : len(items) * (part + 1) // parts]
+def split_evenly(items: list, index: int, count: int) -> list:
+    """Part `index` (from 0) of `items`, a list or `Runs`, cut into `count` nearly equal ones."""
+    return items[len(items) * index // count : len(items) * (index + 1) // count]
 
 
 def write_plan(plan: Plan, path: str | Path) -> None:

@@ -290,8 +290,8 @@ def grade(error: float | None, width: float) -> str:
     0."""
     if error is None or not width > 0:
         return "unknown"
-    share = error / width
-    return "small" if share < SMALL else "large" if share >= LARGE else "noticeable"
+    relative = error / width
+    return "small" if relative < SMALL else "large" if relative >= LARGE else "noticeable"
 
 
 def _extrapolated_error(bounds: Any, i: int, instant: int) -> dict[str, float]:

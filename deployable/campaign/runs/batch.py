@@ -27,7 +27,7 @@ import fpm
 from deployable.campaign.config.sections import Jobs
 from deployable.campaign.errors import CampaignError
 from deployable.campaign.files import write_result
-from deployable.campaign.plan.plan import Plan, share
+from deployable.campaign.plan.plan import Plan, split_evenly
 from deployable.campaign.plan.runs import PlannedRun, Runs
 from deployable.campaign.provenance import as_attribute, check_code
 from deployable.campaign.runs.progress import Notify, Progress, warm_up
@@ -72,7 +72,7 @@ def run_batch(
     store = open_store(jobs.keep, folder, plan.experiment)
     remove_temporary(folder)
     groups = store.groups(plan.unique_runs(), jobs.group)
-    batch_groups = share(groups, batch, batches)
+    batch_groups = split_evenly(groups, batch, batches)
     work = [(group, missing) for group in batch_groups if len(missing := store.missing(group))]
     notify_reruns(store, notify)
 
@@ -219,7 +219,7 @@ class Simulation:
 
             def start(group: Runs, columns: Iterable[Column]) -> list[Future]:
                 count = max(1, min(self.threads, len(group) // 4))  # eight runs take as long as one
-                parts = [share(group, part, count) for part in range(count)]
+                parts = [split_evenly(group, part, count) for part in range(count)]
                 return [pool.submit(simulate, self.plan, part, columns) for part in parts]
 
             groups = [(groups_of(runs, self.size), columns) for runs, columns in lots]

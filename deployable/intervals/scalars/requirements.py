@@ -79,8 +79,8 @@ class Limit:
     def _end(self, lower: np.ndarray, upper: np.ndarray, worst: bool) -> tuple[float, np.ndarray]:
         surrogate, middle = self.surrogate, (lower + upper) / 2
         if self.kind == "happens":
-            place = surrogate.find_presence if bool(self.level) != worst else surrogate.find_absence
-            point = place(lower, upper)
+            find = surrogate.find_presence if bool(self.level) != worst else surrogate.find_absence
+            point = find(lower, upper)
             feasible = (point is None) == worst
             return (np.inf if feasible else -np.inf), middle if point is None else point
         if worst and (point := surrogate.find_absence(lower, upper)) is not None:
@@ -292,7 +292,7 @@ def find_best(
         value = goals[0].sign * choice.goals[0] if choice.is_safe else -choice.safety
         return 0 if choice.is_safe else 1, value if np.isfinite(value) else np.inf
 
-    trials = [judge(place, goals, limits, box) for place in _grid_of_choices(ranges)]
+    trials = [judge(point, goals, limits, box) for point in _grid_of_choices(ranges)]
     return _refine_choice(trials, rank, goals, limits, ranges, box), trials
 
 
@@ -371,7 +371,7 @@ def _refine_choice(
     steps = np.linspace(-1.0, 1.0, _ZOOM_GRID if len(ends) == 1 else 3)
     for _ in range(_ZOOMS):
         for offset in itertools.product(*[steps if free else [0.0] for free in wide]):
-            place = np.clip(best.values + reach * offset, ends[:, 0], ends[:, 1])
-            best = min(best, judge(place, goals, limits, box), key=rank)
+            point = np.clip(best.values + reach * offset, ends[:, 0], ends[:, 1])
+            best = min(best, judge(point, goals, limits, box), key=rank)
         reach = reach * (0.45 if len(ends) == 1 else 0.6)
     return best

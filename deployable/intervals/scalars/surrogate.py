@@ -224,14 +224,14 @@ class ScalarSurrogate:
     def find_absence(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
         """Find the point (k) in the part of the box from `lower` to `upper` (k each, in [-1, 1])
         where the quantity most certainly does not exist; None if it exists all over the part."""
-        return self._place(lower, upper, False)
+        return self._find_point(lower, upper, False)
 
     def find_presence(self, lower: np.ndarray, upper: np.ndarray) -> np.ndarray | None:
         """Find the point (k) in the part of the box from `lower` to `upper` (k each, in [-1, 1])
         where the quantity most certainly exists; None if it exists nowhere in the part."""
-        return self._place(lower, upper, True)
+        return self._find_point(lower, upper, True)
 
-    def _place(self, lower: np.ndarray, upper: np.ndarray, happens: bool) -> np.ndarray | None:
+    def _find_point(self, lower: np.ndarray, upper: np.ndarray, happens: bool) -> np.ndarray | None:
         lower, upper = self._part(lower, upper)
         if not self.occurrence.is_mixed:
             return (lower + upper) / 2 if self.occurrence.happens.all() == happens else None
@@ -328,11 +328,11 @@ def find_influence(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influence
             lower[j] = nominal[j] + part * (-1.0 - nominal[j])
             upper[j] = nominal[j] + part * (1.0 - nominal[j])
             widths[j] = surrogate.range(lower, upper).width
-    share = _shares(lone_widths, surrogate.error)
+    share = _contributions(lone_widths, surrogate.error)
     return Influence(surrogate.range().width, lone_widths, share, fixed_widths, halved)
 
 
-def _shares(widths: np.ndarray, error: float) -> np.ndarray:
+def _contributions(widths: np.ndarray, error: float) -> np.ndarray:
     significant = np.where(widths > error, widths, 0.0)
     return significant / (significant.sum() or 1.0)
 
@@ -353,5 +353,5 @@ def _influence_at_ends(surrogate: ScalarSurrogate, nominal: np.ndarray) -> Influ
         widths.append(ends[1] - ends[0])
     lines = [surrogate.predict(np.where(eye, x, nominal)) for x in np.linspace(-1.0, 1.0, 9)]
     lone_widths = np.ptp(lines, axis=0)
-    share = _shares(lone_widths, surrogate.error)
+    share = _contributions(lone_widths, surrogate.error)
     return Influence(float(width), lone_widths, share, *np.maximum(widths, 0.0))

@@ -198,13 +198,13 @@ def _bearing_force(batch, kind):
     if joints := [joint.name for joint in Joint.find(scene)]:
         part = batch.part(Joint)
         rows, impulses = part.rows, part.sums
-        place = {joints[number]: j for j, number in enumerate(part.names)}
+        row = {joints[number]: j for j, number in enumerate(part.names)}
         for i, name in enumerate(names):
-            if name in place:
+            if name in row:
                 first[i], count[i] = (
-                    x[place[name]] for x in (part.pattern.first, part.pattern.count)
+                    x[row[name]] for x in (part.pattern.first, part.pattern.count)
                 )
-    share = batch.table(
+    slip_deflections = batch.table(
         kind, 1, lambda f: [0.0 if f.load is None else f.bristle_deflection / f.load]
     )
-    return JointForce(share, lone, first, count, hinges, rows, impulses)
+    return JointForce(slip_deflections, lone, first, count, hinges, rows, impulses)

@@ -33,9 +33,9 @@ def turns_of(scene) -> RotationAxes:
     count, inertia = fixed.sum(axis=1), scene.inertia.copy()
     no_turn = np.repeat(count[:, None] == 3, 3, axis=1)
     for p in np.flatnonzero(count == 2):
-        shares = scene.frame[p][~fixed[p]][0] ** 2
-        inertia[p] = shares @ inertia[p]
-        no_turn[p] = (shares < TOLERANCE) & (shares.max() > 1 - TOLERANCE)
+        squares = scene.frame[p][~fixed[p]][0] ** 2
+        inertia[p] = squares @ inertia[p]
+        no_turn[p] = (squares < TOLERANCE) & (squares.max() > 1 - TOLERANCE)
     is_unequal = np.ptp(inertia, axis=1) > TOLERANCE * inertia.max(axis=1)
     about_two = np.flatnonzero((count == 1) & is_unequal).tolist()
     joints = (e for kind, elements in scene.kinds.items() if kind.joins for e in elements)

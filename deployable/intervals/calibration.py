@@ -170,8 +170,7 @@ def fit_curves(
 
 def _interpolation_errors(times: np.ndarray, curves: np.ndarray, delay: float) -> np.ndarray:
     """Largest error (n, R) of cubics through the instants of any run, near each instant: by those
-    through every second and every fourth, which tell a kink from a curve. delay: width of its
-    limits (s), over which an error may be shifted."""
+    through every second and fourth. delay: width of its limits (s), by which errors may shift."""
     width = 2 * _GAP_INSTANTS + 1 + int(2 * delay / (times[1] - times[0]))
 
     def gaps(stride: int) -> np.ndarray:
@@ -240,9 +239,8 @@ class _Problem:
         self, start: np.ndarray, hull: np.ndarray, sign: float, cost: np.ndarray | None = None,
         level: float = 0.0, sufficient: float = -inf,
     ) -> tuple[np.ndarray, float]:  # fmt: skip
-        """Return values (size), and their misfit: the least one, or with a `cost` (size) those of
-        the least cost among misfits up to `level`. hull (2, size): limits; sufficient: misfit at
-        which the search may end."""
+        """Return values (size), and their misfit: the least one, or with a `cost` (size) that of
+        least cost up to `level`. hull (2, size): limits; sufficient: misfit that ends it."""
         cost, penalty = (np.zeros(self.size), 1.0) if cost is None else (cost, _PENALTY)
         half = np.ptp(hull, axis=0) / 2
         values, radius = np.clip(start, *hull), 1.0

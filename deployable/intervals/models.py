@@ -90,8 +90,7 @@ class PolynomialModel(Model):
         return estimate_error(time, np.abs(residuals).max(axis=0, initial=0.0), decay, window)
 
     def centre(self) -> np.ndarray:
-        """Return the n responses at T instants (n, T), in their units, that the polynomials give at
-        the centre of the box."""
+        """Return the n responses at T instants (n, T), in their units, at the centre of the box."""
         return self.surrogate.evaluate(np.zeros((1, self.samples.points.shape[1])))[0]
 
 
@@ -102,8 +101,7 @@ class ScanModel(Model):
     the first half of the runs to all of them is their error: an estimate of what is still missing,
     no limit. How much they grew with the last quarter alone is in the dataset too, and which share
     of the box can be expected to leave the bounds at one instant (`estimates.share_outside`).
-    Samples are read in chunks of runs, unless the dataset has the least and largest values of each
-    quarter."""
+    Samples are read in chunks of runs, unless the dataset has the extremes of each quarter."""
 
     kind = "least and largest sample"
 

@@ -111,8 +111,8 @@ def assemble(scene, hold: Sequence[str] = ()) -> None:
 
 class _RestSearch:
     """Search of poses in stable balance of a scene's particles, the joints closed. start: where it
-    begins; conditions, elastic: of the scene; hold: names of hinges that keep their openings;
-    open_before: name, gap (m) and tilt (rad) of the joint that is open most there."""
+    begins; hold: hinges that keep openings; open_before: name, gap (m), tilt (rad) of the joint
+    open most."""
 
     def __init__(
         self,

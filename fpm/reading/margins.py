@@ -54,8 +54,7 @@ class OpeningPath(NamedTuple):
     """Path along which openings (joint coordinates) are moved quasi-statically (a travel).
     openings: names of the hinges or slides moved together, the others as far from their start as
     the first; first, last: begin and end of the first (rad, of slides m; None: where it is at the
-    start of each run); locked: names of hinges that are held all along at their opening at the
-    start."""
+    start of each run); locked: names of hinges held at their opening at the start."""
 
     openings: tuple[str, ...]
     first: float | None

@@ -98,9 +98,8 @@ CLASS = {"class": ChoiceKey(None, "in margins; left out: by what it is", options
 
 
 def key_of(kind: type[ElementType], name: str, default_text: str = "", **changes: Any) -> Key:
-    """Return the Key of a structure file for a field of an element type. kind: the type; name: of
-    the field; default_text: what leaving the key out means, for fields without default; changes:
-    other attributes of the Key."""
+    """Return the Key of a structure file for a field, `name`, of an element type, `kind`.
+    default_text: what leaving it out means, without default; changes: attributes of it."""
     field = specs(kind)[name]
     default = {f.name: f.default for f in fields(kind)}[name]
     default = NO_VALUE if default is MISSING else default

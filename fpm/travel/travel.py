@@ -91,8 +91,7 @@ def sweep(
 
 class _Sweep:
     """Measures of a scene on a path from an opening `first` to `last`, to which it moves in steps
-    of `spacing`. names: of the components, the bearings last; works: how many; largest: sum of the
-    sizes of their works at any position, to which errors relate."""
+    of `spacing`. names: of components, bearings last; works: how many; largest: work."""
 
     def __init__(self, scene, path: Path, first: float, last: float, spacing: float):
         self._scene, self._path, self._first, self._travel = scene, path, first, last - first

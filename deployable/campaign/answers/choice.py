@@ -130,10 +130,8 @@ def widen_intervals(experiment: Experiment, choose: Choose) -> Experiment:
 def design_points(experiment: Experiment, choose: Choose) -> np.ndarray:
     """Make the points (N, k), -1 to 1 in the box, of the runs that surrogates over all choices are
     fitted to: a sparse grid and four validation runs. experiment: with intervals of
-    `widen_intervals`; choose:
-    section of the config, whose `order` the grid has along chosen
-    parameters; along others it has
-    that of the experiment's design, at least 2."""
+    `widen_intervals`; choose: section of the config, whose `order` the grid has along chosen
+    parameters; along others it has that of the experiment's design, at least 2."""
     from deployable.intervals import held_out_points, make_design
 
     order, box = experiment.design.order, experiment.box

@@ -186,8 +186,7 @@ def estimate_fraction_errors(
 
 def _curve_errors(model: ModelEvaluator, bounds: Any, components: tuple) -> dict[str, np.ndarray]:
     """Errors (n, T) by component: what a finer step or mesh changes at points near which the bounds
-    are attained, which are those of planned runs where there are some nearby. At which order that
-    falls is taken at the point at which it is most."""
+    are attained; its order is taken where it is largest."""
     from deployable import intervals
 
     box = model.experiment.box

@@ -68,8 +68,8 @@ def _of_the_runs(folder: Folder) -> np.ndarray | None:
 
 def _met(model: ModelEvaluator, result: LimitAssessment, indices: list[int]) -> dict:
     """Whether all, some or none of the box keeps chosen limits, which share, and what is open. Runs
-    decide where they differ from the surrogates by no more than the error: one that fails, or keeps
-    them, is enough. That no run keeps one proves nothing by itself: the share is unknown then."""
+    decide where they agree with the surrogates up to the error. That no run keeps one proves
+    nothing: the share is unknown then."""
     from deployable.intervals.scalars import share_of_box
 
     fraction, open_ = share_of_box([result.limits[i] for i in indices], model.experiment.box.free)

@@ -269,8 +269,7 @@ def _no_number(text: str) -> None:
 
 def matches(schema: Mapping, data: Any, path: str = "") -> None:
     """Raise ValueError unless plain data of a result match a JSON schema. Keywords that
-    `summary.schema.json` does not use are ignored. path: where the data stand in the whole, such as
-    `rows[2]`, for messages."""
+    `summary.schema.json` does not use are ignored. path: for messages, as `rows[2]`."""
     if "$ref" in schema:
         matches(_schema()["$defs"][schema["$ref"].rpartition("/")[2]], data, path)
     kinds = schema.get("type", "object" if "required" in schema else [])

@@ -277,8 +277,7 @@ def _response(bounds: Any, i: int, name: str, published: float | None) -> dict[s
 def along_of(data: Any, i: int) -> dict[str, Any] | None:
     """Describe the horizontal axis of response `i` (index) where it is not time, such as a hinge's
     opening angle; None where it is time. data: an open `bounds.nc` or `sensitivities.nc`. Keys:
-    `words`, `unit`, `first` and `last` value, and `duration` (s) of the time axis, onto which first
-    to last is mapped linearly."""
+    `words`, `unit`, `first` and `last` value, and `duration` (s), onto which they are mapped."""
     variable = data.variables.get("response_along")
     abscissa = json.loads(str(np.asarray(variable[i]))) if variable is not None else None
     return abscissa and abscissa | {"duration": float(data["time"][-1])}
@@ -286,8 +285,7 @@ def along_of(data: Any, i: int) -> dict[str, Any] | None:
 
 def grade(error: float | None, width: float) -> str:
     """Return a word for an error relative to `width`, the difference of the bounds in its unit:
-    `small` below 5 %, `large` from 25 %, `noticeable` between, `unknown` if error is None or width
-    0."""
+    `small` below 5 %, `large` from 25 %, `noticeable` between, `unknown` for None or width 0."""
     if error is None or not width > 0:
         return "unknown"
     relative = error / width

@@ -163,9 +163,8 @@ class ScanExtremes(common.Store):
         return group if chunk is None else group[np.flatnonzero(~chunk.mask)]
 
     def write(self, group: Runs, results: Iterable[common.Result]) -> None:
-        """Add results, in the order of the chunk's runs (`group`), to the stored chunk as they
-        come; its file is written at most every two seconds, and at the end. Raises ValueError if a
-        response is not finite."""
+        """Add results, in the order of the chunk's runs (`group`), to the stored chunk, written
+        at most every two seconds and at the end. ValueError if a response is not finite."""
         chunk = self.read(group) or ScanChunk(len(group), self.responses, self.quantities)
         rows = {values: row for row, values in enumerate(map(tuple, group.values.tolist()))}
         results, write_time = iter(results), time.monotonic()

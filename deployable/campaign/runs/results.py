@@ -160,8 +160,8 @@ def numbers_of(quantities: Sequence[Any], curves: Any) -> np.ndarray:
 
 def pad_events(events: Sequence[np.ndarray], least: int = 0) -> np.ndarray:
     """Stack the event tables (e, 3) of r runs into one array (r, most, 3), filled up with NaN;
-    most: largest number of events of a run, or `least` if that is more. Columns: time (s), index of
-    the contact, 1 if it closes."""
+    most: largest number of events of a run, or `least`. Columns: time (s), contact, 1 if
+    closing."""
     most = max(least, *map(len, events))
     tables = np.full((len(events), most, len(EVENT_VARIABLES)), np.nan)
     for row, table in zip(tables, events, strict=True):

@@ -208,9 +208,8 @@ def _polynomials(points: np.ndarray, values: np.ndarray) -> list[Fit]:
 
 def _sparse(points: np.ndarray, values: np.ndarray) -> Fit | None:
     """A sum of quadratic polynomials of one parameter each, with the products of two parameters and
-    the higher degrees that the residuals ask for (`_pursue`). Their number is the one that
-    predicts folds of runs best, which are left out of the choice, too, each run together with that
-    at the opposite point, which has the same products."""
+    the higher degrees that the residuals ask for (`_pursue`). Their number predicts folds of runs
+    best, each run left out with that at the opposite point, of the same products."""
     axes = np.eye(points.shape[1], dtype=int)[np.ptp(points, axis=0) > 0]
     first, second = np.triu_indices(len(axes), 1)
     groups = [0 * axes[:1], axes, 2 * axes, axes[first] + axes[second], 3 * axes, 4 * axes]
@@ -241,8 +240,8 @@ def _pursue(
     columns: np.ndarray, values: np.ndarray, count: int, is_fitted: np.ndarray
 ) -> tuple[np.ndarray, list[int]]:
     """Residuals (_MOST_TERMS + 1, N) of values (N) fitted by the first `count` of the `columns` (N,
-    M) and 0, 1, 2, ... others, and which others, each the one that lowers the residuals most, by
-    orthogonal matching pursuit (Pati et al. 1993). is_fitted (N): runs that are fitted."""
+    M) and 0, 1, 2, ... others, and which, by orthogonal matching pursuit (Pati et al. 1993).
+    is_fitted (N): runs that are fitted."""
     root = np.linalg.qr(columns[is_fitted, :count], mode="r")
     basis = np.linalg.lstsq(root.T, columns[:, :count].T, rcond=1e-9)[0].T
     rest = values - basis @ (basis[is_fitted].T @ values[is_fitted])

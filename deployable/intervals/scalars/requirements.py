@@ -207,8 +207,8 @@ ENDS = ("upper", "lower", "width")
 @dataclass(frozen=True)
 class Goal:
     """An objective of a choice of parameters: the bound ("upper", "lower") or the "width" (`kind`)
-    of a quantity's range over the box that the choice leaves, by its surrogate. sign: 1 to minimise
-    it, -1 to maximise it."""
+    of a quantity's range over the box that the choice leaves, by its surrogate. sign: 1: minimise,
+    -1: maximise."""
 
     surrogate: ScalarSurrogate
     kind: str

@@ -87,8 +87,7 @@ def measure_path(part, state, c):
 @kernel
 def find_unstrained_length(part, world, timing, c):
     """Return the unstrained length (m, lanes) of cable c (index) at timing.time, less what its
-    winch has taken in. part: Cables or RubbingCables; world (World): has the curves; timing:
-    StepTime (s)."""
+    winch has taken in. part: Cables or RubbingCables; world: with curves."""
     rest = load(part.cables, c, REST)
     if part.curve[c] >= 0:
         rest = rest - curve_value(world, part.curve[c], timing.time) * load(part.cables, c, REEL)

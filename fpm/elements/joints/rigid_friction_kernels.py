@@ -57,8 +57,7 @@ class RigidFrictions(NamedTuple):
 def forces(part, world, timing):
     """Add the friction moment (N m) of each element that slips to the particles of its hinge. part:
     arrays of all rigid frictions (RigidFrictions); world (World): solver state, changed; timing:
-    StepTime (s). The time of an impact, part.turns.impact, is then counted from this step's
-    start."""
+    StepTime (s). The time of an impact, part.turns.impact, then counts from its start."""
     impact = load(part.turns.impact, 0, 0)
     store(part.turns.impact, 0, 0, where_negative(-1.0 * impact, impact - 1.0, 0.0))
     for i in range(part.hinge.shape[0]):

@@ -111,10 +111,9 @@ def register_work_hooks(arrays, first, sign):
 
     @hook(arrays)
     def work_due(part, world, energies, row):
-        """Add the work (J) that `end_work` counted after the instant was recorded but is due
-        before it, to recorded energies. part: arrays; world: not used; energies
-        (instants, columns, lanes): changed in row `row` (the instant's) and column ACCOUNTS +
-        part.account."""
+        """Add the work (J) that `end_work` counted after the instant was recorded but is due before
+        it, to recorded energies. part: arrays; world: not used; energies (instants, columns,
+        lanes): changed in row `row` (the instant's) and column ACCOUNTS + part.account."""
         for i in range(part.hinge.shape[0]):
             account = ACCOUNTS + part.account
             total = load(energies, row, account) + load(part.state, i, first + WORK_DUE)
@@ -137,8 +136,7 @@ def end_work_of(part, world, i, moment, first, sign):
     """Add half of the work (J) of the `moment` (N m; on a slide a force, N; lanes) of element i
     over the step that ends now to account part.account of World, and store moment and work in
     part.state. The other half follows in the next step (`work_before`). part: arrays of elements;
-    world: World; first: index of HOLD_MOMENT in part.state; sign: 1 for work given, -1 for
-    losses."""
+    first: index of HOLD_MOMENT in part.state; sign: 1: work given, -1: loss."""
     work = sign * work_on(part.openings, part.hinge[i], moment)
     add_to_account(world, part.account, work)
     store(part.state, i, first + HOLD_MOMENT, moment)

@@ -58,8 +58,7 @@ def bend_at(points, start, i, most, psi):
     """Return the bristle deflection (rad, lanes) at which friction element i slips at joint
     coordinate psi (rad, lanes), linear between the points of its table. points (p, 2, lanes):
     coordinate (rad) and change of slope there, of all tables; start: index of each element's first
-    point; both None: no tables; most: deflection (rad, lanes) below the table's first coordinate,
-    or without one."""
+    point; both None: no tables; most: deflection (rad, lanes) below the table's first point."""
     if points is not None:
         for j in range(start[i], start[i + 1]):
             ramp = psi - load(points, j, ANGLE)

@@ -260,11 +260,10 @@ def relative_turn(scene, hinges, stiffness) -> Deformations:
 
 def _strains(scene, hinge) -> list[tuple[np.ndarray, float]]:
     """Derivatives (12,) of an opening by the motions of both particles, the turns in their own
-    axes, with factors on the stiffness. The particles of a slide turn together: what their turn
-    does may be taken as that of either, or of both in any shares: those that bound the frequency
-    best. In the second particle the axis of a universal joint's angle lies in a plane, anywhere in
-    the course of a motion; so does a spring's stiffest direction. By Cauchy and Schwarz springs
-    from both sides to the ground, on the second about all axes of the plane, bound it then."""
+    axes, with factors on the stiffness. The particles of a slide turn together: their turn may be
+    taken as that of either or both, as bounds the frequency best. In the second particle the axis
+    of a universal joint's angle lies anywhere in a plane; so does a spring's stiffest direction.
+    Springs from both sides to the ground, on the second about all its axes, bound it (Cauchy)."""
     axis1, axis2 = hinge.axes
     zero = np.zeros(3)
     if hinge.type == "revolute":

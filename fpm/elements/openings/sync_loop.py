@@ -97,8 +97,7 @@ class SyncLoop(ConnectorElement):
     @classmethod
     def array(cls, name, batch):
         """Return the array for a field `name` of the kernels' tuple Loops: "hinge": (loops, 2),
-        indices of both hinges of each loop; else as ConnectorElement.array. batch: scenes side by
-        side."""
+        indices of both hinges of each loop; else as ConnectorElement.array. batch: the scenes."""
         if name == "hinge":
             return batch.integers((loop.hinges for loop in cls.find(batch.scene)), 2)
         return super().array(name, batch)

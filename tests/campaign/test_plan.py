@@ -97,7 +97,7 @@ def test_responses_kept_alone_are_named_after_the_code_that_reads_them(
 
     before = {keep: path(keep) for keep in ("responses", "trajectories")}
     assert path("responses") == before["responses"]
-    monkeypatch.setattr(sources, "reading", lambda: "another")
+    monkeypatch.setattr(sources, "digest_reading", lambda: "another")
     assert path("responses") != before["responses"]
     assert path("trajectories") == before["trajectories"]
 
